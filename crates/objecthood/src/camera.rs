@@ -1,0 +1,76 @@
+//! The pinhole camera.
+
+use glamx::Vec3;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+
+/// Intrinsics of a pinhole camera without distortion, in pixels.
+///
+/// Camera frame: x right, y down, z forward along the optical axis, in metres (REP 103, optical frame).
+/// A point (x, y, z) is seen at u = fx·x/z + cx, v = fy·y/z + cy.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Camera {
+    /// Focal length along the columns (px).
+    pub fx_px: f64,
+    /// Focal length along the rows (px).
+    pub fy_px: f64,
+    /// Column of the principal point (px).
+    pub cx_px: f64,
+    /// Row of the principal point (px).
+    pub cy_px: f64,
+}
+
+impl Camera {
+    /// A camera with these intrinsics.
+    ///
+    /// # Errors
+    /// [`Error::BadCamera`] when a value is not finite or a focal length is not positive.
+    pub fn new(fx_px: f64, fy_px: f64, cx_px: f64, cy_px: f64) -> Result<Self> {
+        let camera = Self { fx_px, fy_px, cx_px, cy_px };
+        let finite = [fx_px, fy_px, cx_px, cy_px].iter().all(|x| x.is_finite());
+        if finite && fx_px > 0.0 && fy_px > 0.0 { Ok(camera) } else { Err(Error::BadCamera { camera }) }
+    }
+
+    /// The ray through pixel (u, v), scaled so that its z is 1.
+    #[inline]
+    pub fn ray(&self, u: f64, v: f64) -> [f64; 3] {
+        [(u - self.cx_px) / self.fx_px, (v - self.cy_px) / self.fy_px, 1.0]
+    }
+
+    /// The point (m) seen at pixel (u, v) at depth `z_m`.
+    #[inline]
+    pub fn back_project(&self, u: usize, v: usize, z_m: f32) -> [f32; 3] {
+        let [x, y, _] = self.ray(u as f64, v as f64);
+        let z = f64::from(z_m);
+        [(x * z) as f32, (y * z) as f32, z_m]
+    }
+
+    /// Where point `p` (m) is seen (px): (u, v). Not finite for a point in the plane of the camera.
+    #[inline]
+    pub fn project(&self, p: [f32; 3]) -> (f64, f64) {
+        let p = Vec3::from(p).as_dvec3();
+        (self.fx_px * p.x / p.z + self.cx_px, self.fy_px * p.y / p.z + self.cy_px)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn projection_undoes_back_projection() {
+        let camera = Camera::new(525.0, 520.0, 319.5, 239.5).unwrap();
+        for (u, v, z) in [(0, 0, 0.5), (639, 479, 2.0), (320, 100, 1.0)] {
+            let (pu, pv) = camera.project(camera.back_project(u, v, z));
+            assert!((pu - u as f64).abs() < 1e-4 && (pv - v as f64).abs() < 1e-4, "{pu} {pv}");
+        }
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        assert!(Camera::new(0.0, 1.0, 0.0, 0.0).is_err());
+        assert!(Camera::new(1.0, f64::NAN, 0.0, 0.0).is_err());
+        assert!(Camera::new(1.0, -1.0, 0.0, 0.0).is_err());
+    }
+}

@@ -1,0 +1,63 @@
+//! What can be wrong with what the caller gave. Bad pixels are data, not errors.
+
+use crate::camera::Camera;
+
+/// Result with this crate's [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why a frame cannot be looked at; each message says what to do.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A raster whose size is zero, too large, or not that of its data.
+    #[error(
+        "an image of {width} x {height} pixels with {values} values: give one value a pixel, at least one pixel and at most 2^28"
+    )]
+    BadSize {
+        /// Columns claimed.
+        width: usize,
+        /// Rows claimed.
+        height: usize,
+        /// Values given.
+        values: usize,
+    },
+    /// Colour and depth of different size.
+    #[error(
+        "colour is {}x{} but depth is {}x{} pixels: give the colour registered to the depth",
+        color.0, color.1, depth.0, depth.1
+    )]
+    SizeMismatch {
+        /// Columns and rows of the colour image.
+        color: (usize, usize),
+        /// Columns and rows of the depth image.
+        depth: (usize, usize),
+    },
+    /// Not one pixel with depth.
+    #[error("no pixel has a valid depth (finite and above 0 m): check the file and its depth unit")]
+    NoValidDepth,
+    /// Intrinsics that are not those of a camera.
+    #[error(
+        "fx {} fy {} cx {} cy {} is not a camera: give finite numbers in pixels and positive focal lengths",
+        camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px
+    )]
+    BadCamera {
+        /// What was given.
+        camera: Camera,
+    },
+    /// A parameter outside its range.
+    #[error("{parameter} = {value} is outside its range {range}: see `objecthood params`")]
+    BadParameter {
+        /// `stage.name` of the parameter.
+        parameter: String,
+        /// What was given.
+        value: String,
+        /// What is allowed.
+        range: String,
+    },
+    /// More objects than a 16-bit label image can number.
+    #[error("{found} objects were found but a label image numbers at most 65535: raise size.min_pixels_px")]
+    TooManyObjects {
+        /// Objects found.
+        found: usize,
+    },
+}

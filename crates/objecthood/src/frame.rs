@@ -1,0 +1,111 @@
+//! What a depth camera sees at one moment. The conventions of units and missing values stand here, once.
+
+use rayon::prelude::*;
+
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use crate::raster::Raster;
+
+/// One registered RGB-D image.
+///
+/// * depth: metres along the optical axis (z, not range); `NaN` where there is none. Whatever is not finite
+///   or not positive on input counts as missing and is stored as `NaN`.
+/// * colour: sRGB, 8 bits a channel, registered to the depth pixel by pixel; may be absent altogether.
+/// * points are not stored: they follow from depth and camera ([`Frame::points_m`]).
+#[derive(Clone, Debug)]
+pub struct Frame {
+    depth_m: Raster<f32>,
+    color: Option<Raster<[u8; 3]>>,
+    camera: Camera,
+}
+
+impl Frame {
+    /// Joins depth (m), colour and camera to a frame.
+    ///
+    /// # Errors
+    /// [`Error::SizeMismatch`] when colour and depth differ in size, [`Error::NoValidDepth`] when no pixel has depth.
+    pub fn new(mut depth_m: Raster<f32>, color: Option<Raster<[u8; 3]>>, camera: Camera) -> Result<Self> {
+        if let Some(color) = &color
+            && color.size() != depth_m.size()
+        {
+            return Err(Error::SizeMismatch { color: color.size(), depth: depth_m.size() });
+        }
+        let mut any = false;
+        for z in depth_m.as_mut_slice() {
+            if z.is_finite() && *z > 0.0 {
+                any = true;
+            } else {
+                *z = f32::NAN;
+            }
+        }
+        if any { Ok(Self { depth_m, color, camera }) } else { Err(Error::NoValidDepth) }
+    }
+
+    /// Depth in metres, `NaN` = none.
+    pub fn depth_m(&self) -> &Raster<f32> {
+        &self.depth_m
+    }
+
+    /// Colour, if the frame has any.
+    pub fn color(&self) -> Option<&Raster<[u8; 3]>> {
+        self.color.as_ref()
+    }
+
+    /// The camera that saw it.
+    pub fn camera(&self) -> Camera {
+        self.camera
+    }
+
+    /// Number of columns and rows.
+    pub fn size(&self) -> (usize, usize) {
+        self.depth_m.size()
+    }
+
+    /// Whether the pixel with index `i` has depth.
+    #[inline]
+    pub fn is_valid(&self, i: usize) -> bool {
+        !self.depth_m[i].is_nan()
+    }
+
+    /// The point of every pixel in the camera frame (m); all `NaN` where there is no depth.
+    pub fn points_m(&self) -> Raster<[f32; 3]> {
+        let (width, height) = self.size();
+        let mut points = vec![[f32::NAN; 3]; width * height];
+        points.par_chunks_mut(width).zip(self.depth_m.as_slice().par_chunks(width)).enumerate().for_each(
+            |(v, (points, depths))| {
+                for (u, (p, &z)) in points.iter_mut().zip(depths).enumerate() {
+                    if !z.is_nan() {
+                        *p = self.camera.back_project(u, v, z);
+                    }
+                }
+            },
+        );
+        self.depth_m.with_data(points)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera() -> Camera {
+        Camera::new(1.0, 1.0, 0.0, 0.0).unwrap()
+    }
+
+    #[test]
+    fn every_kind_of_missing_depth_becomes_nan() {
+        let depth = Raster::from_vec(5, 1, vec![1.0, 0.0, -1.0, f32::INFINITY, f32::NAN]).unwrap();
+        let frame = Frame::new(depth, None, camera()).unwrap();
+        assert_eq!((0..5).filter(|&i| frame.is_valid(i)).collect::<Vec<_>>(), [0]);
+        assert!(frame.points_m()[1][0].is_nan());
+    }
+
+    #[test]
+    fn a_frame_without_depth_or_with_other_colour_is_refused() {
+        let nan = Raster::filled(2, 2, f32::NAN).unwrap();
+        assert!(matches!(Frame::new(nan, None, camera()), Err(Error::NoValidDepth)));
+        let depth = Raster::filled(2, 2, 1.0).unwrap();
+        let color = Raster::filled(2, 3, [0; 3]).unwrap();
+        assert!(matches!(Frame::new(depth, Some(color), camera()), Err(Error::SizeMismatch { .. })));
+    }
+}

@@ -1,0 +1,83 @@
+//! Unsupervised object discovery from one RGB-D image: what in it can be grasped and moved.
+//!
+//! No training, no known classes. The method is that of "Unsupervised Object Exploration Using Context" (RO-MAN 2014):
+//! a frame is over-segmented on colour, depth and curvature; superpixels are grouped to facets, facets across convex
+//! edges to shapes, and a shape is an object when it has a graspable size and something carries it.
+//!
+//! ```
+//! use objecthood::{Camera, Frame, Params, Raster, discover};
+//!
+//! let depth_m = Raster::filled(64, 48, 1.2)?; // a wall; NaN where there is no depth
+//! let camera = Camera::new(52.5, 52.5, 31.5, 23.5)?;
+//! let frame = Frame::new(depth_m, None, camera)?;
+//! let found = discover(&frame, &Params::default())?;
+//! assert!(found.objects.is_empty());
+//! # Ok::<(), objecthood::Error>(())
+//! ```
+//!
+//! [`discover`] is the one call most users need. Everything it does is a public function that can be called alone;
+//! the order in which they are called is the file `method.rs`, one screen a method:
+//!
+//! | room | what happens | paper |
+//! |---|---|---|
+//! | [`frame`], [`camera`], [`raster`] | what comes in: units, missing depth, the camera frame | |
+//! | [`surface`] | normals and curvature of single pixels | III-A, eq. 2 |
+//! | [`oversegment`] | superpixels | III-A, eq. 1 |
+//! | [`facets`] | faces of convex shapes | III-B, eq. 3 |
+//! | [`shapes`] | convex shapes | III-C, eq. 4 and 5 |
+//! | [`objectness`] | size, gravity, support; the objects | III-D, eq. 6 to 8 |
+//! | [`regions`] | label maps and region graphs, which the stages hand to each other | |
+//! | [`params`] | every parameter with unit, default and source | |
+//! | [`observe`] | the hook through which intermediate results are seen | |
+//!
+//! The crate is pure: no files, no clock, no printing. The same frame gives the same labels on any number of
+//! threads; functions that use more than one run on the current rayon pool.
+
+pub mod camera;
+pub mod color;
+pub mod discovery;
+pub mod error;
+pub mod facets;
+pub mod frame;
+mod method;
+pub mod objectness;
+pub mod observe;
+pub mod oversegment;
+pub mod params;
+mod random;
+pub mod raster;
+pub mod regions;
+pub mod shapes;
+pub mod surface;
+mod union_find;
+
+pub use camera::Camera;
+pub use discovery::{Discovery, Notice, Object, ObjectId, ObjectnessParts, OrientedBox, PixelBox};
+pub use error::{Error, Result};
+pub use frame::Frame;
+pub use observe::{Observer, Stage};
+pub use params::{Method, ParameterInfo, Params};
+pub use raster::Raster;
+pub use regions::{RegionEdge, RegionGraph, SegmentId, Segments};
+
+/// Looks at a frame and says what in it can be grasped and moved.
+///
+/// Lengths are metres in the camera frame, see [`Frame`]; the labels have the size of the frame. A frame in which
+/// nothing is found is no error: the discovery is empty. For a frame of n pixels O(n log n) time and O(n) memory.
+///
+/// # Errors
+/// [`Error::BadParameter`] when a parameter is outside its range, [`Error::TooManyObjects`] beyond 65535 objects.
+pub fn discover(frame: &Frame, params: &Params) -> Result<Discovery> {
+    discover_observed(frame, params, &mut ())
+}
+
+/// As [`discover`], and shows every intermediate result to `observer`.
+///
+/// # Errors
+/// As [`discover`].
+pub fn discover_observed(frame: &Frame, params: &Params, observer: &mut dyn Observer) -> Result<Discovery> {
+    params.validate()?;
+    match params.method {
+        Method::Paper => method::paper(frame, params, observer),
+    }
+}

@@ -1,0 +1,170 @@
+//! Gravity: the direction up, from the dominant plane or from the camera (METHOD 2.6).
+
+use glamx::{DMat3, DSymmetricEigen3, DVec3, Vec3};
+use serde::Serialize;
+
+use crate::params::{self, UpFrom};
+use crate::random::Lcg;
+use crate::raster::Raster;
+
+/// The direction against gravity and where it was taken from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Up {
+    /// Unit vector in the camera frame.
+    pub direction: [f32; 3],
+    /// Where it was taken from.
+    pub source: UpSource,
+}
+
+/// Where the direction up was taken from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum UpSource {
+    /// The normal of the dominant plane.
+    Plane,
+    /// The camera's own vertical: asked for, or there is no plane.
+    Camera,
+}
+
+/// A large plane of the scene: normal · X + offset = 0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StructurePlane {
+    /// Unit normal in the camera frame, towards the side of the camera.
+    pub normal: [f32; 3],
+    /// Distance of the camera from the plane (m).
+    pub offset_m: f32,
+    /// Share of the frame's valid points that lie on it, in [0, 1].
+    pub inlier_share: f32,
+}
+
+/// How often the best plane is fitted again to all its points.
+const REFITS: usize = 3;
+
+/// The plane that holds most points, if it holds a share of at least `min_inlier_share`.
+///
+/// RANSAC (Fischler and Bolles 1981): `trials` planes through three random points of an even sample of `samples`
+/// points; the one with most of the sample within `inlier_distance_m` is fitted to all its points by total least
+/// squares, three times. The random numbers are fixed. O(trials · samples + points).
+pub fn dominant_plane(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> Option<StructurePlane> {
+    let points: Vec<DVec3> =
+        points_m.as_slice().iter().filter(|p| !p[2].is_nan()).map(|&p| Vec3::from(p).as_dvec3()).collect();
+    let sampled = params.samples.min(points.len());
+    let sample: Vec<DVec3> = (0..sampled).map(|k| points[k * points.len() / sampled]).collect();
+    let near = |plane: &Plane, p: &&DVec3| plane.distance_m(**p) < params.inlier_distance_m;
+
+    let mut random = Lcg::new(12345);
+    let mut best: Option<(usize, Plane)> = None;
+    for _ in 0..params.trials {
+        let corners: [DVec3; 3] = std::array::from_fn(|_| sample[random.below(sample.len())]);
+        let Some(plane) = Plane::through(corners) else { continue };
+        let inliers = sample.iter().filter(|p| near(&plane, p)).count();
+        if best.as_ref().is_none_or(|(most, _)| inliers > *most) {
+            best = Some((inliers, plane));
+        }
+    }
+    let (_, mut plane) = best?;
+    for _ in 0..REFITS {
+        plane = Plane::fitted(points.iter().filter(|p| near(&plane, p)))?;
+    }
+    let share = points.iter().filter(|p| near(&plane, p)).count() as f64 / points.len() as f64;
+    (share >= params.min_inlier_share).then(|| StructurePlane {
+        normal: plane.normal.as_vec3().to_array(),
+        offset_m: plane.offset_m as f32,
+        inlier_share: share as f32,
+    })
+}
+
+/// The direction up: the normal of `plane`, or the camera's -y when there is none or `up_from` says so.
+///
+/// *Differs from the paper:* it holds the camera horizontally (`up_from = camera`).
+pub fn up(plane: Option<&StructurePlane>, params: &params::Gravity) -> Up {
+    match (params.up_from, plane) {
+        (UpFrom::Plane, Some(plane)) => Up { direction: plane.normal, source: UpSource::Plane },
+        _ => Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera },
+    }
+}
+
+/// normal · X + offset = 0 with offset >= 0: the camera is on the side the normal points to.
+struct Plane {
+    normal: DVec3,
+    offset_m: f64,
+}
+
+impl Plane {
+    fn new(normal: DVec3, point: DVec3) -> Self {
+        let offset_m = -normal.dot(point);
+        if offset_m < 0.0 { Self { normal: -normal, offset_m: -offset_m } } else { Self { normal, offset_m } }
+    }
+
+    fn through([a, b, c]: [DVec3; 3]) -> Option<Self> {
+        (b - a).cross(c - a).try_normalize().map(|normal| Self::new(normal, a))
+    }
+
+    /// Total least squares: the direction in which the points vary least.
+    fn fitted<'a>(points: impl Iterator<Item = &'a DVec3>) -> Option<Self> {
+        let (mut n, mut sum, mut products) = (0.0, DVec3::ZERO, DMat3::ZERO);
+        for &p in points {
+            n += 1.0;
+            sum += p;
+            products += DMat3::from_cols(p * p.x, p * p.y, p * p.z);
+        }
+        if n < 3.0 {
+            return None;
+        }
+        let mean = sum / n;
+        let covariance = products / n - DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);
+        let eigen = DSymmetricEigen3::new(covariance);
+        let least =
+            eigen.eigenvalues.to_array().into_iter().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?.0;
+        eigen.eigenvectors.col(least).try_normalize().map(|normal| Self::new(normal, mean))
+    }
+
+    fn distance_m(&self, p: DVec3) -> f64 {
+        (self.normal.dot(p) + self.offset_m).abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `on` points of the plane n · X = -1, and `off` points strewn around it.
+    fn cloud(n: DVec3, on: usize, off: usize) -> Raster<[f32; 3]> {
+        let mut random = Lcg::new(7);
+        let mut draw = || random.below(2001) as f64 / 1000.0 - 1.0;
+        let (s, t) = n.any_orthonormal_pair();
+        let mut points: Vec<[f32; 3]> =
+            (0..on).map(|_| (s * draw() + t * draw() - n).as_vec3().to_array()).collect();
+        points.extend((0..off).map(|_| [draw() as f32, draw() as f32, draw() as f32 + 2.0]));
+        Raster::from_vec(points.len(), 1, points).unwrap()
+    }
+
+    #[test]
+    fn the_plane_is_found_among_as_many_other_points() {
+        let n = DVec3::new(0.1, -0.8, -0.6).normalize();
+        let plane = dominant_plane(&cloud(n, 5000, 5000), &params::Gravity::default()).unwrap();
+        assert!(Vec3::from(plane.normal).as_dvec3().dot(n) > 0.9999, "{plane:?}");
+        assert!(
+            (plane.offset_m - 1.0).abs() < 2e-3 && (0.5..0.53).contains(&plane.inlier_share),
+            "{plane:?}"
+        );
+    }
+
+    #[test]
+    fn without_a_plane_up_is_the_cameras() {
+        let params = params::Gravity::default();
+        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 50, 5000), &params), None);
+        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 1, 0), &params), None);
+        let line = Raster::from_vec(3, 1, vec![[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, 3.0]]).unwrap();
+        assert_eq!(dominant_plane(&line, &params), None, "points on a line are no plane");
+        assert_eq!(up(None, &params), Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera });
+    }
+
+    #[test]
+    fn the_camera_is_up_when_asked_for() {
+        let plane = StructurePlane { normal: [0.0, 0.0, -1.0], offset_m: 1.0, inlier_share: 1.0 };
+        let params = params::Gravity { up_from: UpFrom::Camera, ..Default::default() };
+        assert_eq!(up(Some(&plane), &params).source, UpSource::Camera);
+        assert_eq!(up(Some(&plane), &params::Gravity::default()).direction, plane.normal);
+    }
+}

@@ -1,0 +1,6 @@
+//! Stage 4: which shapes are objects, by size and by what supports them (paper, III-D).
+
+pub mod gravity;
+pub mod hypotheses;
+pub mod size;
+pub mod support;

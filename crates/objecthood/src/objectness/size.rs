@@ -1,0 +1,122 @@
+//! How large a shape is: an oriented box with one axis along up (METHOD 2.7).
+
+use glamx::{DMat3, DQuat, DVec3, Vec3};
+
+use crate::discovery::OrientedBox;
+
+/// The share of the points that lies beyond each face of the box: sensors have outliers.
+const OUTLIERS: f64 = 0.01;
+
+/// The box of `points_m` with its z axis along `up` and x and y along the principal axes of the
+/// horizontal coordinates; each side reaches from the 1st to the 99th percentile. All zero without points.
+///
+/// The axes form a right-handed frame; x points the way of greater extent, towards positive camera x (or y when
+/// it has none), so that the same points give the same box. O(n).
+pub fn oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
+    let up = Vec3::from(up).as_dvec3();
+    let (east, north) = up.any_orthonormal_pair();
+    let points: Vec<DVec3> = points_m.iter().map(|&p| Vec3::from(p).as_dvec3()).collect();
+
+    // The principal axis of a 2x2 covariance lies at half the angle of (cxx - cyy, 2 cxy).
+    let n = points.len().max(1) as f64;
+    let mean = points.iter().sum::<DVec3>() / n;
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for p in &points {
+        let (x, y) = ((*p - mean).dot(east), (*p - mean).dot(north));
+        xx += x * x;
+        xy += x * y;
+        yy += y * y;
+    }
+    let angle = 0.5 * libm::atan2(2.0 * xy, xx - yy);
+    let axis = east * libm::cos(angle) + north * libm::sin(angle);
+    let leading = if axis.x.abs() > 1e-9 { axis.x } else { axis.y };
+    let x = if leading < 0.0 { -axis } else { axis };
+    let axes = [x, up.cross(x), up];
+
+    let mut center = DVec3::ZERO;
+    let mut extents_m = [0.0; 3];
+    for (axis, extent) in axes.into_iter().zip(&mut extents_m) {
+        let mut along: Vec<f64> = points.iter().map(|p| p.dot(axis)).collect();
+        let low = percentile(&mut along, OUTLIERS);
+        let high = percentile(&mut along, 1.0 - OUTLIERS);
+        center += axis * ((low + high) / 2.0);
+        *extent = (high - low) as f32;
+    }
+    let rotation = DQuat::from_mat3(&DMat3::from_cols(axes[0], axes[1], axes[2]));
+    OrientedBox {
+        center_m: center.as_vec3().to_array(),
+        rotation_xyzw: rotation.as_quat().to_array(),
+        extents_m,
+    }
+}
+
+/// The longest side of the box (m).
+pub fn longest_side_m(box_m: &OrientedBox) -> f32 {
+    box_m.extents_m.into_iter().fold(0.0, f32::max)
+}
+
+/// The value below which a share of `values` lies, between two values by linear interpolation; reorders them.
+/// 0 without values. O(n).
+fn percentile(values: &mut [f64], share: f64) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let place = share * (values.len() - 1) as f64;
+    let (_, &mut low, above) = values.select_nth_unstable_by(place as usize, f64::total_cmp);
+    let high = above.iter().copied().min_by(f64::total_cmp).unwrap_or(low);
+    low + (high - low) * place.fract()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// A box filled evenly, turned about up: its middle, its sides and its axes are found again.
+        #[test]
+        fn a_filled_box_is_found_again(
+            angle in 0.0_f64..3.0, tilt in -0.7_f64..0.7,
+            center in prop::array::uniform3(-1.0_f64..1.0),
+        ) {
+            let sides = [0.3, 0.1, 0.2];
+            let rotation = DQuat::from_rotation_x(tilt) * DQuat::from_rotation_z(angle);
+            let mut points = Vec::new();
+            for i in 0..=20 {
+                for j in 0..=20 {
+                    for k in 0..=20 {
+                        let share = DVec3::new(f64::from(i), f64::from(j), f64::from(k)) / 20.0 - 0.5;
+                        let p = rotation * (share * DVec3::from(sides)) + DVec3::from(center);
+                        points.push(p.as_vec3().to_array());
+                    }
+                }
+            }
+            let up = rotation * DVec3::Z;
+            let found = oriented_box(&points, up.as_vec3().to_array());
+            for (got, side) in found.extents_m.iter().zip(sides) {
+                prop_assert!((f64::from(*got) - side).abs() < 1e-4, "{:?}", found);
+            }
+            prop_assert!(Vec3::from(found.center_m).as_dvec3().distance(DVec3::from(center)) < 1e-4);
+            let axes = glamx::Quat::from_array(found.rotation_xyzw).as_dquat();
+            prop_assert!((axes * DVec3::Z).dot(up) > 0.9999);
+            prop_assert!((axes * DVec3::X).dot(rotation * DVec3::X).abs() > 0.9999);
+        }
+    }
+
+    #[test]
+    fn outliers_do_not_stretch_the_box_and_no_point_is_no_box() {
+        let mut points: Vec<[f32; 3]> = (0..1000).map(|i| [i as f32 / 1000.0, 0.0, 1.0]).collect();
+        points.push([50.0, 0.0, 1.0]);
+        let found = oriented_box(&points, [0.0, -1.0, 0.0]);
+        assert!((longest_side_m(&found) - 0.98).abs() < 0.01, "{found:?}");
+        assert_eq!(longest_side_m(&oriented_box(&[], [0.0, -1.0, 0.0])), 0.0);
+    }
+
+    #[test]
+    fn percentiles_are_interpolated() {
+        assert_eq!(percentile(&mut [4.0, 1.0, 3.0, 2.0], 0.5), 2.5);
+        assert_eq!(percentile(&mut [4.0, 1.0, 3.0, 2.0], 1.0), 4.0);
+        assert_eq!(percentile(&mut [7.0], 0.99), 7.0);
+    }
+}

@@ -1,0 +1,37 @@
+//! The one hook through which pictures, timings and tests see intermediate results.
+
+use crate::discovery::Discovery;
+use crate::objectness::support::SupportGraph;
+use crate::raster::Raster;
+use crate::regions::Segments;
+
+/// What a stage has just produced. Each is announced once a frame, in this order.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum Stage<'a> {
+    /// Unit normals towards the camera, zero where there is none.
+    Normals(&'a Raster<[f32; 3]>),
+    /// Curvature of every pixel, eq. 2.
+    Curvature(&'a Raster<f32>),
+    /// Stage 1: small regions of one colour and one surface.
+    Superpixels(&'a Segments),
+    /// Stage 2: one face each of a convex shape.
+    Facets(&'a Segments),
+    /// Stage 3: facets joined across convex edges.
+    Shapes(&'a Segments),
+    /// Stage 4, first half: which shape supports which.
+    Support(&'a SupportGraph),
+    /// Stage 4: the outcome.
+    Objects(&'a Discovery),
+}
+
+/// Sees every stage of one frame; the algorithms know nothing of it beyond one call per stage.
+pub trait Observer {
+    /// Called as soon as `stage` is done.
+    fn observe(&mut self, stage: Stage<'_>);
+}
+
+/// Sees nothing.
+impl Observer for () {
+    fn observe(&mut self, _: Stage<'_>) {}
+}

@@ -1,0 +1,334 @@
+//! Every parameter of the method, with unit, range, default and where the default comes from.
+//!
+//! One group per algorithm, named like the file that uses it. The `parameters!` macro makes struct, default,
+//! validation and the table that `objecthood params` prints from one text, so they cannot disagree.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+
+/// One line of the table of parameters.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ParameterInfo {
+    /// `group.name`, as in a configuration file and in `--set`.
+    pub name: String,
+    /// The default value.
+    pub default: String,
+    /// The values allowed.
+    pub range: String,
+    /// The unit, or "dimensionless: meaning".
+    pub unit: &'static str,
+    /// What it does.
+    pub meaning: String,
+    /// Where the default comes from.
+    pub source: &'static str,
+}
+
+/// The values a parameter may take.
+trait Allowed<T> {
+    fn allows(&self, value: &T) -> bool;
+    fn in_words(&self) -> String;
+}
+
+impl<T: PartialOrd + fmt::Display> Allowed<T> for std::ops::RangeInclusive<T> {
+    fn allows(&self, value: &T) -> bool {
+        self.contains(value)
+    }
+    fn in_words(&self) -> String {
+        format!("{} ..= {}", self.start(), self.end())
+    }
+}
+
+/// A choice between named values; its type leaves nothing to check.
+struct OneOf(&'static str);
+
+impl<T> Allowed<T> for OneOf {
+    fn allows(&self, _: &T) -> bool {
+        true
+    }
+    fn in_words(&self) -> String {
+        self.0.to_owned()
+    }
+}
+
+macro_rules! parameters {
+    ($(
+        $(#[doc = $group_doc:literal])+
+        $Group:ident $group:ident {
+            $(
+                $(#[doc = $doc:literal])+
+                $name:ident: $ty:ty = $default:expr, $allowed:expr, $unit:literal, $source:literal;
+            )+
+        }
+    )+) => {
+        $(
+            $(#[doc = $group_doc])+
+            #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+            #[serde(default, deny_unknown_fields)]
+            pub struct $Group {
+                $(
+                    $(#[doc = $doc])+
+                    #[doc = concat!("\n\nUnit: ", $unit, ". Default: `", stringify!($default), "` (", $source, ").")]
+                    pub $name: $ty,
+                )+
+            }
+
+            impl Default for $Group {
+                fn default() -> Self {
+                    Self { $($name: $default),+ }
+                }
+            }
+
+            impl $Group {
+                fn validate(&self) -> Result<()> {
+                    $(check(concat!(stringify!($group), ".", stringify!($name)), &self.$name, &$allowed)?;)+
+                    Ok(())
+                }
+
+                fn table() -> Vec<ParameterInfo> {
+                    let defaults = Self::default();
+                    vec![$(describe(
+                        concat!(stringify!($group), ".", stringify!($name)),
+                        &defaults.$name, &$allowed, $unit, &[$($doc),+], $source,
+                    )),+]
+                }
+            }
+        )+
+
+        /// All parameters, a group per algorithm. `Params::default()` is the published method.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct Params {
+            /// Which method looks at the frame.
+            pub method: Method,
+            $($(#[doc = $group_doc])+ pub $group: $Group,)+
+        }
+
+        impl Params {
+            /// Checks every value against its range.
+            ///
+            /// # Errors
+            /// [`Error::BadParameter`] names the first value outside its range.
+            pub fn validate(&self) -> Result<()> {
+                $(self.$group.validate()?;)+
+                Ok(())
+            }
+
+            /// The table of all parameters, in the order in which the method uses them.
+            pub fn table() -> Vec<ParameterInfo> {
+                let groups = [$($Group::table()),+];
+                groups.into_iter().flatten().collect()
+            }
+        }
+    };
+}
+
+fn check<T: fmt::Display>(name: &str, value: &T, allowed: &impl Allowed<T>) -> Result<()> {
+    if allowed.allows(value) {
+        return Ok(());
+    }
+    Err(Error::BadParameter {
+        parameter: name.to_owned(),
+        value: value.to_string(),
+        range: allowed.in_words(),
+    })
+}
+
+fn describe<T: fmt::Display>(
+    name: &str,
+    default: &T,
+    allowed: &impl Allowed<T>,
+    unit: &'static str,
+    meaning: &[&str],
+    source: &'static str,
+) -> ParameterInfo {
+    ParameterInfo {
+        name: name.to_owned(),
+        default: default.to_string(),
+        range: allowed.in_words(),
+        unit,
+        meaning: meaning.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" "),
+        source,
+    }
+}
+
+/// A choice between names that are the same in a file, on the command line and in the table.
+macro_rules! choice {
+    ($(#[$doc:meta])* $Name:ident { $($(#[$variant_doc:meta])* $Variant:ident = $word:literal),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+        pub enum $Name {
+            $($(#[$variant_doc])* #[serde(rename = $word)] $Variant),+
+        }
+
+        impl fmt::Display for $Name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(match self { $(Self::$Variant => $word),+ })
+            }
+        }
+    };
+}
+
+choice! {
+    /// A way of doing the four stages.
+    Method {
+        /// The published method, equation by equation.
+        #[default]
+        Paper = "paper",
+    }
+}
+
+choice! {
+    /// What the weight of an edge between two pixels is made of (the paper's comparison).
+    Channels {
+        /// Colour difference only.
+        Color = "color",
+        /// Disparity difference only.
+        Depth = "depth",
+        /// Both, as in eq. 1.
+        #[default]
+        Both = "both",
+    }
+}
+
+choice! {
+    /// Where the direction "up" comes from.
+    UpFrom {
+        /// The normal of the dominant plane.
+        #[default]
+        Plane = "plane",
+        /// The camera is held horizontally: up is against its y axis.
+        Camera = "camera",
+    }
+}
+
+parameters! {
+    /// What is known of the depth sensor.
+    Sensor sensor {
+        /// Step of inverse depth that the sensor resolves: the unit of disparity in eq. 1.
+        disparity_quantum_per_m: f64 = 0.00285, 1e-6..=1.0, "1/m",
+            "METHOD 0: Kinect v1, measured on mOSD learn (1/348 by its disparity law)";
+    }
+
+    /// Gaussian smoothing of the colour image before eq. 1.
+    Smoothing smoothing {
+        /// Standard deviation of the Gaussian; 0 = none.
+        sigma_px: f64 = 0.5, 0.0..=10.0, "px", "paper, III-A";
+    }
+
+    /// Normals from integral images.
+    Normals normals {
+        /// Side of the window over which tangents are averaged; it shrinks near depth changes.
+        window_px: f64 = 10.0, 2.0..=200.0, "px", "METHOD 2.1: experiment on mOSD learn";
+        /// Depth changes where neighbours differ by more than this times z^2.
+        depth_change_per_m: f32 = 0.02, 1e-5..=10.0, "1/m", "METHOD 2.1: experiment on mOSD learn";
+    }
+
+    /// Curvature of the surface, eq. 2.
+    Curvature curvature {
+        /// Whether high curvature bounds superpixels (the paper's comparison).
+        enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "paper, IV";
+        /// Curvature above which a pixel is a border.
+        threshold: f32 = 0.14, 0.0..=2.0, "dimensionless: 1 - mean cosine of opposite normals", "paper, III-A";
+        /// Distance of the neighbours whose normals are compared.
+        offset_px: usize = 2, 1..=50, "px", "paper, III-A (gamma)";
+        /// Divides the sum of cosines: greater = more is curved.
+        scale: f32 = 1.0, 0.1..=10.0, "dimensionless: sigma of eq. 2", "METHOD 2.2: experiment; the paper gives no formula";
+    }
+
+    /// Graph over-segmentation on colour, depth and curvature, eq. 1.
+    Graph graph {
+        /// What the edge weights are made of.
+        channels: Channels = Channels::Both, OneOf("color | depth | both"), "dimensionless: switch", "paper, IV";
+        /// Weight of colour against disparity (alpha).
+        color_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-A (alpha)";
+        /// Preference for large components: the step a component of one pixel tolerates (k).
+        size_preference_grey: f32 = 100.0, 0.0..=1e6, "grey levels", "paper, III-A (k)";
+        /// Smaller components are merged with a neighbour (n).
+        min_size_px: u32 = 100, 0..=1_000_000, "px", "paper, III-A (n)";
+    }
+
+    /// High-curvature pixels go to the region reached over the cheapest path.
+    Absorption absorption {
+        /// No path crosses a step in depth of more than this times z^2.
+        depth_gate_per_m: f32 = 0.02, 0.0..=10.0, "1/m", "METHOD 2.1: experiment on mOSD learn";
+    }
+
+    /// Superpixels grouped to facets by colour and normals, eq. 3.
+    Facets facets {
+        /// Weight of the colour histogram against the histogram of normals (omega).
+        color_weight: f64 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-B (omega)";
+        /// Internal variation of a single superpixel: the histogram distance it tolerates (c).
+        initial_variation: f64 = 0.4, 0.0..=1.0, "dimensionless: histogram distance", "METHOD 2.4: experiment on mOSD learn";
+        /// Bins per axis of the joint Lab histogram.
+        lab_bins: usize = 8, 1..=32, "bins", "METHOD 2.1: experiment on mOSD learn";
+        /// Bins of the inclination of the normals, over [0, pi].
+        inclination_bins: usize = 8, 1..=180, "bins", "METHOD 2.1: experiment on mOSD learn";
+        /// Bins of the azimuth of the normals, over [-pi, pi].
+        azimuth_bins: usize = 16, 1..=360, "bins", "METHOD 2.1: experiment on mOSD learn";
+    }
+
+    /// Which regions are close to each other in space.
+    Contact contact {
+        /// How far to look for the neighbour across pixels that belong to no region.
+        reach_px: usize = 4, 1..=100, "px", "METHOD 2.1: experiment on mOSD learn";
+        /// Points nearer than this are in contact.
+        distance_m: f32 = 0.02, 0.0..=1.0, "m", "METHOD 2.1: experiment on mOSD learn";
+    }
+
+    /// The direction "up".
+    Gravity gravity {
+        /// Where it comes from.
+        up_from: UpFrom = UpFrom::Plane, OneOf("plane | camera"), "dimensionless: switch",
+            "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (METHOD 4.4)";
+        /// Points nearer to the plane than this belong to it.
+        inlier_distance_m: f64 = 0.008, 1e-4..=1.0, "m", "METHOD 2.6: experiment on mOSD learn";
+        /// A plane that holds a smaller share of the valid points is no ground to stand on.
+        min_inlier_share: f64 = 0.1, 0.0..=1.0, "dimensionless: share of valid points", "ours, because a scene without a plane has no up to read off";
+        /// Points looked at in the search for the plane.
+        samples: usize = 6000, 3..=1_000_000, "points", "METHOD 2.6";
+        /// Planes tried.
+        trials: usize = 300, 1..=100_000, "planes", "METHOD 2.6";
+    }
+
+    /// What makes a shape an object: its size and the support it has, eq. 6 to 8.
+    Objectness objectness {
+        /// Shortest length of the longest side of an object.
+        min_side_m: f32 = 0.02, 0.0..=100.0, "m", "METHOD 2.1: experiment on mOSD learn";
+        /// Greatest length of the longest side of an object.
+        max_side_m: f32 = 0.60, 0.0..=100.0, "m", "METHOD 2.1: experiment on mOSD learn";
+        /// Pixels with depth that an object has at least.
+        min_size_px: usize = 200, 1..=100_000_000, "px", "METHOD 2.1: experiment on mOSD learn";
+        /// P(O) that an object has at least.
+        threshold: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "METHOD 2.1: experiment on mOSD learn";
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_are_valid_and_all_in_the_table() {
+        let params = Params::default();
+        params.validate().unwrap();
+        let table = Params::table();
+        assert!(table.iter().any(|p| p.name == "curvature.threshold" && p.default == "0.14"));
+        assert!(
+            table
+                .iter()
+                .all(|p| !p.unit.is_empty() && !p.source.is_empty() && p.meaning.ends_with(['.', ')']))
+        );
+        assert!(table.iter().all(|p| p.unit != "dimensionless"), "say what it means");
+    }
+
+    #[test]
+    fn a_value_outside_its_range_is_named() {
+        let mut params = Params::default();
+        params.curvature.threshold = f32::NAN;
+        let message = params.validate().unwrap_err().to_string();
+        assert!(message.contains("curvature.threshold = NaN"), "{message}");
+    }
+}

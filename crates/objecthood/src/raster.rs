@@ -1,0 +1,136 @@
+//! A rectangular grid of values, one per pixel.
+
+use crate::error::{Error, Result};
+
+/// `width * height` values in row-major order: pixel (u, v) stands at index `v * width + u`.
+///
+/// Pixel centres lie at integer coordinates; u counts columns to the right, v rows downwards.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Raster<T> {
+    width: usize,
+    height: usize,
+    data: Vec<T>,
+}
+
+impl<T> Raster<T> {
+    /// The most pixels a raster may have: 2^28, so that pixel and edge indices fit 32 bits.
+    pub const MAX_PIXELS: usize = 1 << 28;
+
+    /// Wraps `data`, which holds the rows one after the other.
+    ///
+    /// # Errors
+    /// [`Error::BadSize`] when a side is zero, the size exceeds [`Self::MAX_PIXELS`] or `data` has another length.
+    pub fn from_vec(width: usize, height: usize, data: Vec<T>) -> Result<Self> {
+        let pixels = width.checked_mul(height).filter(|&n| n > 0 && n <= Self::MAX_PIXELS);
+        if pixels != Some(data.len()) {
+            return Err(Error::BadSize { width, height, values: data.len() });
+        }
+        Ok(Self { width, height, data })
+    }
+
+    /// A raster of the size of this one that holds `data`.
+    ///
+    /// # Panics
+    /// When `data` has not one value a pixel; the stages of the method always have.
+    pub(crate) fn with_data<U>(&self, data: Vec<U>) -> Raster<U> {
+        assert_eq!(data.len(), self.data.len(), "one value a pixel");
+        Raster { width: self.width, height: self.height, data }
+    }
+
+    /// Applies `f` to every value.
+    pub fn map<U>(&self, f: impl FnMut(&T) -> U) -> Raster<U> {
+        self.with_data(self.data.iter().map(f).collect())
+    }
+
+    /// Number of columns.
+    #[inline]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Number of rows.
+    #[inline]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Number of columns and rows.
+    #[inline]
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// Number of pixels; never zero.
+    #[inline]
+    #[expect(clippy::len_without_is_empty, reason = "a raster is never empty")]
+    pub fn len(&self) -> usize {
+        self.data.len()
+    }
+
+    /// All values, row by row.
+    #[inline]
+    pub fn as_slice(&self) -> &[T] {
+        &self.data
+    }
+
+    /// All values, row by row, to change.
+    #[inline]
+    pub fn as_mut_slice(&mut self) -> &mut [T] {
+        &mut self.data
+    }
+
+    /// All values, row by row.
+    pub fn into_vec(self) -> Vec<T> {
+        self.data
+    }
+
+    /// The value at column `u` and row `v`, or `None` outside.
+    pub fn get(&self, u: usize, v: usize) -> Option<&T> {
+        if u < self.width { self.data.get(v * self.width + u) } else { None }
+    }
+}
+
+impl<T: Clone> Raster<T> {
+    /// A raster that holds `value` everywhere.
+    ///
+    /// # Errors
+    /// [`Error::BadSize`] when a side is zero or the size exceeds [`Self::MAX_PIXELS`].
+    pub fn filled(width: usize, height: usize, value: T) -> Result<Self> {
+        match width.checked_mul(height) {
+            Some(n) if n > 0 && n <= Self::MAX_PIXELS => Self::from_vec(width, height, vec![value; n]),
+            _ => Err(Error::BadSize { width, height, values: 0 }),
+        }
+    }
+}
+
+impl<T> std::ops::Index<usize> for Raster<T> {
+    type Output = T;
+
+    /// The value of the pixel with row-major index `i`.
+    #[inline]
+    fn index(&self, i: usize) -> &T {
+        &self.data[i]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_raster_has_one_value_a_pixel() {
+        assert!(Raster::from_vec(2, 3, vec![0; 6]).is_ok());
+        assert!(Raster::from_vec(2, 3, vec![0; 5]).is_err());
+        assert!(Raster::<u8>::from_vec(0, 3, vec![]).is_err());
+        assert!(Raster::<u8>::from_vec(usize::MAX, 3, vec![]).is_err());
+        assert!(Raster::filled(1 << 20, 1 << 20, 0_u8).is_err());
+    }
+
+    #[test]
+    fn get_refuses_what_lies_outside() {
+        let r = Raster::from_vec(2, 2, vec![1, 2, 3, 4]).unwrap();
+        assert_eq!(r.get(1, 0), Some(&2));
+        assert_eq!(r.get(2, 0), None);
+        assert_eq!(r.get(0, 2), None);
+    }
+}

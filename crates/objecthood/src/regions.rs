@@ -1,0 +1,156 @@
+//! Label maps and graphs over their regions: what the stages hand to each other.
+
+use serde::Serialize;
+
+use crate::raster::Raster;
+
+/// Number of a segment (superpixel, facet, shape) within its [`Segments`], counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(transparent)]
+pub struct SegmentId(pub u32);
+
+impl SegmentId {
+    /// The number as an index into per-segment lists.
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A label map: every pixel belongs to one segment or to none.
+///
+/// Segments are numbered 0..count without gaps in meaning; a segment may be empty.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Segments {
+    labels: Raster<i32>,
+    count: usize,
+}
+
+impl Segments {
+    /// Label of a pixel that belongs to no segment.
+    pub const NONE: i32 = -1;
+
+    /// Segments from any label map: negative = none, the other values are renumbered 0.. in ascending order.
+    pub fn from_labels(labels: &Raster<i32>) -> Self {
+        let mut values: Vec<i32> = labels.as_slice().iter().copied().filter(|&l| l >= 0).collect();
+        values.sort_unstable();
+        values.dedup();
+        let number = |&l: &i32| values.binary_search(&l).map_or(Self::NONE, |k| k as i32);
+        Self { labels: labels.map(number), count: values.len() }
+    }
+
+    /// Segments whose labels already are -1 or 0..count.
+    pub(crate) fn from_numbered(labels: Raster<i32>, count: usize) -> Self {
+        debug_assert!(labels.as_slice().iter().all(|&l| (-1..count as i32).contains(&l)));
+        Self { labels, count }
+    }
+
+    /// The label of every pixel; [`Self::NONE`] or 0..count.
+    #[inline]
+    pub fn labels(&self) -> &Raster<i32> {
+        &self.labels
+    }
+
+    /// Number of segments.
+    #[inline]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The segment of the pixel with index `i`.
+    #[inline]
+    pub fn at(&self, i: usize) -> Option<SegmentId> {
+        u32::try_from(self.labels[i]).ok().map(SegmentId)
+    }
+
+    /// The pixels that belong to a segment, as (pixel index, segment index), in scan order.
+    pub(crate) fn members(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.labels
+            .as_slice()
+            .iter()
+            .enumerate()
+            .filter_map(|(i, &l)| usize::try_from(l).ok().map(|s| (i, s)))
+    }
+
+    /// The coarser label map in which segment `s` has become segment `group_of[s]` of `count` groups.
+    pub(crate) fn grouped(&self, group_of: &[u32], count: usize) -> Self {
+        let label = |&l: &i32| usize::try_from(l).map_or(Self::NONE, |s| group_of[s] as i32);
+        Self::from_numbered(self.labels.map(label), count)
+    }
+}
+
+/// An undirected edge between two regions, with what is known about their common border.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegionEdge<E> {
+    /// The region with the smaller number.
+    pub a: SegmentId,
+    /// The region with the larger number.
+    pub b: SegmentId,
+    /// What is known about the pair.
+    pub evidence: E,
+}
+
+/// Which regions touch, and with what evidence. Edges are sorted by (a, b), a < b, each pair once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RegionGraph<E> {
+    regions: usize,
+    edges: Vec<RegionEdge<E>>,
+}
+
+impl<E> RegionGraph<E> {
+    /// Number of regions, with or without neighbours.
+    pub fn regions(&self) -> usize {
+        self.regions
+    }
+
+    /// The edges, sorted by (a, b).
+    pub fn edges(&self) -> &[RegionEdge<E>] {
+        &self.edges
+    }
+
+    /// The same graph with other evidence.
+    pub fn map<F>(&self, mut f: impl FnMut(&RegionEdge<E>) -> F) -> RegionGraph<F> {
+        let edges = self.edges.iter().map(|e| RegionEdge { a: e.a, b: e.b, evidence: f(e) }).collect();
+        RegionGraph { regions: self.regions, edges }
+    }
+}
+
+impl RegionGraph<u32> {
+    /// Counts how often each unordered pair of different regions occurs in `pairs`. O(P log P).
+    pub(crate) fn from_pairs(regions: usize, pairs: impl IntoIterator<Item = (i32, i32)>) -> Self {
+        let key = |(a, b): (i32, i32)| (u64::from(a.min(b) as u32) << 32) | u64::from(a.max(b) as u32);
+        let mut keys: Vec<u64> = pairs.into_iter().map(key).collect();
+        keys.sort_unstable();
+        let edges = keys
+            .chunk_by(|x, y| x == y)
+            .map(|run| RegionEdge {
+                a: SegmentId((run[0] >> 32) as u32),
+                b: SegmentId(run[0] as u32),
+                evidence: run.len() as u32,
+            })
+            .collect();
+        Self { regions, edges }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_label_map_becomes_dense() {
+        let labels = Raster::from_vec(3, 2, vec![7, -5, i32::MAX, 7, 0, -1]).unwrap();
+        let segments = Segments::from_labels(&labels);
+        assert_eq!(segments.labels().as_slice(), [1, -1, 2, 1, 0, -1]);
+        assert_eq!(segments.count(), 3);
+        assert_eq!(segments.at(0), Some(SegmentId(1)));
+        assert_eq!(segments.at(1), None);
+    }
+
+    #[test]
+    fn pairs_are_counted_once_per_unordered_pair_and_sorted() {
+        let graph = RegionGraph::from_pairs(4, [(2, 1), (0, 3), (1, 2)]);
+        let edges: Vec<_> = graph.edges().iter().map(|e| (e.a.0, e.b.0, e.evidence)).collect();
+        assert_eq!(edges, [(0, 3, 1), (1, 2, 2)]);
+    }
+}

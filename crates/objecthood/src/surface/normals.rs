@@ -1,0 +1,130 @@
+//! Surface normals from integral images.
+//!
+//! The tangents ∂X/∂u and ∂X/∂v are averaged over a window that does not reach across a depth change; their
+//! cross product is the normal (Holzer et al., IROS 2012: average 3-D gradient; paper, III-A; METHOD 2.2).
+//!
+//! 1. mark depth changes, 2. distance to the nearest one, 3. window half size from it, 4. integral images of the
+//!    tangents, 5. cross product, turned towards the camera.
+
+use glamx::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::params;
+use crate::raster::Raster;
+use crate::surface::depth_change::{changes, squared_distance};
+use crate::surface::integral::IntegralImage;
+
+/// The unit normal of every pixel, towards the camera (n · X < 0); zero where there is none: no depth, or a
+/// depth change so near that no window fits.
+///
+/// `points_m`: camera frame, `NaN` = none. O(pixels · window).
+pub fn normals(points_m: &Raster<[f32; 3]>, params: &params::Normals) -> Raster<[f32; 3]> {
+    let (width, height) = points_m.size();
+    let depth_m = points_m.map(|p| p[2]);
+    let half_limit = (params.window_px / 2.0) as usize;
+    // A square of half size h reaches sqrt(2) h at its corners.
+    let reach = half_limit * 3 / 2 + 1;
+    let distance = squared_distance(&depth_m, params.depth_change_per_m, reach);
+
+    let points = points_m.as_slice();
+    let tangent = |i: usize, next: usize| -> [f64; 4] {
+        let (p, q) = (points[i], points[next]);
+        if p[2].is_nan() || q[2].is_nan() || changes(p[2], q[2], params.depth_change_per_m) {
+            return [0.0; 4];
+        }
+        let d = Vec3::from(q).as_dvec3() - Vec3::from(p).as_dvec3();
+        [d.x, d.y, d.z, 1.0]
+    };
+    let (along_u, along_v) = rayon::join(
+        || IntegralImage::new(points_m, |i| if i % width + 1 < width { tangent(i, i + 1) } else { [0.0; 4] }),
+        || {
+            IntegralImage::new(points_m, |i| {
+                if i + width < points.len() { tangent(i, i + width) } else { [0.0; 4] }
+            })
+        },
+    );
+
+    let mut normals = vec![[0.0; 3]; points.len()];
+    normals.par_chunks_mut(width).enumerate().for_each(|(v, row)| {
+        for (u, normal) in row.iter_mut().enumerate() {
+            let i = v * width + u;
+            let half = half_window(distance[i], half_limit);
+            if half == 0 || depth_m[i].is_nan() {
+                continue;
+            }
+            let us = u.saturating_sub(half)..(u + half + 1).min(width);
+            let vs = v.saturating_sub(half)..(v + half + 1).min(height);
+            let [ux, uy, uz, nu] = along_u.sum(us.clone(), vs.clone());
+            let [vx, vy, vz, nv] = along_v.sum(us, vs);
+            if nu > 0.0 && nv > 0.0 {
+                let cross = DVec3::new(ux, uy, uz).cross(DVec3::new(vx, vy, vz));
+                let towards_camera = -cross.dot(Vec3::from(points[i]).as_dvec3()).signum();
+                *normal = (cross.normalize_or_zero() * towards_camera).as_vec3().to_array();
+            }
+        }
+    });
+    points_m.with_data(normals)
+}
+
+/// The greatest h up to `limit` such that a square of half size h stays nearer than the depth change.
+#[inline]
+fn half_window(squared_distance: u32, limit: usize) -> usize {
+    let mut half = 0;
+    while half < limit && 2 * ((half + 1) * (half + 1)) < squared_distance as usize {
+        half += 1;
+    }
+    half
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::frame::Frame;
+
+    /// What a camera of 60 x 40 pixels sees of z = `depth(u, v)`.
+    fn points(depth: impl Fn(usize, usize) -> f32) -> Raster<[f32; 3]> {
+        let z = (0..60 * 40).map(|i| depth(i % 60, i / 60)).collect();
+        let camera = Camera::new(60.0, 60.0, 29.5, 19.5).unwrap();
+        Frame::new(Raster::from_vec(60, 40, z).unwrap(), None, camera).unwrap().points_m()
+    }
+
+    #[test]
+    fn the_normals_of_a_plane_are_its_normal() {
+        // The plane n · X = -1 with n = (0.3, -0.5, -0.8) made unit, seen exactly.
+        let n = Vec3::new(0.3, -0.5, -0.8).normalize();
+        let camera = Camera::new(60.0, 60.0, 29.5, 19.5).unwrap();
+        let points = points(|u, v| {
+            let ray = glamx::DVec3::from(camera.ray(u as f64, v as f64)).as_vec3();
+            -1.0 / n.dot(ray)
+        });
+        let normals = normals(&points, &params::Normals { depth_change_per_m: 1.0, ..Default::default() });
+        for (i, &got) in normals.as_slice().iter().enumerate() {
+            assert!(Vec3::from(got).dot(n) > 0.99999, "at {} {}: {got:?}", i % 60, i / 60);
+        }
+    }
+
+    #[test]
+    fn no_window_reaches_across_a_depth_change() {
+        // Two walls that face the camera, 0.5 m apart: no normal may be bent by the step.
+        let points = points(|u, _| if u < 30 { 1.0 } else { 1.5 });
+        let normals = normals(&points, &params::Normals::default());
+        for (i, &got) in normals.as_slice().iter().enumerate() {
+            let near_step = (28..32).contains(&(i % 60));
+            assert!(
+                if near_step { got == [0.0; 3] || got[2] < -0.9999 } else { got[2] < -0.9999 },
+                "{i}: {got:?}"
+            );
+        }
+        assert_eq!(normals[20 * 60 + 29], [0.0; 3], "beside the step there is no normal");
+    }
+
+    #[test]
+    fn the_window_stays_strictly_nearer_than_the_change() {
+        // The square of half size h touches a change at its corner when the distance is sqrt(2) h.
+        assert_eq!(
+            [1, 2, 3, 8, 9, 18, 19, 50, 51, 99].map(|d| half_window(d, 5)),
+            [0, 0, 1, 1, 2, 2, 3, 4, 5, 5]
+        );
+    }
+}

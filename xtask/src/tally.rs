@@ -1,0 +1,62 @@
+//! What the test runner's output says: counts, closing lines, and what was skipped.
+
+/// Sums over all test programs of a run.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(crate) struct Tally {
+    pub(crate) passed: u64,
+    pub(crate) failed: u64,
+    /// Tests that did not run, each with the reason.
+    pub(crate) skipped: Vec<String>,
+    /// The closing line of every test program, as it stood.
+    pub(crate) closing_lines: Vec<String>,
+}
+
+impl Tally {
+    /// Takes in the next line of output.
+    pub(crate) fn read(&mut self, line: &str) {
+        let line = line.trim_end();
+        if let Some(why) = line.strip_prefix("skipped: ") {
+            self.skipped.push(why.to_owned());
+        } else if let Some((test, why)) = ignored(line) {
+            self.skipped.push(format!("{test}: ignored{why}"));
+        } else if line.starts_with("test result: ") {
+            self.passed += count(line, "passed");
+            self.failed += count(line, "failed");
+            self.closing_lines.push(line.to_owned());
+        }
+    }
+}
+
+/// The name of an ignored test and the reason, if `line` reports one: `test NAME ... ignored, REASON`.
+fn ignored(line: &str) -> Option<(&str, &str)> {
+    line.strip_prefix("test ")?.split_once(" ... ignored")
+}
+
+/// The number before `word` in `test result: ok. 3 passed; 0 failed; ..`.
+fn count(line: &str, word: &str) -> u64 {
+    let words: Vec<&str> = line.split([' ', ';']).filter(|w| !w.is_empty()).collect();
+    words.windows(2).find(|pair| pair[1] == word).and_then(|pair| pair[0].parse().ok()).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_and_skips_are_read_off_the_runners_lines() {
+        let mut tally = Tally::default();
+        for line in [
+            "running 3 tests",
+            "test a::b ... ok",
+            "test a::c ... ignored, takes an hour",
+            "skipped: no data folder",
+            "test result: ok. 12 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.00s",
+            "test result: FAILED. 2 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.00s",
+        ] {
+            tally.read(line);
+        }
+        assert_eq!((tally.passed, tally.failed), (14, 3));
+        assert_eq!(tally.skipped, ["a::c: ignored, takes an hour", "no data folder"]);
+        assert_eq!(tally.closing_lines.len(), 2);
+    }
+}

@@ -1,0 +1,114 @@
+//! `cargo xtask test`: formatting, lints, documentation and every test, with a summary of what ran and what did not.
+
+use std::ffi::OsString;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+
+use crate::python;
+use crate::tally::Tally;
+
+/// One thing that was checked.
+struct Step {
+    name: &'static str,
+    passed: bool,
+    seconds: f64,
+}
+
+/// Runs every step, also after one has failed, and says at the end how each went.
+///
+/// # Errors
+/// When `cargo` itself cannot be run.
+pub(crate) fn run(root: &Path) -> Result<bool> {
+    let cargo = |arguments: &str| {
+        let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        command.current_dir(root).args(arguments.split_whitespace());
+        command
+    };
+    let mut steps = Vec::new();
+    let mut tally = Tally::default();
+
+    let mut quiet = |name, command: &mut Command| -> Result<()> {
+        steps.push(timed(name, || Ok(command.status().with_context(|| format!("{command:?}"))?.success()))?);
+        Ok(())
+    };
+    quiet("formatting", &mut cargo("fmt --all --check"))?;
+    quiet("lints", &mut cargo("clippy --workspace --all-targets --locked -- -D warnings"))?;
+    let mut docs = cargo("doc --workspace --no-deps --locked");
+    quiet("documentation", docs.env("RUSTDOCFLAGS", "-D warnings"))?;
+
+    let python = python_for_tests(root, &mut tally);
+    let mut tests = |name, arguments: &str| -> Result<()> {
+        let mut command = cargo(arguments);
+        if let Some(python) = &python {
+            command.env("OBJECTHOOD_PYTHON", python);
+        }
+        steps.push(timed(name, || read_tests(&mut command, &mut tally))?);
+        Ok(())
+    };
+    // --show-output: a test that skips itself passes, and says so only in its output.
+    tests("tests", "test --workspace --all-targets --locked --no-fail-fast -- --show-output")?;
+    tests(
+        "examples in the documentation",
+        "test --workspace --doc --locked --no-fail-fast -- --show-output",
+    )?;
+
+    summarize(&steps, &tally);
+    Ok(steps.iter().all(|step| step.passed))
+}
+
+/// The Python that the tests may use, if one can be had. `OBJECTHOOD_PYTHON` names another one.
+fn python_for_tests(root: &Path, tally: &mut Tally) -> Option<OsString> {
+    if let Some(python) = std::env::var_os("OBJECTHOOD_PYTHON") {
+        return Some(python);
+    }
+    println!("\n== Python for the tests");
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    match python::prepare(&root.join(target).join("test-tools"), &root.join("xtask/requirements.txt")) {
+        Ok(python) => Some(python.into_os_string()),
+        Err(e) => {
+            tally.skipped.push(format!("what needs Python: {e:#}"));
+            None
+        }
+    }
+}
+
+/// Runs a step under its heading.
+fn timed(name: &'static str, step: impl FnOnce() -> Result<bool>) -> Result<Step> {
+    println!("\n== {name}");
+    let start = Instant::now();
+    let passed = step()?;
+    Ok(Step { name, passed, seconds: start.elapsed().as_secs_f64() })
+}
+
+/// Runs tests: passes their output on and takes it in; whether all went well.
+fn read_tests(command: &mut Command, tally: &mut Tally) -> Result<bool> {
+    let mut child = command.stdout(Stdio::piped()).spawn().with_context(|| format!("{command:?}"))?;
+    let output = child.stdout.take().context("the output of the tests cannot be read")?;
+    // Tests may print anything, so lines are not taken to be UTF-8.
+    for line in BufReader::new(output).split(b'\n') {
+        let line = line.context("the output of the tests cannot be read")?;
+        let line = String::from_utf8_lossy(&line);
+        println!("{line}");
+        tally.read(&line);
+    }
+    Ok(child.wait().context("the tests did not end")?.success())
+}
+
+fn summarize(steps: &[Step], tally: &Tally) {
+    println!("\n== summary");
+    for Step { name, passed, seconds } in steps {
+        println!("{} {name} ({seconds:.0} s)", if *passed { "ok    " } else { "FAILED" });
+    }
+    for why in &tally.skipped {
+        println!("skipped: {why}");
+    }
+    println!("\n== closing lines of the test programs");
+    for line in &tally.closing_lines {
+        println!("{line}");
+    }
+    println!("{} passed, {} failed", tally.passed, tally.failed);
+}
