@@ -1,0 +1,37 @@
+//! Pictures of what objecthood sees in a frame.
+//!
+//! [`Recording`] watches [`objecthood::discover_observed`] and keeps what the picture needs of every stage;
+//! [`panels()`] draws them side by side; [`png`] makes a file of it.
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use objecthood::{Camera, Frame, Params, Raster, discover_observed};
+//! use objecthood_view::{Recording, panels, png};
+//!
+//! let depth_m = Raster::filled(64, 48, 1.0)?;
+//! let frame = Frame::new(depth_m, None, Camera::new(52.5, 52.5, 31.5, 23.5)?)?;
+//! let mut recording = Recording::default();
+//! let discovery = discover_observed(&frame, &Params::default(), &mut recording)?;
+//!
+//! let picture = panels(&frame, &recording, &discovery);
+//! assert!(png(&picture)?.starts_with(b"\x89PNG"));
+//! # Ok(())
+//! # }
+//! ```
+
+mod distance;
+mod grid;
+mod palette;
+mod panels;
+mod recording;
+mod region_colors;
+#[cfg(test)]
+mod testing;
+mod text;
+mod tiles;
+mod view;
+mod vision;
+
+pub use palette::object_color;
+pub use panels::{panels, png};
+pub use recording::Recording;

@@ -1,0 +1,55 @@
+//! What the picture needs of every stage.
+
+use objecthood::objectness::support::SupportGraph;
+use objecthood::{Observer, Raster, Segments, Stage};
+
+/// Watches one frame and keeps what [`panels`](crate::panels()) draws: normals, label maps, the support graph.
+///
+/// Take a new one for every frame. Stages that never came, because the frame failed before, are drawn black.
+/// A recording takes 24 bytes a pixel.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    pub(crate) normals: Option<Raster<[f32; 3]>>,
+    pub(crate) superpixels: Option<Segments>,
+    pub(crate) facets: Option<Segments>,
+    pub(crate) shapes: Option<Segments>,
+    pub(crate) support: Option<SupportGraph>,
+}
+
+impl Observer for Recording {
+    fn observe(&mut self, stage: Stage<'_>) {
+        match stage {
+            Stage::Normals(normals) => self.normals = Some(normals.clone()),
+            Stage::Superpixels(segments) => self.superpixels = Some(segments.clone()),
+            Stage::Facets(segments) => self.facets = Some(segments.clone()),
+            Stage::Shapes(segments) => self.shapes = Some(segments.clone()),
+            Stage::Support(graph) => self.support = Some(graph.clone()),
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_stage_is_kept_where_it_belongs() {
+        let segments = |count: i32| {
+            let labels = (0..4).map(|i| i.min(count - 1)).collect();
+            Segments::from_labels(&Raster::from_vec(4, 1, labels).unwrap())
+        };
+        let normals = Raster::filled(4, 1, [0.0, 0.0, -1.0]).unwrap();
+        let mut recording = Recording::default();
+        recording.observe(Stage::Normals(&normals));
+        recording.observe(Stage::Superpixels(&segments(4)));
+        recording.observe(Stage::Facets(&segments(3)));
+        recording.observe(Stage::Shapes(&segments(2)));
+        recording.observe(Stage::Support(&SupportGraph::default()));
+        assert_eq!(recording.normals, Some(normals));
+        assert_eq!(recording.superpixels, Some(segments(4)));
+        assert_eq!(recording.facets, Some(segments(3)));
+        assert_eq!(recording.shapes, Some(segments(2)));
+        assert_eq!(recording.support, Some(SupportGraph::default()));
+    }
+}

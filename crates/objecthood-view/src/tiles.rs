@@ -1,0 +1,302 @@
+//! The eight tiles, one function each.
+
+use colorous::Gradient;
+use image::{Rgb, RgbImage};
+use objecthood::Segments;
+
+use crate::distance::Anchor;
+use crate::palette::{ink_on, object_color};
+use crate::region_colors::region_colors;
+use crate::text::{Text, mix};
+use crate::view::{NOTHING, View};
+
+const DEPTH: Gradient = colorous::VIRIDIS;
+const OBJECTNESS: Gradient = colorous::PLASMA;
+
+/// One of the pictures in the picture.
+pub(crate) struct Tile {
+    pub(crate) title: String,
+    pub(crate) image: RgbImage,
+    /// What the colours mean, if they mean a number.
+    pub(crate) scale: Option<Scale>,
+}
+
+/// A range of numbers, shown as colours.
+pub(crate) struct Scale {
+    /// The colour at a share of the way from low to high.
+    pub(crate) color: fn(f32) -> Rgb<u8>,
+    pub(crate) low: String,
+    pub(crate) high: String,
+}
+
+/// The image with the outlines of the objects.
+pub(crate) fn color(view: &View<'_>) -> Tile {
+    let line_px = view.line_px();
+    let image = view.paint(|u, v| match view.object(u, v) {
+        Some((id, depth)) if depth <= line_px => Some(object_color(id)),
+        // A dark line inside sets the outline off from an object of its own colour.
+        Some((_, depth)) if depth <= line_px + 1 => Some(NOTHING),
+        _ => view.scenery(u, v),
+    });
+    let title = if view.has_color() { "colour" } else { "no colour, shaded" };
+    Tile { title: title.to_owned(), image, scale: None }
+}
+
+/// Depth, from the first to the 99th percentile; what is near is bright, so that it stands out from the black of
+/// missing depth.
+pub(crate) fn depth(view: &View<'_>) -> Tile {
+    let mut valid_m = view.valid_depths_m();
+    valid_m.sort_unstable_by(f32::total_cmp);
+    let percentile = |p: usize| valid_m.get(valid_m.len().saturating_sub(1) * p / 100).copied();
+    let range_m = percentile(1).zip(percentile(99));
+    let image = view.paint(|u, v| {
+        let ((near, far), z) = range_m.zip(view.depth_m(u, v))?;
+        Some(shade(&DEPTH, if far > near { (far - z) / (far - near) } else { 0.5 }))
+    });
+    let scale = range_m.map(|(near, far)| Scale {
+        color: |share| shade(&DEPTH, 1.0 - share),
+        low: metres(near),
+        high: format!("{} m", metres(far)),
+    });
+    Tile { title: "depth".to_owned(), image, scale }
+}
+
+/// Normals: x to the right is red, y upwards green, z towards the camera blue.
+pub(crate) fn normals(view: &View<'_>) -> Tile {
+    let image = view.paint(|u, v| {
+        let [x, y, z] = view.normal(u, v)?;
+        Some(Rgb([x, -y, -z].map(|a| ((a + 1.0) * 127.5).round() as u8)))
+    });
+    Tile { title: "normals".to_owned(), image, scale: None }
+}
+
+/// The regions of the first stage.
+pub(crate) fn superpixels(view: &View<'_>) -> Tile {
+    regions(view, "superpixels", view.recording.superpixels.as_ref())
+}
+
+/// The regions of the second stage.
+pub(crate) fn facets(view: &View<'_>) -> Tile {
+    regions(view, "facets", view.recording.facets.as_ref())
+}
+
+/// The regions of the third stage.
+pub(crate) fn shapes(view: &View<'_>) -> Tile {
+    regions(view, "shapes", view.recording.shapes.as_ref())
+}
+
+/// The objects by objectness; behind them, in grey, the shapes that are none, by what carries them: the lighter, the
+/// larger P(O).
+pub(crate) fn objectness(view: &View<'_>) -> Tile {
+    let shapes = view.recording.shapes.as_ref().map(|segments| view.labels(segments));
+    let surface = |u: usize, v: usize| {
+        let shape = *shapes.as_ref()?.get(u, v)?;
+        let nodes = &view.recording.support.as_ref()?.nodes;
+        let p_o = nodes.get(usize::try_from(shape).ok()?)?.p_o;
+        Some(Rgb([(60.0 + 120.0 * p_o.clamp(0.0, 1.0)) as u8; 3]))
+    };
+    let image = view.paint(|u, v| match view.object(u, v) {
+        Some((_, depth)) if depth <= 1 => Some(NOTHING),
+        Some((id, _)) => {
+            let object = view.discovery.objects.get(usize::from(id) - 1);
+            Some(shade(&OBJECTNESS, object.map_or(0.0, |o| o.objectness)))
+        }
+        None => surface(u, v),
+    });
+    let scale = Scale { color: |share| shade(&OBJECTNESS, share), low: "0".to_owned(), high: "1".to_owned() };
+    Tile { title: "objectness".to_owned(), image, scale: Some(scale) }
+}
+
+/// The objects with their numbers, on the dimmed image.
+pub(crate) fn objects(view: &View<'_>) -> Tile {
+    let mut image = view.paint(|u, v| match view.object(u, v) {
+        Some((_, depth)) if depth <= 1 => Some(NOTHING),
+        Some((id, _)) => Some(object_color(id)),
+        None => view.scenery(u, v).map(|color| mix(NOTHING, color, 0.4)),
+    });
+    number(&mut image, view.anchors());
+    Tile { title: format!("objects {}", view.discovery.objects.len()), image, scale: None }
+}
+
+fn regions(view: &View<'_>, name: &str, segments: Option<&Segments>) -> Tile {
+    let Some(segments) = segments else {
+        return Tile { title: name.to_owned(), image: view.paint(|_, _| None), scale: None };
+    };
+    let labels = view.labels(segments);
+    let colors = region_colors(&labels, segments.count());
+    let image = view.paint(|u, v| colors[usize::try_from(*labels.get(u, v)?).ok()?]);
+    Tile { title: format!("{name} {}", view.count(segments)), image, scale: None }
+}
+
+/// Writes their numbers on the objects, the largest last: where numbers overlap, the more important one is legible.
+fn number(image: &mut RgbImage, mut anchors: Vec<Anchor>) {
+    anchors.sort_by(|a, b| a.radius_px.total_cmp(&b.radius_px).then(b.id.cmp(&a.id)));
+    let width = image.width() as f32;
+    let (smallest_px, largest_px) = ((width / 50.0).max(13.0), width / 22.0);
+    for Anchor { id, u, v, radius_px } in anchors {
+        let text = Text::new(&id.to_string(), (1.6 * radius_px).min(largest_px).max(smallest_px));
+        let at = (u as i64 - text.width / 2, v as i64 - text.height / 2);
+        // Digits that reach beyond a small object keep their contrast and show whose they are.
+        let halo = object_color(id);
+        text.draw_with_halo(image, at, ink_on(halo), halo, 2);
+    }
+}
+
+fn shade(gradient: &Gradient, share: f32) -> Rgb<u8> {
+    Rgb(gradient.eval_continuous(f64::from(share).clamp(0.0, 1.0)).into_array())
+}
+
+/// A length to the centimetre, or with an exponent where that says nothing: a wrong unit is seen at once.
+fn metres(length_m: f32) -> String {
+    if (0.01..1e4).contains(&length_m) { format!("{length_m:.2}") } else { format!("{length_m:.1e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use objecthood::objectness::support::{NodeKind, SupportGraph, SupportNode};
+    use objecthood::{Discovery, Frame, Observer, Stage};
+
+    use super::*;
+    use crate::recording::Recording;
+    use crate::testing;
+
+    /// Every pixel of the 4 x 2 frame below is a block of so many pixels in a tile.
+    const BLOCK: u32 = 80;
+
+    /// The pixel in a block's upper left quarter: on no outline and on no digit.
+    fn at(tile: &Tile, u: u32, v: u32) -> [u8; 3] {
+        assert_eq!(tile.image.dimensions(), (4 * BLOCK, 2 * BLOCK));
+        tile.image.get_pixel(u * BLOCK + 20, v * BLOCK + 20).0
+    }
+
+    /// ```text
+    /// depth [m]   1 1 2 -      object   1 0 0 0      shape   0 1 1 2
+    ///             1 1 2 3               1 2 0 0              0 3 1 1
+    /// ```
+    fn small_scene() -> (Frame, Recording, Discovery) {
+        let depth_m = [1.0, 1.0, 2.0, f32::NAN, 1.0, 1.0, 2.0, 3.0];
+        let color = testing::raster(4, 2, |i| [10 * i as u8, 100, 200]);
+        let frame = testing::frame(testing::raster(4, 2, |i| depth_m[i]), Some(color));
+        let discovery = testing::discovery(testing::raster(4, 2, |i| [1, 0, 0, 0, 1, 2, 0, 0][i]));
+
+        let axes = [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0; 3]];
+        let shapes = testing::segments(4, 2, |i| [0, 1, 1, 2, 0, 3, 1, 1][i]);
+        let node = |p_o| SupportNode { kind: NodeKind::Surface, p_s: 0.0, p_o, height_m: 0.0, size_px: 1 };
+        let nodes = [1.0, 0.5, 0.0, 1.0].map(node).to_vec();
+        let mut recording = Recording::default();
+        recording.observe(Stage::Normals(&testing::raster(4, 2, |i| axes[i % 4])));
+        recording.observe(Stage::Superpixels(&testing::segments(4, 2, |i| i as i32 - 1)));
+        recording.observe(Stage::Facets(&testing::segments(4, 2, |_| -1)));
+        recording.observe(Stage::Shapes(&shapes));
+        recording.observe(Stage::Support(&SupportGraph { nodes, edges: vec![] }));
+        (frame, recording, discovery)
+    }
+
+    #[test]
+    fn the_tiles_of_a_small_scene() {
+        let (frame, recording, discovery) = small_scene();
+        let view = View::new(&frame, &recording, &discovery);
+
+        let tile = color(&view);
+        assert_eq!((at(&tile, 1, 0), at(&tile, 2, 1)), ([10, 100, 200], [60, 100, 200]));
+        assert_eq!(at(&tile, 0, 0), [0, 100, 200], "the inside of an object shows the image");
+        assert_eq!(tile.image.get_pixel(0, BLOCK).0, object_color(1).0, "its rim has its colour");
+        assert_eq!(tile.image.get_pixel(BLOCK - 2, 40).0, [0; 3]);
+
+        let tile = depth(&view);
+        assert_eq!(at(&tile, 0, 0), DEPTH.eval_continuous(1.0).into_array());
+        assert_eq!(at(&tile, 2, 0), DEPTH.eval_continuous(0.5).into_array());
+        assert_eq!(at(&tile, 3, 1), DEPTH.eval_continuous(0.0).into_array());
+        assert_eq!(at(&tile, 3, 0), [0; 3]);
+        let scale = tile.scale.unwrap();
+        assert_eq!((scale.low.as_str(), scale.high.as_str()), ("1.00", "3.00 m"));
+        assert_eq!((scale.color)(0.0).0, at(&depth(&view), 0, 0));
+
+        let tile = normals(&view);
+        assert_eq!([0, 1, 2].map(|u| at(&tile, u, 0)), [[128, 128, 255], [255, 128, 128], [128, 255, 128]]);
+        assert_eq!(at(&tile, 3, 0), [0; 3]);
+
+        let tile = superpixels(&view);
+        assert_eq!(
+            tile.title, "superpixels 6",
+            "neither the one without depth nor the pixel without a label"
+        );
+        assert_eq!((at(&tile, 0, 0), at(&tile, 3, 0)), ([0; 3], [0; 3]));
+        let colors = [(1, 0), (2, 0), (0, 1), (1, 1), (2, 1), (3, 1)].map(|(u, v)| at(&tile, u, v));
+        assert!(colors.iter().all(|c| *c != [0; 3]));
+        assert!(colors[0] != colors[1] && colors[0] != colors[3] && colors[2] != colors[3], "{colors:?}");
+
+        let tile = facets(&view);
+        assert_eq!(tile.title, "facets 0");
+        assert!(tile.image.pixels().all(|p| *p == NOTHING));
+
+        let tile = shapes(&view);
+        assert_eq!(tile.title, "shapes 3");
+        assert_eq!((at(&tile, 1, 0), at(&tile, 0, 0)), (at(&tile, 3, 1), at(&tile, 0, 1)));
+        assert_ne!(at(&tile, 0, 0), at(&tile, 1, 0));
+
+        let tile = objectness(&view);
+        assert_eq!(at(&tile, 0, 0), OBJECTNESS.eval_continuous(1.0).into_array());
+        assert_eq!(at(&tile, 1, 1), OBJECTNESS.eval_continuous(0.5).into_array());
+        assert_eq!((at(&tile, 1, 0), at(&tile, 3, 0)), ([120; 3], [0; 3]));
+
+        let tile = objects(&view);
+        assert_eq!(tile.title, "objects 2");
+        assert_eq!((at(&tile, 0, 0), at(&tile, 1, 1)), (object_color(1).0, object_color(2).0));
+        assert_eq!(at(&tile, 1, 0), [4, 40, 80], "the rest is the image, dimmed");
+        assert_eq!(tile.image.get_pixel(0, 0).0, [0; 3], "a dark line sets objects apart");
+    }
+
+    #[test]
+    fn numbers_stand_on_their_objects() {
+        let (frame, recording, discovery) = small_scene();
+        let view = View::new(&frame, &recording, &discovery);
+        let image = objects(&view).image;
+        let inked = |id: u16| {
+            let inside = |u: u32, v: u32| {
+                view.object(u as usize, v as usize).is_some_and(|(object, depth)| object == id && depth > 1)
+            };
+            let ink = ink_on(object_color(id));
+            image.enumerate_pixels().filter(|(u, v, p)| inside(*u, *v) && **p == ink).count()
+        };
+        assert!(inked(1) > 10 && inked(2) > 10, "{} {}", inked(1), inked(2));
+    }
+
+    #[test]
+    fn what_was_not_recorded_is_black() {
+        let (frame, _, discovery) = small_scene();
+        let recording = Recording::default();
+        let view = View::new(&frame, &recording, &discovery);
+        for (tile, name) in
+            [(superpixels(&view), "superpixels"), (facets(&view), "facets"), (shapes(&view), "shapes")]
+        {
+            assert_eq!(tile.title, name);
+            assert!(tile.image.pixels().all(|p| *p == NOTHING));
+        }
+        assert!(normals(&view).image.pixels().all(|p| *p == NOTHING));
+        assert_eq!(at(&objectness(&view), 1, 0), [0; 3]);
+    }
+
+    #[test]
+    fn without_colour_the_surfaces_are_shaded() {
+        let (frame, recording, _) = small_scene();
+        let frame = testing::frame(frame.depth_m().clone(), None);
+        let discovery = testing::discovery(testing::raster(4, 2, |_| 0));
+        let tile = color(&View::new(&frame, &recording, &discovery));
+        assert_eq!([0, 1, 3].map(|u| at(&tile, u, 0)), [[240; 3], [60; 3], [0; 3]]);
+        assert_eq!(tile.title, "no colour, shaded");
+    }
+
+    #[test]
+    fn a_flat_or_absurd_depth_has_a_scale() {
+        for (z, low) in [(1.5, "1.50"), (1e30, "1.0e30"), (1e-30, "1.0e-30")] {
+            let frame = testing::frame(testing::raster(3, 3, |i| if i == 4 { f32::NAN } else { z }), None);
+            let (recording, discovery) =
+                (Recording::default(), testing::discovery(testing::raster(3, 3, |_| 0)));
+            let tile = depth(&View::new(&frame, &recording, &discovery));
+            assert_eq!(tile.scale.unwrap().low, low);
+            assert_eq!(tile.image.get_pixel(7, 7).0, DEPTH.eval_continuous(0.5).into_array());
+            assert_eq!(*tile.image.get_pixel(160, 160), NOTHING);
+        }
+    }
+}
