@@ -2,15 +2,12 @@
 
 use std::fmt;
 
-use serde::Serialize;
-
 use crate::objectness::gravity::{StructurePlane, Up};
 use crate::objectness::support::{NodeId, SupportGraph};
 use crate::raster::Raster;
 
 /// Number of an object in the label image: 1, 2, .. by falling objectness, then pixel count, then first pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObjectId(pub u16);
 
 /// Everything found in one frame.
@@ -56,8 +53,7 @@ pub struct Object {
 }
 
 /// The evidence behind an objectness, by method.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ObjectnessParts {
     /// Of the method `paper`.
@@ -72,7 +68,7 @@ pub enum ObjectnessParts {
 }
 
 /// An upright rectangle of pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PixelBox {
     /// Leftmost column.
     pub u: usize,
@@ -85,7 +81,7 @@ pub struct PixelBox {
 }
 
 /// A box with any orientation, in the camera frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedBox {
     /// Middle of the box (m).
     pub center_m: [f32; 3],

@@ -209,7 +209,7 @@ parameters! {
     Sensor sensor {
         /// Step of inverse depth that the sensor resolves: the unit of disparity in eq. 1.
         disparity_quantum_per_m: f64 = 0.00285, 1e-6..=1.0, "1/m",
-            "METHOD 0: Kinect v1, measured on mOSD learn (1/348 by its disparity law)";
+            "measured on mOSD learn, a Kinect v1; 1/348 by its disparity law (METHOD 0)";
     }
 
     /// Gaussian smoothing of the colour image before eq. 1.
@@ -221,9 +221,9 @@ parameters! {
     /// Normals from integral images.
     Normals normals {
         /// Side of the window over which tangents are averaged; it shrinks near depth changes.
-        window_px: f64 = 10.0, 2.0..=200.0, "px", "METHOD 2.1: experiment on mOSD learn";
+        window_px: f64 = 10.0, 2.0..=200.0, "px", "tuned on mOSD learn (METHOD 2.1)";
         /// Depth changes where neighbours differ by more than this times z^2.
-        depth_change_per_m: f32 = 0.02, 1e-5..=10.0, "1/m", "METHOD 2.1: experiment on mOSD learn";
+        depth_change_per_m: f32 = 0.02, 1e-5..=10.0, "1/m", "tuned on mOSD learn (METHOD 2.1)";
     }
 
     /// Curvature of the surface, eq. 2.
@@ -235,7 +235,7 @@ parameters! {
         /// Distance of the neighbours whose normals are compared.
         offset_px: usize = 2, 1..=50, "px", "paper, III-A (gamma)";
         /// Divides the sum of cosines: greater = more is curved.
-        scale: f32 = 1.0, 0.1..=10.0, "dimensionless: sigma of eq. 2", "METHOD 2.2: experiment; the paper gives no formula";
+        scale: f32 = 1.0, 0.1..=10.0, "dimensionless: sigma of eq. 2", "tuned on mOSD learn (METHOD 2.2); the paper gives no formula";
     }
 
     /// Graph over-segmentation on colour, depth and curvature, eq. 1.
@@ -253,7 +253,7 @@ parameters! {
     /// High-curvature pixels go to the region reached over the cheapest path.
     Absorption absorption {
         /// No path crosses a step in depth of more than this times z^2.
-        depth_gate_per_m: f32 = 0.02, 0.0..=10.0, "1/m", "METHOD 2.1: experiment on mOSD learn";
+        depth_gate_per_m: f32 = 0.02, 0.0..=10.0, "1/m", "tuned on mOSD learn (METHOD 2.1)";
     }
 
     /// Superpixels grouped to facets by colour and normals, eq. 3.
@@ -261,21 +261,21 @@ parameters! {
         /// Weight of the colour histogram against the histogram of normals (omega).
         color_weight: f64 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-B (omega)";
         /// Internal variation of a single superpixel: the histogram distance it tolerates (c).
-        initial_variation: f64 = 0.4, 0.0..=1.0, "dimensionless: histogram distance", "METHOD 2.4: experiment on mOSD learn";
+        initial_variation: f64 = 0.4, 0.0..=1.0, "dimensionless: histogram distance", "tuned on mOSD learn (METHOD 2.4)";
         /// Bins per axis of the joint Lab histogram.
-        lab_bins: usize = 8, 1..=32, "bins", "METHOD 2.1: experiment on mOSD learn";
+        lab_bins: usize = 8, 1..=32, "bins", "tuned on mOSD learn (METHOD 2.1)";
         /// Bins of the inclination of the normals, over [0, pi].
-        inclination_bins: usize = 8, 1..=180, "bins", "METHOD 2.1: experiment on mOSD learn";
+        inclination_bins: usize = 8, 1..=180, "bins", "tuned on mOSD learn (METHOD 2.1)";
         /// Bins of the azimuth of the normals, over [-pi, pi].
-        azimuth_bins: usize = 16, 1..=360, "bins", "METHOD 2.1: experiment on mOSD learn";
+        azimuth_bins: usize = 16, 1..=360, "bins", "tuned on mOSD learn (METHOD 2.1)";
     }
 
     /// Which regions are close to each other in space.
     Contact contact {
         /// How far to look for the neighbour across pixels that belong to no region.
-        reach_px: usize = 4, 1..=100, "px", "METHOD 2.1: experiment on mOSD learn";
+        reach_px: usize = 4, 1..=100, "px", "tuned on mOSD learn (METHOD 2.1)";
         /// Points nearer than this are in contact.
-        distance_m: f32 = 0.02, 0.0..=1.0, "m", "METHOD 2.1: experiment on mOSD learn";
+        distance_m: f32 = 0.02, 0.0..=1.0, "m", "tuned on mOSD learn (METHOD 2.1)";
     }
 
     /// The direction "up".
@@ -284,7 +284,7 @@ parameters! {
         up_from: UpFrom = UpFrom::Plane, OneOf("plane | camera"), "dimensionless: switch",
             "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (METHOD 4.4)";
         /// Points nearer to the plane than this belong to it.
-        inlier_distance_m: f64 = 0.008, 1e-4..=1.0, "m", "METHOD 2.6: experiment on mOSD learn";
+        inlier_distance_m: f64 = 0.008, 1e-4..=1.0, "m", "tuned on mOSD learn (METHOD 2.6)";
         /// A plane that holds a smaller share of the valid points is no ground to stand on.
         min_inlier_share: f64 = 0.1, 0.0..=1.0, "dimensionless: share of valid points", "ours, because a scene without a plane has no up to read off";
         /// Points looked at in the search for the plane.
@@ -296,13 +296,13 @@ parameters! {
     /// What makes a shape an object: its size and the support it has, eq. 6 to 8.
     Objectness objectness {
         /// Shortest length of the longest side of an object.
-        min_side_m: f32 = 0.02, 0.0..=100.0, "m", "METHOD 2.1: experiment on mOSD learn";
+        min_side_m: f32 = 0.02, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
         /// Greatest length of the longest side of an object.
-        max_side_m: f32 = 0.60, 0.0..=100.0, "m", "METHOD 2.1: experiment on mOSD learn";
+        max_side_m: f32 = 0.60, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
         /// Pixels with depth that an object has at least.
-        min_size_px: usize = 200, 1..=100_000_000, "px", "METHOD 2.1: experiment on mOSD learn";
+        min_size_px: usize = 200, 1..=100_000_000, "px", "tuned on mOSD learn (METHOD 2.1)";
         /// P(O) that an object has at least.
-        threshold: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "METHOD 2.1: experiment on mOSD learn";
+        threshold: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (METHOD 2.1)";
     }
 }
 

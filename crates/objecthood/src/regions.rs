@@ -1,12 +1,9 @@
 //! Label maps and graphs over their regions: what the stages hand to each other.
 
-use serde::Serialize;
-
 use crate::raster::Raster;
 
 /// Number of a segment (superpixel, facet, shape) within its [`Segments`], counted from 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SegmentId(pub u32);
 
 impl SegmentId {

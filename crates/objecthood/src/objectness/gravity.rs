@@ -1,14 +1,13 @@
 //! Gravity: the direction up, from the dominant plane or from the camera (METHOD 2.6).
 
 use glamx::{DMat3, DSymmetricEigen3, DVec3, Vec3};
-use serde::Serialize;
 
 use crate::params::{self, UpFrom};
 use crate::random::Lcg;
 use crate::raster::Raster;
 
 /// The direction against gravity and where it was taken from.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Up {
     /// Unit vector in the camera frame.
     pub direction: [f32; 3],
@@ -17,8 +16,7 @@ pub struct Up {
 }
 
 /// Where the direction up was taken from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UpSource {
     /// The normal of the dominant plane.
     Plane,
@@ -27,7 +25,7 @@ pub enum UpSource {
 }
 
 /// A large plane of the scene: normal · X + offset = 0.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StructurePlane {
     /// Unit normal in the camera frame, towards the side of the camera.
     pub normal: [f32; 3],

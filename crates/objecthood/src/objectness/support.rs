@@ -1,7 +1,6 @@
 //! Physical support: what stands on what (paper, eq. 6 to 8).
 
 use glamx::{DVec3, Vec3};
-use serde::Serialize;
 
 use crate::discovery::ObjectId;
 use crate::objectness::gravity::Up;
@@ -10,13 +9,11 @@ use crate::regions::{RegionGraph, Segments};
 use crate::shapes::descriptor::Descriptor;
 
 /// Number of a node in a [`SupportGraph`], counted from 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(pub u32);
 
 /// What a node of the support graph stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeKind {
     /// A shape that is an object.
     Object {
@@ -28,10 +25,9 @@ pub enum NodeKind {
 }
 
 /// One shape in the support graph.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupportNode {
     /// What it stands for.
-    #[serde(flatten)]
     pub kind: NodeKind,
     /// P(S), eq. 7: how well its surface can carry something, in [0, 1].
     pub p_s: f32,
@@ -44,7 +40,7 @@ pub struct SupportNode {
 }
 
 /// The lower one of two shapes in contact carries the upper one (eq. 6).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SupportEdge {
     /// The carrier.
     pub lower: NodeId,
@@ -55,7 +51,7 @@ pub struct SupportEdge {
 }
 
 /// What stands on what: directed, without cycles, because every edge leads to a node that ranks higher.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SupportGraph {
     /// The nodes; shape k is node k.
     pub nodes: Vec<SupportNode>,
