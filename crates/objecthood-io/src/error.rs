@@ -1,0 +1,151 @@
+//! What can be wrong with a file, on the way in or out.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::organize::MAX_RESIDUAL_PX;
+use crate::pcd::PcdError;
+
+/// Result with this crate's [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why something could not be read or written: one line that says what is wrong and what to do.
+///
+/// What caused an error is part of its message, so it is not repeated by [`source`](std::error::Error::source).
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Something is wrong with the file at a path.
+    #[error("{}: {error}", path.display())]
+    At {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        error: Box<Error>,
+    },
+    /// The system does not let the file be read.
+    #[error("cannot be read ({reason}): check that the path is right and that you may read it")]
+    Read {
+        /// What the system says.
+        reason: io::Error,
+    },
+    /// A file of no bytes.
+    #[error("the file is empty: record or copy it again")]
+    Empty,
+    /// No format on the list.
+    #[error("not a file that objecthood reads: give a point cloud in PCD format, version 0.7")]
+    UnknownFormat,
+    /// A PCD file that breaks its format.
+    #[error(transparent)]
+    Pcd(#[from] PcdError),
+    /// Depth, colour and camera that make no frame.
+    #[error(transparent)]
+    Frame(#[from] objecthood::Error),
+
+    /// Text that is no [`GridCamera`](crate::GridCamera).
+    #[error(
+        "`{given}` is not a camera: write fx,fy,cx,cy or fx,fy,cx,cy,width,height in pixels, for example 525,525,319.5,239.5"
+    )]
+    BadCameraText {
+        /// What was given.
+        given: String,
+    },
+    /// The size given with the camera is not that of the organized cloud.
+    #[error(
+        "the camera is given for {}x{} pixels but the point cloud has {}x{}: give the camera of this cloud, or leave out the size",
+        given.0, given.1, cloud.0, cloud.1
+    )]
+    CameraSize {
+        /// Columns and rows given with the camera.
+        given: (usize, usize),
+        /// Columns and rows of the cloud.
+        cloud: (usize, usize),
+    },
+    /// A camera without a size, whose principal point is not the middle of an image.
+    #[error(
+        "a principal point at ({cx_px}, {cy_px}) px is not the middle of an image: give its size too, --camera fx,fy,cx,cy,width,height"
+    )]
+    NoImageSize {
+        /// Column of the principal point (px).
+        cx_px: f64,
+        /// Row of the principal point (px).
+        cy_px: f64,
+    },
+    /// An unorganized cloud without a camera.
+    #[error(
+        "the {points} points are not organized in rows and columns (HEIGHT is 1): give the camera that saw them, --camera fx,fy,cx,cy[,width,height]"
+    )]
+    Unorganized {
+        /// Points in the cloud.
+        points: usize,
+    },
+    /// Columns or rows that do not run the way a camera's do.
+    #[error(
+        "the points do not run rightwards with x and downwards with y as a camera sees them: convert them to the camera frame (x right, y down, z forward) or give the camera, --camera fx,fy,cx,cy"
+    )]
+    NotPinhole,
+    /// The best pinhole camera does not explain the points.
+    #[error(
+        "the points miss the pixels of the best pinhole camera by {residual_px:.2} px rms (at most {MAX_RESIDUAL_PX}): give the camera, --camera fx,fy,cx,cy"
+    )]
+    CameraResidual {
+        /// Root mean square distance between projected points and their pixels.
+        residual_px: f64,
+    },
+    /// No point falls into the image of the camera.
+    #[error(
+        "none of the {points} points with depth falls into the {}x{} image: check the camera and the unit of the points (metres)",
+        size.0, size.1
+    )]
+    NothingInView {
+        /// Points with depth.
+        points: usize,
+        /// Columns and rows of the image.
+        size: (usize, usize),
+    },
+
+    /// A PNG that is broken or too large, or an image that cannot be written as PNG.
+    #[error("not a usable PNG image ({reason}): write the label image again")]
+    Png {
+        /// What the decoder says.
+        reason: String,
+    },
+    /// An image that is not one grey channel of 8 or 16 bits.
+    #[error(
+        "a label image has one grey channel of 8 or 16 bits, this one has {found}: save it as 16-bit greyscale PNG"
+    )]
+    NotGrey {
+        /// Kind of pixel found.
+        found: String,
+    },
+    /// A value of a scene is not a finite number.
+    #[error("{place} of the scene is not a finite number: this is a mistake in objecthood, please report it")]
+    NotFinite {
+        /// Where in the scene file it would stand.
+        place: String,
+    },
+    /// A scene that has no JSON form.
+    #[error("the scene has no JSON form ({reason}): this is a mistake in objecthood, please report it")]
+    NoJson {
+        /// What is wrong.
+        reason: serde_json::Error,
+    },
+    /// A file that could not be written; none of it is left.
+    #[error("{}: cannot be written ({reason}): {advice}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: io::Error,
+        /// What to do.
+        advice: &'static str,
+    },
+}
+
+impl Error {
+    /// The same error, said of the file at `path`. Whoever opens a file says its path, once.
+    #[must_use]
+    pub fn at(self, path: &Path) -> Self {
+        Self::At { path: path.to_owned(), error: Box::new(self) }
+    }
+}

@@ -1,0 +1,36 @@
+//! What goes in and out of objecthood: bytes to [`Frame`](objecthood::Frame), [`Discovery`](objecthood::Discovery) to bytes.
+//!
+//! In: [`open`] probes the list of formats (one so far, [`pcd`]) and yields a [`Capture`]. A point cloud carries no
+//! camera, so [`organize`] fits one to the points or takes the caller's.
+//!
+//! Out: [`label_image`] (16-bit PNG) and [`scene`] (JSON, with its schema); [`output::write_atomically`] puts the bytes
+//! on the disk, whole or not at all.
+//!
+//! Only [`open`] and [`output`] touch files; everything else goes from bytes to values and back, and bounds every
+//! length that a file claims by the bytes that are there.
+//!
+//! ```no_run
+//! use objecthood_io::{label_image, output, scene::SceneFile};
+//!
+//! let input = std::path::Path::new("learn0.pcd");
+//! let capture = objecthood_io::open(input, None)?;
+//! let params = objecthood::Params::default();
+//! let discovery = objecthood::discover(&capture.frame, &params)?;
+//!
+//! let scene = SceneFile::new("learn0.pcd", &capture.frame, capture.camera_fit.as_ref(), &params, &discovery);
+//! output::write_atomically("learn0.json".as_ref(), scene.to_json()?.as_bytes())?;
+//! output::write_atomically("learn0.labels.png".as_ref(), &label_image::encode(&discovery.labels)?)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod error;
+mod formats;
+pub mod label_image;
+pub mod organize;
+pub mod output;
+pub mod pcd;
+pub mod scene;
+
+pub use error::{Error, Result};
+pub use formats::{EXTENSIONS, decode, open};
+pub use organize::{CameraFit, Capture, GridCamera};

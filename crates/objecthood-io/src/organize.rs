@@ -1,0 +1,268 @@
+//! From a point cloud to a frame: every point to its pixel, and the camera that saw it so.
+//!
+//! * An *organized* cloud (HEIGHT above 1, or a single point) has a point, perhaps a missing one, for every pixel. Its
+//!   camera is fitted to the points ([`fit_camera`]) or given.
+//! * An *unorganized* cloud is a list. With the camera given, every point with depth goes to the pixel that sees it,
+//!   u = round(fx·x/z + cx), v = round(fy·y/z + cy); what falls outside is dropped, and of two points in a pixel the
+//!   later one stays. Pixels without a point have no depth, colour 0 and label 0 (METHOD 0).
+//!
+//! A point is missing when a coordinate is not finite or z is not positive; its label becomes 0. Depth is the z of the
+//! point, bit by bit. Only depth and camera are kept, not x and y.
+//!
+//! Some files (a still of the Point Cloud Library's tutorials among them) have the frame of computer graphics: x right,
+//! y up, z backward. Then not one point lies in front of the camera, and the cloud is turned by half about x.
+
+mod fit;
+mod grid_camera;
+
+pub use fit::{CameraFit, MAX_RESIDUAL_PX, fit_camera};
+pub use grid_camera::GridCamera;
+
+use objecthood::{Camera, Frame, Raster};
+
+use crate::error::{Error, Result};
+use crate::pcd::PointCloud;
+
+/// What a file shows: the frame, and what else it says about it.
+#[derive(Clone, Debug)]
+pub struct Capture {
+    /// Depth, colour and camera.
+    pub frame: Frame,
+    /// Label of every pixel as it stands in the file, of the size of the frame; 0 where there is no depth.
+    pub truth: Option<Raster<u32>>,
+    /// How well the camera fits the points; `None` when it was given.
+    pub camera_fit: Option<CameraFit>,
+    /// Whether the cloud was in the frame of computer graphics and was turned by half about x.
+    pub turned: bool,
+}
+
+/// Puts a cloud on the pixel grid. `camera` overrides the fit of organized clouds, which ignore its size unless it
+/// is given and wrong; unorganized ones need it.
+///
+/// # Errors
+/// * organized: those of [`fit_camera`] without a camera, [`Error::CameraSize`] with one of another size;
+/// * unorganized: [`Error::Unorganized`] without a camera, [`Error::NothingInView`] with a wrong one,
+///   [`Error::NoImageSize`] when its size is neither given nor implied;
+/// * both: [`Error::Frame`] with `NoValidDepth` when no point is valid.
+pub fn organize(mut cloud: PointCloud, camera: Option<&GridCamera>) -> Result<Capture> {
+    let turned = face_forward(&mut cloud.points_m);
+    let is_organized = cloud.height > 1 || cloud.width == 1;
+    let capture = match (is_organized, camera) {
+        (true, None) => {
+            let fit = fit_camera(&cloud)?;
+            keep_grid(cloud, fit.camera, Some(fit))
+        }
+        (true, Some(given)) => match given.size {
+            Some(size) if size != (cloud.width, cloud.height) => {
+                Err(Error::CameraSize { given: size, cloud: (cloud.width, cloud.height) })
+            }
+            _ => keep_grid(cloud, given.camera, None),
+        },
+        (false, None) => Err(Error::Unorganized { points: cloud.points_m.len() }),
+        (false, Some(given)) => to_grid(&cloud, given),
+    }?;
+    Ok(Capture { turned, ..capture })
+}
+
+/// Turns points by half about x unless one of them lies in front of the camera; says whether it did.
+fn face_forward(points_m: &mut [[f32; 3]]) -> bool {
+    let turns = !points_m.iter().any(|&point| is_valid(point));
+    if turns {
+        points_m.iter_mut().for_each(|[_, y, z]| (*y, *z) = (-*y, -*z));
+    }
+    turns
+}
+
+/// Whether a point was seen.
+fn is_valid([x, y, z]: [f32; 3]) -> bool {
+    x.is_finite() && y.is_finite() && z.is_finite() && z > 0.0
+}
+
+fn keep_grid(cloud: PointCloud, camera: Camera, camera_fit: Option<CameraFit>) -> Result<Capture> {
+    let PointCloud { width, height, points_m, color, label } = cloud;
+    let depth_m = points_m.iter().map(|&point| if is_valid(point) { point[2] } else { f32::NAN });
+    let depth_m = Raster::from_vec(width, height, depth_m.collect())?;
+    let color = color.map(|color| Raster::from_vec(width, height, color)).transpose()?;
+    let truth = label.map(|mut label| {
+        let missing = label.iter_mut().zip(&points_m).filter(|(_, point)| !is_valid(**point));
+        missing.for_each(|(label, _)| *label = 0);
+        Raster::from_vec(width, height, label)
+    });
+    let truth = truth.transpose()?;
+    Ok(Capture { frame: Frame::new(depth_m, color, camera)?, truth, camera_fit, turned: false })
+}
+
+fn to_grid(cloud: &PointCloud, given: &GridCamera) -> Result<Capture> {
+    let (width, height) = given.image_size()?;
+    let mut depth_m = Raster::filled(width, height, f32::NAN)?;
+    let mut color = cloud.color.as_ref().map(|_| Raster::filled(width, height, [0; 3])).transpose()?;
+    let mut truth = cloud.label.as_ref().map(|_| Raster::filled(width, height, 0)).transpose()?;
+
+    let (mut valid, mut placed) = (0_usize, 0_usize);
+    for (k, &point) in cloud.points_m.iter().enumerate().filter(|(_, point)| is_valid(**point)) {
+        valid += 1;
+        let (u, v) = given.camera.project(point);
+        let (Some(u), Some(v)) = (nearest(u, width), nearest(v, height)) else { continue };
+        placed += 1;
+        let pixel = v * width + u;
+        depth_m.as_mut_slice()[pixel] = point[2];
+        if let (Some(raster), Some(color)) = (&mut color, &cloud.color) {
+            raster.as_mut_slice()[pixel] = color[k];
+        }
+        if let (Some(raster), Some(label)) = (&mut truth, &cloud.label) {
+            raster.as_mut_slice()[pixel] = label[k];
+        }
+    }
+    if valid > 0 && placed == 0 {
+        return Err(Error::NothingInView { points: valid, size: (width, height) });
+    }
+    Ok(Capture { frame: Frame::new(depth_m, color, given.camera)?, truth, camera_fit: None, turned: false })
+}
+
+/// The pixel nearest to `x` of `count`, ties to even; `None` outside and for NaN.
+fn nearest(x: f64, count: usize) -> Option<usize> {
+    let x = x.round_ties_even();
+    (x >= 0.0 && x < count as f64).then_some(x as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NAN: [f32; 3] = [f32::NAN; 3];
+
+    fn camera() -> Camera {
+        Camera::new(10.0, 12.0, 3.5, 2.5).unwrap()
+    }
+
+    /// 8 x 6 points on a slanted plane, one of them missing.
+    fn organized() -> PointCloud {
+        let pixel = |i: usize| camera().back_project(i % 8, i / 8, 1.0 + i as f32 / 100.0);
+        let mut points_m: Vec<_> = (0..48).map(pixel).collect();
+        points_m[7] = NAN;
+        let color = (0..48).map(|i| [i as u8, 1, 2]).collect();
+        PointCloud { width: 8, height: 6, points_m, color: Some(color), label: Some((100..148).collect()) }
+    }
+
+    fn flattened(cloud: &PointCloud, keep: impl Fn([f32; 3]) -> bool) -> PointCloud {
+        let kept: Vec<usize> = (0..cloud.points_m.len()).filter(|&i| keep(cloud.points_m[i])).collect();
+        PointCloud {
+            width: kept.len(),
+            height: 1,
+            points_m: kept.iter().map(|&i| cloud.points_m[i]).collect(),
+            color: cloud.color.as_ref().map(|color| kept.iter().map(|&i| color[i]).collect()),
+            label: cloud.label.as_ref().map(|label| kept.iter().map(|&i| label[i]).collect()),
+        }
+    }
+
+    fn bits(frame: &Frame) -> Vec<u32> {
+        frame.depth_m().as_slice().iter().map(|z| z.to_bits()).collect()
+    }
+
+    #[test]
+    fn an_organized_cloud_keeps_depth_colour_and_label() {
+        let cloud = organized();
+        let capture = organize(cloud.clone(), None).unwrap();
+        assert_eq!(capture.frame.size(), (8, 6));
+        assert_eq!(capture.frame.depth_m()[20], cloud.points_m[20][2]);
+        assert!(capture.frame.depth_m()[7].is_nan());
+        assert_eq!(capture.frame.color().unwrap()[7], [7, 1, 2]);
+        let truth = capture.truth.unwrap();
+        assert_eq!((truth[6], truth[7], truth[8]), (106, 0, 108));
+        assert!((capture.frame.camera().fx_px - 10.0).abs() < 1e-4);
+        assert!(capture.camera_fit.unwrap().residual_px < 1e-4);
+    }
+
+    #[test]
+    fn a_given_camera_replaces_the_fit() {
+        let other = Camera::new(20.0, 20.0, 0.0, 0.0).unwrap();
+        for size in [None, Some((8, 6))] {
+            let capture = organize(organized(), Some(&GridCamera { camera: other, size })).unwrap();
+            assert_eq!(capture.frame.camera(), other);
+            assert!(capture.camera_fit.is_none());
+        }
+        let wrong = GridCamera { camera: other, size: Some((6, 8)) };
+        assert!(matches!(organize(organized(), Some(&wrong)), Err(Error::CameraSize { .. })));
+    }
+
+    #[test]
+    fn a_flattened_cloud_comes_back_to_its_grid() {
+        let cloud = organized();
+        let grid = organize(cloud.clone(), None).unwrap();
+        for list in [flattened(&cloud, |_| true), flattened(&cloud, is_valid)] {
+            let again = organize(list, Some(&GridCamera { camera: camera(), size: None })).unwrap();
+            assert_eq!(bits(&again.frame), bits(&grid.frame));
+            assert_eq!(again.truth, grid.truth);
+            assert_eq!(again.frame.color().unwrap()[7], [0; 3], "no point, no colour");
+            assert_eq!(again.frame.color().unwrap()[8], [8, 1, 2]);
+        }
+    }
+
+    #[test]
+    fn a_cloud_in_the_frame_of_graphics_is_turned() {
+        let cloud = organized();
+        let mut graphics = cloud.clone();
+        graphics.points_m.iter_mut().for_each(|point| *point = [point[0], -point[1], -point[2]]);
+        let given = GridCamera { camera: camera(), size: None };
+        for camera in [None, Some(&given)] {
+            let (plain, turned) =
+                (organize(cloud.clone(), camera).unwrap(), organize(graphics.clone(), camera).unwrap());
+            assert_eq!(bits(&turned.frame), bits(&plain.frame));
+            assert_eq!(turned.camera_fit, plain.camera_fit);
+            assert!(turned.turned && !plain.turned);
+        }
+        // Points behind the camera are missing as long as one is in front of it.
+        graphics.points_m[20] = cloud.points_m[20];
+        let mixed = organize(graphics, Some(&given)).unwrap();
+        assert_eq!((0..48).filter(|&i| mixed.frame.is_valid(i)).collect::<Vec<_>>(), [20]);
+    }
+
+    #[test]
+    fn the_later_point_stays_and_the_outside_is_dropped() {
+        let points_m =
+            vec![[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [100.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0, f32::NAN, 5.0]];
+        let cloud =
+            PointCloud { width: 5, height: 1, points_m, color: None, label: Some(vec![1, 2, 3, 4, 5]) };
+        let given = GridCamera { camera: Camera::new(1.0, 1.0, 1.0, 0.0).unwrap(), size: Some((2, 1)) };
+        let capture = organize(cloud, Some(&given)).unwrap();
+        assert_eq!(capture.frame.depth_m()[1], 2.0);
+        assert!(capture.frame.depth_m()[0].is_nan());
+        assert_eq!(capture.truth.unwrap().as_slice(), [0, 2]);
+        assert!(capture.frame.color().is_none());
+    }
+
+    #[test]
+    fn an_unorganized_cloud_needs_a_fitting_camera() {
+        let list = flattened(&organized(), is_valid);
+        let said = |camera: Option<GridCamera>| organize(list.clone(), camera.as_ref()).unwrap_err();
+        assert!(matches!(said(None), Error::Unorganized { points: 47 }));
+        let far = Camera::new(10.0, 10.0, -500.0, 2.5).unwrap();
+        assert!(matches!(said(Some(GridCamera { camera: far, size: None })), Error::NoImageSize { .. }));
+        let aside = GridCamera { camera: far, size: Some((8, 6)) };
+        assert!(matches!(said(Some(aside)), Error::NothingInView { points: 47, .. }));
+    }
+
+    #[test]
+    fn no_valid_point_is_told_in_every_way_of_opening() {
+        let given = GridCamera { camera: camera(), size: None };
+        for (width, height) in [(4, 2), (8, 1), (1, 8), (1, 1)] {
+            for bad in [NAN, [0.0; 3], [0.0, 0.0, f32::INFINITY]] {
+                let points_m = vec![bad; width * height];
+                let cloud = PointCloud { width, height, points_m, color: None, label: None };
+                let given = (height == 1 && width > 1).then_some(&given);
+                let error = organize(cloud, given).unwrap_err();
+                assert!(matches!(error, Error::Frame(objecthood::Error::NoValidDepth)), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_are_rounded_and_bounded() {
+        assert_eq!(nearest(-0.5, 3), Some(0));
+        assert_eq!(nearest(-0.51, 3), None);
+        assert_eq!(nearest(2.49, 3), Some(2));
+        assert_eq!(nearest(2.51, 3), None);
+        assert_eq!(nearest(f64::NAN, 3), None);
+        assert_eq!(nearest(f64::INFINITY, 3), None);
+    }
+}

@@ -1,0 +1,133 @@
+//! Files that appear whole or not at all.
+
+use std::fs;
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// Writes `bytes` to the file at `path`, which appears, or is replaced, only when all of them are written.
+///
+/// They go to a temporary file in the same folder, which then takes the name `path`. If that fails nothing is left
+/// behind and an earlier file keeps its content. The file has the permissions of any file newly made.
+///
+/// # Errors
+/// [`Error::Write`] names the path, what the system says and what to do.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
+    try_write(path, bytes).map_err(|reason| Error::Write {
+        path: path.to_owned(),
+        advice: advice(reason.kind()),
+        reason,
+    })
+}
+
+fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    // Taking the name of a device would replace it by a file.
+    if fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+        return Err(io::Error::new(ErrorKind::AlreadyExists, "a folder or device of that name exists"));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // Made as any file is, so that its permissions honour the umask.
+    let make = |part: &Path| fs::File::create_new(part);
+    let mut file = tempfile::Builder::new().prefix(".objecthood-").suffix(".part").make_in(folder, make)?;
+    file.as_file_mut().write_all(bytes)?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+fn advice(kind: ErrorKind) -> &'static str {
+    match kind {
+        ErrorKind::NotFound | ErrorKind::NotADirectory => "make the folder, or correct the path",
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            "choose a folder in which you may write"
+        }
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            "make room on the disk"
+        }
+        ErrorKind::AlreadyExists | ErrorKind::IsADirectory => "choose another name",
+        _ => "check the folder and the disk",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_appears_and_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.json");
+        write_atomically(&path, b"first").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"first");
+        write_atomically(&path, b"second").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"second");
+        assert_eq!(names(folder.path()), ["out.json"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn permissions_are_those_of_a_new_file() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (ours, plain) = (folder.path().join("ours"), folder.path().join("plain"));
+        write_atomically(&ours, b"").unwrap();
+        fs::write(&plain, b"").unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&ours), mode(&plain));
+    }
+
+    #[test]
+    fn what_is_in_the_way_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("dir")).unwrap();
+        fs::write(folder.path().join("file"), b"content").unwrap();
+        for (path, advice) in [
+            ("dir", "choose another name"),
+            ("missing/out", "make the folder"),
+            ("file/out", "make the folder"),
+        ] {
+            let path = folder.path().join(path);
+            let message = write_atomically(&path, b"new").unwrap_err().to_string();
+            assert!(message.starts_with(&format!("{}: cannot be written", path.display())), "{message}");
+            assert!(message.contains(advice) && !message.contains(".part"), "{message}");
+        }
+        assert_eq!(names(folder.path()), ["dir", "file"]);
+        assert_eq!(fs::read(folder.path().join("file")).unwrap(), b"content");
+    }
+
+    #[test]
+    fn a_failed_rename_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x".repeat(300));
+        assert!(write_atomically(&path, b"new").is_err());
+        assert!(names(folder.path()).is_empty());
+    }
+
+    /// Through a link, so that the machine keeps its device even when this fails.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_device_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("full");
+        std::os::unix::fs::symlink("/dev/full", &link).unwrap();
+        let message = write_atomically(&link, b"new").unwrap_err().to_string();
+        assert!(message.contains("choose another name"), "{message}");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_explained() {
+        let mut full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        assert_eq!(advice(full.write_all(b"new").unwrap_err().kind()), "make room on the disk");
+    }
+}

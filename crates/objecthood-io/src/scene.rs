@@ -1,0 +1,420 @@
+//! The scene file: what was found in a frame, as JSON.
+//!
+//! These types are the contract with whoever reads the files; they follow [`Discovery`] but change only with
+//! [`SCHEMA_VERSION`]. Their schema, made from the texts below, is published as `docs/scene.schema.json`.
+
+use objecthood::objectness::gravity;
+use objecthood::objectness::support::NodeKind;
+use objecthood::{Discovery, Frame, Params};
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use crate::error::{Error, Result};
+use crate::organize::CameraFit;
+
+/// Version of the schema that is written. A reader of version 1 can read every file of version 1.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// What objecthood found in one RGB-D frame.
+///
+/// Camera frame: x right, y down, z forward along the optical axis, metres. Pixels: u counts columns to the right,
+/// v rows downwards, both from 0; the centres of pixels lie at integers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "objecthood scene")]
+pub struct SceneFile {
+    /// Version of this schema: 1.
+    #[schemars(range(min = 1, max = 1))]
+    pub schema_version: u32,
+    /// Version of objecthood that wrote the file.
+    #[schemars(length(min = 1))]
+    pub objecthood_version: String,
+    /// Path of the input, as it was given.
+    pub input: String,
+    /// Method that looked at the frame.
+    #[schemars(length(min = 1))]
+    pub method: String,
+    /// SHA-256 of all parameters, in hexadecimal. Equal inputs with equal fingerprints and versions give equal outputs.
+    #[schemars(regex(pattern = "^[0-9a-f]{64}$"))]
+    pub parameters_fingerprint: String,
+    /// Size of the image.
+    pub image: ImageSize,
+    /// The camera that saw it.
+    pub camera: PinholeCamera,
+    /// The direction against gravity.
+    pub up: UpDirection,
+    /// Large planes of the scene: the table, the floor.
+    pub structure_planes: Vec<StructurePlane>,
+    /// The objects, in the order of their numbers in the label image.
+    pub objects: Vec<SceneObject>,
+    /// What stands on what.
+    pub support: Support,
+    /// What the user should know about how this came about.
+    pub notices: Vec<String>,
+}
+
+/// Size of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ImageSize {
+    /// Number of columns (px).
+    #[schemars(range(min = 1))]
+    pub width_px: usize,
+    /// Number of rows (px).
+    #[schemars(range(min = 1))]
+    pub height_px: usize,
+}
+
+/// A pinhole camera: a point (x, y, z) is seen at u = `fx_px` x/z + `cx_px`, v = `fy_px` y/z + `cy_px`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PinholeCamera {
+    /// Focal length along the columns (px).
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub fx_px: f64,
+    /// Focal length along the rows (px).
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub fy_px: f64,
+    /// Column of the principal point (px).
+    pub cx_px: f64,
+    /// Row of the principal point (px).
+    pub cy_px: f64,
+    /// Root mean square distance between points and their pixels (px) when the camera was fitted to the points;
+    /// absent when it was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", range(min = 0))]
+    pub fit_residual_px: Option<f64>,
+}
+
+/// The direction against gravity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UpDirection {
+    /// Unit vector in the camera frame.
+    pub direction: [f32; 3],
+    /// Where it was taken from.
+    pub source: UpSource,
+}
+
+/// Where the direction against gravity was taken from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum UpSource {
+    /// The normal of the dominant plane.
+    Plane,
+    /// The camera's own vertical: asked for, or there is no plane.
+    Camera,
+}
+
+/// A plane: the points X with normal · X + `offset_m` = 0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StructurePlane {
+    /// Unit normal in the camera frame, towards the side of the camera.
+    pub normal: [f32; 3],
+    /// Distance of the camera from the plane (m).
+    pub offset_m: f32,
+    /// Share of the frame's valid points that lie on it.
+    #[schemars(range(min = 0, max = 1))]
+    pub inlier_share: f32,
+}
+
+/// One thing that can be grasped and moved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SceneObject {
+    /// Its number in the label image.
+    #[schemars(range(min = 1))]
+    pub id: u16,
+    /// How sure it is.
+    #[schemars(range(min = 0, max = 1))]
+    pub objectness: f32,
+    /// What the objectness is made of.
+    #[serde(with = "ObjectnessParts")]
+    pub parts: objecthood::ObjectnessParts,
+    /// Its pixels in the label image (px).
+    #[schemars(range(min = 1))]
+    pub size_px: usize,
+    /// The smallest upright rectangle around its pixels.
+    pub box_px: PixelBox,
+    /// Mean of its points, camera frame (m).
+    pub centroid_m: [f32; 3],
+    /// Oriented box around its points, one axis along up.
+    pub box_m: OrientedBox,
+    /// Number of facets it is made of.
+    pub facets: usize,
+    /// Its node: index into the nodes of the support graph.
+    pub node: u32,
+    /// The nodes that it stands on or leans against.
+    pub parents: Vec<u32>,
+}
+
+/// The evidence behind an objectness, by method.
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[serde(remote = "objecthood::ObjectnessParts", untagged, deny_unknown_fields)]
+#[non_exhaustive]
+pub enum ObjectnessParts {
+    /// Of the method `paper`.
+    Paper {
+        /// Whether its longest side has the size of something graspable.
+        size_ok: bool,
+        /// P(S) of its best parent: how well that can carry something; 0 without a parent.
+        #[schemars(range(min = 0, max = 1))]
+        p_s: f32,
+        /// P(O): the probability that it is an object by what carries it.
+        #[schemars(range(min = 0, max = 1))]
+        p_o: f32,
+    },
+}
+
+/// An upright rectangle of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PixelBox {
+    /// Leftmost column (px).
+    pub u: usize,
+    /// Topmost row (px).
+    pub v: usize,
+    /// Number of columns (px).
+    #[schemars(range(min = 1))]
+    pub width: usize,
+    /// Number of rows (px).
+    #[schemars(range(min = 1))]
+    pub height: usize,
+}
+
+/// A box with any orientation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OrientedBox {
+    /// Its middle, camera frame (m).
+    pub center_m: [f32; 3],
+    /// Rotation that takes its axes to the camera frame, as a unit quaternion x, y, z, w.
+    pub rotation_xyzw: [f32; 4],
+    /// Full length of its sides (m), along its own x, y and z axes.
+    #[schemars(inner(range(min = 0)))]
+    pub extents_m: [f32; 3],
+}
+
+/// What stands on what: a directed graph without cycles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Support {
+    /// The shapes; others refer to them by index, from 0.
+    pub nodes: Vec<SupportNode>,
+    /// Which carries which, sorted by (lower, upper).
+    pub edges: Vec<SupportEdge>,
+}
+
+/// A shape in the support graph.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SupportNode {
+    /// Number of the object that it is; absent when it is none: the table, or too large, too small, without support.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "u16", range(min = 1))]
+    pub object: Option<u16>,
+    /// P(S): how well it can carry something.
+    #[schemars(range(min = 0, max = 1))]
+    pub p_s: f32,
+    /// P(O): the probability that it is an object by what carries it.
+    #[schemars(range(min = 0, max = 1))]
+    pub p_o: f32,
+    /// Mean height along up, relative to the camera (m).
+    pub height_m: f32,
+    /// Its pixels with depth (px).
+    pub size_px: usize,
+}
+
+/// The lower one of two shapes in contact carries the upper one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SupportEdge {
+    /// Node of the carrier.
+    pub lower: u32,
+    /// Node of what it carries.
+    pub upper: u32,
+    /// Pairs of neighbouring points in contact.
+    pub contacts: u32,
+}
+
+impl SceneFile {
+    /// The scene file of a frame. `input` is its path as the user gave it, `fit` how its camera was found, if it was
+    /// not given.
+    pub fn new(
+        input: &str,
+        frame: &Frame,
+        fit: Option<&CameraFit>,
+        params: &Params,
+        discovery: &Discovery,
+    ) -> Self {
+        let (width_px, height_px) = frame.size();
+        let objecthood::Camera { fx_px, fy_px, cx_px, cy_px } = frame.camera();
+        let fit_residual_px = fit.map(|fit| fit.residual_px);
+        Self {
+            schema_version: SCHEMA_VERSION,
+            objecthood_version: env!("CARGO_PKG_VERSION").to_owned(),
+            input: input.to_owned(),
+            method: params.method.to_string(),
+            parameters_fingerprint: fingerprint(params),
+            image: ImageSize { width_px, height_px },
+            camera: PinholeCamera { fx_px, fy_px, cx_px, cy_px, fit_residual_px },
+            up: (&discovery.up).into(),
+            structure_planes: discovery.structure_planes.iter().map(StructurePlane::from).collect(),
+            objects: discovery.objects.iter().map(SceneObject::from).collect(),
+            support: (&discovery.support).into(),
+            notices: discovery.notices.iter().map(ToString::to_string).collect(),
+        }
+    }
+
+    /// The content of the file.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] names the place of a value that JSON cannot hold, [`Error::NoJson`] tells of a kind of
+    /// value that this version of the schema does not know. Neither happens to what [`objecthood::discover`] found.
+    pub fn to_json(&self) -> Result<String> {
+        let no_json = |reason| Error::NoJson { reason };
+        if let Some(place) = first_null(&serde_json::to_value(self).map_err(no_json)?) {
+            return Err(Error::NotFinite { place });
+        }
+        Ok(serde_json::to_string_pretty(self).map_err(no_json)? + "\n")
+    }
+}
+
+/// Where in a scene the first null stands. A number that is not finite becomes one, and nothing else does.
+fn first_null(value: &Value) -> Option<String> {
+    let inside = |place: String, value: &Value| first_null(value).map(|rest| place + &rest);
+    match value {
+        Value::Null => Some(String::new()),
+        Value::Array(values) => {
+            values.iter().enumerate().find_map(|(k, value)| inside(format!("[{k}]"), value))
+        }
+        Value::Object(map) => map.iter().find_map(|(key, value)| inside(format!(".{key}"), value)),
+        Value::Bool(_) | Value::Number(_) | Value::String(_) => None,
+    }
+}
+
+impl From<&gravity::Up> for UpDirection {
+    fn from(up: &gravity::Up) -> Self {
+        let source = match up.source {
+            gravity::UpSource::Plane => UpSource::Plane,
+            gravity::UpSource::Camera => UpSource::Camera,
+        };
+        Self { direction: up.direction, source }
+    }
+}
+
+impl From<&gravity::StructurePlane> for StructurePlane {
+    fn from(&gravity::StructurePlane { normal, offset_m, inlier_share }: &gravity::StructurePlane) -> Self {
+        Self { normal, offset_m, inlier_share }
+    }
+}
+
+impl From<&objecthood::Object> for SceneObject {
+    fn from(object: &objecthood::Object) -> Self {
+        let objecthood::PixelBox { u, v, width, height } = object.box_px;
+        let objecthood::OrientedBox { center_m, rotation_xyzw, extents_m } = object.box_m;
+        Self {
+            id: object.id.0,
+            objectness: object.objectness,
+            parts: object.parts,
+            size_px: object.size_px,
+            box_px: PixelBox { u, v, width, height },
+            centroid_m: object.centroid_m,
+            box_m: OrientedBox { center_m, rotation_xyzw, extents_m },
+            facets: object.facets,
+            node: object.node.0,
+            parents: object.parents.iter().map(|node| node.0).collect(),
+        }
+    }
+}
+
+impl From<&objecthood::objectness::support::SupportGraph> for Support {
+    fn from(graph: &objecthood::objectness::support::SupportGraph) -> Self {
+        let nodes = graph.nodes.iter().map(|node| SupportNode {
+            object: match node.kind {
+                NodeKind::Object { object } => Some(object.0),
+                NodeKind::Surface => None,
+            },
+            p_s: node.p_s,
+            p_o: node.p_o,
+            height_m: node.height_m,
+            size_px: node.size_px,
+        });
+        let edges = graph.edges.iter().map(|edge| SupportEdge {
+            lower: edge.lower.0,
+            upper: edge.upper.0,
+            contacts: edge.contacts,
+        });
+        Self { nodes: nodes.collect(), edges: edges.collect() }
+    }
+}
+
+/// SHA-256 of all parameters as canonical JSON (keys sorted, no spaces), in hexadecimal.
+pub fn fingerprint(params: &Params) -> String {
+    let value = serde_json::to_value(params).expect("parameters are numbers, switches and words");
+    let mut text = String::new();
+    write_canonical(&value, &mut text);
+    Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Writes JSON with sorted keys, whatever order the map has in this build of `serde_json`.
+fn write_canonical(value: &Value, text: &mut String) {
+    let Value::Object(map) = value else {
+        return *text += &value.to_string();
+    };
+    let mut entries: Vec<(&String, &Value)> = map.iter().collect();
+    entries.sort_by_key(|(key, _)| *key);
+    for (k, (key, value)) in entries.into_iter().enumerate() {
+        *text += if k == 0 { "{" } else { "," };
+        *text += &Value::from(key.as_str()).to_string();
+        *text += ":";
+        write_canonical(value, text);
+    }
+    *text += if map.is_empty() { "{}" } else { "}" };
+}
+
+/// The JSON Schema (2020-12) of scene files.
+pub fn schema() -> String {
+    let generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
+    let schema = generator.into_root_schema_for::<SceneFile>();
+    serde_json::to_string_pretty(&schema).expect("a schema is JSON") + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn canonical_json_does_not_depend_on_order() {
+        let text = |json: &str| {
+            let mut text = String::new();
+            write_canonical(&serde_json::from_str(json).unwrap(), &mut text);
+            text
+        };
+        assert_eq!(
+            text(r#"{"b": {"z": 1, "y": [1.5, "a\n"]}, "a": {}}"#),
+            r#"{"a":{},"b":{"y":[1.5,"a\n"],"z":1}}"#
+        );
+    }
+
+    #[test]
+    fn the_fingerprint_tells_parameters_apart() {
+        let default = fingerprint(&Params::default());
+        assert_eq!(default.len(), 64);
+        assert_eq!(default, fingerprint(&Params::default()));
+        let mut other = Params::default();
+        other.curvature.threshold += 0.01;
+        assert_ne!(default, fingerprint(&other));
+    }
+
+    #[test]
+    fn the_place_of_a_null_is_named() {
+        let value = serde_json::json!({"a": [1, {"b": [0, null]}]});
+        assert_eq!(first_null(&value).unwrap(), ".a[1].b[1]");
+        assert_eq!(first_null(&serde_json::json!({"a": []})), None);
+    }
+}
