@@ -1,0 +1,120 @@
+//! Why something cannot be evaluated; each message says what to do.
+
+use std::path::PathBuf;
+
+use crate::mosd::Split;
+
+/// Result with this crate's [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why something cannot be evaluated.
+///
+/// What caused an error is part of its message, so it is not repeated by [`source`](std::error::Error::source).
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A folder of the data set cannot be listed.
+    #[error("{}: cannot list the folder ({reason}): give the folder that holds the folders of scenes", path.display())]
+    ReadFolder {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        reason: std::io::Error,
+    },
+    /// The data set has no such scenes.
+    #[error(
+        "{}: no scenes of split `{split}`: {}", root.display(),
+        if folders.is_empty() {
+            "it holds no folders; give the folder that holds the folders of scenes (.pcd files)".to_owned()
+        } else {
+            format!("the splits there are: all, {}", folders.join(", "))
+        }
+    )]
+    NoScenes {
+        /// The data set.
+        root: PathBuf,
+        /// What was asked for.
+        split: Split,
+        /// The folders in it.
+        folders: Vec<String>,
+    },
+    /// Two scenes that nothing tells apart in a report or a folder of label images.
+    #[error("{} and {} have the same name: evaluate one folder at a time with --split", first.display(), second.display())]
+    SameName {
+        /// A scene.
+        first: PathBuf,
+        /// Another of its name.
+        second: PathBuf,
+    },
+    /// A scene file or label image with something wrong in it; the message names it.
+    #[error(transparent)]
+    Input(#[from] objecthood_io::Error),
+    /// A scene file without truth.
+    #[error("{}: no truth: the file has no `label` field, so only `segment` can use it", path.display())]
+    NoTruth {
+        /// The scene.
+        path: PathBuf,
+    },
+    /// A label image that is not there or cannot be read.
+    #[error("{}: no label image for scene {scene} ({reason}): check folder and suffix", path.display())]
+    ReadLabels {
+        /// Name of the scene.
+        scene: String,
+        /// Where its label image should be.
+        path: PathBuf,
+        /// Why it cannot be read.
+        reason: std::io::Error,
+    },
+    /// A label image of another size than the truth.
+    #[error(
+        "the label image has {}x{} pixels, the truth {}x{}: give the labels of this scene",
+        labels.0, labels.1, truth.0, truth.1
+    )]
+    PredictionSize {
+        /// Columns and rows of the label image.
+        labels: (usize, usize),
+        /// Columns and rows of the truth.
+        truth: (usize, usize),
+    },
+    /// Segments of another size than the truth.
+    #[error(
+        "the segments have {}x{} pixels, the truth {}x{}: give the segments of this scene",
+        segments.0, segments.1, truth.0, truth.1
+    )]
+    SegmentsSize {
+        /// Columns and rows of the segments.
+        segments: (usize, usize),
+        /// Columns and rows of the truth.
+        truth: (usize, usize),
+    },
+    /// Labels and parts of a truth of different size.
+    #[error(
+        "the truth has {}x{} pixels, its parts {}x{}: give both for the same frame",
+        labels.0, labels.1, parts.0, parts.1
+    )]
+    PartsSize {
+        /// Columns and rows of the labels.
+        labels: (usize, usize),
+        /// Columns and rows of the parts.
+        parts: (usize, usize),
+    },
+    /// More pairs of regions than memory should hold.
+    #[error("{rows} x {columns} regions are too many to compare: check that the labels are not noise")]
+    TooManyRegions {
+        /// Regions of one map.
+        rows: usize,
+        /// Regions of the other.
+        columns: usize,
+    },
+    /// Nothing to measure.
+    #[error("no scene has an object in its truth: there is nothing to measure")]
+    NoObjects,
+    /// What went wrong with one scene.
+    #[error("{}: {error}", path.display())]
+    InScene {
+        /// The scene.
+        path: PathBuf,
+        /// What it is.
+        error: Box<Error>,
+    },
+}

@@ -1,0 +1,113 @@
+//! Running something over the scenes of a data set and scoring what comes out.
+
+use std::fs;
+use std::path::PathBuf;
+
+use objecthood::Raster;
+use objecthood_io::{GridCamera, label_image};
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::mosd::{Scene, SceneRef};
+use crate::report::{Report, SceneReport};
+use crate::score::score;
+use crate::stages::Stages;
+
+/// What is said about a scene.
+#[derive(Clone, Debug)]
+pub struct Prediction {
+    /// The object of every pixel: 0 = none, other values = one object each.
+    pub labels: Raster<u16>,
+    /// The diagnostics of the stages before it, if they were watched.
+    pub stages: Option<Stages>,
+}
+
+/// Scores what `predict` says about each scene.
+///
+/// Scenes run in parallel and are reported in the order given; no more of them than there are threads are in memory.
+/// `camera` is that of [`SceneRef::load`]. An error of `predict` is returned as it is, so it should name the scene.
+///
+/// # Errors
+/// Of the scenes that fail, what the first one fails with; [`Error::NoObjects`] when no scene holds an object.
+pub fn evaluate<E: From<Error> + Send>(
+    scenes: &[SceneRef],
+    camera: Option<&GridCamera>,
+    predict: impl Fn(&Scene, &SceneRef) -> std::result::Result<Prediction, E> + Sync,
+) -> std::result::Result<Report, E> {
+    let reports = for_each_scene(scenes, camera, |scene, reference| {
+        Ok::<_, E>(report(scene, reference, &predict(scene, reference)?)?)
+    })?;
+    Ok(Report::new(reports)?)
+}
+
+/// As [`evaluate`] for each of `settings`, one report a setting; every scene is read only once.
+///
+/// # Errors
+/// As [`evaluate`].
+pub fn evaluate_settings<S: Sync, E: From<Error> + Send>(
+    scenes: &[SceneRef],
+    camera: Option<&GridCamera>,
+    settings: &[S],
+    predict: impl Fn(&S, &Scene, &SceneRef) -> std::result::Result<Prediction, E> + Sync,
+) -> std::result::Result<Vec<Report>, E> {
+    let by_scene = for_each_scene(scenes, camera, |scene, reference| {
+        let reports = settings.iter().map(|s| Ok(report(scene, reference, &predict(s, scene, reference)?)?));
+        reports.collect::<std::result::Result<Vec<SceneReport>, E>>()
+    })?;
+    let mut by_setting = vec![Vec::with_capacity(scenes.len()); settings.len()];
+    for reports in by_scene {
+        for (of_setting, report) in by_setting.iter_mut().zip(reports) {
+            of_setting.push(report);
+        }
+    }
+    by_setting.into_iter().map(|reports| Ok(Report::new(reports)?)).collect()
+}
+
+fn report(scene: &Scene, reference: &SceneRef, prediction: &Prediction) -> Result<SceneReport> {
+    let score = score(&prediction.labels, &scene.truth)
+        .map_err(|error| Error::InScene { path: reference.path.clone(), error: Box::new(error) })?;
+    let SceneRef { name, folder, .. } = reference.clone();
+    Ok(SceneReport { name, folder, score, stages: prediction.stages })
+}
+
+/// Loads the scenes and applies `work`, one scene a thread. A batch ends before the next begins, because a thread that
+/// waits within `work` would otherwise begin another scene meanwhile, and another within that.
+fn for_each_scene<T: Send, E: From<Error> + Send>(
+    scenes: &[SceneRef],
+    camera: Option<&GridCamera>,
+    work: impl Fn(&Scene, &SceneRef) -> std::result::Result<T, E> + Sync,
+) -> std::result::Result<Vec<T>, E> {
+    let mut done = Vec::with_capacity(scenes.len());
+    for batch in scenes.chunks(rayon::current_num_threads()) {
+        let results: Vec<_> = batch.par_iter().map(|r| work(&r.load(camera)?, r)).collect();
+        for result in results {
+            done.push(result?);
+        }
+    }
+    Ok(done)
+}
+
+/// A folder of label images, `<scene><suffix>` each: 8- or 16-bit grey PNG, 0 = none.
+#[derive(Clone, Debug)]
+pub struct LabelFolder {
+    /// The folder.
+    pub path: PathBuf,
+    /// What follows the name of the scene, for example `.labels.png`.
+    pub suffix: String,
+}
+
+impl LabelFolder {
+    /// The label image of `scene`.
+    ///
+    /// # Errors
+    /// [`Error::ReadLabels`] when there is none or it cannot be read, [`Error::Input`] when it is no label image.
+    pub fn read(&self, scene: &SceneRef) -> Result<Prediction> {
+        let path = self.path.join(format!("{}{}", scene.name, self.suffix));
+        let bytes = fs::read(&path).map_err(|reason| {
+            let scene = scene.name.clone();
+            Error::ReadLabels { scene, path: path.clone(), reason }
+        })?;
+        let labels = label_image::decode(&bytes).map_err(|error| error.at(&path))?;
+        Ok(Prediction { labels, stages: None })
+    }
+}

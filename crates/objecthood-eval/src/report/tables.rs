@@ -1,0 +1,209 @@
+//! Reports as text tables: Markdown, with the columns aligned.
+
+use std::fmt;
+
+use super::{Report, SceneReport};
+use crate::metrics::Prf;
+use crate::mosd;
+use crate::verdict::VerdictCounts;
+
+/// The paper's table: what became of the objects, per folder and, where a scene is named as in mOSD, per category.
+pub struct VerdictsTable<'a>(
+    /// What to show.
+    pub &'a Report,
+);
+
+impl fmt::Display for VerdictsTable<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scenes: Vec<&SceneReport> = self.0.scenes.iter().collect();
+        let mut rows = Vec::new();
+        let folders: Vec<_> = scenes.chunk_by(|a, b| a.folder == b.folder).collect();
+        for &folder in &folders {
+            let name = &folder[0].folder;
+            let category = |scene: &SceneReport| mosd::category(&scene.name);
+            for group in folder.chunk_by(|a, b| category(a) == category(b)) {
+                if let Some(category) = category(group[0]) {
+                    rows.push(verdicts_row(format!("{name}: {category}"), group));
+                }
+            }
+            rows.push(verdicts_row(name.clone(), folder));
+        }
+        if folders.len() > 1 {
+            rows.push(verdicts_row("all".to_owned(), &scenes));
+        }
+        let header =
+            ["scenes", "correct", "objects", "percent", "occlusion", "over", "under", "boundary", "missed"];
+        write_table(f, 1, &header, &rows)
+    }
+}
+
+fn verdicts_row(name: String, scenes: &[&SceneReport]) -> Vec<String> {
+    let counts: VerdictCounts = scenes.iter().flat_map(|s| &s.score.objects).map(|o| o.verdict).collect();
+    let VerdictCounts { correct, occlusion, over, under, boundary, missed } = counts;
+    let objects = counts.total();
+    let percent = match objects {
+        0 => "-".to_owned(),
+        _ => format!("{:.1}", 100.0 * correct as f64 / objects as f64),
+    };
+    let numbers = [occlusion, over, under, boundary, missed].map(|n| n.to_string());
+    [name, correct.to_string(), objects.to_string(), percent].into_iter().chain(numbers).collect()
+}
+
+/// One row a setting: the figures of its objects.
+pub struct SettingsTable<'a>(
+    /// The settings by name.
+    pub &'a [(String, Report)],
+);
+
+impl fmt::Display for SettingsTable<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rows = self.0.iter().map(|(name, Report { total, .. })| {
+            let VerdictCounts { correct, occlusion, over, under, boundary, missed } = total.counts;
+            let percents = |Prf { precision, recall, f }| {
+                format!("{:.1} / {:.1} / {:.1}", 100.0 * precision, 100.0 * recall, 100.0 * f)
+            };
+            vec![
+                name.clone(),
+                format!("{correct}/{}", total.counts.total()),
+                percents(total.metrics.overlap),
+                percents(total.metrics.boundary),
+                format!("{:.1}", 100.0 * total.metrics.p75),
+                format!("{:.3}", total.weighted_overlap),
+                format!("{occlusion}/{over}/{under}/{boundary}/{missed}"),
+            ]
+        });
+        let header = [
+            "setting",
+            "correct",
+            "overlap P/R/F",
+            "boundary P/R/F",
+            "%75",
+            "WOv",
+            "occl/over/under/bnd/missed",
+        ];
+        write_table(f, 1, &header, &rows.collect::<Vec<_>>())
+    }
+}
+
+/// One row a setting and stage: how its regions fit the truth. Settings whose stages were not watched have no row.
+pub struct StagesTable<'a>(
+    /// The settings by name.
+    pub &'a [(String, Report)],
+);
+
+impl fmt::Display for StagesTable<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut rows = Vec::new();
+        for (name, report) in self.0 {
+            for (stage, metrics) in report.total.stages.iter().flat_map(|stages| stages.by_name()) {
+                let Some(m) = metrics else { continue };
+                let recall = |share: Option<f64>| share.map_or("-".to_owned(), |x| format!("{x:.3}"));
+                rows.push(vec![
+                    name.clone(),
+                    stage.to_owned(),
+                    format!("{:.1}", m.regions),
+                    format!("{:.4}", m.asa),
+                    format!("{:.4}", m.object_asa),
+                    format!("{:.4}", m.ue),
+                    recall(m.boundary_recall),
+                    recall(m.contact_recall),
+                    format!("{:.3}", m.coverage),
+                    format!("{:.3}", m.c75),
+                ]);
+            }
+        }
+        let header = [
+            "setting",
+            "stage",
+            "regions",
+            "ASA",
+            "object ASA",
+            "UE",
+            "boundary recall",
+            "contact recall",
+            "coverage",
+            "c75",
+        ];
+        write_table(f, 2, &header, &rows)
+    }
+}
+
+/// A Markdown table without a newline at its end. The first `names` columns are flush left, the others flush right.
+fn write_table(
+    f: &mut fmt::Formatter<'_>,
+    names: usize,
+    header: &[&str],
+    rows: &[Vec<String>],
+) -> fmt::Result {
+    let chars = |cell: &str| cell.chars().count();
+    let widths: Vec<usize> = (0..header.len())
+        .map(|k| rows.iter().map(|row| chars(&row[k])).fold(chars(header[k]), usize::max))
+        .collect();
+    let rule = |(k, &width): (usize, &usize)| {
+        if k < names { "-".repeat(width) } else { "-".repeat(width - 1) + ":" }
+    };
+    let rules: Vec<String> = widths.iter().enumerate().map(rule).collect();
+
+    write_row(f, names, &widths, header)?;
+    for row in std::iter::once(&rules).chain(rows) {
+        f.write_str("\n")?;
+        write_row(f, names, &widths, row)?;
+    }
+    Ok(())
+}
+
+fn write_row(
+    f: &mut fmt::Formatter<'_>,
+    names: usize,
+    widths: &[usize],
+    cells: &[impl AsRef<str>],
+) -> fmt::Result {
+    for (k, (cell, &width)) in cells.iter().zip(widths).enumerate() {
+        let cell = cell.as_ref();
+        if k < names { write!(f, "| {cell:<width$} ")? } else { write!(f, "| {cell:>width$} ")? }
+    }
+    f.write_str("|")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::tests::{report, stages};
+
+    #[test]
+    fn verdicts_are_grouped_by_folder_and_category() {
+        let table = VerdictsTable(&report(&["learn0", "learn17", "learn18", "mine1"])).to_string();
+        let expected = "\
+| scenes               | correct | objects | percent | occlusion | over | under | boundary | missed |
+| -------------------- | ------: | ------: | ------: | --------: | ---: | ----: | -------: | -----: |
+| learn: boxes         |       1 |       2 |    50.0 |         0 |    0 |     0 |        0 |      1 |
+| learn: stacked boxes |       2 |       4 |    50.0 |         0 |    0 |     0 |        0 |      2 |
+| learn                |       3 |       6 |    50.0 |         0 |    0 |     0 |        0 |      3 |
+| mine                 |       1 |       2 |    50.0 |         0 |    0 |     0 |        0 |      1 |
+| all                  |       4 |       8 |    50.0 |         0 |    0 |     0 |        0 |      4 |";
+        assert_eq!(table, expected);
+    }
+
+    #[test]
+    fn settings_have_a_row_each() {
+        let reports = [("both".to_owned(), report(&["a0"])), ("colour, off".to_owned(), report(&["a0"]))];
+        let expected = "\
+| setting     | correct |      overlap P/R/F |     boundary P/R/F |  %75 |   WOv | occl/over/under/bnd/missed |
+| ----------- | ------: | -----------------: | -----------------: | ---: | ----: | -------------------------: |
+| both        |     1/2 | 80.0 / 40.0 / 53.3 | 50.0 / 25.0 / 33.3 | 50.0 | 0.675 |                  0/0/0/0/1 |
+| colour, off |     1/2 | 80.0 / 40.0 / 53.3 | 50.0 / 25.0 / 33.3 | 50.0 | 0.675 |                  0/0/0/0/1 |";
+        assert_eq!(SettingsTable(&reports).to_string(), expected);
+    }
+
+    #[test]
+    fn only_watched_stages_have_a_row() {
+        let mut watched = report(&["a0"]);
+        watched.total.stages = Some(stages());
+        let reports = [("blind".to_owned(), report(&["a0"])), ("watched".to_owned(), watched)];
+        let expected = "\
+| setting | stage       | regions |    ASA | object ASA |     UE | boundary recall | contact recall | coverage |   c75 |
+| ------- | ----------- | ------: | -----: | ---------: | -----: | --------------: | -------------: | -------: | ----: |
+| watched | superpixels |    38.9 | 0.9976 |     0.9868 | 0.0048 |           0.982 |              - |    0.300 | 0.015 |";
+        assert_eq!(StagesTable(&reports).to_string(), expected);
+    }
+}

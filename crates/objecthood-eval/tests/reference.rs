@@ -1,0 +1,96 @@
+//! The label images of the reference implementation score as its record says.
+
+mod common;
+
+use objecthood_eval::{LabelFolder, Report, Split, VerdictsTable, evaluate, mosd};
+use serde_json::Value;
+
+/// The recorded digits.
+const TOLERANCE: f64 = 0.5e-4 + 1e-12;
+
+fn assert_near(ours: f64, recorded: &Value, what: &str) {
+    let recorded = recorded.as_f64().expect("a number");
+    assert!((ours - recorded).abs() <= TOLERANCE, "{what}: {ours} but {recorded} is recorded");
+}
+
+/// Compares what the record holds of both a scene and the total.
+fn assert_figures(ours: &Value, recorded: &Value, what: &str) {
+    for (group, keys) in [("overlap", ["oP", "oR", "oF"]), ("boundary", ["bP", "bR", "bF"])] {
+        for (key, letter) in keys.iter().zip(["P", "R", "F"]) {
+            let value = ours[key].as_f64().expect("a figure");
+            assert_near(value, &recorded[group][letter], &format!("{what} {key}"));
+        }
+    }
+    assert_near(ours["p75"].as_f64().expect("a figure"), &recorded["p75"], &format!("{what} p75"));
+    for key in ["hypotheses", "hypotheses_off_objects"] {
+        assert_eq!(ours[key], recorded[key], "{what} {key}");
+    }
+}
+
+fn assert_reproduced(report: &Report, recorded: &Value) {
+    let json = serde_json::to_value(report).expect("a report has a JSON form");
+    assert_figures(&json["total"], &recorded["total"], "total");
+    assert_eq!(json["total"]["counts"], recorded["total"]["verdicts"]);
+    assert_eq!(json["total"]["objects"], recorded["total"]["objects"]);
+    assert_near(report.total.weighted_overlap, &recorded["total"]["WOv"], "total WOv");
+
+    let scenes = recorded["scenes"].as_object().expect("a map of scenes");
+    assert_eq!(report.scenes.len(), scenes.len());
+    for scene in &report.scenes {
+        let name = &scene.name;
+        let (ours, recorded) = (&json["scenes"][name], &scenes[name]);
+        assert_figures(ours, recorded, name);
+        let objects = recorded["objects"].as_array().expect("a list of objects");
+        assert_eq!(scene.score.objects.len(), objects.len(), "{name}");
+        for (k, (object, recorded)) in scene.score.objects.iter().zip(objects).enumerate() {
+            assert_near(object.iou, &recorded["iou"], &format!("{name} object {k}"));
+            for key in ["truth_label", "pixels", "verdict"] {
+                assert_eq!(ours["verdicts"][k][key], recorded[key], "{name} object {k} {key}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_reference_label_images_score_as_recorded() {
+    let Some(data) = common::data() else {
+        println!("skipped: no mOSD here (set OBJECTHOOD_DATA)");
+        return;
+    };
+    let reference = data.join("../design/reference");
+    let Ok(scores) = std::fs::read_to_string(reference.join("scores.json")) else {
+        println!("skipped: no reference label images beside the data");
+        return;
+    };
+    let scores: Value = serde_json::from_str(&scores).unwrap();
+    let scenes = mosd::scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
+    assert_eq!(scenes.len(), 45);
+
+    for (method, line) in [
+        (
+            "paper",
+            "correct 0.643 (72/112)  overlap P 85.0 R 80.9 F 82.7  boundary P 49.7 R 75.7 F 59.4  %75 76.6  WOv 0.810  | occl 12 over 13 under 7 bnd 0 missed 8",
+        ),
+        (
+            "context",
+            "correct 1.000 (112/112)  overlap P 98.9 R 98.5 F 98.7  boundary P 92.4 R 96.5 F 94.3  %75 100.0  WOv 0.979  | occl 0 over 0 under 0 bnd 0 missed 0",
+        ),
+    ] {
+        let labels = LabelFolder { path: reference.join("learn"), suffix: format!(".{method}.png") };
+        let report = evaluate(&scenes, None, |_, scene| labels.read(scene)).unwrap();
+        assert_eq!(report.total.to_string(), line, "METHOD 4.4 and 4.6");
+        assert_reproduced(&report, &scores["methods"][method]);
+        if method == "paper" {
+            let table = VerdictsTable(&report).to_string();
+            let counts: Vec<String> = table.lines().skip(2).map(|row| row[..46].to_owned()).collect();
+            let expected = [
+                "| learn: boxes             |      29 |      38 |",
+                "| learn: stacked boxes     |      12 |      20 |",
+                "| learn: occluded objects  |       5 |      16 |",
+                "| learn: cylindric objects |      26 |      38 |",
+                "| learn                    |      72 |     112 |",
+            ];
+            assert_eq!(counts, expected.map(|row| row[..46].to_owned()), "METHOD 4.4");
+        }
+    }
+}
