@@ -55,7 +55,9 @@ pub enum Error {
         range: String,
     },
     /// More objects than a 16-bit label image can number.
-    #[error("{found} objects were found but a label image numbers at most 65535: raise objectness.min_size_px")]
+    #[error(
+        "{found} objects were found but a label image numbers at most 65535: raise objectness.min_size_px"
+    )]
     TooManyObjects {
         /// Objects found.
         found: usize,

@@ -8,7 +8,7 @@ use crate::params::{self, Channels};
 use crate::raster::Raster;
 
 /// Column and row steps to the four neighbours that follow a pixel in the graph: right, down, down-right, down-left.
-const STEPS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (-1, 1)];
+const STEPS: [(isize, usize); 4] = [(1, 0), (0, 1), (1, 1), (-1, 1)];
 
 /// Weight of an edge that only the minimum-size pass may cross: heavier than any colour or disparity difference.
 const APART: f32 = 1e6;
@@ -86,23 +86,24 @@ impl PixelGraph {
                 _ => APART,
             }
         };
-        let mut edges: Vec<PixelEdge> = (0..height)
-            .into_par_iter()
-            .flat_map_iter(|v| {
-                let weight = &weight;
-                (0..width).flat_map(move |u| {
-                    STEPS.iter().filter_map(move |&(du, dv)| {
-                        let (un, vn) = (u.checked_add_signed(du)?, v.checked_add_signed(dv)?);
+        // Every row has an edge to the right, down and to both sides downwards from each pixel but those at the
+        // ends; the last row only has those to the right.
+        let (edges_of_a_row, edges_of_the_last) = (4 * width - 3, width - 1);
+        let none = PixelEdge { weight: 0.0, p: 0, q: 0 };
+        let mut edges = vec![none; (height - 1) * edges_of_a_row + edges_of_the_last];
+        edges.par_chunks_mut(edges_of_a_row).enumerate().for_each(|(v, row)| {
+            let mut row = row.iter_mut();
+            for u in 0..width {
+                for (du, dv) in STEPS {
+                    let (un, vn) = (u.wrapping_add_signed(du), v + dv);
+                    let inside = un < width && vn < height;
+                    if let Some(edge) = if inside { row.next() } else { None } {
                         let (p, q) = (v * width + u, vn * width + un);
-                        (un < width && vn < height).then(|| PixelEdge {
-                            weight: weight(p, q),
-                            p: p as u32,
-                            q: q as u32,
-                        })
-                    })
-                })
-            })
-            .collect();
+                        *edge = PixelEdge { weight: weight(p, q), p: p as u32, q: q as u32 };
+                    }
+                }
+            }
+        });
         radsort::sort_by_key(&mut edges, |e| e.weight);
         Self { pixels: width * height, edges }
     }
