@@ -16,13 +16,20 @@ impl Tally {
     pub(crate) fn read(&mut self, line: &str) {
         let line = line.trim_end();
         if let Some(why) = line.strip_prefix("skipped: ") {
-            self.skipped.push(why.to_owned());
+            self.skip(why.to_owned());
         } else if let Some((test, why)) = ignored(line) {
-            self.skipped.push(format!("{test}: ignored{why}"));
+            self.skip(format!("{test}: ignored{why}"));
         } else if line.starts_with("test result: ") {
             self.passed += count(line, "passed");
             self.failed += count(line, "failed");
             self.closing_lines.push(line.to_owned());
+        }
+    }
+
+    /// Notes that something was skipped; what several tests say is noted once.
+    pub(crate) fn skip(&mut self, why: String) {
+        if !self.skipped.contains(&why) {
+            self.skipped.push(why);
         }
     }
 }
@@ -49,6 +56,7 @@ mod tests {
             "running 3 tests",
             "test a::b ... ok",
             "test a::c ... ignored, takes an hour",
+            "skipped: no data folder",
             "skipped: no data folder",
             "test result: ok. 12 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.00s",
             "test result: FAILED. 2 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.00s",

@@ -70,7 +70,7 @@ fn python_for_tests(root: &Path, tally: &mut Tally) -> Option<OsString> {
     match python::prepare(&root.join(target).join("test-tools"), &root.join("xtask/requirements.txt")) {
         Ok(python) => Some(python.into_os_string()),
         Err(e) => {
-            tally.skipped.push(format!("what needs Python: {e:#}"));
+            tally.skip(format!("what needs Python: {e:#}"));
             None
         }
     }

@@ -3,7 +3,7 @@
 //! In: [`open`] probes the list of formats (one so far, [`pcd`]) and yields a [`Capture`]. A point cloud carries no
 //! camera, so [`organize`] fits one to the points or takes the caller's.
 //!
-//! Out: [`label_image`] (16-bit PNG) and [`scene`] (JSON, with its schema); [`output::write_atomically`] puts the bytes
+//! Out: [`label_image`] (16-bit PNG) and [`scene`] (JSON, with its schema); [`output`] puts the bytes
 //! on the disk, whole or not at all.
 //!
 //! Only [`open`] and [`output`] touch files; everything else goes from bytes to values and back, and bounds every
@@ -17,9 +17,9 @@
 //! let params = objecthood::Params::default();
 //! let discovery = objecthood::discover(&capture.frame, &params)?;
 //!
-//! let scene = SceneFile::new("learn0.pcd", &capture.frame, capture.camera_fit.as_ref(), &params, &discovery);
-//! output::write_atomically("learn0.json".as_ref(), scene.to_json()?.as_bytes())?;
-//! output::write_atomically("learn0.labels.png".as_ref(), &label_image::encode(&discovery.labels)?)?;
+//! let labels = label_image::encode(&discovery.labels)?;
+//! let scene = SceneFile::new("learn0.pcd", &capture, &params, &discovery);
+//! output::write_together(&[("learn0.labels.png".into(), labels), ("learn0.json".into(), scene.to_json()?.into())])?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

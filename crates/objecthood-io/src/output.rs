@@ -2,7 +2,9 @@
 
 use std::fs;
 use std::io::{self, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
 
 use crate::error::{Error, Result};
 
@@ -14,14 +16,35 @@ use crate::error::{Error, Result};
 /// # Errors
 /// [`Error::Write`] names the path, what the system says and what to do.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    try_write(path, bytes).map_err(|reason| Error::Write {
-        path: path.to_owned(),
-        advice: advice(reason.kind()),
-        reason,
-    })
+    stage(path, bytes).and_then(|file| take_name(file, path))
 }
 
-fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+/// As [`write_atomically`], for files that belong together: none takes its name before all are written whole.
+///
+/// # Errors
+/// As [`write_atomically`], for the first file that cannot be written.
+pub fn write_together(files: &[(PathBuf, Vec<u8>)]) -> Result<()> {
+    let staged: Vec<_> = files.iter().map(|(path, bytes)| stage(path, bytes)).collect::<Result<_>>()?;
+    staged.into_iter().zip(files).try_for_each(|(file, (path, _))| take_name(file, path))
+}
+
+/// A file that is removed again unless it takes its name.
+type Staged = NamedTempFile<fs::File>;
+
+/// The content beside `path`, under another name.
+fn stage(path: &Path, bytes: &[u8]) -> Result<Staged> {
+    try_stage(path, bytes).map_err(|reason| cannot_write(path, reason))
+}
+
+fn take_name(file: Staged, path: &Path) -> Result<()> {
+    file.persist(path).map(drop).map_err(|e| cannot_write(path, e.error))
+}
+
+fn cannot_write(path: &Path, reason: io::Error) -> Error {
+    Error::Write { path: path.to_owned(), advice: advice(reason.kind()), reason }
+}
+
+fn try_stage(path: &Path, bytes: &[u8]) -> io::Result<Staged> {
     // Taking the name of a device would replace it by a file.
     if fs::metadata(path).is_ok_and(|there| !there.is_file()) {
         return Err(io::Error::new(ErrorKind::AlreadyExists, "a folder or device of that name exists"));
@@ -31,8 +54,7 @@ fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let make = |part: &Path| fs::File::create_new(part);
     let mut file = tempfile::Builder::new().prefix(".objecthood-").suffix(".part").make_in(folder, make)?;
     file.as_file_mut().write_all(bytes)?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
+    Ok(file)
 }
 
 fn advice(kind: ErrorKind) -> &'static str {
@@ -71,6 +93,21 @@ mod tests {
         write_atomically(&path, b"second").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"second");
         assert_eq!(names(folder.path()), ["out.json"]);
+    }
+
+    #[test]
+    fn of_files_that_belong_together_none_appears_when_one_cannot() {
+        let folder = tempfile::tempdir().unwrap();
+        let [first, second] = ["a", "b"].map(|name| folder.path().join(name));
+        fs::write(&first, b"earlier").unwrap();
+        fs::create_dir(&second).unwrap();
+        let files = |content: &[u8]| [&first, &second].map(|path| (path.clone(), content.to_vec()));
+        assert!(write_together(&files(b"new")).is_err());
+        assert_eq!(fs::read(&first).unwrap(), b"earlier");
+        assert_eq!(names(folder.path()), ["a", "b"]);
+        fs::remove_dir(&second).unwrap();
+        write_together(&files(b"new")).unwrap();
+        assert!([first, second].iter().all(|path| fs::read(path).unwrap() == b"new"));
     }
 
     #[cfg(unix)]

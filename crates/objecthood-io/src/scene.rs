@@ -5,7 +5,7 @@
 
 use objecthood::objectness::gravity;
 use objecthood::objectness::support::NodeKind;
-use objecthood::{Discovery, Frame, Params};
+use objecthood::{Discovery, Params};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result};
-use crate::organize::CameraFit;
+use crate::organize::Capture;
 
 /// Version of the schema that is written. A reader of version 1 can read every file of version 1.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -242,18 +242,11 @@ pub struct SupportEdge {
 }
 
 impl SceneFile {
-    /// The scene file of a frame. `input` is its path as the user gave it, `fit` how its camera was found, if it was
-    /// not given.
-    pub fn new(
-        input: &str,
-        frame: &Frame,
-        fit: Option<&CameraFit>,
-        params: &Params,
-        discovery: &Discovery,
-    ) -> Self {
-        let (width_px, height_px) = frame.size();
-        let objecthood::Camera { fx_px, fy_px, cx_px, cy_px } = frame.camera();
-        let fit_residual_px = fit.map(|fit| fit.residual_px);
+    /// The scene file of a frame. `input` is its path as the user gave it.
+    pub fn new(input: &str, capture: &Capture, params: &Params, discovery: &Discovery) -> Self {
+        let (width_px, height_px) = capture.frame.size();
+        let objecthood::Camera { fx_px, fy_px, cx_px, cy_px } = capture.frame.camera();
+        let fit_residual_px = capture.camera_fit.map(|fit| fit.residual_px);
         Self {
             schema_version: SCHEMA_VERSION,
             objecthood_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -266,7 +259,7 @@ impl SceneFile {
             structure_planes: discovery.structure_planes.iter().map(StructurePlane::from).collect(),
             objects: discovery.objects.iter().map(SceneObject::from).collect(),
             support: (&discovery.support).into(),
-            notices: discovery.notices.iter().map(ToString::to_string).collect(),
+            notices: notices(capture, discovery),
         }
     }
 
@@ -282,6 +275,13 @@ impl SceneFile {
         }
         Ok(serde_json::to_string_pretty(self).map_err(no_json)? + "\n")
     }
+}
+
+/// What the user should know about a frame although it was done: of how it was read, and of how it was looked at.
+pub fn notices(capture: &Capture, discovery: &Discovery) -> Vec<String> {
+    let turned = "every point lies behind the camera: the cloud is read as x right, y up, z backward";
+    let of_reading = capture.turned.then(|| turned.to_owned());
+    of_reading.into_iter().chain(discovery.notices.iter().map(ToString::to_string)).collect()
 }
 
 /// Where in a scene the first null stands. A number that is not finite becomes one, and nothing else does.

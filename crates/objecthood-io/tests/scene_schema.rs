@@ -10,7 +10,7 @@ use objecthood::{
     Raster,
 };
 use objecthood_io::scene::{SceneFile, fingerprint, schema};
-use objecthood_io::{CameraFit, Error};
+use objecthood_io::{CameraFit, Capture, Error};
 use serde_json::{Value, json};
 
 fn frame() -> Frame {
@@ -48,10 +48,14 @@ fn discovery() -> Discovery {
     }
 }
 
+fn capture() -> Capture {
+    Capture { frame: frame(), truth: None, camera_fit: None, turned: false }
+}
+
 fn scene() -> SceneFile {
-    let frame = frame();
-    let fit = CameraFit { camera: frame.camera(), residual_px: 1e-5, points: 12 };
-    SceneFile::new("some/folder/a.pcd", &frame, Some(&fit), &Params::default(), &discovery())
+    let fit = CameraFit { camera: frame().camera(), residual_px: 1e-5, points: 12 };
+    let capture = Capture { camera_fit: Some(fit), turned: true, ..capture() };
+    SceneFile::new("some/folder/a.pcd", &capture, &Params::default(), &discovery())
 }
 
 fn example() -> Value {
@@ -106,7 +110,7 @@ fn a_scene_is_valid_with_and_without_what_is_optional() {
     empty.support = SupportGraph::default();
     empty.notices = vec![];
     empty.up.source = UpSource::Camera;
-    let scene = SceneFile::new("", &frame(), None, &Params::default(), &empty);
+    let scene = SceneFile::new("", &capture(), &Params::default(), &empty);
     let value: Value = serde_json::from_str(&scene.to_json().unwrap()).unwrap();
     assert!(validator.is_valid(&value));
     assert!(value["camera"].get("fit_residual_px").is_none());
@@ -128,7 +132,8 @@ fn the_values_are_those_of_the_discovery() {
     assert!(value["support"]["nodes"][0].get("object").is_none());
     assert_eq!(value["support"]["nodes"][1]["object"], 1);
     assert_eq!(value["support"]["edges"], json!([{"lower": 0, "upper": 1, "contacts": 12}]));
-    assert_eq!(value["notices"], json!([Notice::NoColor.to_string()]));
+    assert_eq!(value["notices"][1], Notice::NoColor.to_string());
+    assert!(value["notices"][0].as_str().unwrap().contains("behind the camera"));
 }
 
 #[test]
@@ -209,7 +214,7 @@ fn what_is_not_finite_is_never_written() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let mut discovery = discovery();
         discovery.objects[0].box_m.extents_m[2] = bad;
-        let scene = SceneFile::new("a.pcd", &frame(), None, &Params::default(), &discovery);
+        let scene = SceneFile::new("a.pcd", &capture(), &Params::default(), &discovery);
         let error = scene.to_json().unwrap_err();
         assert!(
             matches!(&error, Error::NotFinite { place } if place == ".objects[0].box_m.extents_m[2]"),

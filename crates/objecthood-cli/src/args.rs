@@ -1,0 +1,201 @@
+//! What can be said on the command line, and nothing of what is done with it.
+
+use std::path::PathBuf;
+
+use clap::builder::RangedU64ValueParser;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use objecthood_io::GridCamera;
+
+/// Said at the end of every `--help`.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  every frame is done
+  1  something failed: it is named on stderr with what to do; the other frames are done
+  2  the command line or the configuration is wrong: nothing was done";
+
+/// Finds the objects in RGB-D images: what in them can be grasped and moved.
+///
+/// Nothing is learned and nothing is known beforehand about the objects: surfaces are found in one image, joined to
+/// convex shapes, and shapes that something carries are objects.
+#[derive(Debug, Parser)]
+#[command(name = "objecthood", version, after_help = EXIT_CODES)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Segment(SegmentArgs),
+    Eval(EvalArgs),
+    Params(ParamsArgs),
+}
+
+impl Command {
+    /// The settings given to whichever subcommand it is.
+    pub(crate) fn settings(&self) -> &Settings {
+        match self {
+            Self::Segment(args) => &args.settings,
+            Self::Eval(args) => &args.settings,
+            Self::Params(args) => &args.settings,
+        }
+    }
+}
+
+/// What every subcommand takes.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Settings")]
+pub(crate) struct Settings {
+    /// Read parameters from a TOML file; `objecthood params --toml` prints one.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+
+    /// Set one parameter, over the file; may be repeated, the last one wins.
+    #[arg(long, value_name = "STAGE.PARAMETER=VALUE")]
+    pub(crate) set: Vec<String>,
+
+    /// Threads to use [default: one per core].
+    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..=1024))]
+    pub(crate) threads: Option<usize>,
+
+    /// Log the time of every stage.
+    #[arg(short, long)]
+    pub(crate) verbose: bool,
+}
+
+impl Settings {
+    /// How many threads to use.
+    pub(crate) fn threads(&self) -> usize {
+        self.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
+    }
+}
+
+/// Find the objects in frames and write them as label images, scene files and pictures.
+///
+/// For every frame: DIR/<stem>.labels.png, a 16-bit image with 0 = none and 1.. = objects; DIR/<stem>.json, the scene;
+/// DIR/<stem>.panels.png, pictures of every stage. A frame that fails leaves nothing.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(crate) struct SegmentArgs {
+    /// Point clouds (.pcd), or folders that are searched for them.
+    #[arg(required = true, value_name = "INPUT")]
+    pub(crate) inputs: Vec<PathBuf>,
+
+    /// Folder to write to; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+
+    /// Way of finding objects [default: paper].
+    #[arg(long)]
+    pub(crate) method: Option<MethodName>,
+
+    /// What to write for each frame.
+    #[arg(long, value_name = "KINDS", value_delimiter = ',', default_value = "labels,json")]
+    pub(crate) write: Vec<OutputKind>,
+
+    /// Lay the outputs out in DIR as the inputs lie in the folder common to all of them.
+    #[arg(long)]
+    pub(crate) keep_tree: bool,
+
+    /// Camera of the frames, in pixels, instead of the one fitted to organized clouds; unorganized clouds need it.
+    #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]")]
+    pub(crate) camera: Option<GridCamera>,
+
+    #[command(flatten)]
+    pub(crate) settings: Settings,
+}
+
+/// Score a method, or existing label images, on a data set with truth.
+///
+/// ROOT holds folders of labelled point clouds in the manner of mOSD.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(crate) struct EvalArgs {
+    /// The data set.
+    #[arg(value_name = "ROOT")]
+    pub(crate) root: PathBuf,
+
+    /// Which of its folders: learn, test, any other name, or all.
+    #[arg(long, value_name = "FOLDER", default_value = "all")]
+    pub(crate) split: String,
+
+    /// Way of finding objects [default: paper].
+    #[arg(long)]
+    pub(crate) method: Option<MethodName>,
+
+    /// Compare colour, depth and both, each with and without curvature.
+    #[arg(long)]
+    pub(crate) ablation: bool,
+
+    /// Score the label images DIR/<scene><suffix> instead of running a method.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) labels: Option<PathBuf>,
+
+    /// What follows the name of the scene in the names of the label images.
+    #[arg(long, value_name = "S", default_value = ".labels.png", requires = "labels")]
+    pub(crate) suffix: String,
+
+    /// Write the figures to a file as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+
+    /// Print a line for every scene.
+    #[arg(long)]
+    pub(crate) per_scene: bool,
+
+    /// Camera of the scenes, in pixels; the data set knows its own.
+    #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]")]
+    pub(crate) camera: Option<GridCamera>,
+
+    #[command(flatten)]
+    pub(crate) settings: Settings,
+}
+
+/// Print every parameter with default, range, unit, meaning and source.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(crate) struct ParamsArgs {
+    /// As JSON.
+    #[arg(long, conflicts_with = "toml")]
+    pub(crate) json: bool,
+
+    /// As a commented file for --config, with the values in force.
+    #[arg(long)]
+    pub(crate) toml: bool,
+
+    #[command(flatten)]
+    pub(crate) settings: Settings,
+}
+
+/// The methods by name, those to come included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodName {
+    /// The published method, equation by equation.
+    Paper,
+    /// The method that follows; not there yet.
+    Context,
+}
+
+/// What can be written for a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub(crate) enum OutputKind {
+    /// 16-bit label image.
+    Labels,
+    /// Scene file.
+    Json,
+    /// Pictures of every stage.
+    Panels,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

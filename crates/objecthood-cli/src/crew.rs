@@ -1,0 +1,123 @@
+//! Many frames at once on a given number of threads.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::{sync::mpsc, thread};
+
+use anyhow::{Result, anyhow};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+/// Calls `work` on every item and `report` with the results, in the order of the items.
+///
+/// As many items are worked on at a time as there are threads, and each has an equal share of the threads to itself.
+/// A common pool would let a thread that waits within one item start another, so that ever more are open at once.
+///
+/// # Errors
+/// When the threads cannot be had.
+pub(crate) fn in_order<T: Sync, R: Send>(
+    items: &[T],
+    threads: usize,
+    work: impl Fn(&T) -> R + Sync,
+    mut report: impl FnMut(&T, R),
+) -> Result<()> {
+    let workers = threads.min(items.len());
+    let pools = (0..workers)
+        .map(|k| pool(threads / workers + usize::from(k < threads % workers)))
+        .collect::<Result<Vec<_>>>()?;
+
+    let next = AtomicUsize::new(0);
+    let (sender, results) = mpsc::channel();
+    thread::scope(|scope| {
+        // Owned here, so that the workers stop as soon as nobody listens.
+        let results = results;
+        for pool in &pools {
+            let (sender, next, work) = (sender.clone(), &next, &work);
+            let worker = move || {
+                while let Some((k, item)) = take(items, next) {
+                    if sender.send((k, pool.install(|| work(item)))).is_err() {
+                        break;
+                    }
+                }
+            };
+            thread::Builder::new()
+                .spawn_scoped(scope, worker)
+                .map_err(|e| anyhow!("cannot start a thread ({e}): give fewer with --threads"))?;
+        }
+        drop(sender);
+
+        let mut early = BTreeMap::new();
+        let mut due = 0;
+        for (k, result) in results {
+            early.insert(k, result);
+            while let Some(result) = early.remove(&due) {
+                report(&items[due], result);
+                due += 1;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// A pool of threads.
+///
+/// # Errors
+/// When they cannot be had.
+pub(crate) fn pool(threads: usize) -> Result<ThreadPool> {
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| anyhow!("cannot start {threads} threads ({e}): give fewer with --threads"))
+}
+
+/// The next item that nobody has taken, with its number.
+fn take<'a, T>(items: &'a [T], next: &AtomicUsize) -> Option<(usize, &'a T)> {
+    let k = next.fetch_add(1, Ordering::Relaxed);
+    items.get(k).map(|item| (k, item))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use rayon::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn results_come_in_order_and_no_more_items_are_open_than_threads() {
+        for threads in [1, 2, 3, 8] {
+            let (open, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+            let work = |&k: &usize| {
+                most.fetch_max(open.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+                // Parallel work within an item, of uneven length.
+                let sum: usize = (0..64)
+                    .into_par_iter()
+                    .map(|i| {
+                        thread::sleep(Duration::from_micros(100));
+                        i * k
+                    })
+                    .sum();
+                open.fetch_sub(1, Ordering::SeqCst);
+                (sum, rayon::current_num_threads())
+            };
+            let items: Vec<usize> = (0..20).collect();
+            let mut seen = Vec::new();
+            in_order(&items, threads, work, |&k, (sum, share)| {
+                assert_eq!((sum, share), (2016 * k, 1));
+                seen.push(k);
+            })
+            .unwrap();
+            assert_eq!(seen, items);
+            assert!(most.into_inner() <= threads);
+        }
+    }
+
+    #[test]
+    fn few_items_share_all_threads() {
+        let mut shares = Vec::new();
+        in_order(&[(); 2], 5, |()| rayon::current_num_threads(), |(), share| shares.push(share)).unwrap();
+        shares.sort_unstable();
+        assert!(shares == [2, 3] || shares == [2, 2] || shares == [3, 3], "{shares:?}");
+        in_order(&[(); 0], 5, |()| (), |(), ()| panic!("nothing to report")).unwrap();
+    }
+}

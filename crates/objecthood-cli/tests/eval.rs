@@ -1,0 +1,136 @@
+//! `objecthood eval` on a small data set of our own.
+
+#![allow(clippy::unwrap_used, reason = "in a test, an unwrap that fails is the failure report")]
+
+mod common;
+
+use common::Folder;
+use common::scene::Cloud;
+
+/// ROOT/left with two scenes, ROOT/right with one.
+fn data_set() -> Folder {
+    let folder = Folder::new();
+    for (k, name) in ["left/scene1.pcd", "left/scene2.pcd", "right/scene10.pcd"].iter().enumerate() {
+        folder.write(&format!("root/{name}"), &Cloud::two_boxes(0.03 * k as f64).to_binary_pcd());
+    }
+    folder
+}
+
+fn json(folder: &Folder, name: &str) -> serde_json::Value {
+    serde_json::from_slice(&folder.files("")[name]).unwrap()
+}
+
+#[test]
+fn a_method_is_scored_with_its_stages() {
+    let folder = data_set();
+    let run = folder.run("eval root --per-scene --json figures.json", 0);
+    let lines: Vec<&str> = run.stdout.lines().collect();
+    assert!(lines[0].starts_with("scene1   2/2  oF "), "{}", run.stdout);
+    assert!(lines[2].starts_with("scene10  2/2  oF "), "{}", run.stdout);
+    assert!(lines[3].starts_with("correct 1.000 (6/6)  overlap P "), "{}", run.stdout);
+    for word in ["| left ", "| right ", "| all ", "superpixels", "facets", "shapes", "contact recall"] {
+        assert!(run.stdout.contains(word), "{word}: {}", run.stdout);
+    }
+    let figures = json(&folder, "figures.json");
+    assert_eq!(figures["total"]["counts"]["correct"], 6);
+    assert_eq!(figures["scenes"]["scene2"]["objects"], 2);
+    for threads in [1, 8] {
+        assert_eq!(folder.run(&format!("eval root --per-scene --threads {threads}"), 0).stdout, run.stdout);
+    }
+
+    let run = folder.run("eval root --split right", 0);
+    assert!(run.stdout.starts_with("correct 1.000 (2/2)"), "{}", run.stdout);
+    let run = folder.run("eval root --set objectness.max_side_m=0.01", 0);
+    assert!(run.stdout.starts_with("correct 0.000 (0/6)"), "{}", run.stdout);
+}
+
+#[test]
+fn our_own_label_images_get_the_same_score() {
+    let folder = data_set();
+    folder.run("segment root --out labels", 0);
+    let method = folder.run("eval root --per-scene --json method.json", 0).stdout;
+    let labels = folder.run("eval root --per-scene --labels labels --json labels.json", 0).stdout;
+    assert!(method.starts_with(&labels), "{method}\n{labels}");
+    assert_eq!(json(&folder, "method.json")["total"]["oF"], json(&folder, "labels.json")["total"]["oF"]);
+}
+
+#[test]
+fn the_ablation_has_six_settings() {
+    let folder = data_set();
+    let run = folder.run("eval root --ablation --json figures.json", 0);
+    let figures = json(&folder, "figures.json");
+    let settings: Vec<&str> =
+        figures.as_array().unwrap().iter().map(|report| report["setting"].as_str().unwrap()).collect();
+    let expected = [
+        "color, curvature off",
+        "depth, curvature off",
+        "both, curvature off",
+        "color, curvature on",
+        "depth, curvature on",
+        "both, curvature on",
+    ];
+    assert_eq!(settings, expected);
+    for setting in expected {
+        // One row of objects and three of stages.
+        assert_eq!(run.stdout.matches(&format!("| {setting} ")).count(), 4, "{}", run.stdout);
+    }
+    assert_eq!(figures[5]["total"]["counts"]["correct"], 6);
+    // The last setting is the default.
+    folder.run("eval root --json default.json", 0);
+    assert_eq!(figures[5]["scenes"], json(&folder, "default.json")["scenes"]);
+}
+
+#[test]
+fn what_cannot_be_scored_is_named() {
+    let folder = data_set();
+    folder.run("segment root/left --out labels", 0);
+    let run = folder.run("eval root --labels labels --json figures.json", 1);
+    assert!(run.errors()[0].contains("scene10.labels.png"), "{}", run.stderr);
+    assert_eq!((run.stderr.lines().count(), run.stdout.as_str()), (1, ""));
+    assert!(!folder.path().join("figures.json").exists());
+    folder.run("eval root --labels labels --split left", 0);
+    let run = folder.run("eval root --labels labels --split left --suffix .png", 1);
+    assert!(run.stderr.contains("scene1.png"), "{}", run.stderr);
+
+    folder.write("labels/scene10.labels.png", b"noise");
+    let run = folder.run("eval root --labels labels", 1);
+    assert!(run.errors()[0].contains("scene10.labels.png"), "{}", run.stderr);
+    let small = image::ImageBuffer::from_pixel(32, 24, image::Luma([1_u16]));
+    small.save(folder.path().join("labels/scene10.labels.png")).unwrap();
+    let run = folder.run("eval root --labels labels", 1);
+    let said = run.errors()[0];
+    assert!(said.contains("scene10") && said.contains("32x24") && said.contains("320x240"), "{said}");
+
+    let run = folder.run("eval root --split middle", 1);
+    assert!(run.stderr.contains("left") && run.stderr.contains("right"), "{}", run.stderr);
+    assert!(folder.run("eval nowhere", 1).stderr.contains("nowhere"));
+    folder.write("root/right/scene11.pcd", b"noise");
+    let run = folder.run("eval root", 1);
+    assert!(run.errors().len() == 1 && run.stderr.contains("scene11.pcd"), "{}", run.stderr);
+}
+
+#[test]
+fn contradictions_are_mistakes_of_usage() {
+    let folder = data_set();
+    folder.run("segment root --out labels", 0);
+    folder.write("empty.toml", b"");
+    for (arguments, said) in [
+        ("--labels labels --method paper", "--labels"),
+        ("--labels labels --ablation", "--labels"),
+        ("--labels labels --set curvature.threshold=0.1", "--labels"),
+        ("--labels labels --config empty.toml", "--labels"),
+        ("--suffix .png", "--labels"),
+        ("--ablation --set graph.channels=depth", "--ablation"),
+        ("--method context", "not there yet"),
+        ("--set graph.chanels=depth", "`graph.channels`"),
+        ("--json nowhere/figures.json", "nowhere"),
+    ] {
+        let run = folder.run(&format!("eval root {arguments}"), 2);
+        assert!(
+            run.stderr.starts_with("error: ") && run.stderr.contains(said),
+            "{arguments}: {}",
+            run.stderr
+        );
+        assert_eq!(run.stdout, "");
+    }
+}

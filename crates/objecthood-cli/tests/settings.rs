@@ -1,0 +1,153 @@
+//! What every subcommand takes, `params`, and how the program answers mistakes.
+
+#![allow(clippy::unwrap_used, reason = "in a test, an unwrap that fails is the failure report")]
+
+mod common;
+
+use common::Folder;
+use common::scene::Cloud;
+
+#[test]
+fn every_parameter_is_printed_with_unit_default_range_source_and_meaning() {
+    let folder = Folder::new();
+    let json: serde_json::Value = serde_json::from_str(&folder.run("params --json", 0).stdout).unwrap();
+    let parameters = json["parameters"].as_array().unwrap();
+    assert!(parameters.len() > 20);
+    let table = folder.run("params", 0).stdout;
+    for parameter in parameters {
+        for key in ["name", "default", "range", "unit", "meaning", "source"] {
+            let text = parameter[key].as_str().unwrap();
+            assert!(!text.is_empty() && table.contains(text), "{key} {text}");
+        }
+        assert!(!parameter["value"].is_null(), "{parameter}");
+    }
+    assert!(!table.contains("(default "), "every value is its default:\n{table}");
+}
+
+#[test]
+fn the_printed_file_gives_the_same_parameters() {
+    let folder = Folder::new();
+    folder.write("a.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
+    let changed = "--set curvature.threshold=0.1 --set graph.channels=depth --set objectness.min_size_px=150";
+    for settings in ["", changed] {
+        let file = folder.run(&format!("params --toml {settings}"), 0).stdout;
+        folder.write("again.toml", file.as_bytes());
+        assert_eq!(folder.run("params --toml --config again.toml", 0).stdout, file);
+
+        folder.run(&format!("segment a.pcd --out direct {settings}"), 0);
+        folder.run("segment a.pcd --out again --config again.toml", 0);
+        assert_eq!(folder.files("direct"), folder.files("again"), "fingerprint included");
+    }
+}
+
+#[test]
+fn the_last_setting_wins_over_the_file() {
+    let folder = Folder::new();
+    folder.write("c.toml", b"method = \"paper\"\n[curvature]\nthreshold = 0.2\noffset_px = 3\n");
+    let value = |settings: &str| {
+        let text = folder.run(&format!("params --json {settings}"), 0).stdout;
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let of = |name: &str| {
+            json["parameters"].as_array().unwrap().iter().find(|p| p["name"] == name).unwrap()["value"]
+                .clone()
+        };
+        (of("curvature.threshold"), of("curvature.offset_px"))
+    };
+    assert_eq!(value(""), (0.14.into(), 2.into()));
+    assert_eq!(value("--config c.toml"), (0.2.into(), 3.into()));
+    assert_eq!(
+        value("--set curvature.threshold=0.3 --config c.toml --set curvature.threshold=1"),
+        (1.0.into(), 3.into())
+    );
+    let table = folder.run("params --config c.toml", 0).stdout;
+    assert!(table.contains("(default 0.14)"), "{table}");
+}
+
+#[test]
+fn mistakes_in_settings_are_explained_and_nothing_is_done() {
+    let folder = Folder::new();
+    folder.write("a.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
+    folder.write("syntax.toml", b"[curvature]\nthreshold = = 3\n");
+    folder.write("unknown.toml", b"[curvature]\nthresold = 0.1\n");
+    folder.write("flat.toml", b"threshold = 0.1\n");
+    folder.write("range.toml", b"[graph]\ncolor_weight = 7\n");
+    folder.write("method.toml", b"method = \"context\"\n");
+    folder.write("no_method.toml", b"method = \"magic\"\n");
+    for (settings, said) in [
+        ("--set curvature.thresold=0.1", &["`curvature.thresold`", "`curvature.threshold`"] as &[&str]),
+        ("--set threshold=0.1", &["`curvature.threshold`", "`objectness.threshold`"]),
+        ("--set curvatur.threshold=0.1", &["`curvature.threshold`"]),
+        ("--set curvature.threshold", &["stage.parameter=value"]),
+        ("--set curvature.threshold=high", &["curvature.threshold = \"high\"", "0 ..= 2"]),
+        ("--set curvature.threshold=3", &["curvature.threshold = 3", "0 ..= 2"]),
+        ("--set curvature.threshold=nan", &["curvature.threshold", "0 ..= 2"]),
+        ("--set curvature.threshold=[0.1]", &["curvature.threshold", "0 ..= 2"]),
+        ("--set curvature.enabled=yes", &["true | false"]),
+        ("--set graph.channels=infrared", &["color | depth | both"]),
+        ("--set graph.min_size_px=1.5", &["graph.min_size_px", "0 ..= 1000000"]),
+        ("--set graph.min_size_px=-1", &["graph.min_size_px", "0 ..= 1000000"]),
+        ("--set method=paper", &["--method"]),
+        ("--config missing.toml", &["missing.toml"]),
+        ("--config syntax.toml", &["syntax.toml", "line 2"]),
+        ("--config unknown.toml", &["unknown.toml", "`curvature.threshold`"]),
+        ("--config flat.toml", &["`threshold`", "group"]),
+        ("--config range.toml", &["range.toml", "graph.color_weight = 7", "0 ..= 1"]),
+        ("--config method.toml", &["not there yet", "`paper`"]),
+        ("--config no_method.toml", &["`magic`", "`paper`"]),
+        ("--method context", &["not there yet", "`paper`"]),
+        ("--method magic", &["paper"]),
+        ("--threads 0", &["--threads"]),
+        ("--threads many", &["--threads"]),
+        ("--write labels,pictures", &["panels"]),
+        ("--camera 1,2,3", &["--camera"]),
+        ("--camera 0,525,319.5,239.5", &["--camera"]),
+    ] {
+        let run = folder.run(&format!("segment a.pcd --out out {settings}"), 2);
+        assert!(run.stderr.starts_with("error: "), "{}", run.stderr);
+        for words in said {
+            assert!(run.stderr.contains(words), "{settings}: no {words} in\n{}", run.stderr);
+        }
+        assert!(!folder.path().join("out").exists(), "{settings}");
+    }
+    // Unless it is overruled.
+    folder.run("segment a.pcd --out out --method paper --config method.toml", 0);
+}
+
+#[test]
+fn help_tells_the_exit_codes() {
+    let folder = Folder::new();
+    for command in ["--help", "segment --help", "eval --help", "params --help"] {
+        assert!(folder.run(command, 0).stdout.contains("Exit codes:"), "{command}");
+    }
+    assert!(folder.run("--version", 0).stdout.starts_with("objecthood "));
+    folder.run("", 2);
+    folder.run("dance", 2);
+    folder.run("segment", 2);
+    folder.run("segment a.pcd", 2);
+}
+
+#[test]
+fn a_reader_that_closes_the_pipe_has_read_enough() {
+    use std::process::Stdio;
+
+    for arguments in [&["params"] as &[&str], &["--help"]] {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_objecthood"));
+        let mut child =
+            command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && stderr.is_empty(), "{stderr}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_stdout_is_an_error() {
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_objecthood"));
+    let output = command.arg("params").stdout(full).output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr.starts_with("error: cannot write to the standard output"), "{stderr}");
+}
