@@ -1,0 +1,53 @@
+//! The labels of mOSD learn, which must not change by accident. Its data is not ours to commit, so hashes stand for maps.
+#![allow(clippy::unwrap_used, reason = "in a test, an unwrap that fails is the failure report")]
+
+mod common;
+
+use std::fmt::Write;
+
+use common::data_folder;
+use objecthood::{Frame, Params, Raster, discover};
+use objecthood_io::{decode, open};
+
+fn labels(frame: &Frame) -> Raster<u16> {
+    discover(frame, &Params::default()).unwrap().labels
+}
+
+/// FNV-1a over the labels, low byte first.
+fn hash(labels: &Raster<u16>) -> u64 {
+    labels
+        .as_slice()
+        .iter()
+        .flat_map(|label| label.to_le_bytes())
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+        })
+}
+
+/// When a change is meant to alter labels: `INSTA_UPDATE=always cargo test -p objecthood-io --test mosd_labels`.
+#[test]
+fn labels_of_learn_are_as_they_were() {
+    let Some(data) = data_folder() else { return };
+    let mut hashes = String::new();
+    for k in 0..45 {
+        let capture = open(&data.join(format!("mosd/learn/learn{k}.pcd")), None).unwrap();
+        writeln!(hashes, "learn{k} {:016x}", hash(&labels(&capture.frame))).unwrap();
+    }
+    insta::assert_snapshot!(hashes);
+}
+
+/// A cloud that lost its grid, and with it the colours of pixels without depth, has the labels it had before.
+#[test]
+fn a_flattened_scene_has_the_same_labels() {
+    let Some(data) = data_folder() else { return };
+    let kinect = "525,525,319.5,239.5".parse().unwrap();
+    for k in [0, 9, 19, 28, 44] {
+        let file = std::fs::read(data.join(format!("mosd/learn/learn{k}.pcd"))).unwrap();
+        let size = b"WIDTH 640\nHEIGHT 480\n";
+        let at = file.windows(size.len()).position(|window| window == size).unwrap();
+        let list = [&file[..at], b"WIDTH 307200\nHEIGHT 1\n", &file[at + size.len()..]].concat();
+        let (grid, again) = (decode(&file, None).unwrap(), decode(&list, Some(&kinect)).unwrap());
+        assert_ne!(grid.frame.color(), again.frame.color(), "the file has colours without depth");
+        assert!(labels(&grid.frame) == labels(&again.frame), "learn{k}");
+    }
+}
