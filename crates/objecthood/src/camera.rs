@@ -1,6 +1,6 @@
 //! The pinhole camera.
 
-use glamx::Vec3;
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
@@ -25,11 +25,20 @@ impl Camera {
     /// A camera with these intrinsics.
     ///
     /// # Errors
-    /// [`Error::BadCamera`] when a value is not finite or a focal length is not positive.
+    /// As [`Camera::check`].
     pub fn new(fx_px: f64, fy_px: f64, cx_px: f64, cy_px: f64) -> Result<Self> {
-        let camera = Self { fx_px, fy_px, cx_px, cy_px };
-        let finite = [fx_px, fy_px, cx_px, cy_px].iter().all(|x| x.is_finite());
-        if finite && fx_px > 0.0 && fy_px > 0.0 { Ok(camera) } else { Err(Error::BadCamera { camera }) }
+        Self { fx_px, fy_px, cx_px, cy_px }.check()
+    }
+
+    /// The camera itself, if it can be one.
+    ///
+    /// # Errors
+    /// [`Error::BadCamera`] when a focal length is not between 1e-3 and 1e7 px or the principal point lies farther
+    /// than 1e7 px from the origin: beyond, points would not be numbers any more.
+    pub fn check(self) -> Result<Self> {
+        let focal = [self.fx_px, self.fy_px].iter().all(|f| (1e-3..=1e7).contains(f));
+        let principal = [self.cx_px, self.cy_px].iter().all(|c| (-1e7..=1e7).contains(c));
+        if focal && principal { Ok(self) } else { Err(Error::BadCamera { camera: self }) }
     }
 
     /// The ray through pixel (u, v), scaled so that its z is 1.
@@ -72,5 +81,7 @@ mod tests {
         assert!(Camera::new(0.0, 1.0, 0.0, 0.0).is_err());
         assert!(Camera::new(1.0, f64::NAN, 0.0, 0.0).is_err());
         assert!(Camera::new(1.0, -1.0, 0.0, 0.0).is_err());
+        assert!(Camera::new(1e-300, 1.0, 0.0, 0.0).is_err());
+        assert!(Camera::new(1.0, 1.0, 1e300, 0.0).is_err());
     }
 }

@@ -37,7 +37,7 @@ pub enum Error {
     NoValidDepth,
     /// Intrinsics that are not those of a camera.
     #[error(
-        "fx {} fy {} cx {} cy {} is not a camera: give finite numbers in pixels and positive focal lengths",
+        "fx {} fy {} cx {} cy {} is not a camera: give pixels, focal lengths from 1e-3 to 1e7 and a principal point within 1e7",
         camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px
     )]
     BadCamera {

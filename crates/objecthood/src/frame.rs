@@ -6,10 +6,13 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::raster::Raster;
 
+/// Coordinates beyond this (m) are no measurements, and their squares would not be finite.
+const FARTHEST_M: f64 = 1e15;
+
 /// One registered RGB-D image.
 ///
-/// * depth: metres along the optical axis (z, not range); `NaN` where there is none. Whatever is not finite
-///   or not positive on input counts as missing and is stored as `NaN`.
+/// * depth: metres along the optical axis (z, not range); `NaN` where there is none. Whatever is not positive on
+///   input, or so far that the point would not be finite, counts as missing and is stored as `NaN`.
 /// * colour: sRGB, 8 bits a channel, registered to the depth pixel by pixel; may be absent altogether.
 /// * points are not stored: they follow from depth and camera ([`Frame::points_m`]).
 #[derive(Clone, Debug)]
@@ -23,16 +26,23 @@ impl Frame {
     /// Joins depth (m), colour and camera to a frame.
     ///
     /// # Errors
-    /// [`Error::SizeMismatch`] when colour and depth differ in size, [`Error::NoValidDepth`] when no pixel has depth.
+    /// [`Error::SizeMismatch`] when colour and depth differ in size, [`Error::BadCamera`] as [`Camera::check`],
+    /// [`Error::NoValidDepth`] when no pixel has depth.
     pub fn new(mut depth_m: Raster<f32>, color: Option<Raster<[u8; 3]>>, camera: Camera) -> Result<Self> {
         if let Some(color) = &color
             && color.size() != depth_m.size()
         {
             return Err(Error::SizeMismatch { color: color.size(), depth: depth_m.size() });
         }
+        let camera = camera.check()?;
+        // No ray leans farther than one through a corner.
+        let (right, bottom) = (depth_m.width() as f64, depth_m.height() as f64);
+        let corners = [camera.ray(0.0, 0.0), camera.ray(right, bottom)];
+        let lean = corners.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let farthest_m = (FARTHEST_M / lean) as f32;
         let mut any = false;
         for z in depth_m.as_mut_slice() {
-            if z.is_finite() && *z > 0.0 {
+            if *z > 0.0 && *z < farthest_m {
                 any = true;
             } else {
                 *z = f32::NAN;
@@ -94,9 +104,9 @@ mod tests {
 
     #[test]
     fn every_kind_of_missing_depth_becomes_nan() {
-        let depth = Raster::from_vec(5, 1, vec![1.0, 0.0, -1.0, f32::INFINITY, f32::NAN]).unwrap();
+        let depth = Raster::from_vec(6, 1, vec![1.0, 0.0, -1.0, f32::INFINITY, f32::NAN, 3e38]).unwrap();
         let frame = Frame::new(depth, None, camera()).unwrap();
-        assert_eq!((0..5).filter(|&i| frame.is_valid(i)).collect::<Vec<_>>(), [0]);
+        assert_eq!((0..6).filter(|&i| frame.is_valid(i)).collect::<Vec<_>>(), [0]);
         assert!(frame.points_m()[1][0].is_nan());
     }
 
@@ -106,6 +116,8 @@ mod tests {
         assert!(matches!(Frame::new(nan, None, camera()), Err(Error::NoValidDepth)));
         let depth = Raster::filled(2, 2, 1.0).unwrap();
         let color = Raster::filled(2, 3, [0; 3]).unwrap();
-        assert!(matches!(Frame::new(depth, Some(color), camera()), Err(Error::SizeMismatch { .. })));
+        assert!(matches!(Frame::new(depth.clone(), Some(color), camera()), Err(Error::SizeMismatch { .. })));
+        let unchecked = Camera { fx_px: 0.0, ..camera() };
+        assert!(matches!(Frame::new(depth, None, unchecked), Err(Error::BadCamera { .. })));
     }
 }

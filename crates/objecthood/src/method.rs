@@ -2,11 +2,12 @@
 
 use crate::discovery::{Discovery, Notice};
 use crate::error::Result;
+use crate::facets::appearance::Appearance;
 use crate::facets::grouping::facets;
-use crate::facets::histogram::Appearance;
 use crate::frame::Frame;
+use crate::objectness::decision::decide;
 use crate::objectness::gravity::{dominant_plane, up};
-use crate::objectness::hypotheses::hypotheses;
+use crate::objectness::objects::objects;
 use crate::objectness::support::support;
 use crate::observe::{Observer, Stage};
 use crate::oversegment::absorb::absorb;
@@ -42,8 +43,8 @@ pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer)
     observer.observe(Stage::Superpixels(&superpixels.segments));
 
     // 2. Facets: superpixels that look alike (eq. 3).
-    let appearance = Appearance::new(&superpixels, frame.color(), &normals, &params.facets);
-    let facets = facets(&superpixels, &appearance, frame.depth_m(), &params.facets);
+    let appearance = Appearance::new(&superpixels, frame.color(), &normals, &params.appearance);
+    let facets = facets(&superpixels, &appearance, frame.depth_m(), &params.grouping);
     observer.observe(Stage::Facets(&facets));
 
     // 3. Shapes: facets joined across convex edges (eq. 4 and 5).
@@ -58,8 +59,10 @@ pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer)
     let described = descriptors(&shapes, &superpixels.core, &points, &normals);
     let touching = contacts(&shapes, &points, &params.contact);
     let mut support = support(&shapes, &described, &touching, &points, &up);
-    let (objects, labels) = hypotheses(&shapes, &facets, &points, &mut support, &up, &params.objectness)?;
     observer.observe(Stage::Support(&support));
+    let hypotheses = decide(&shapes, &points, &support, &up, &params.objectness);
+    let (objects, labels) = objects(hypotheses, &facets, &points, &support)?;
+    support.mark(&objects);
 
     let missing_plane = plane.is_none() && params.gravity.up_from == UpFrom::Plane;
     let missing_color = frame.color().is_none();
@@ -81,7 +84,7 @@ fn without_missing_color(frame: &Frame, params: &Params) -> Params {
     let mut params = params.clone();
     if frame.color().is_none() {
         params.graph.channels = Channels::Depth;
-        params.facets.color_weight = 0.0;
+        params.appearance.color_weight = 0.0;
     }
     params
 }

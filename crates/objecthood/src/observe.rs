@@ -19,7 +19,7 @@ pub enum Stage<'a> {
     Facets(&'a Segments),
     /// Stage 3: facets joined across convex edges.
     Shapes(&'a Segments),
-    /// Stage 4, first half: which shape supports which.
+    /// Stage 4, first half: which shape supports which; which of them are objects is not yet known.
     Support(&'a SupportGraph),
     /// Stage 4: the outcome.
     Objects(&'a Discovery),

@@ -1,6 +1,6 @@
 //! Every parameter of the method, with unit, range, default and where the default comes from.
 //!
-//! One group per algorithm, named like the file that uses it. The `parameters!` macro makes struct, default,
+//! One group per algorithm. The `parameters!` macro makes struct, default,
 //! validation and the table that `objecthood params` prints from one text, so they cannot disagree.
 
 use std::fmt;
@@ -256,18 +256,22 @@ parameters! {
         depth_gate_per_m: f32 = 0.02, 0.0..=10.0, "1/m", "tuned on mOSD learn (METHOD 2.1)";
     }
 
-    /// Superpixels grouped to facets by colour and normals, eq. 3.
-    Facets facets {
+    /// How superpixels look: histograms of colour and normals, eq. 3.
+    Appearance appearance {
         /// Weight of the colour histogram against the histogram of normals (omega).
         color_weight: f64 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-B (omega)";
-        /// Internal variation of a single superpixel: the histogram distance it tolerates (c).
-        initial_variation: f64 = 0.4, 0.0..=1.0, "dimensionless: histogram distance", "tuned on mOSD learn (METHOD 2.4)";
         /// Bins per axis of the joint Lab histogram.
         lab_bins: usize = 8, 1..=32, "bins", "tuned on mOSD learn (METHOD 2.1)";
         /// Bins of the inclination of the normals, over [0, pi].
         inclination_bins: usize = 8, 1..=180, "bins", "tuned on mOSD learn (METHOD 2.1)";
         /// Bins of the azimuth of the normals, over [-pi, pi].
         azimuth_bins: usize = 16, 1..=360, "bins", "tuned on mOSD learn (METHOD 2.1)";
+    }
+
+    /// Superpixels that look alike grouped to facets.
+    Grouping grouping {
+        /// Internal variation of a single superpixel: the difference in appearance it tolerates (c).
+        initial_variation: f64 = 0.4, 0.0..=1.0, "dimensionless: histogram distance", "tuned on mOSD learn (METHOD 2.4)";
     }
 
     /// Which regions are close to each other in space.

@@ -112,21 +112,34 @@ impl<E> RegionGraph<E> {
     }
 }
 
-impl RegionGraph<u32> {
-    /// Counts how often each unordered pair of different regions occurs in `pairs`. O(P log P).
-    pub(crate) fn from_pairs(regions: usize, pairs: impl IntoIterator<Item = (i32, i32)>) -> Self {
-        let key = |(a, b): (i32, i32)| (u64::from(a.min(b) as u32) << 32) | u64::from(a.max(b) as u32);
-        let mut keys: Vec<u64> = pairs.into_iter().map(key).collect();
-        keys.sort_unstable();
-        let edges = keys
-            .chunk_by(|x, y| x == y)
-            .map(|run| RegionEdge {
-                a: SegmentId((run[0] >> 32) as u32),
-                b: SegmentId(run[0] as u32),
-                evidence: run.len() as u32,
-            })
-            .collect();
+impl<E: Default> RegionGraph<E> {
+    /// Gathers what was observed along the borders of regions: `add` puts each sample to the evidence of its pair, in
+    /// the order in which they came. Samples of a region with itself are left out. O(n log n).
+    pub fn gather<S>(
+        regions: usize,
+        samples: impl IntoIterator<Item = (SegmentId, SegmentId, S)>,
+        mut add: impl FnMut(&mut E, S),
+    ) -> Self {
+        let between = samples.into_iter().filter(|(a, b, _)| a != b);
+        let mut samples: Vec<_> = between.map(|(a, b, sample)| (a.min(b), a.max(b), sample)).collect();
+        samples.sort_by_key(|&(a, b, _)| (a, b));
+        let mut edges: Vec<RegionEdge<E>> = Vec::new();
+        for (a, b, sample) in samples {
+            if edges.last().is_none_or(|edge| (edge.a, edge.b) != (a, b)) {
+                edges.push(RegionEdge { a, b, evidence: E::default() });
+            }
+            if let Some(edge) = edges.last_mut() {
+                add(&mut edge.evidence, sample);
+            }
+        }
         Self { regions, edges }
+    }
+}
+
+impl RegionGraph<u32> {
+    /// Counts how often each unordered pair of different regions occurs in `pairs`. O(n log n).
+    pub fn from_pairs(regions: usize, pairs: impl IntoIterator<Item = (SegmentId, SegmentId)>) -> Self {
+        Self::gather(regions, pairs.into_iter().map(|(a, b)| (a, b, ())), |count, ()| *count += 1)
     }
 }
 
@@ -145,8 +158,17 @@ mod tests {
     }
 
     #[test]
+    fn samples_are_added_in_their_order() {
+        let samples =
+            [(2, 1, 'a'), (0, 1, 'b'), (1, 2, 'c')].map(|(a, b, c)| (SegmentId(a), SegmentId(b), c));
+        let graph: RegionGraph<String> = RegionGraph::gather(3, samples, String::push);
+        assert_eq!(graph.edges().iter().map(|e| e.evidence.as_str()).collect::<Vec<_>>(), ["b", "ac"]);
+    }
+
+    #[test]
     fn pairs_are_counted_once_per_unordered_pair_and_sorted() {
-        let graph = RegionGraph::from_pairs(4, [(2, 1), (0, 3), (1, 2)]);
+        let pairs = [(2, 1), (0, 3), (3, 3), (1, 2)].map(|(a, b)| (SegmentId(a), SegmentId(b)));
+        let graph = RegionGraph::from_pairs(4, pairs);
         let edges: Vec<_> = graph.edges().iter().map(|e| (e.a.0, e.b.0, e.evidence)).collect();
         assert_eq!(edges, [(0, 3, 1), (1, 2, 2)]);
     }

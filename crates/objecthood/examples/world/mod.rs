@@ -29,7 +29,7 @@ const QUANTUM_PER_M: f64 = 0.00285;
 /// The frame that the camera takes.
 pub(crate) fn snapshot(solids: &[Solid]) -> Frame {
     let camera = Camera::new(262.5, 262.5, 159.5, 119.5).expect("these are intrinsics of a camera");
-    let (sin, cos) = CAMERA_TILT_DEG.to_radians().sin_cos();
+    let (sin, cos) = libm::sincos(CAMERA_TILT_DEG.to_radians());
     let eye = [0.0, -CAMERA_DISTANCE_M, CAMERA_HEIGHT_M];
     let mut depth_m = Vec::with_capacity(WIDTH * HEIGHT);
     let mut color = Vec::with_capacity(WIDTH * HEIGHT);
@@ -55,7 +55,7 @@ pub(crate) fn snapshot(solids: &[Solid]) -> Frame {
 
 /// Where the ray enters the solid: its depth (m) and the colour there.
 fn hit(solid: &Solid, eye: [f64; 3], ray: [f64; 3]) -> Option<(f64, [u8; 3])> {
-    let (sin, cos) = solid.yaw_deg.to_radians().sin_cos();
+    let (sin, cos) = libm::sincos(solid.yaw_deg.to_radians());
     let turned = |[x, y, z]: [f64; 3]| [x * cos + y * sin, y * cos - x * sin, z];
     let origin = turned([0, 1, 2].map(|k| eye[k] - solid.base_m[k]));
     let ray = turned(ray);

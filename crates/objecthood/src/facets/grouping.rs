@@ -1,7 +1,7 @@
 //! Superpixels that look alike become one facet (paper, III-B).
 
-use crate::facets::histogram::Appearance;
-use crate::oversegment::absorb::Superpixels;
+use crate::facets::appearance::Appearance;
+use crate::oversegment::Superpixels;
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
@@ -22,10 +22,7 @@ pub fn neighbours(segments: &Segments) -> RegionGraph<u32> {
             (down && u > 0, (p + width).wrapping_sub(1)),
         ]
         .into_iter()
-        .filter_map(move |(inside, q)| {
-            let (a, b) = (labels[p], if inside { labels[q] } else { Segments::NONE });
-            (a != b && a >= 0 && b >= 0).then_some((a, b))
-        })
+        .filter_map(move |(inside, q)| if inside { Some((segments.at(p)?, segments.at(q)?)) } else { None })
     });
     RegionGraph::from_pairs(segments.count(), pairs)
 }
@@ -42,12 +39,11 @@ pub fn facets(
     superpixels: &Superpixels,
     appearance: &Appearance,
     depth_m: &Raster<f32>,
-    params: &params::Facets,
+    params: &params::Grouping,
 ) -> Segments {
     let segments = &superpixels.segments;
     let measured = mostly_measured(segments, depth_m);
-    let differences =
-        neighbours(segments).map(|e| appearance.difference(e.a.index(), e.b.index(), params.color_weight));
+    let differences = neighbours(segments).map(|e| appearance.difference(e.a.index(), e.b.index()));
     let mut edges: Vec<_> =
         differences.edges().iter().filter(|e| measured[e.a.index()] && measured[e.b.index()]).collect();
     // Stable, so that equal differences stay in the order (a, b).
@@ -111,7 +107,8 @@ mod tests {
             Superpixels { core: labels.map(|_| true), segments: Segments::from_labels(&labels) };
         let color = labels.map(|&l| [greys[l as usize]; 3]);
         let normals = labels.map(|_| [0.0, 0.0, -1.0]);
-        let appearance = Appearance::new(&superpixels, Some(&color), &normals, &params::Facets::default());
+        let appearance =
+            Appearance::new(&superpixels, Some(&color), &normals, &params::Appearance::default());
         (superpixels, appearance, labels.map(|_| 1.0))
     }
 
@@ -119,7 +116,7 @@ mod tests {
     fn what_looks_alike_is_joined_and_variation_is_averaged() {
         let (superpixels, appearance, depth) = scene([0, 0, 255, 0]);
         let joined = |c: f64, depth: &Raster<f32>| {
-            let params = params::Facets { initial_variation: c, ..Default::default() };
+            let params = params::Grouping { initial_variation: c };
             facets(&superpixels, &appearance, depth, &params).labels().as_slice().to_vec()
         };
         // Colours that share no bin differ by 0.5; equal ones by 0.

@@ -1,6 +1,6 @@
 //! How large a shape is: an oriented box with one axis along up (METHOD 2.7).
 
-use glamx::{DMat3, DQuat, DVec3, Vec3};
+use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use crate::discovery::OrientedBox;
 
@@ -8,10 +8,10 @@ use crate::discovery::OrientedBox;
 const OUTLIERS: f64 = 0.01;
 
 /// The box of `points_m` with its z axis along `up` and x and y along the principal axes of the
-/// horizontal coordinates; each side reaches from the 1st to the 99th percentile. All zero without points.
+/// horizontal coordinates; each side reaches from the 1st to the 99th percentile. Of no size without points.
 ///
-/// The axes form a right-handed frame; x points the way of greater extent, towards positive camera x (or y when
-/// it has none), so that the same points give the same box. O(n).
+/// The axes form a right-handed frame; x points the way of greater extent, towards positive camera x (or y, or z,
+/// when it has none), so that the same points give the same box. O(n).
 pub fn oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
     let up = Vec3::from(up).as_dvec3();
     let (east, north) = up.any_orthonormal_pair();
@@ -29,8 +29,8 @@ pub fn oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
     }
     let angle = 0.5 * libm::atan2(2.0 * xy, xx - yy);
     let axis = east * libm::cos(angle) + north * libm::sin(angle);
-    let leading = if axis.x.abs() > 1e-9 { axis.x } else { axis.y };
-    let x = if leading < 0.0 { -axis } else { axis };
+    let leading = axis.to_array().into_iter().find(|part| part.abs() > 1e-6);
+    let x = if leading.is_some_and(|part| part < 0.0) { -axis } else { axis };
     let axes = [x, up.cross(x), up];
 
     let mut center = DVec3::ZERO;
@@ -98,7 +98,7 @@ mod tests {
                 prop_assert!((f64::from(*got) - side).abs() < 1e-4, "{:?}", found);
             }
             prop_assert!(Vec3::from(found.center_m).as_dvec3().distance(DVec3::from(center)) < 1e-4);
-            let axes = glamx::Quat::from_array(found.rotation_xyzw).as_dquat();
+            let axes = glam::Quat::from_array(found.rotation_xyzw).as_dquat();
             prop_assert!((axes * DVec3::Z).dot(up) > 0.9999);
             prop_assert!((axes * DVec3::X).dot(rotation * DVec3::X).abs() > 0.9999);
         }

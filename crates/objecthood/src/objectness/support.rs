@@ -1,8 +1,8 @@
 //! Physical support: what stands on what (paper, eq. 6 to 8).
 
-use glamx::{DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
-use crate::discovery::ObjectId;
+use crate::discovery::{Object, ObjectId};
 use crate::objectness::gravity::Up;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
@@ -60,9 +60,19 @@ pub struct SupportGraph {
 }
 
 impl SupportGraph {
-    /// The nodes that carry `node`, in ascending order.
-    pub fn parents(&self, node: NodeId) -> impl Iterator<Item = NodeId> + '_ {
-        self.edges.iter().filter(move |e| e.upper == node).map(|e| e.lower)
+    /// The nodes that carry each node, in ascending order. O(nodes + edges).
+    pub fn parents(&self) -> Vec<Vec<NodeId>> {
+        let named = self.edges.iter().map(|e| e.upper.0 as usize + 1).max().unwrap_or(0);
+        let mut parents = vec![Vec::new(); self.nodes.len().max(named)];
+        self.edges.iter().for_each(|e| parents[e.upper.0 as usize].push(e.lower));
+        parents
+    }
+
+    /// Marks the nodes that have turned out to be objects.
+    pub(crate) fn mark(&mut self, objects: &[Object]) {
+        for object in objects {
+            self.nodes[object.node.0 as usize].kind = NodeKind::Object { object: object.id };
+        }
     }
 }
 
@@ -137,17 +147,19 @@ pub fn support(
 mod tests {
     use super::*;
     use crate::objectness::gravity::UpSource;
+    use crate::regions::SegmentId;
 
     /// One column of shapes, the last one lowest: shape s has three points at height `heights[s]` and a
     /// mean normal with the part `upward[s]` along up.
-    fn stack(heights: &[f32], upward: &[f64], contacts: &[(i32, i32)]) -> SupportGraph {
+    fn stack(heights: &[f32], upward: &[f64], contacts: &[(u32, u32)]) -> SupportGraph {
         let n = heights.len();
         let labels = Raster::from_vec(3, n, (0..3 * n as i32).map(|i| i / 3).collect()).unwrap();
         let points = labels.map(|&s| [0.0, -heights[s as usize], 1.0]);
         let describe = |&y: &f64| Descriptor { normal: [0.0, -y, 0.0], ..Default::default() };
         let described: Vec<_> = upward.iter().map(describe).collect();
         let up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera };
-        let contacts = RegionGraph::from_pairs(n, contacts.iter().copied());
+        let contacts =
+            RegionGraph::from_pairs(n, contacts.iter().map(|&(a, b)| (SegmentId(a), SegmentId(b))));
         support(&Segments::from_labels(&labels), &described, &contacts, &points, &up)
     }
 
@@ -162,7 +174,7 @@ mod tests {
         let edges: Vec<_> = graph.edges.iter().map(|e| (e.lower.0, e.upper.0)).collect();
         assert_eq!(edges, [(1, 0), (2, 1)]);
         assert_eq!(p_o(&graph), [0.9, 0.9, 0.0]);
-        assert_eq!(graph.parents(NodeId(0)).collect::<Vec<_>>(), [NodeId(1)]);
+        assert_eq!(graph.parents(), [vec![NodeId(1)], vec![NodeId(2)], vec![]]);
     }
 
     #[test]

@@ -2,21 +2,14 @@
 //!
 //! Left alone they would erode every object by 2 to 6 px; joined by the minimum-size pass they would leak.
 
+use crate::oversegment::Superpixels;
 use crate::oversegment::felzenszwalb::Components;
 use crate::oversegment::graph::PixelGraph;
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
+use crate::surface::depth_change::changes;
 use crate::union_find::UnionFind;
-
-/// Superpixels, and which of their pixels speak for them.
-#[derive(Clone, Debug)]
-pub struct Superpixels {
-    /// The label map.
-    pub segments: Segments,
-    /// Pixels away from high curvature: they carry the statistics of all later stages.
-    pub core: Raster<bool>,
-}
 
 /// Marks a pixel without a label.
 const NONE: u32 = u32::MAX;
@@ -41,17 +34,9 @@ pub fn absorb(
     let core = borders.with_data(label.iter().map(|&l| l != NONE).collect());
 
     let mut sets = UnionFind::new(graph.pixels());
-    let passable = |p: usize, q: usize| {
-        let (z_p, z_q) = (depth_m[p], depth_m[q]);
-        let z = z_p.max(z_q);
-        if z_p.is_nan() || z_q.is_nan() {
-            return z_p.is_nan() && z_q.is_nan();
-        }
-        (z_p - z_q).abs() <= params.depth_gate_per_m * z * z
-    };
     for edge in graph.edges() {
         let (p, q) = (edge.p as usize, edge.q as usize);
-        if !passable(p, q) {
+        if changes(depth_m[p], depth_m[q], params.depth_gate_per_m) {
             continue;
         }
         let (p, q) = (sets.find(p), sets.find(q));

@@ -1,6 +1,6 @@
 //! The graph over the pixels and its edge weights (paper, eq. 1).
 
-use glamx::Vec3;
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::frame::Frame;
@@ -11,7 +11,7 @@ use crate::raster::Raster;
 const STEPS: [(isize, usize); 4] = [(1, 0), (0, 1), (1, 1), (-1, 1)];
 
 /// Weight of an edge that only the minimum-size pass may cross: heavier than any colour or disparity difference.
-const APART: f32 = 1e6;
+const APART: f32 = f32::INFINITY;
 
 /// How pixels without depth enter the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,13 +24,13 @@ pub enum Unmeasured {
 
 /// An edge between two 8-neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PixelEdge {
+pub(crate) struct PixelEdge {
     /// Dissimilarity, eq. 1.
-    pub weight: f32,
+    pub(crate) weight: f32,
     /// Index of the pixel that comes first in scan order.
-    pub p: u32,
+    pub(crate) p: u32,
     /// Index of the other pixel.
-    pub q: u32,
+    pub(crate) q: u32,
 }
 
 /// The edges of the graph over all pixels, lightest first; equal weights in scan order of p, then right, down,
@@ -48,7 +48,7 @@ impl PixelGraph {
     }
 
     /// The edges, lightest first.
-    pub fn edges(&self) -> &[PixelEdge] {
+    pub(crate) fn edges(&self) -> &[PixelEdge] {
         &self.edges
     }
 

@@ -4,3 +4,15 @@ pub mod absorb;
 pub mod felzenszwalb;
 pub mod graph;
 pub mod smoothing;
+
+use crate::raster::Raster;
+use crate::regions::Segments;
+
+/// Superpixels, and which of their pixels speak for them.
+#[derive(Clone, Debug)]
+pub struct Superpixels {
+    /// The label map.
+    pub segments: Segments,
+    /// Pixels away from high curvature: they carry the statistics of all later stages.
+    pub core: Raster<bool>,
+}

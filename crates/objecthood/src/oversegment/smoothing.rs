@@ -1,6 +1,6 @@
 //! Gaussian smoothing of the colour image (paper, III-A).
 
-use glamx::Vec4;
+use glam::Vec4;
 use rayon::prelude::*;
 
 use crate::params;

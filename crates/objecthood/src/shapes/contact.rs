@@ -1,6 +1,6 @@
 //! Which regions are close to each other in space (paper, III-C: "close in 3-D Euclidean space").
 
-use glamx::Vec3;
+use glam::Vec3;
 
 use crate::params;
 use crate::raster::Raster;
@@ -18,9 +18,9 @@ pub fn contacts(
 ) -> RegionGraph<u32> {
     let labels = segments.labels();
     let (width, height) = labels.size();
-    let region = |i: usize| if points_m[i][2].is_nan() { Segments::NONE } else { labels[i] };
+    let region = |i: usize| segments.at(i).filter(|_| !points_m[i][2].is_nan());
     let mut pairs = Vec::new();
-    for p in (0..labels.len()).filter(|&p| region(p) >= 0) {
+    for (p, own) in (0..labels.len()).filter_map(|p| Some((p, region(p)?))) {
         let (u, v) = (p % width, p / width);
         let (right, down, left) = (width - 1 - u, height - 1 - v, u);
         for (room, step) in
@@ -28,11 +28,11 @@ pub fn contacts(
         {
             let other = (1..=room.min(params.reach_px))
                 .map(|t| p + t * step)
-                .find(|&q| region(q) >= 0 && region(q) != region(p));
-            if let Some(q) = other
+                .find_map(|q| region(q).filter(|&other| other != own).map(|other| (q, other)));
+            if let Some((q, other)) = other
                 && Vec3::from(points_m[p]).distance(Vec3::from(points_m[q])) < params.distance_m
             {
-                pairs.push((region(p), region(q)));
+                pairs.push((own, other));
             }
         }
     }

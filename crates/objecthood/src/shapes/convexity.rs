@@ -1,6 +1,6 @@
 //! Facets that meet in a convex edge are one shape (paper, eq. 5).
 
-use glamx::DVec3;
+use glam::DVec3;
 
 use crate::regions::{RegionGraph, Segments};
 use crate::shapes::descriptor::Descriptor;
@@ -47,6 +47,7 @@ mod tests {
 
     use super::*;
     use crate::raster::Raster;
+    use crate::regions::SegmentId;
 
     /// A facet at `centroid_m` that faces `normal`.
     fn facet(centroid_m: [f64; 3], normal: [f64; 3]) -> Descriptor {
@@ -68,7 +69,8 @@ mod tests {
     fn shapes_are_components_over_convex_edges_between_oriented_facets() {
         let labels = Raster::from_vec(5, 1, vec![0, 1, 2, 3, -1]).unwrap();
         let facets = Segments::from_labels(&labels);
-        let contacts = RegionGraph::from_pairs(4, [(0, 1), (1, 2), (2, 3)]);
+        let pairs = [(0, 1), (1, 2), (2, 3)].map(|(a, b)| (SegmentId(a), SegmentId(b)));
+        let contacts = RegionGraph::from_pairs(4, pairs);
         let mut weights = [-0.01, 0.0, -0.02].into_iter();
         let convexities = contacts.map(|_| weights.next().unwrap());
         let mut described = vec![facet([0.0; 3], [0.0, 0.0, -1.0]); 4];

@@ -1,6 +1,6 @@
 //! Where a region lies and which way it faces (paper, eq. 4).
 
-use glamx::{DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use crate::raster::Raster;
 use crate::regions::Segments;

@@ -1,13 +1,13 @@
 //! Curvature from opposite normals (paper, eq. 2).
 
-use glamx::Vec3;
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::params;
 use crate::raster::Raster;
 
 /// Curvature of a pixel around which no pair of normals is usable: beyond every threshold.
-pub const UNKNOWN: f32 = 2.0;
+pub const UNKNOWN: f32 = f32::INFINITY;
 
 /// One minus the mean cosine between the normals of opposite neighbours at `offset_px`, over the horizontal,
 /// the vertical and the two diagonal pairs: 0 = flat, 2 = folded back, [`UNKNOWN`] without a usable pair.

@@ -7,14 +7,20 @@ use rayon::prelude::*;
 
 use crate::raster::Raster;
 
+/// A neighbour at less than this share of the other's depth is on another surface, whatever the sensor's noise.
+const GREATEST_STEP: f32 = 0.5;
+
 /// Whether depth changes between two neighbours: exactly one is missing, or they differ by more than
-/// `change_per_m`·z² (m). Missing depth is `NaN`.
+/// `change_per_m`·z² (m), z the greater depth. Missing depth is `NaN`.
+///
+/// *Differs:* beyond z = 1/`change_per_m` that bound exceeds z itself and would let everything pass, so it is at
+/// most half of z; at the default this begins at 25 m.
 #[inline]
 pub fn changes(z_p: f32, z_q: f32, change_per_m: f32) -> bool {
     match (z_p.is_nan(), z_q.is_nan()) {
         (false, false) => {
             let z = z_p.max(z_q);
-            (z_p - z_q).abs() > change_per_m * z * z
+            (z_p - z_q).abs() > (change_per_m * z).min(GREATEST_STEP) * z
         }
         (p, q) => p != q,
     }

@@ -6,7 +6,7 @@
 //! 1. mark depth changes, 2. distance to the nearest one, 3. window half size from it, 4. integral images of the
 //!    tangents, 5. cross product, turned towards the camera.
 
-use glamx::{DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::params;
@@ -95,7 +95,7 @@ mod tests {
         let n = Vec3::new(0.3, -0.5, -0.8).normalize();
         let camera = Camera::new(60.0, 60.0, 29.5, 19.5).unwrap();
         let points = points(|u, v| {
-            let ray = glamx::DVec3::from(camera.ray(u as f64, v as f64)).as_vec3();
+            let ray = glam::DVec3::from(camera.ray(u as f64, v as f64)).as_vec3();
             -1.0 / n.dot(ray)
         });
         let normals = normals(&points, &params::Normals { depth_change_per_m: 1.0, ..Default::default() });

@@ -3,89 +3,101 @@
 use std::f32::consts::PI;
 
 use crate::color::lab;
-use crate::oversegment::absorb::Superpixels;
+use crate::oversegment::Superpixels;
 use crate::params;
 use crate::raster::Raster;
 
 /// Normalised histograms of every superpixel: colours, and normals. An empty one is all zero.
 #[derive(Clone, Debug)]
 pub struct Appearance {
+    color_weight: f64,
     color: Histograms,
     normal: Histograms,
 }
 
 impl Appearance {
-    /// Counts the core pixels of every superpixel; one without any counts all its pixels. O(pixels + bins).
+    /// Counts the core pixels of every superpixel; one without any counts all its pixels. O(pixels).
     ///
     /// `color`: sRGB, unsmoothed; none leaves the colour histograms empty. `normals`: unit, zero = none.
     pub fn new(
         superpixels: &Superpixels,
         color: Option<&Raster<[u8; 3]>>,
         normals: &Raster<[f32; 3]>,
-        params: &params::Facets,
+        params: &params::Appearance,
     ) -> Self {
         let segments = &superpixels.segments;
         let mut has_core = vec![false; segments.count()];
         segments.members().filter(|&(i, _)| superpixels.core[i]).for_each(|(_, s)| has_core[s] = true);
 
-        let mut colors = Histograms::new(segments.count(), params.lab_bins.pow(3));
-        let mut directions = Histograms::new(segments.count(), params.inclination_bins * params.azimuth_bins);
-        for (i, s) in segments.members().filter(|&(i, s)| superpixels.core[i] || !has_core[s]) {
-            if let Some(color) = color {
-                colors.count(s, lab_bin(lab(color[i]), params.lab_bins));
-            }
-            if normals[i] != [0.0; 3] {
-                directions.count(s, direction_bin(normals[i], params));
-            }
+        let speaking = || segments.members().filter(|&(i, s)| superpixels.core[i] || !has_core[s]);
+        let colors = speaking().filter_map(|(i, s)| Some((s, lab_bin(lab(color?[i]), params.lab_bins))));
+        let directions = speaking()
+            .filter(|&(i, _)| normals[i] != [0.0; 3])
+            .map(|(i, s)| (s, direction_bin(normals[i], params)));
+        Self {
+            color_weight: params.color_weight,
+            color: Histograms::new(segments.count(), colors),
+            normal: Histograms::new(segments.count(), directions),
         }
-        colors.normalise();
-        directions.normalise();
-        Self { color: colors, normal: directions }
     }
 
     /// How much superpixels `a` and `b` differ, in [0, 1]: one minus the weighted mean of the intersections of
-    /// their histograms, ω = `color_weight`.
+    /// their histograms, ω = `color_weight`. O(occupied bins of both).
     ///
     /// *Differs from the paper:* eq. 3 as printed is a similarity, while its text needs a distance.
-    pub fn difference(&self, a: usize, b: usize, color_weight: f64) -> f64 {
-        let similarity = color_weight * self.color.intersection(a, b)
-            + (1.0 - color_weight) * self.normal.intersection(a, b);
+    pub fn difference(&self, a: usize, b: usize) -> f64 {
+        let similarity = self.color_weight * self.color.intersection(a, b)
+            + (1.0 - self.color_weight) * self.normal.intersection(a, b);
         1.0 - similarity
     }
 }
 
-/// One histogram a superpixel, dense.
+/// One histogram a superpixel: its occupied bins only, because most are empty.
 #[derive(Clone, Debug)]
 struct Histograms {
-    bins: usize,
-    values: Vec<f32>,
+    /// Bins in ascending order with the share of the superpixel's pixels, superpixel after superpixel.
+    bins: Vec<(u32, f32)>,
+    /// Where the bins of each superpixel start; one more, where the last end.
+    starts: Vec<usize>,
 }
 
 impl Histograms {
-    fn new(count: usize, bins: usize) -> Self {
-        Self { bins, values: vec![0.0; count * bins] }
+    /// Counts (superpixel, bin) for `count` superpixels. O(n) for n observations: the sort is a radix sort.
+    fn new(count: usize, observed: impl Iterator<Item = (usize, usize)>) -> Self {
+        let mut keys: Vec<u64> = observed.map(|(s, bin)| ((s as u64) << 32) | bin as u64).collect();
+        radsort::sort(&mut keys);
+        let mut bins = Vec::new();
+        let mut starts = vec![0];
+        let mut rest = keys.as_slice();
+        for s in 0..count {
+            let (own, others) = rest.split_at(rest.partition_point(|key| key >> 32 <= s as u64));
+            let runs = own.chunk_by(|a, b| a == b);
+            bins.extend(runs.map(|run| (run[0] as u32, run.len() as f32 / own.len() as f32)));
+            starts.push(bins.len());
+            rest = others;
+        }
+        Self { bins, starts }
     }
 
-    fn count(&mut self, s: usize, bin: usize) {
-        self.values[s * self.bins + bin] += 1.0;
-    }
-
-    fn normalise(&mut self) {
-        for histogram in self.values.chunks_exact_mut(self.bins) {
-            let sum: f32 = histogram.iter().sum();
-            if sum > 0.0 {
-                histogram.iter_mut().for_each(|value| *value /= sum);
+    /// Sum of the smaller of both shares over all bins (Swain and Ballard 1991), in [0, 1].
+    fn intersection(&self, a: usize, b: usize) -> f64 {
+        let of = |s: usize| &self.bins[self.starts[s]..self.starts[s + 1]];
+        let (mut a, mut b) = (of(a), of(b));
+        let mut sum = 0.0;
+        while let (Some((&(bin_a, x), rest_a)), Some((&(bin_b, y), rest_b))) =
+            (a.split_first(), b.split_first())
+        {
+            if bin_a == bin_b {
+                sum += f64::from(x.min(y));
+            }
+            if bin_a <= bin_b {
+                a = rest_a;
+            }
+            if bin_b <= bin_a {
+                b = rest_b;
             }
         }
-    }
-
-    fn of(&self, s: usize) -> &[f32] {
-        &self.values[s * self.bins..(s + 1) * self.bins]
-    }
-
-    /// Sum of the smaller of both values over all bins (Swain and Ballard 1991), in [0, 1].
-    fn intersection(&self, a: usize, b: usize) -> f64 {
-        self.of(a).iter().zip(self.of(b)).map(|(x, y)| f64::from(x.min(*y))).sum()
+        sum
     }
 }
 
@@ -96,7 +108,7 @@ fn lab_bin([l, a, b]: [f32; 3], bins: usize) -> usize {
 }
 
 /// The bin of a normal: its inclination from the camera's up (acos of -y) and its azimuth around it.
-fn direction_bin([x, y, z]: [f32; 3], params: &params::Facets) -> usize {
+fn direction_bin([x, y, z]: [f32; 3], params: &params::Appearance) -> usize {
     let inclination = libm::acosf((-y).clamp(-1.0, 1.0)) / PI;
     let azimuth = (libm::atan2f(x, -z) + PI) / (2.0 * PI);
     bin_of(inclination, params.inclination_bins) * params.azimuth_bins + bin_of(azimuth, params.azimuth_bins)
@@ -141,9 +153,9 @@ mod tests {
             let n = pixels.len();
             let superpixels = row((0..n as i32).map(|i| i % 2).collect());
             let color = Raster::from_vec(n, 1, pixels.iter().map(|p| p.0).collect()).unwrap();
-            let unit = |p: &([u8; 3], [f32; 3])| glamx::Vec3::from(p.1).normalize_or_zero().to_array();
+            let unit = |p: &([u8; 3], [f32; 3])| glam::Vec3::from(p.1).normalize_or_zero().to_array();
             let normals = Raster::from_vec(n, 1, pixels.iter().map(unit).collect()).unwrap();
-            let params = params::Facets::default();
+            let params = params::Appearance { color_weight: omega, ..Default::default() };
             let appearance = Appearance::new(&superpixels, Some(&color), &normals, &params);
 
             let of = |s: usize, f: &dyn Fn(usize) -> usize| (s..n).step_by(2).map(f).collect::<Vec<_>>();
@@ -152,10 +164,10 @@ mod tests {
             let expected = 1.0
                 - omega * naive(&of(0, &by_color), &of(1, &by_color))
                 - (1.0 - omega) * naive(&of(0, &by_normal), &of(1, &by_normal));
-            let got = appearance.difference(0, 1, omega);
+            let got = appearance.difference(0, 1);
             prop_assert!((got - expected).abs() < 1e-5, "{} {}", got, expected);
-            prop_assert!((got - appearance.difference(1, 0, omega)).abs() < 1e-12);
-            prop_assert!(appearance.difference(0, 0, omega).abs() < 1e-5);
+            prop_assert!((got - appearance.difference(1, 0)).abs() < 1e-12);
+            prop_assert!(appearance.difference(0, 0).abs() < 1e-5);
         }
     }
 
@@ -164,7 +176,7 @@ mod tests {
         assert_eq!(lab_bin([0.0, -64.0, -64.0], 8), 0);
         assert_eq!(lab_bin([100.0, 200.0, 200.0], 8), 511);
         assert_eq!(lab_bin([50.0, 0.0, 0.0], 8), (4 * 8 + 4) * 8 + 4);
-        let params = params::Facets::default();
+        let params = params::Appearance::default();
         // Up (camera -y) is inclination 0; the camera's own direction (-z) is azimuth 0, the middle.
         assert_eq!(direction_bin([0.0, -1.0, 0.0], &params) / 16, 0);
         assert_eq!(direction_bin([0.0, 1.0, 0.0], &params) / 16, 7);
@@ -178,8 +190,9 @@ mod tests {
         superpixels.core.as_mut_slice().copy_from_slice(&[true, false, false, false]);
         let color = Raster::from_vec(4, 1, vec![[255; 3], [0; 3], [255; 3], [0; 3]]).unwrap();
         let normals = Raster::filled(4, 1, [0.0, 0.0, -1.0]).unwrap();
-        let appearance = Appearance::new(&superpixels, Some(&color), &normals, &params::Facets::default());
+        let by_color = params::Appearance { color_weight: 1.0, ..Default::default() };
+        let appearance = Appearance::new(&superpixels, Some(&color), &normals, &by_color);
         // All of superpixel 0 is white, half of superpixel 1.
-        assert!((appearance.difference(0, 1, 1.0) - 0.5).abs() < 1e-6);
+        assert!((appearance.difference(0, 1) - 0.5).abs() < 1e-6);
     }
 }

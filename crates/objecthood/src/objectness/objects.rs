@@ -1,0 +1,134 @@
+//! Hypotheses become objects: ranked, numbered, described and painted.
+
+use glam::{DVec3, Vec3};
+
+use crate::discovery::{Object, ObjectId, PixelBox};
+use crate::error::{Error, Result};
+use crate::objectness::decision::Hypothesis;
+use crate::objectness::support::{NodeId, SupportGraph};
+use crate::raster::Raster;
+use crate::regions::Segments;
+
+/// The objects, numbered 1.. by falling objectness, then falling pixel count, then first pixel; and the label image, 0 =
+/// none. `facets`: what the shapes are made of; node k of `support` is shape k. O(pixels log pixels + edges).
+///
+/// # Errors
+/// [`Error::TooManyObjects`] beyond 65535.
+pub fn objects(
+    mut hypotheses: Vec<Hypothesis>,
+    facets: &Segments,
+    points_m: &Raster<[f32; 3]>,
+    support: &SupportGraph,
+) -> Result<(Vec<Object>, Raster<u16>)> {
+    if hypotheses.len() > usize::from(u16::MAX) {
+        return Err(Error::TooManyObjects { found: hypotheses.len() });
+    }
+    hypotheses.sort_by(|a, b| {
+        let by_size = || b.pixels.len().cmp(&a.pixels.len());
+        b.objectness.total_cmp(&a.objectness).then_with(by_size).then_with(|| a.pixels[0].cmp(&b.pixels[0]))
+    });
+    let parents = support.parents();
+    let mut labels = vec![0; points_m.len()];
+    let mut objects = Vec::with_capacity(hypotheses.len());
+    for (number, Hypothesis { shape, pixels, box_m, objectness, parts }) in (1..=u16::MAX).zip(hypotheses) {
+        pixels.iter().for_each(|&i| labels[i] = number);
+        objects.push(Object {
+            id: ObjectId(number),
+            objectness,
+            parts,
+            size_px: pixels.len(),
+            box_px: pixel_box(&pixels, points_m.width()),
+            centroid_m: centroid_m(&pixels, points_m),
+            box_m,
+            facets: facets_among(&pixels, facets),
+            node: NodeId(shape.0),
+            parents: parents.get(shape.index()).cloned().unwrap_or_default(),
+        });
+    }
+    Ok((objects, points_m.with_data(labels)))
+}
+
+/// The smallest upright rectangle around pixels in scan order, of which there is at least one.
+fn pixel_box(pixels: &[usize], width: usize) -> PixelBox {
+    let (mut left, mut right) = (usize::MAX, 0);
+    for u in pixels.iter().map(|i| i % width) {
+        left = left.min(u);
+        right = right.max(u);
+    }
+    let (top, bottom) = (pixels[0] / width, pixels[pixels.len() - 1] / width);
+    PixelBox { u: left, v: top, width: right - left + 1, height: bottom - top + 1 }
+}
+
+fn centroid_m(pixels: &[usize], points_m: &Raster<[f32; 3]>) -> [f32; 3] {
+    let sum: DVec3 = pixels.iter().map(|&i| Vec3::from(points_m[i]).as_dvec3()).sum();
+    (sum / pixels.len() as f64).as_vec3().to_array()
+}
+
+fn facets_among(pixels: &[usize], facets: &Segments) -> usize {
+    let mut labels: Vec<i32> = pixels.iter().map(|&i| facets.labels()[i]).collect();
+    labels.sort_unstable();
+    labels.dedup();
+    labels.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discovery::{ObjectnessParts, OrientedBox};
+    use crate::objectness::support::SupportEdge;
+    use crate::regions::SegmentId;
+
+    const BOX: OrientedBox =
+        OrientedBox { center_m: [0.0; 3], rotation_xyzw: [0.0, 0.0, 0.0, 1.0], extents_m: [0.1; 3] };
+
+    fn hypothesis(shape: u32, pixels: &[usize], p_o: f32) -> Hypothesis {
+        let parts = ObjectnessParts::Paper { size_ok: true, p_s: p_o, p_o };
+        Hypothesis { shape: SegmentId(shape), pixels: pixels.to_vec(), box_m: BOX, objectness: p_o, parts }
+    }
+
+    /// A 4 x 3 image whose point (u, v) lies at (u, v, 1); every column is a facet.
+    fn found(hypotheses: Vec<Hypothesis>) -> (Vec<Object>, Raster<u16>) {
+        let columns = Raster::from_vec(4, 3, (0..12).map(|i| i % 4).collect()).unwrap();
+        let points = columns.with_data((0..12).map(|i| [(i % 4) as f32, (i / 4) as f32, 1.0]).collect());
+        let support = SupportGraph {
+            nodes: Vec::new(),
+            edges: vec![SupportEdge { lower: NodeId(0), upper: NodeId(7), contacts: 1 }],
+        };
+        objects(hypotheses, &Segments::from_labels(&columns), &points, &support).unwrap()
+    }
+
+    #[test]
+    fn an_object_is_described_by_its_pixels() {
+        let (objects, labels) = found(vec![hypothesis(7, &[1, 5, 6, 9], 0.8)]);
+        let object = &objects[0];
+        assert_eq!(labels.as_slice(), [0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0]);
+        assert_eq!(object.box_px, PixelBox { u: 1, v: 0, width: 2, height: 3 });
+        assert_eq!((object.size_px, object.facets), (4, 2));
+        assert_eq!(object.centroid_m, [1.25, 1.0, 1.0]);
+        assert_eq!((object.node, object.parents.as_slice()), (NodeId(7), &[NodeId(0)][..]));
+    }
+
+    #[test]
+    fn objects_are_ranked_by_objectness_then_size_then_place() {
+        let (objects, labels) = found(vec![
+            hypothesis(0, &[8, 9], 0.8),
+            hypothesis(1, &[4, 5], 0.8),
+            hypothesis(2, &[0, 1, 2], 0.8),
+            hypothesis(3, &[11], 0.9),
+        ]);
+        assert_eq!(objects.iter().map(|o| o.node.0).collect::<Vec<_>>(), [3, 2, 1, 0]);
+        assert_eq!(labels.as_slice(), [2, 2, 2, 0, 3, 3, 0, 0, 4, 4, 0, 1]);
+    }
+
+    #[test]
+    fn more_than_a_label_image_can_number_is_an_error() {
+        let one = Raster::filled(1, 1, 0).unwrap();
+        let points = one.with_data(vec![[0.0, 0.0, 1.0]]);
+        let facets = Segments::from_labels(&one);
+        let many = |n| vec![hypothesis(0, &[0], 0.9); n];
+        let support = SupportGraph::default();
+        assert!(objects(many(65535), &facets, &points, &support).is_ok());
+        let refused = objects(many(65536), &facets, &points, &support);
+        assert!(matches!(refused, Err(Error::TooManyObjects { found: 65536 })));
+    }
+}
