@@ -86,7 +86,7 @@ impl<T> Raster<T> {
 
     /// The value at column `u` and row `v`, or `None` outside.
     pub fn get(&self, u: usize, v: usize) -> Option<&T> {
-        if u < self.width { self.data.get(v * self.width + u) } else { None }
+        if u < self.width && v < self.height { self.data.get(v * self.width + u) } else { None }
     }
 }
 
@@ -132,5 +132,6 @@ mod tests {
         assert_eq!(r.get(1, 0), Some(&2));
         assert_eq!(r.get(2, 0), None);
         assert_eq!(r.get(0, 2), None);
+        assert_eq!(r.get(1, usize::MAX), None);
     }
 }

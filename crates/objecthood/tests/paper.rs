@@ -3,11 +3,13 @@
 #[path = "../examples/world/mod.rs"]
 mod world;
 
+use std::collections::HashSet;
+
 use objecthood::objectness::gravity::UpSource;
 use objecthood::objectness::support::NodeKind;
 use objecthood::{
-    Camera, Discovery, Error, Frame, Notice, Observer, Params, Raster, Segments, Stage, discover,
-    discover_observed,
+    Camera, Discovery, Error, Frame, Notice, ObjectnessParts, Observer, Params, PixelBox, Raster, Segments,
+    Stage, discover, discover_observed,
 };
 use world::{Solid, snapshot};
 
@@ -113,45 +115,116 @@ fn two_boxes_on_a_table_are_two_objects_that_stand_on_it() {
 #[test]
 fn support_reaches_the_upper_box_of_a_stack() {
     let found = discover(&stack(), &Params::default()).unwrap();
-    let blue = found.labels.as_slice()[90 * 320 + 160];
-    assert!(blue > 0, "the upper box is an object");
-    let upper = &found.objects[usize::from(blue) - 1];
-    assert!(upper.objectness > 0.9, "{upper:?}");
+    let seen_at = |u: usize, v: usize| {
+        let label = found.labels[v * 320 + u];
+        assert!(label > 0, "the box at {u}, {v} is an object");
+        &found.objects[usize::from(label) - 1]
+    };
+    let (upper, lower) = (seen_at(160, 90), seen_at(160, 140));
+    assert_eq!(upper.parents, [lower.node]);
+    let [table] = lower.parents[..] else { panic!("the lower box stands on the table alone: {lower:?}") };
+    let table = &found.support.nodes[table.0 as usize];
+    assert_eq!(table.kind, NodeKind::Surface);
+    // The lower box shows as much of its front as of its top; it carries because the table carries it.
+    let ObjectnessParts::Paper { p_s, p_o, .. } = upper.parts else { panic!("of another method") };
+    assert!(p_s < 0.7 && p_o > 0.9 && p_o == table.p_s, "{upper:?}");
 }
 
-/// What holds for every discovery, whatever the frame.
-fn check_invariants(frame: &Frame, found: &Discovery) {
-    let mut pixels = vec![0; found.objects.len() + 1];
-    for (i, &label) in found.labels.as_slice().iter().enumerate() {
-        pixels[usize::from(label)] += 1;
-        assert!(label == 0 || frame.is_valid(i), "a pixel without depth belongs to an object");
+/// Looks at the frame and checks what holds for every discovery, whatever the frame.
+fn checked(frame: &Frame) -> (Discovery, Maps) {
+    let mut maps = Maps::default();
+    let found = discover_observed(frame, &Params::default(), &mut maps).expect("the scene is valid");
+    let [_, (_, facets), (_, shapes)] = &maps.0[..] else { panic!("each stage is announced once") };
+    check_scene(&found);
+    check_support(frame, &found, shapes);
+    check_objects(frame, &found, facets, shapes);
+    (found, maps)
+}
+
+/// Up and the structure planes.
+fn check_scene(found: &Discovery) {
+    let unit = |n: [f32; 3]| (n.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-4;
+    assert!(unit(found.up.direction), "{:?}", found.up);
+    for plane in &found.structure_planes {
+        assert!(unit(plane.normal) && plane.offset_m.is_finite(), "{plane:?}");
+        assert!(plane.inlier_share > 0.0 && plane.inlier_share <= 1.0, "{plane:?}");
     }
+}
+
+/// The support graph: its nodes are the shapes, its edges lead upwards and carry eq. 8.
+fn check_support(frame: &Frame, found: &Discovery, shapes: &Segments) {
+    let nodes = &found.support.nodes;
+    assert_eq!(nodes.len(), shapes.count());
+    let mut size_px = vec![0; nodes.len()];
+    (0..shapes.labels().len())
+        .filter(|&i| frame.is_valid(i))
+        .filter_map(|i| shapes.at(i))
+        .for_each(|s| size_px[s.index()] += 1);
+    let mut p_o = vec![0.0_f32; nodes.len()];
+    for edge in &found.support.edges {
+        let (lower, upper) = (edge.lower.0 as usize, edge.upper.0 as usize);
+        assert!(nodes[lower].height_m <= nodes[upper].height_m, "support leads upwards");
+        assert!(edge.contacts > 0, "{edge:?}");
+        p_o[upper] = p_o[upper].max(nodes[lower].p_s).max(nodes[lower].p_o);
+    }
+    assert!(found.support.edges.is_sorted_by(|e, f| (e.lower, e.upper) < (f.lower, f.upper)));
+    for (k, node) in nodes.iter().enumerate() {
+        assert!(node.height_m.is_finite() && (0.0..=1.0).contains(&node.p_s), "{node:?}");
+        assert_eq!((node.size_px, node.p_o), (size_px[k], p_o[k]));
+    }
+    let objects = nodes.iter().filter(|n| n.kind != NodeKind::Surface).count();
+    assert_eq!(objects, found.objects.len());
+}
+
+/// The objects, counted again from the label image, the facets and the support graph.
+fn check_objects(frame: &Frame, found: &Discovery, facets: &Segments, shapes: &Segments) {
+    let nodes = &found.support.nodes;
+    for (i, &label) in found.labels.as_slice().iter().enumerate() {
+        let kind = shapes.at(i).filter(|_| frame.is_valid(i)).map(|s| nodes[s.index()].kind);
+        let object = if let Some(NodeKind::Object { object }) = kind { object.0 } else { 0 };
+        assert_eq!(label, object, "the objects are the shapes marked as such, where there is depth");
+    }
+    let points = frame.points_m();
     let mut last = (f32::INFINITY, usize::MAX);
     for (k, object) in found.objects.iter().enumerate() {
         assert_eq!(usize::from(object.id.0), k + 1);
-        assert_eq!(object.size_px, pixels[k + 1]);
+        assert_eq!(nodes[object.node.0 as usize].kind, NodeKind::Object { object: object.id });
         let rank = (object.objectness, object.size_px);
         assert!(rank.0 < last.0 || rank.0 == last.0 && rank.1 <= last.1, "objects are sorted");
         last = rank;
-        assert!((0.0..=1.0).contains(&object.objectness));
-        let numbers = [object.centroid_m, object.box_m.center_m, object.box_m.extents_m].concat();
-        assert!(numbers.iter().all(|x| x.is_finite()));
+
+        let pixels: Vec<usize> = (0..points.len()).filter(|&i| found.labels[i] == object.id.0).collect();
+        assert_eq!(object.size_px, pixels.len());
+        let range = |f: &dyn Fn(usize) -> usize| {
+            let at = || pixels.iter().map(|&i| f(i));
+            (at().min().unwrap_or(0), at().max().unwrap_or(0))
+        };
+        let ((left, right), (top, bottom)) = (range(&|i| i % points.width()), range(&|i| i / points.width()));
+        let box_px = PixelBox { u: left, v: top, width: right + 1 - left, height: bottom + 1 - top };
+        assert_eq!(object.box_px, box_px);
+        for (axis, got) in object.centroid_m.into_iter().enumerate() {
+            let mean = pixels.iter().map(|&i| f64::from(points[i][axis])).sum::<f64>() / pixels.len() as f64;
+            assert!((f64::from(got) - mean).abs() <= 1e-6 * mean.abs().max(1.0), "{got} {mean}");
+        }
+        assert_eq!(object.facets, pixels.iter().map(|&i| facets.at(i)).collect::<HashSet<_>>().len());
+
+        let edges = found.support.edges.iter().filter(|e| e.upper == object.node);
+        assert_eq!(object.parents, edges.map(|e| e.lower).collect::<Vec<_>>());
+        let ObjectnessParts::Paper { size_ok, p_s, p_o } = object.parts else { panic!("of another method") };
+        assert!(size_ok && p_o == object.objectness && p_o == nodes[object.node.0 as usize].p_o);
+        assert_eq!(p_s, object.parents.iter().map(|p| nodes[p.0 as usize].p_s).fold(0.0, f32::max));
+
+        assert!([object.box_m.center_m, object.box_m.extents_m].concat().iter().all(|x| x.is_finite()));
         let norm: f32 = object.box_m.rotation_xyzw.iter().map(|q| q * q).sum();
         assert!((norm - 1.0).abs() < 1e-4);
-        assert_eq!(found.support.nodes[object.node.0 as usize].kind, NodeKind::Object { object: object.id });
-    }
-    for edge in &found.support.edges {
-        let [lower, upper] = [edge.lower, edge.upper].map(|n| found.support.nodes[n.0 as usize].height_m);
-        assert!(lower <= upper, "support leads upwards");
     }
 }
 
 #[test]
 fn stages_only_coarsen_and_cover_every_labelled_pixel() {
     for frame in [two_boxes(), stack()] {
-        let mut maps = Maps::default();
-        let found = discover_observed(&frame, &Params::default(), &mut maps).unwrap();
-        check_invariants(&frame, &found);
+        let (found, maps) = checked(&frame);
+        assert!(!found.objects.is_empty());
         for pair in maps.0.windows(2) {
             let (fine, coarse) = (&pair[0].1, &pair[1].1);
             let mut parent = vec![None; fine.count()];
@@ -219,9 +292,7 @@ fn tiny_and_odd_images_are_no_error() {
             camera,
         )
         .unwrap();
-        let found = discover(&frame, &Params::default()).unwrap();
-        assert!(found.objects.is_empty());
-        check_invariants(&frame, &found);
+        assert!(checked(&frame).0.objects.is_empty());
     }
     let one = Frame::new(Raster::filled(1, 1, 1.0).unwrap(), None, camera).unwrap();
     assert!(discover(&one, &Params::default()).unwrap().notices.contains(&Notice::NoPlane));
@@ -243,7 +314,7 @@ fn noise_is_no_error() {
             Camera::new(70.0, 70.0, 39.5, 29.5).unwrap(),
         )
         .unwrap();
-        check_invariants(&frame, &discover(&frame, &Params::default()).unwrap());
+        checked(&frame);
     }
 }
 
@@ -255,4 +326,62 @@ fn parameters_outside_their_range_are_refused() {
     assert!(
         matches!(refused, Err(Error::BadParameter { parameter, .. }) if parameter == "appearance.lab_bins")
     );
+}
+
+/// Two boxes on a table of which every few pixels have no depth, but the colour `hole`; curvature bounds nothing.
+fn superpixels_by_color(hole: impl Fn(usize) -> [u8; 3]) -> Segments {
+    let boxes = two_boxes();
+    let (mut depth, mut color) = (boxes.depth_m().clone(), boxes.color().expect("it has colour").clone());
+    for i in (0..depth.len()).filter(|i| i % 197 < 3 || i % 320 > 300) {
+        depth.as_mut_slice()[i] = f32::NAN;
+        color.as_mut_slice()[i] = hole(i);
+    }
+    let mut params = Params::default();
+    params.curvature.enabled = false;
+    let mut maps = Maps::default();
+    let frame = Frame::new(depth, Some(color), boxes.camera()).expect("the table has depth");
+    discover_observed(&frame, &params, &mut maps).expect("the scene is valid");
+    maps.0.swap_remove(0).1
+}
+
+#[test]
+fn without_curvature_what_has_no_depth_is_told_apart_by_colour() {
+    // The strip without depth at the right: of one colour, and half red, half blue.
+    let at = |u: usize, v: usize| v * 320 + u;
+    let plain = superpixels_by_color(|_| RED);
+    let halves = superpixels_by_color(|i| if i / 320 < 120 { RED } else { BLUE });
+    let (above, below) = (at(310, 60), at(310, 180));
+    assert!(plain.at(above).is_some() && plain.at(above) == plain.at(below));
+    assert!(halves.at(above).is_some() && halves.at(above) != halves.at(below));
+}
+
+/// The curvature of two boxes and whether the superpixels are bounded by it.
+#[derive(Default)]
+struct Bends(Vec<f32>, Vec<i32>);
+
+impl Observer for Bends {
+    fn observe(&mut self, stage: Stage<'_>) {
+        match stage {
+            Stage::Curvature(curvature) => self.0 = curvature.as_slice().to_vec(),
+            Stage::Superpixels(segments) => self.1 = segments.labels().as_slice().to_vec(),
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn curvature_bounds_superpixels_where_it_is_on_and_grows_with_its_scale() {
+    let bends = |enabled: bool, scale: f32| {
+        let mut params = Params::default();
+        (params.curvature.enabled, params.curvature.scale) = (enabled, scale);
+        let mut bends = Bends::default();
+        discover_observed(&two_boxes(), &params, &mut bends).unwrap();
+        bends
+    };
+    let (on, off, scaled) = (bends(true, 1.0), bends(false, 1.0), bends(true, 1.1));
+    assert!(on.0 == off.0 && on.1 != off.1, "without it the curvature is known, but bounds nothing");
+    // The table is flat: 1 - 1/scale.
+    let table = 200 * 320 + 20;
+    assert!(on.0[table].abs() < 0.01 && (scaled.0[table] - (1.0 - 1.0 / 1.1)).abs() < 0.01);
+    assert_ne!(on.1, scaled.1);
 }

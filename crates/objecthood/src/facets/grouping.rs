@@ -128,4 +128,60 @@ mod tests {
         holes.as_mut_slice()[3] = f32::NAN;
         assert_eq!(joined(0.4, &holes), [0, 0, 1, 1, 2, 2, 3, 3]);
     }
+
+    proptest! {
+        #[test]
+        fn facets_are_those_of_explicit_groups(
+            (width, pixels) in (1_usize..9, 1_usize..9).prop_flat_map(|(w, h)| {
+                (Just(w), prop::collection::vec((-1_i32..9, 0_u8..3, 0_usize..3, 0_u8..5), w * h))
+            }),
+            initial_variation in 0.0_f64..1.0,
+            color_weight in 0.0_f64..1.0,
+        ) {
+            let n = pixels.len();
+            let labels = Raster::from_vec(width, n / width, pixels.iter().map(|p| p.0).collect()).unwrap();
+            let segments = Segments::from_labels(&labels);
+            let superpixels = Superpixels { core: labels.map(|_| true), segments: segments.clone() };
+            let color = labels.with_data(pixels.iter().map(|p| [100 * p.1; 3]).collect());
+            let facing = [[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [0.0; 3]];
+            let normals = labels.with_data(pixels.iter().map(|p| facing[p.2]).collect());
+            let depth = labels.with_data(pixels.iter().map(|p| if p.3 < 2 { f32::NAN } else { 1.0 }).collect());
+            let looks = params::Appearance { color_weight, ..Default::default() };
+            let params = params::Grouping { initial_variation };
+            let appearance = Appearance::new(&superpixels, Some(&color), &normals, &looks);
+
+            let pixels_of = |s: i32| (0..n).filter(|&i| segments.labels()[i] == s).collect::<Vec<_>>();
+            let of: Vec<_> = (0..segments.count() as i32).map(pixels_of).collect();
+            let near = |p: usize, q: usize| {
+                (p % width).abs_diff(q % width) <= 1 && (p / width).abs_diff(q / width) <= 1
+            };
+            let measured = |s: usize| 2 * of[s].iter().filter(|&&i| !depth[i].is_nan()).count() > of[s].len();
+            let touch = |a: usize, b: usize| of[a].iter().any(|&p| of[b].iter().any(|&q| near(p, q)));
+            let mut pairs = Vec::new();
+            for b in (0..segments.count()).filter(|&b| measured(b)) {
+                for a in (0..b).filter(|&a| measured(a) && touch(a, b)) {
+                    pairs.push((appearance.difference(a, b), a, b));
+                }
+            }
+            pairs.sort_by(|x, y| x.partial_cmp(y).unwrap());
+            // The first member of a group stands for it.
+            let mut groups: Vec<(Vec<usize>, f64)> =
+                (0..segments.count()).map(|s| (vec![s], initial_variation)).collect();
+            for (difference, a, b) in pairs {
+                let home = |s: usize| groups.iter().position(|g| g.0.contains(&s)).unwrap();
+                let (a, b) = (home(a), home(b));
+                if a != b && difference <= groups[a].1 && difference <= groups[b].1 {
+                    let (members, variation) = groups[b].clone();
+                    groups[a].0.extend(members);
+                    groups[a].1 = (groups[a].1 + variation + difference) / 3.0;
+                    groups.remove(b);
+                }
+            }
+            groups.sort_by_key(|g| g.0[0]);
+            let group = |&s: &i32| groups.iter().position(|g| g.0.contains(&(s as usize))).map_or(-1, |g| g as i32);
+            let found = facets(&superpixels, &appearance, &depth, &params);
+            prop_assert_eq!(found.count(), groups.len());
+            prop_assert_eq!(found.labels(), &segments.labels().map(group));
+        }
+    }
 }

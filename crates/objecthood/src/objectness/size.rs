@@ -119,4 +119,29 @@ mod tests {
         assert_eq!(percentile(&mut [4.0, 1.0, 3.0, 2.0], 1.0), 4.0);
         assert_eq!(percentile(&mut [7.0], 0.99), 7.0);
     }
+
+    proptest! {
+        #[test]
+        fn x_is_the_longer_way_and_points_right(angle in -1.5_f32..1.5, roll in -1.0_f32..1.0) {
+            // A board on the ground, twice as long as wide, seen by a camera that is held askew.
+            let rotation = glam::Quat::from_rotation_z(roll) * glam::Quat::from_rotation_y(angle);
+            let on_board = |i: usize| Vec3::new((i % 21) as f32 / 10.0 - 1.0, 0.0, (i / 21) as f32 / 20.0 - 0.5);
+            let points: Vec<_> = (0..441).map(|i| (rotation * on_board(i) + 3.0 * Vec3::Z).to_array()).collect();
+            let found = oriented_box(&points, (rotation * -Vec3::Y).to_array());
+            let x = glam::Quat::from_array(found.rotation_xyzw) * Vec3::X;
+            prop_assert!(x.distance(rotation * Vec3::X) < 1e-3, "{} {:?}", x, found);
+        }
+    }
+
+    #[test]
+    fn without_camera_x_the_box_points_down() {
+        // A slope seen edge on: up is camera x, the longer way has no part along it.
+        for slope in [1.0, -1.0] {
+            let points: Vec<_> =
+                (0..100).map(|i| i as f32 / 100.0).map(|y| [0.0, y, slope * y + 2.0]).collect();
+            let found = oriented_box(&points, [1.0, 0.0, 0.0]);
+            let x = glam::Quat::from_array(found.rotation_xyzw) * Vec3::X;
+            assert!(x.distance(Vec3::new(0.0, 1.0, slope).normalize()) < 1e-6, "{x}");
+        }
+    }
 }

@@ -121,7 +121,9 @@ pub fn support(
         .collect();
     edges.sort_by_key(|e| (e.lower, e.upper));
 
-    let p_s: Vec<f64> = descriptors.iter().map(|d| DVec3::from(d.normal).dot(up).clamp(0.0, 1.0)).collect();
+    // The sum takes the sign from a negative zero.
+    let upward = |d: &Descriptor| DVec3::from(d.normal).dot(up).clamp(0.0, 1.0) + 0.0;
+    let p_s: Vec<f64> = descriptors.iter().map(upward).collect();
     let mut p_o = vec![0.0_f64; shapes.count()];
     let mut upwards: Vec<&SupportEdge> = edges.iter().collect();
     // Whatever leads to a parent comes before what leads on from it.
@@ -188,5 +190,21 @@ mod tests {
     fn equal_heights_and_rings_make_no_cycle() {
         let graph = stack(&[0.1, 0.1, 0.1], &[1.0, 1.0, 1.0], &[(0, 1), (1, 2), (0, 2)]);
         assert!(graph.edges.iter().all(|e| e.lower < e.upper), "{:?}", graph.edges);
+    }
+
+    #[test]
+    fn three_points_make_a_height_and_two_do_not() {
+        // Shape 0 has two points with depth and one without, shape 1 has three.
+        let labels = Raster::from_vec(6, 1, vec![0, 0, 0, 1, 1, 1]).unwrap();
+        let heights = [0.5, 0.7, f32::NAN, 0.2, 0.3, 0.7];
+        let points = labels.with_data(heights.map(|h| [0.0, -h, h + 1.0]).to_vec());
+        let up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera };
+        let contacts = RegionGraph::from_pairs(2, [(SegmentId(0), SegmentId(1))]);
+        let described = [Descriptor::default(); 2];
+        let graph = support(&Segments::from_labels(&labels), &described, &contacts, &points, &up);
+        assert_eq!((graph.nodes[0].height_m, graph.nodes[0].size_px), (0.0, 2));
+        assert_eq!((graph.nodes[1].height_m, graph.nodes[1].size_px), (0.4, 3));
+        let (lower, upper) = (graph.edges[0].lower, graph.edges[0].upper);
+        assert_eq!((lower, upper), (NodeId(0), NodeId(1)), "height 0 is the lower one");
     }
 }

@@ -72,6 +72,8 @@ fn numbered(label: &[u32], shape: &Raster<bool>) -> Segments {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::camera::Camera;
     use crate::frame::Frame;
@@ -110,5 +112,66 @@ mod tests {
         let found = superpixels(&[1.0, 1.0, 2.0, 3.0, 3.0, 3.0], &border, 3);
         assert_eq!(found.segments.labels().as_slice(), [0, 0, -1, 1, 1, 1]);
         assert_eq!(found.core.as_slice(), [false, false, false, true, true, true]);
+    }
+
+    /// The loose pixels taken one by one, always over the cheapest edge out of what has a label (Prim), where the
+    /// code joins sets (Kruskal); edges that weigh the same have an order, so both grow the same forest.
+    fn one_by_one(
+        graph: &PixelGraph,
+        components: &Components,
+        borders: &Raster<bool>,
+        depth_m: &Raster<f32>,
+        gate_per_m: f32,
+        min_size_px: usize,
+    ) -> Superpixels {
+        let root = &components.root;
+        let is_large = |i: usize| root.iter().filter(|&&r| r == root[i]).count() >= min_size_px;
+        let seed = |i: usize| (!borders[i] && is_large(i)).then(|| root[i] as i32);
+        let mut label: Vec<Option<i32>> = (0..root.len()).map(seed).collect();
+        let core = borders.with_data(label.iter().map(Option::is_some).collect());
+        let open = |p: usize, q: usize| match (depth_m[p], depth_m[q]) {
+            (p, q) if p.is_nan() || q.is_nan() => p.is_nan() && q.is_nan(),
+            (p, q) => (p - q).abs() <= gate_per_m * f32::max(p * p, q * q),
+        };
+        let ends: Vec<_> = graph.edges().iter().map(|e| (e.p as usize, e.q as usize)).collect();
+        while let Some(&(p, q)) =
+            ends.iter().find(|&&(p, q)| label[p].is_some() != label[q].is_some() && open(p, q))
+        {
+            let reached = label[p].or(label[q]);
+            (label[p], label[q]) = (reached, reached);
+        }
+        let kept = |i: usize| label[i].unwrap_or(if borders[i] { -1 } else { root[i] as i32 });
+        let labels = borders.with_data((0..root.len()).map(kept).collect());
+        Superpixels { segments: Segments::from_labels(&labels), core }
+    }
+
+    proptest! {
+        #[test]
+        fn equals_the_naive_growth_from_pixel_to_pixel(
+            (width, pixels) in (1_usize..12, 1_usize..12).prop_flat_map(|(w, h)| {
+                (Just(w), prop::collection::vec((0_u8..6, 0_u8..10, 0_u8..5), w * h))
+            }),
+            k in 0.0_f32..100.0,
+            min_size_px in 0_u32..20,
+            gate_per_m in 0.0_f32..0.03,
+        ) {
+            // Few depths make many equal weights, and steps on both sides of the gate.
+            let depth = pixels.iter().map(|p| if p.1 == 0 { f32::NAN } else { 1.0 + 0.006 * f32::from(p.0) });
+            let mut depth = Raster::from_vec(width, pixels.len() / width, depth.collect()).unwrap();
+            depth.as_mut_slice()[0] = 1.0;
+            let borders = depth.with_data(pixels.iter().map(|p| p.2 == 0).collect());
+            let frame = Frame::new(depth, None, Camera::new(1.0, 1.0, 0.0, 0.0).unwrap()).unwrap();
+            let params = params::Graph {
+                channels: params::Channels::Depth, size_preference_grey: k, min_size_px: min_size_px / 2, ..Default::default()
+            };
+            let graph = PixelGraph::new(&frame, None, Unmeasured::Apart, &params::Sensor::default(), &params);
+            let components = segment(&graph, &borders, &params);
+            let gate = params::Absorption { depth_gate_per_m: gate_per_m };
+            let fast = absorb(&graph, &components, &borders, frame.depth_m(), &gate, min_size_px);
+            let slow =
+                one_by_one(&graph, &components, &borders, frame.depth_m(), gate_per_m, min_size_px as usize);
+            prop_assert_eq!(fast.core, slow.core);
+            prop_assert_eq!(fast.segments, slow.segments);
+        }
     }
 }

@@ -79,6 +79,8 @@ fn filter(
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     #[test]
@@ -106,5 +108,47 @@ mod tests {
     fn the_border_is_mirrored_without_repeating_the_edge() {
         assert_eq!([-2, -1, 0, 3, 4, 5].map(|i| mirror(i, 4)), [2, 1, 0, 3, 2, 1]);
         assert_eq!([-3, 0, 2].map(|i| mirror(i, 1)), [0, 0, 0]);
+    }
+
+    /// The place reached after walking `steps` from `start`, turning round at the first and last of `n` places.
+    fn walk(start: usize, steps: i32, n: usize) -> usize {
+        let (mut at, mut direction) = (start as i32, steps.signum());
+        for _ in 0..steps.abs() {
+            if n > 1 && !(0..n as i32).contains(&(at + direction)) {
+                direction = -direction;
+            }
+            at += if n > 1 { direction } else { 0 };
+        }
+        at as usize
+    }
+
+    proptest! {
+        #[test]
+        fn equals_the_naive_mean_over_neighbours_of_the_same_kind(
+            (width, pixels) in (1_usize..9, 1_usize..9).prop_flat_map(|(w, h)| {
+                (Just(w), prop::collection::vec((any::<[u8; 3]>(), 0_u8..3), w * h))
+            }),
+            sigma_px in 0.1_f64..1.5,
+        ) {
+            let height = pixels.len() / width;
+            let color = Raster::from_vec(width, height, pixels.iter().map(|p| p.0).collect()).unwrap();
+            let depth = color.with_data(pixels.iter().map(|p| if p.1 == 0 { f32::NAN } else { 1.0 }).collect());
+            let smoothed = smooth(&color, &depth, &params::Smoothing { sigma_px });
+            let reach = (4.0 * sigma_px).ceil() as i32;
+            for i in 0..color.len() {
+                let (mut sum, mut weights) = ([0.0; 3], 0.0);
+                for (dv, du) in (-reach..=reach).flat_map(|dv| (-reach..=reach).map(move |du| (dv, du))) {
+                    let q = walk(i / width, dv, height) * width + walk(i % width, du, width);
+                    if depth[q].is_nan() == depth[i].is_nan() {
+                        let weight = (-f64::from(du * du + dv * dv) / (2.0 * sigma_px * sigma_px)).exp();
+                        (0..3).for_each(|c| sum[c] += weight * f64::from(color[q][c]));
+                        weights += weight;
+                    }
+                }
+                for (got, sum) in smoothed[i].into_iter().zip(sum) {
+                    prop_assert!((f64::from(got) - sum / weights).abs() < 1e-3, "{} {}", got, sum / weights);
+                }
+            }
+        }
     }
 }

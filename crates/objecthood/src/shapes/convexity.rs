@@ -89,4 +89,42 @@ mod tests {
             prop_assert_eq!(convexity_m(&facet(a, n), &facet(b, m)), convexity_m(&facet(b, m), &facet(a, n)));
         }
     }
+
+    proptest! {
+        #[test]
+        fn shapes_are_what_floods_over_convex_edges(
+            (normals, edges) in (1_usize..12).prop_flat_map(|n| (
+                prop::collection::vec(0_u32..4, n),
+                prop::collection::vec((0..n as u32, 0..n as u32, -2_i32..3), 0..2 * n),
+            )),
+        ) {
+            let n = normals.len();
+            let facets = Segments::from_labels(&Raster::from_vec(n, 1, (0..n as i32).collect()).unwrap());
+            let described: Vec<_> =
+                normals.iter().map(|&k| Descriptor { core_normals: k, ..Default::default() }).collect();
+            let graph = RegionGraph::from_pairs(n, edges.iter().map(|e| (SegmentId(e.0), SegmentId(e.1))));
+            let between = |a: u32, b: u32| edges.iter().find(|e| (e.0, e.1) == (a, b) || (e.0, e.1) == (b, a));
+            let graph = graph.map(|e| f64::from(between(e.a.0, e.b.0).unwrap().2));
+
+            let joined = |a: usize, b: usize| {
+                let convex = between(a as u32, b as u32).is_some_and(|e| e.2 < 0);
+                convex && normals[a] > 0 && normals[b] > 0
+            };
+            let mut flooded: Vec<Option<usize>> = vec![None; n];
+            for start in 0..n {
+                let mut open = vec![start];
+                while let Some(a) = open.pop() {
+                    if flooded[a].is_none() {
+                        flooded[a] = Some(start);
+                        open.extend((0..n).filter(|&b| joined(a, b)));
+                    }
+                }
+            }
+            let found = shapes(&facets, &described, &graph);
+            let labels = found.labels().as_slice();
+            let first: Vec<_> = labels.iter().map(|l| labels.iter().position(|m| m == l)).collect();
+            prop_assert_eq!(first, flooded);
+            prop_assert_eq!(found.count() as i32, labels.iter().max().unwrap() + 1);
+        }
+    }
 }

@@ -90,4 +90,17 @@ mod tests {
         assert_eq!((few.centroid_m, few.core_normals), ([0.25, 0.0, 1.0], 5));
         assert_eq!(few.normal, [0.0, 0.0, -1.0], "the mean is over the normals that there are");
     }
+
+    #[test]
+    fn ten_core_points_are_enough_to_speak() {
+        // The first half lies at x = 0, the other at x = 1.
+        let labels = Raster::filled(20, 1, 0).unwrap();
+        let points = labels.with_data((0..20).map(|i| [(i / 10) as f32, 0.0, 1.0]).collect());
+        let normals = labels.map(|_| [0.0, 0.0, -1.0]);
+        let x_of = |core: usize| {
+            let core = labels.with_data((0..20).map(|i| i < core).collect());
+            descriptors(&Segments::from_labels(&labels), &core, &points, &normals)[0].centroid_m[0]
+        };
+        assert_eq!((x_of(9), x_of(10)), (0.5, 0.0));
+    }
 }

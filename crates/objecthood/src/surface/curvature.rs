@@ -45,6 +45,8 @@ pub fn curvature(normals: &Raster<[f32; 3]>, params: &params::Curvature) -> Rast
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn crease(degrees: f32) -> Raster<f32> {
@@ -72,5 +74,43 @@ mod tests {
         assert_eq!(c[0], UNKNOWN, "a corner has no opposite neighbours");
         let none = Raster::filled(9, 9, [0.0; 3]).unwrap();
         assert!(curvature(&none, &params::Curvature::default()).as_slice().iter().all(|&c| c == UNKNOWN));
+    }
+
+    proptest! {
+        #[test]
+        fn equals_the_naive_mean_over_opposite_pixels(
+            (width, normals) in (1_usize..11, 1_usize..11).prop_flat_map(|(w, h)| {
+                let normal = (prop::array::uniform3(-1.0_f32..1.0), 0_u8..4);
+                (Just(w), prop::collection::vec(normal, w * h))
+            }),
+            offset_px in 1_usize..5,
+            scale in 0.1_f32..3.0,
+        ) {
+            let height = normals.len() / width;
+            let unit = |(n, kind): &([f32; 3], u8)| {
+                if *kind == 0 { [0.0; 3] } else { Vec3::from(*n).normalize_or_zero().to_array() }
+            };
+            let normals = Raster::from_vec(width, height, normals.iter().map(unit).collect()).unwrap();
+            let got = curvature(&normals, &params::Curvature { offset_px, scale, ..Default::default() });
+            for i in 0..normals.len() {
+                // All pairs of pixels whose middle is pixel i and that lie on the ring of eight around it.
+                let ring = |d: usize| d == 0 || d == offset_px;
+                let mut cosines = Vec::new();
+                for p in 0..i {
+                    let (du, dv) = ((p % width).abs_diff(i % width), i / width - p / width);
+                    let q = 2 * i - p;
+                    let opposite = q < normals.len()
+                        && p % width + q % width == 2 * (i % width)
+                        && p / width + q / width == 2 * (i / width);
+                    if opposite && ring(du) && ring(dv) && normals[p] != [0.0; 3] && normals[q] != [0.0; 3] {
+                        cosines.push(Vec3::from(normals[p]).dot(Vec3::from(normals[q])));
+                    }
+                }
+                let mean = cosines.iter().sum::<f32>() / cosines.len() as f32;
+                let expected = if cosines.is_empty() { UNKNOWN } else { 1.0 - mean / scale };
+                let close = got[i] == expected || (got[i] - expected).abs() < 1e-4;
+                prop_assert!(close, "{} {}", got[i], expected);
+            }
+        }
     }
 }

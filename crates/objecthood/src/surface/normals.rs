@@ -27,6 +27,7 @@ pub fn normals(points_m: &Raster<[f32; 3]>, params: &params::Normals) -> Raster<
     let distance = squared_distance(&depth_m, params.depth_change_per_m, reach);
 
     let points = points_m.as_slice();
+    // No window holds a change, but one leap in depth would cost the sums behind it their precision.
     let tangent = |i: usize, next: usize| -> [f64; 4] {
         let (p, q) = (points[i], points[next]);
         if p[2].is_nan() || q[2].is_nan() || changes(p[2], q[2], params.depth_change_per_m) {
@@ -78,6 +79,8 @@ fn half_window(squared_distance: u32, limit: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::camera::Camera;
     use crate::frame::Frame;
@@ -126,5 +129,75 @@ mod tests {
             [1, 2, 3, 8, 9, 18, 19, 50, 51, 99].map(|d| half_window(d, 5)),
             [0, 0, 1, 1, 2, 2, 3, 4, 5, 5]
         );
+    }
+
+    /// The normal of pixel `i` from the words of the documentation: window by search, tangents by loops.
+    fn naive(points: &Raster<[f32; 3]>, i: usize, params: &params::Normals) -> Vec3 {
+        let (width, height) = points.size();
+        let at = |u: usize, v: usize| (u < width && v < height).then(|| Vec3::from(points[v * width + u]));
+        let differ = |p: Vec3, q: Vec3| {
+            let z = p.z.max(q.z);
+            p.z.is_nan() != q.z.is_nan() || (p.z - q.z).abs() > params.depth_change_per_m * z * z
+        };
+        let (u, v) = (i % width, i / width);
+        let mut nearest = usize::MAX;
+        for (q, p) in (0..height).flat_map(|q| (0..width).map(move |p| (q, p))) {
+            let here = at(p, q).unwrap();
+            let around = [at(p + 1, q), at(p, q + 1), at(p.wrapping_sub(1), q), at(p, q.wrapping_sub(1))];
+            if around.into_iter().flatten().any(|n| differ(here, n)) {
+                nearest = nearest.min(p.abs_diff(u).pow(2) + q.abs_diff(v).pow(2));
+            }
+        }
+        let limit = (params.window_px / 2.0).floor() as usize;
+        let Some(half) = (1..=limit).rev().find(|h| 2 * h * h < nearest) else { return Vec3::ZERO };
+        let (mut along_u, mut along_v, mut pairs) = (DVec3::ZERO, DVec3::ZERO, [0, 0]);
+        for (q, p) in (0..height).flat_map(|q| (0..width).map(move |p| (q, p))) {
+            if p.abs_diff(u) <= half && q.abs_diff(v) <= half {
+                let here = at(p, q).unwrap();
+                let step = |next: Option<Vec3>| {
+                    next.filter(|n| !here.z.is_nan() && !differ(here, *n))
+                        .map(|n| n.as_dvec3() - here.as_dvec3())
+                };
+                let (right, down) = (step(at(p + 1, q)), step(at(p, q + 1)));
+                along_u += right.unwrap_or_default();
+                along_v += down.unwrap_or_default();
+                pairs = [pairs[0] + right.iter().count(), pairs[1] + down.iter().count()];
+            }
+        }
+        let here = at(u, v).unwrap().as_dvec3();
+        if here.z.is_nan() || pairs.contains(&0) {
+            return Vec3::ZERO;
+        }
+        let normal = along_u.cross(along_v).normalize();
+        (if normal.dot(here) > 0.0 { -normal } else { normal }).as_vec3()
+    }
+
+    proptest! {
+        #[test]
+        fn normals_are_the_naive_ones(
+            (width, pixels) in (1_usize..15, 1_usize..15).prop_flat_map(|(w, h)| {
+                (Just(w), prop::collection::vec((0.0_f32..0.012, 0_u8..60), w * h))
+            }),
+            (step_u, step_v) in (0_usize..20, 0_usize..20),
+            window_px in 2.0_f64..15.0,
+        ) {
+            // A rough wall with holes and spikes; what is right of and below the step lies deeper.
+            let z = pixels.iter().enumerate().map(|(i, &(rough, kind))| match kind {
+                0 => f32::NAN,
+                1 => 1.2,
+                _ if i % width > step_u && i / width > step_v => 1.1 + rough,
+                _ => 1.0 + rough,
+            });
+            let mut z = Raster::from_vec(width, pixels.len() / width, z.collect()).unwrap();
+            z.as_mut_slice()[0] = 1.0;
+            let camera = Camera::new(60.0, 60.0, 6.0, 7.0).unwrap();
+            let points = Frame::new(z, None, camera).unwrap().points_m();
+            let params = params::Normals { window_px, ..Default::default() };
+            let got = normals(&points, &params);
+            for i in 0..points.len() {
+                let expected = naive(&points, i, &params);
+                prop_assert!(Vec3::from(got[i]).distance(expected) < 1e-4, "{}: {:?} {}", i, got[i], expected);
+            }
+        }
     }
 }
