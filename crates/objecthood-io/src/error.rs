@@ -3,11 +3,12 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::images::ImageError;
 use crate::organize::MAX_RESIDUAL_PX;
 use crate::pcd::PcdError;
 
 /// Result with this crate's [`Error`].
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// Why something could not be read or written: one line that says what is wrong and what to do.
 ///
@@ -33,11 +34,16 @@ pub enum Error {
     #[error("the file is empty: record or copy it again")]
     Empty,
     /// No format on the list.
-    #[error("not a file that objecthood reads: give a point cloud in PCD format, version 0.7")]
+    #[error(
+        "not a file that objecthood reads: give a point cloud in PCD format, version 0.7, or images by --color and --depth"
+    )]
     UnknownFormat,
     /// A PCD file that breaks its format.
     #[error(transparent)]
     Pcd(#[from] PcdError),
+    /// An image that cannot be used.
+    #[error(transparent)]
+    Image(#[from] ImageError),
     /// Depth, colour and camera that make no frame.
     #[error(transparent)]
     Frame(#[from] objecthood::Error),
@@ -49,6 +55,14 @@ pub enum Error {
     BadCameraText {
         /// What was given.
         given: String,
+    },
+    /// A file that holds no camera.
+    #[error(
+        "not a camera file ({reason}): write {{\"fx\": 525, \"fy\": 525, \"cx\": 319.5, \"cy\": 239.5}} in pixels, with \"width\", \"height\" and \"depth_scale\" if they are known"
+    )]
+    BadCameraFile {
+        /// What is missing or wrong.
+        reason: String,
     },
     /// The size given with the camera is not that of the organized cloud.
     #[error(
@@ -102,6 +116,65 @@ pub enum Error {
         points: usize,
         /// Columns and rows of the image.
         size: (usize, usize),
+    },
+
+    /// A line of a TUM list that is not a time and a file name.
+    #[error(
+        "line {line}: `{text}` is not a time in seconds and the name of a file: correct or remove the line"
+    )]
+    BadListLine {
+        /// Its number, from 1.
+        line: usize,
+        /// What it says, or the beginning of it.
+        text: String,
+    },
+    /// Text that is no [`DepthRange`](crate::scope::DepthRange).
+    #[error("`{given}` is not a range of depths: write nearest..farthest in metres, for example 0.3..1.5")]
+    BadRange {
+        /// What was given.
+        given: String,
+    },
+    /// Text that is no [`Region`](crate::scope::Region).
+    #[error(
+        "`{given}` is not a region of the image: write x,y,width,height in pixels, for example 100,80,400,300"
+    )]
+    BadRegion {
+        /// What was given.
+        given: String,
+    },
+    /// A region that does not lie in the image.
+    #[error(
+        "the region {region} leaves the image of {}x{} pixels: give one that lies in it",
+        size.0, size.1
+    )]
+    RegionOutside {
+        /// The region.
+        region: crate::scope::Region,
+        /// Columns and rows of the image.
+        size: (usize, usize),
+    },
+    /// A mask of another size than the frame.
+    #[error(
+        "the mask has {}x{} pixels but the frame has {}x{}: give a mask of the size of the frame",
+        mask.0, mask.1, frame.0, frame.1
+    )]
+    MaskSize {
+        /// Columns and rows of the mask.
+        mask: (usize, usize),
+        /// Columns and rows of the frame.
+        frame: (usize, usize),
+    },
+    /// Limits that leave no pixel with depth.
+    #[error(
+        "none of the {valid} pixels with depth, {nearest_m:.2} to {farthest_m:.2} m away, lies within what is to be looked at: widen --range, --roi or --mask"
+    )]
+    NothingInScope {
+        /// Pixels with depth.
+        valid: usize,
+        /// Least depth (m).
+        nearest_m: f32,
+        /// Greatest depth (m).
+        farthest_m: f32,
     },
 
     /// A PNG that is broken or too large, or an image that cannot be written as PNG.

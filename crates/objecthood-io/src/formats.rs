@@ -36,7 +36,8 @@ fn is_pcd(head: &[u8]) -> bool {
 /// # Errors
 /// [`Error::At`] the path: whatever is wrong with the file or its content.
 pub fn open(path: &Path, camera: Option<&GridCamera>) -> Result<Capture> {
-    read(path).and_then(|bytes| decode(&bytes, camera)).map_err(|error| error.at(path))
+    let bytes = read_file(path, |head| probe(head).map(drop));
+    bytes.and_then(|bytes| decode(&bytes, camera)).map_err(|error| error.at(path))
 }
 
 /// As [`open`], for the content of a file.
@@ -55,14 +56,14 @@ fn probe(head: &[u8]) -> Result<&'static Format> {
     FORMATS.iter().find(|format| (format.is_mine)(head)).ok_or(Error::UnknownFormat)
 }
 
-/// The bytes of a file of a known format. The head is judged first, so that a wrong file (a video, a device without
-/// end) is not loaded whole.
-fn read(path: &Path) -> Result<Vec<u8>> {
+/// The bytes of a file. `judge` sees the head first, so that a wrong file (a video, a device without end) is not loaded
+/// whole.
+pub(crate) fn read_file(path: &Path, judge: impl FnOnce(&[u8]) -> Result<()>) -> Result<Vec<u8>> {
     let io = |reason: io::Error| Error::Read { reason };
     let mut file = File::open(path).map_err(io)?;
     let mut bytes = Vec::new();
     file.by_ref().take(HEAD_BYTES as u64).read_to_end(&mut bytes).map_err(io)?;
-    probe(&bytes)?;
+    judge(&bytes)?;
     file.read_to_end(&mut bytes).map_err(io)?;
     Ok(bytes)
 }

@@ -1,0 +1,104 @@
+//! Depth images.
+
+use objecthood::Raster;
+
+use super::ImageSetup;
+use super::error::ImageError;
+use super::picture::{self, Format, Picture, Samples};
+use crate::error::Result;
+
+/// Scales that are in use: millimetres, TUM, YCB-Video, metres.
+const USUAL_SCALES: [f64; 4] = [1000.0, 5000.0, 10_000.0, 1.0];
+
+/// Where depth cameras measure: a median outside is one of wrong units.
+const LIKELY_M: std::ops::RangeInclusive<f64> = 0.05..=50.0;
+
+/// The depth of every pixel (m). What is not positive and finite is kept and means none.
+pub(super) fn decode(bytes: &[u8], setup: &ImageSetup) -> Result<Raster<f32>> {
+    if picture::probe(bytes)? == Format::Jpeg {
+        return Err(ImageError::DepthIsJpeg.into());
+    }
+    let Picture { size, channels, samples } = picture::decode(bytes, setup.max_pixels)?;
+    if channels > 2 {
+        return Err(ImageError::DepthIsColor { channels }.into());
+    }
+    let (depth_m, scale) = match samples {
+        Samples::U8(_) => return Err(ImageError::DepthEightBit.into()),
+        Samples::U16(samples) => {
+            let scale = setup.depth_scale.ok_or(ImageError::NoDepthScale)?;
+            (in_metres(&samples, channels, scale), scale)
+        }
+        Samples::F32(samples) => {
+            let scale = setup.depth_scale.unwrap_or(1.0);
+            (in_metres(&samples, channels, scale), scale)
+        }
+    };
+    if let Some(given) = setup.camera.size
+        && given != size
+    {
+        return Err(ImageError::CameraSize { given, image: size }.into());
+    }
+    check_unit(&depth_m, scale)?;
+    Ok(Raster::from_vec(size.0, size.1, depth_m)?)
+}
+
+/// The first channel of every pixel.
+fn in_metres<T: Copy + Into<f64>>(samples: &[T], channels: usize, scale: f64) -> Vec<f32> {
+    samples.iter().step_by(channels).map(|&raw| (raw.into() / scale) as f32).collect()
+}
+
+/// Refuses depths of which more than half lie where no depth camera measures.
+fn check_unit(depth_m: &[f32], depth_scale: f64) -> Result<(), ImageError> {
+    let valid = || depth_m.iter().map(|&z| f64::from(z)).filter(|z| *z > 0.0 && z.is_finite());
+    let (mut all, mut near, mut far) = (0_usize, 0_usize, 0_usize);
+    for z in valid() {
+        all += 1;
+        near += usize::from(z < *LIKELY_M.start());
+        far += usize::from(z > *LIKELY_M.end());
+    }
+    if 2 * near.max(far) <= all {
+        return Ok(());
+    }
+    let mut valid: Vec<f64> = valid().collect();
+    let (_, &mut median_m, _) = valid.select_nth_unstable_by(all / 2, f64::total_cmp);
+    // Of the scales that make sense of it the one that brings the median nearest to a metre, as a ratio.
+    let with = |scale: f64| median_m * depth_scale / scale;
+    let likely = USUAL_SCALES.into_iter().filter(|&scale| LIKELY_M.contains(&with(scale)));
+    let likely = likely.min_by(|&a, &b| with(a).ln().abs().total_cmp(&with(b).ln().abs()));
+    Err(ImageError::UnlikelyUnit { depth_scale, median_m, likely })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn proposed(raw: f64, scale: f64) -> Option<Option<f64>> {
+        let depth_m: Vec<f32> =
+            (0..99).map(|k| (raw * (0.9 + 0.002 * f64::from(k)) / scale) as f32).collect();
+        match check_unit(&depth_m, scale) {
+            Ok(()) => None,
+            Err(ImageError::UnlikelyUnit { likely, .. }) => Some(likely),
+            Err(other) => panic!("{other}"),
+        }
+    }
+
+    #[test]
+    fn the_likely_scale_is_proposed() {
+        assert_eq!(proposed(900.0, 1000.0), None);
+        assert_eq!(proposed(900.0, 1.0), Some(Some(1000.0)));
+        assert_eq!(proposed(5200.0, 1.0), Some(Some(5000.0)));
+        assert_eq!(proposed(11_000.0, 1.0), Some(Some(10_000.0)));
+        assert_eq!(proposed(0.9, 1000.0), Some(Some(1.0)));
+        assert_eq!(proposed(1e-4, 1.0), Some(None));
+        assert_eq!(proposed(1e9, 1000.0), Some(None));
+    }
+
+    #[test]
+    fn it_is_the_median_of_what_is_valid_that_counts() {
+        assert!(check_unit(&[0.0; 9], 1.0).is_ok());
+        assert!(check_unit(&[f32::NAN, f32::INFINITY, -3.0, 60.0], 1.0).is_err());
+        assert!(check_unit(&[60.0, 1.0], 1.0).is_ok());
+        assert!(check_unit(&[60.0, 70.0, 1.0], 1.0).is_err());
+        assert!(check_unit(&[0.01, 0.02, 1.0], 1.0).is_err());
+    }
+}
