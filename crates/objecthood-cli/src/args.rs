@@ -1,5 +1,9 @@
 //! What can be said on the command line, and nothing of what is done with it.
 
+mod images;
+
+pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
+
 use std::path::PathBuf;
 
 use clap::builder::RangedU64ValueParser;
@@ -78,8 +82,8 @@ impl Settings {
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct SegmentArgs {
-    /// Point clouds (.pcd), or folders that are searched for them.
-    #[arg(required = true, value_name = "INPUT")]
+    /// Point clouds (.pcd), folders that are searched for them, folders in the layout of TUM (rgb.txt, depth.txt).
+    #[arg(required_unless_present = "depth", conflicts_with = "depth", value_name = "INPUT")]
     pub(crate) inputs: Vec<PathBuf>,
 
     /// Folder to write to; made if it is not there.
@@ -98,9 +102,16 @@ pub(crate) struct SegmentArgs {
     #[arg(long)]
     pub(crate) keep_tree: bool,
 
-    /// Camera of the frames, in pixels, instead of the one fitted to organized clouds; unorganized clouds need it.
-    #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]")]
-    pub(crate) camera: Option<GridCamera>,
+    /// Camera of the frames: its numbers in pixels, or a JSON file with fx, fy, cx, cy and perhaps width, height and
+    /// the depth scale. Depth images and unorganized clouds need it; organized clouds and TUM folders may have their own.
+    #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]|FILE", value_parser = CameraArg::parse)]
+    pub(crate) camera: Option<CameraArg>,
+
+    #[command(flatten)]
+    pub(crate) images: ImageArgs,
+
+    #[command(flatten)]
+    pub(crate) scope: ScopeArgs,
 
     #[command(flatten)]
     pub(crate) settings: Settings,

@@ -1,22 +1,52 @@
 //! Files and folders on the command line -> the list of frames, each with a name of its own for its outputs.
 
+mod pairs;
+
 use std::collections::{BTreeMap, BTreeSet};
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::{Component, Path, PathBuf};
 use std::{fs, io};
 
 use anyhow::{Result, anyhow};
+use objecthood_io::camera_file::{self, CameraFile};
+use objecthood_io::images::{self, ImageSetup};
+use objecthood_io::{Capture, GridCamera, tum};
 
+use crate::args::SegmentArgs;
 use crate::failure::usage;
 use crate::natural;
 
 /// One frame to look at.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Input {
-    /// The file, as the user would name it.
+    /// The file, as the user would name it; of images that of the depth.
     pub(crate) path: PathBuf,
     /// Where its outputs go: relative to the folder of outputs, without extension.
     pub(crate) name: PathBuf,
+    /// How it is read.
+    source: Source,
+}
+
+/// How a frame is read.
+#[derive(Clone, Debug, PartialEq)]
+enum Source {
+    /// One file that has everything, but for a camera that may be given.
+    Cloud { camera: Option<GridCamera> },
+    /// A depth image with perhaps a colour image.
+    Images { color: Option<PathBuf>, setup: ImageSetup },
+}
+
+impl Input {
+    /// Reads the frame.
+    ///
+    /// # Errors
+    /// Whatever is wrong with a file, and its path.
+    pub(crate) fn open(&self) -> objecthood_io::Result<Capture> {
+        match &self.source {
+            Source::Cloud { camera } => objecthood_io::open(&self.path, camera.as_ref()),
+            Source::Images { color, setup } => images::open_images(color.as_deref(), &self.path, setup),
+        }
+    }
 }
 
 /// What was found.
@@ -24,8 +54,11 @@ pub(crate) struct Input {
 pub(crate) struct Inputs {
     /// The frames, each file once, in the order in which they were given; those of a folder in natural order.
     pub(crate) frames: Vec<Input>,
-    /// Folders that hold no frame or cannot be read; each is reported like a frame that failed.
+    /// Folders that hold no frame or cannot be read, images without a partner; each is reported like a frame that
+    /// failed.
     pub(crate) unreadable: Vec<anyhow::Error>,
+    /// What the user should know of folders that are read.
+    pub(crate) notices: Vec<String>,
 }
 
 /// A file before its outputs have a name.
@@ -33,38 +66,63 @@ struct Found {
     path: PathBuf,
     /// The folder it lies in: absolute, so that one file is one file however it was named.
     folder: PathBuf,
+    /// What its outputs are called, without extension.
+    stem: OsString,
+    source: Source,
 }
 
-/// Makes the list of frames.
+/// Makes the list of frames; `camera` is the one that the command line gives.
 ///
-/// The outputs are named by the stem of the file; with `keep_tree` by its place below the folder that is common to all
-/// arguments.
+/// The outputs are named by the stem of the file, or what the names of images of a frame have in common; with
+/// `keep_tree` by its place below the folder that is common to all arguments.
 ///
 /// # Errors
-/// Of usage, when two files would have the same outputs.
-pub(crate) fn collect(arguments: &[PathBuf], keep_tree: bool) -> Result<Inputs> {
+/// Of usage, when two files would have the same outputs, and when it is not said how depth images are to be read.
+pub(crate) fn collect(args: &SegmentArgs, camera: Option<&CameraFile>) -> Result<Inputs> {
     let mut found = Vec::new();
     let mut unreadable = Vec::new();
+    let mut notices = Vec::new();
     let mut tops = Vec::new();
-    for argument in arguments {
-        if argument.is_dir() {
-            let top = absolute(argument);
-            let before = (found.len(), unreadable.len());
-            search(argument, &top, &mut found, &mut unreadable);
-            if (found.len(), unreadable.len()) == before {
-                unreadable.push(anyhow!(
-                    "{}: no point cloud ({}) in this folder or below: name one that holds some",
-                    argument.display(),
-                    extensions()
-                ));
+    if args.images.depth.is_empty() {
+        let cloud = Source::Cloud { camera: camera.map(|file| file.camera) };
+        for argument in &args.inputs {
+            if argument.is_dir() {
+                let top = absolute(argument);
+                let before = (found.len(), unreadable.len());
+                if tum::is_tum(argument) {
+                    match tum_frames(argument, args, camera, &mut notices) {
+                        Ok(frames) => found.extend(frames),
+                        Err(e) => unreadable.push(e),
+                    }
+                } else {
+                    search(argument, &cloud, &mut found, &mut unreadable);
+                }
+                if (found.len(), unreadable.len()) == before {
+                    unreadable.push(anyhow!(
+                        "{}: no point cloud ({}) in this folder or below: name one that holds some, or images by \
+                         --color and --depth",
+                        argument.display(),
+                        extensions()
+                    ));
+                }
+                tops.push(top);
+            } else {
+                found.push(Found::file(argument.clone(), cloud.clone()));
+                tops.push(folder_of(argument));
             }
-            tops.push(top);
-        } else {
-            let folder =
-                absolute(argument.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")));
-            found.push(Found { path: argument.clone(), folder: folder.clone() });
-            tops.push(folder);
         }
+    } else {
+        let pairs = pairs::find(&args.images.color, &args.images.depth)?;
+        unreadable = pairs.complaints;
+        let setup = image_setup(args, camera, &pairs.pairs)?;
+        for pairs::Pair { color, depth, name } in pairs.pairs {
+            tops.push(folder_of(&depth));
+            let found_pair = Found::file(depth, Source::Images { color, setup });
+            found.push(Found { stem: name.into(), ..found_pair });
+        }
+    }
+    if args.images.depth_scale.is_some() && !found.is_empty() && !found.iter().any(Found::is_image) {
+        return Err(usage("--depth-scale is for depth images but only point clouds are named: leave it out"));
     }
     let mut seen = BTreeSet::new();
     found.retain(|f| seen.insert((f.folder.clone(), f.path.file_name().map(OsStr::to_owned))));
@@ -72,18 +130,90 @@ pub(crate) fn collect(arguments: &[PathBuf], keep_tree: bool) -> Result<Inputs> 
     let root = common_folder(&tops);
     let frames: Vec<Input> = found
         .into_iter()
-        .map(|Found { path, folder }| {
-            let stem = path.file_stem().unwrap_or(path.as_os_str());
-            let place = if keep_tree { below(&root, &folder) } else { PathBuf::new() };
-            Input { name: place.join(stem), path }
+        .map(|Found { path, folder, stem, source }| {
+            let place = if args.keep_tree { below(&root, &folder) } else { PathBuf::new() };
+            Input { name: place.join(stem), path, source }
         })
         .collect();
-    refuse_equal_names(&frames, keep_tree)?;
-    Ok(Inputs { frames, unreadable })
+    refuse_equal_names(&frames, args.keep_tree)?;
+    Ok(Inputs { frames, unreadable, notices })
+}
+
+impl Found {
+    /// A file whose outputs are called as it is.
+    fn file(path: PathBuf, source: Source) -> Self {
+        let stem = path.file_stem().unwrap_or(path.as_os_str()).to_owned();
+        Self { folder: folder_of(&path), stem, path, source }
+    }
+
+    fn is_image(&self) -> bool {
+        matches!(self.source, Source::Images { .. })
+    }
+}
+
+/// How the images named on the command line are read.
+///
+/// # Errors
+/// Of usage, when camera or unit is missing.
+fn image_setup(args: &SegmentArgs, camera: Option<&CameraFile>, pairs: &[pairs::Pair]) -> Result<ImageSetup> {
+    let Some(&CameraFile { camera, depth_scale }) = camera else {
+        return Err(usage(
+            "depth images do not say which camera saw them: give it by --camera fx,fy,cx,cy or --camera camera.json",
+        ));
+    };
+    let depth_scale = args.images.depth_scale.or(depth_scale);
+    // Said once and before anything is done: the numbers of a PNG are always integers.
+    let is_png = |pair: &pairs::Pair| pair.depth.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    if depth_scale.is_none() && pairs.iter().any(is_png) {
+        return Err(usage(format!("--depth-scale is missing: {}", images::ImageError::NoDepthScale)));
+    }
+    Ok(ImageSetup { camera, depth_scale, max_pixels: args.images.max_pixels })
+}
+
+/// The frames of a folder in the layout of TUM. Camera and unit of the command line come before those of its
+/// `camera.json`.
+fn tum_frames(
+    folder: &Path,
+    args: &SegmentArgs,
+    camera: Option<&CameraFile>,
+    notices: &mut Vec<String>,
+) -> Result<Vec<Found>> {
+    let path = folder.join("camera.json");
+    let own = if path.is_file() { Some(camera_file::open(&path)?) } else { None };
+    let Some(CameraFile { camera: grid_camera, .. }) = camera.or(own.as_ref()) else {
+        return Err(anyhow!(
+            "{}: the folder has no camera.json: add one, or give the camera by --camera",
+            folder.display()
+        ));
+    };
+    let scales =
+        [args.images.depth_scale, camera.and_then(|c| c.depth_scale), own.and_then(|c| c.depth_scale)];
+    let setup = ImageSetup {
+        camera: *grid_camera,
+        depth_scale: Some(scales.into_iter().flatten().next().unwrap_or(tum::DEPTH_SCALE)),
+        max_pixels: args.images.max_pixels,
+    };
+    let tum::TumFolder { pairs, color_alone, depth_alone } = tum::open_folder(folder)?;
+    if pairs.is_empty() {
+        return Err(anyhow!(
+            "{}: none of its {color_alone} colour and {depth_alone} depth images were taken within 20 ms of each \
+             other: check the times in rgb.txt and depth.txt",
+            folder.display()
+        ));
+    }
+    if color_alone + depth_alone > 0 {
+        notices.push(format!(
+            "{}: {} frames; {color_alone} colour and {depth_alone} depth images have no partner within 20 ms",
+            folder.display(),
+            pairs.len()
+        ));
+    }
+    let frame = |(color, depth)| Found::file(depth, Source::Images { color: Some(color), setup });
+    Ok(pairs.into_iter().map(frame).collect())
 }
 
 /// Adds the frames of a folder and of those below it. Links to folders are not followed: they may lead in circles.
-fn search(folder: &Path, absolute: &Path, found: &mut Vec<Found>, unreadable: &mut Vec<anyhow::Error>) {
+fn search(folder: &Path, cloud: &Source, found: &mut Vec<Found>, unreadable: &mut Vec<anyhow::Error>) {
     let entries = match entries(folder) {
         Ok(entries) => entries,
         Err(e) => {
@@ -94,9 +224,9 @@ fn search(folder: &Path, absolute: &Path, found: &mut Vec<Found>, unreadable: &m
     for (entry, is_folder) in entries {
         let path = folder.join(entry.file_name());
         if is_folder {
-            search(&path, &absolute.join(entry.file_name()), found, unreadable);
+            search(&path, cloud, found, unreadable);
         } else if is_frame(&path) {
-            found.push(Found { path, folder: absolute.to_owned() });
+            found.push(Found::file(path, cloud.clone()));
         }
     }
 }
@@ -125,6 +255,11 @@ fn extensions() -> String {
 fn is_frame(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default();
     objecthood_io::EXTENSIONS.iter().any(|e| extension.eq_ignore_ascii_case(e)) && path.is_file()
+}
+
+/// The folder in which a file lies, in absolute form.
+fn folder_of(file: &Path) -> PathBuf {
+    absolute(file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")))
 }
 
 /// The absolute form of a folder, without links and dots when it exists.

@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow};
 use objecthood::{Discovery, Object, Observer, Params};
 use objecthood_io::scene::{SceneFile, notices};
-use objecthood_io::{Capture, label_image, output};
+use objecthood_io::scope::Scope;
+use objecthood_io::{Capture, images, label_image, output};
 use objecthood_view::{Recording, panels, png};
 
-use crate::args::{OutputKind, SegmentArgs};
+use crate::args::{CameraArg, OutputKind, SegmentArgs};
 use crate::failure::{Outcome, usage};
 use crate::inputs::{Input, Inputs};
 use crate::watch::{Laps, Watch};
@@ -22,6 +23,7 @@ use crate::{config, crew, inputs, terminal};
 struct Plan<'a> {
     args: &'a SegmentArgs,
     inputs: Inputs,
+    scope: Scope,
     params: Params,
     kinds: BTreeSet<OutputKind>,
 }
@@ -42,7 +44,8 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     let plan = Plan::new(args)?;
     make_folder(&args.out)?;
 
-    let Inputs { frames, unreadable } = &plan.inputs;
+    let Inputs { frames, unreadable, notices } = &plan.inputs;
+    notices.iter().for_each(|notice| terminal::complain(&format!("note: {notice}")));
     unreadable.iter().for_each(terminal::error);
     let total = frames.len() + unreadable.len();
     let mut failed = unreadable.len();
@@ -85,21 +88,32 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
 impl<'a> Plan<'a> {
     fn new(args: &'a SegmentArgs) -> Result<Self> {
         let params = config::params(&args.settings, args.method)?;
-        let inputs = inputs::collect(&args.inputs, args.keep_tree)?;
+        let camera = args.camera.as_ref().map(CameraArg::read).transpose()?;
+        let inputs = inputs::collect(args, camera.as_ref())?;
+        let scope = args.scope.read(args.images.max_pixels)?;
         if args.out.exists() && !args.out.is_dir() {
             return Err(usage(format!("--out {} is a file: name a folder", args.out.display())));
         }
-        Ok(Self { args, inputs, params, kinds: args.write.iter().copied().collect() })
+        Ok(Self { args, inputs, scope, params, kinds: args.write.iter().copied().collect() })
     }
 
     /// Finds the objects in one frame and writes what was asked for: all of it or nothing.
     fn segment(&self, input: &Input) -> Result<Done> {
         let mut laps = Laps::start();
-        let capture = objecthood_io::open(&input.path, self.args.camera.as_ref())?;
+        let capture = self.read(input)?;
         laps.end("reading");
         let done = self.look_and_write(input, &capture, &mut laps);
         tracing::info!("{}: {laps}", input.path.display());
         done.with_context(|| input.path.display().to_string())
+    }
+
+    /// What of a frame is to be looked at.
+    fn read(&self, input: &Input) -> Result<Capture> {
+        let capture = input.open()?;
+        images::check_pixels(capture.frame.size(), self.args.images.max_pixels)
+            .map_err(objecthood_io::Error::from)
+            .and_then(|()| self.scope.limit(capture))
+            .with_context(|| input.path.display().to_string())
     }
 
     fn look_and_write(&self, input: &Input, capture: &Capture, laps: &mut Laps) -> Result<Done> {

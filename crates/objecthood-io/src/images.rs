@@ -24,7 +24,7 @@ mod picture;
 mod tiff;
 
 pub use error::ImageError;
-pub use mask::decode_mask;
+pub use mask::{decode_mask, open_mask};
 
 use std::path::Path;
 

@@ -15,10 +15,8 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), ImageError> {
         let segment = body.get(2..length).ok_or_else(broken)?;
         match marker {
             // Start of frame, but for the tables among its numbers: precision, height, width, components.
-            0xc0..=0xcf if ![0xc4, 0xc8, 0xcc].contains(marker) => {
-                if segment.get(5) == Some(&4) {
-                    return Err(ImageError::Cmyk);
-                }
+            0xc0..=0xcf if ![0xc4, 0xc8, 0xcc].contains(marker) && segment.get(5) == Some(&4) => {
+                return Err(ImageError::Cmyk);
             }
             // Start of scan. In what follows, 0xff is never followed by 0xd9 but at the end.
             0xda => {

@@ -1,9 +1,20 @@
 //! Masks: which pixels are looked at.
 
+use std::path::Path;
+
 use objecthood::Raster;
 
 use super::picture::{self, Picture, Samples};
+use super::read_image;
 use crate::error::Result;
+
+/// Opens a mask, as [`decode_mask`].
+///
+/// # Errors
+/// [`Error::At`](crate::Error::At) the path: those of [`decode_mask`], or it cannot be read.
+pub fn open_mask(path: &Path, max_pixels: usize) -> Result<Raster<bool>> {
+    read_image(path).and_then(|bytes| decode_mask(&bytes, max_pixels)).map_err(|error| error.at(path))
+}
 
 /// Which pixels of an image are not black; alpha is ignored.
 ///

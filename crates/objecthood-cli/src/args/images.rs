@@ -1,0 +1,100 @@
+//! What is said of images: which, by which camera, and what of them is looked at.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use clap::Args;
+use clap::builder::RangedU64ValueParser;
+use objecthood_io::camera_file::{self, CameraFile};
+use objecthood_io::images::{DEFAULT_MAX_PIXELS, open_mask};
+use objecthood_io::scope::{DepthRange, Region, Scope};
+use objecthood_io::{Error, GridCamera};
+
+use crate::failure::usage;
+
+/// Frames in image files.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Images")]
+pub(crate) struct ImageArgs {
+    /// Colour images (PNG, JPEG, TIFF), registered to the depth: files, a folder, or a pattern such as '*-color.png';
+    /// joined with the depth images by what is left of their names without `color`, `rgb` and `depth`.
+    #[arg(long, value_name = "PATH", num_args = 1.., requires = "depth")]
+    pub(crate) color: Vec<PathBuf>,
+
+    /// Depth images (16-bit PNG, 16-bit or float TIFF): files, a folder, or a pattern such as '*-depth.png'.
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    pub(crate) depth: Vec<PathBuf>,
+
+    /// Units of the depth images that are a metre: 1000 for millimetres, 5000 for TUM, 10000 for YCB-Video. Needed for
+    /// integer depth, unless the camera file says it.
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub(crate) depth_scale: Option<f64>,
+
+    /// Refuse frames of more pixels; each takes about 200 bytes a pixel while it is looked at.
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_PIXELS, value_parser = RangedU64ValueParser::<usize>::new().range(1..=1 << 28))]
+    pub(crate) max_pixels: usize,
+}
+
+/// Limits of what is looked at, in frames of any kind.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "What is looked at")]
+pub(crate) struct ScopeArgs {
+    /// Look at these depths only, in metres; either end may be left out.
+    #[arg(long, value_name = "NEAREST..FARTHEST")]
+    range: Option<DepthRange>,
+
+    /// Look at this part of the image only, in pixels.
+    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT")]
+    roi: Option<Region>,
+
+    /// Look at the pixels only that are not black in this image, which has the size of the frames.
+    #[arg(long, value_name = "FILE")]
+    mask: Option<PathBuf>,
+}
+
+impl ScopeArgs {
+    /// The limits, with the mask read.
+    ///
+    /// # Errors
+    /// Of usage, when the mask cannot be.
+    pub(crate) fn read(&self, max_pixels: usize) -> Result<Scope> {
+        let mask = self.mask.as_deref().map(|path| open_mask(path, max_pixels)).transpose();
+        let mask = mask.map_err(|e| usage(format!("--mask {e}")))?;
+        Ok(Scope { range: self.range, region: self.roi, mask })
+    }
+}
+
+/// A camera, or where to read it.
+#[derive(Clone, Debug)]
+pub(crate) enum CameraArg {
+    Given(GridCamera),
+    File(PathBuf),
+}
+
+impl CameraArg {
+    /// Numbers are a camera; anything else that may be a file is one.
+    pub(crate) fn parse(text: &str) -> Result<Self, Error> {
+        let is_file = |text: &str| text.to_lowercase().ends_with(".json") || Path::new(text).is_file();
+        match text.parse() {
+            Ok(camera) => Ok(Self::Given(camera)),
+            Err(_) if is_file(text) => Ok(Self::File(text.into())),
+            Err(e) => Err(e),
+        }
+    }
+
+    /// The camera.
+    ///
+    /// # Errors
+    /// Of usage, when the file cannot be read or holds none.
+    pub(crate) fn read(&self) -> Result<CameraFile> {
+        match self {
+            Self::Given(camera) => Ok(CameraFile { camera: *camera, depth_scale: None }),
+            Self::File(path) => camera_file::open(path).map_err(|e| usage(format!("--camera {e}"))),
+        }
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "give a positive number, for example 1000 for millimetres".to_owned())
+}
