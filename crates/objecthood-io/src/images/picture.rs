@@ -57,6 +57,7 @@ pub(super) fn probe(head: &[u8]) -> Result<Format, ImageError> {
 pub(super) fn decode(bytes: &[u8], max_pixels: usize) -> Result<Picture, ImageError> {
     match probe(bytes)? {
         Format::Png => {
+            check_pixels(png_size(bytes), max_pixels)?;
             let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits(max_pixels));
             from_decoder("PNG", decoder, max_pixels)
         }
@@ -66,6 +67,15 @@ pub(super) fn decode(bytes: &[u8], max_pixels: usize) -> Result<Picture, ImageEr
         }
         Format::Tiff => tiff::decode(bytes, max_pixels),
     }
+}
+
+/// Columns and rows of a PNG, which stand at one place. The decoder would make room for a row before it told them.
+fn png_size(bytes: &[u8]) -> (usize, usize) {
+    let side = |at: usize| {
+        let bytes = bytes.get(at..).and_then(<[u8]>::first_chunk);
+        bytes.map_or(0, |&side| u32::from_be_bytes(side) as usize)
+    };
+    (side(16), side(20))
 }
 
 /// Room for the largest image that is allowed, 16-bit RGB and alpha, and for what a small one has beside its pixels.
