@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "every test program uses its own part of this")]
 #![allow(clippy::print_stdout, reason = "a test says that it skips itself")]
 
+pub(crate) mod photo;
 pub(crate) mod scene;
 
 use std::collections::BTreeMap;

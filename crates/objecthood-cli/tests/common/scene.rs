@@ -26,7 +26,7 @@ struct Block {
     color: [u8; 3],
 }
 
-const FOCAL_PX: f64 = 262.5;
+pub(crate) const FOCAL_PX: f64 = 262.5;
 
 impl Cloud {
     /// A table with two boxes, 320 x 240 pixels; `shift_m` moves the boxes to the right, so that scenes differ.
