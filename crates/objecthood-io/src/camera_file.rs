@@ -94,7 +94,7 @@ mod tests {
             (r#"{"fx": 1, "fy": 1, "cx": 1}"#, "missing field `cy`"),
             (r#"{"fx": 1, "fy": 1, "cx": 1, "x_offset": 1, "cy": 1}"#, "duplicate field `cx`"),
             (r#"{"fx": "1", "fy": 1, "cx": 1, "cy": 1}"#, "invalid type"),
-            (r#"{"fx": 0, "fy": 1, "cx": 1, "cy": 1}"#, "positive focal lengths"),
+            (r#"{"fx": 0, "fy": 1, "cx": 1, "cy": 1}"#, "focal lengths from"),
             (r#"{"fx": 1, "fy": 1, "cx": 1, "cy": 1, "width": 5}"#, "one is missing"),
             (r#"{"fx": 1, "fy": 1, "cx": 1, "cy": 1, "width": 5, "height": 0}"#, "without pixels"),
             (r#"{"fx": 1, "fy": 1, "cx": 1, "cy": 1, "depth_scale": -1}"#, "not positive"),

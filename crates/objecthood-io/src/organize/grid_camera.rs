@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_principal_point_far_off_implies_no_size() {
-        for (cx_px, cy_px) in [(-1.0, 10.0), (10.0, -1.0), (1e9, 1e9), (1e300, 10.0)] {
+        for (cx_px, cy_px) in [(-1.0, 10.0), (10.0, -1.0), (1e7, 1e7), (1e6, 200.0)] {
             let camera = Camera::new(1.0, 1.0, cx_px, cy_px).unwrap();
             assert!(GridCamera { camera, size: None }.image_size().is_err());
         }
