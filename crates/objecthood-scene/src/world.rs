@@ -1,0 +1,214 @@
+//! A scene: what stands where, how it is lit, who looks at it.
+
+use glam::DVec3;
+use objecthood::Camera;
+
+use crate::contact::Contact;
+use crate::light::Lighting;
+use crate::pose::Pose;
+use crate::ray::{Hit, Ray};
+use crate::shape::Shape;
+use crate::solid::{Role, Solid};
+use crate::texture::Paint;
+
+/// A scene with exact truth.
+///
+/// Frame of the world: z up, metres. Solid k has the instance number k + 1, whatever its role.
+#[derive(Clone, Debug)]
+pub struct World {
+    seed: u64,
+    solids: Vec<Solid>,
+    contacts: Vec<Contact>,
+    pub(crate) lighting: Lighting,
+    viewpoint: Viewpoint,
+    parts: Vec<Placed>,
+}
+
+/// A camera somewhere in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewpoint {
+    /// Its intrinsics.
+    pub camera: Camera,
+    /// Columns and rows of its image.
+    pub size_px: (usize, usize),
+    /// Takes the camera frame (x right, y down, z forward) to the world.
+    pub pose: Pose,
+}
+
+/// A part of a solid, ready to be hit.
+#[derive(Clone, Debug)]
+struct Placed {
+    shape: Shape,
+    pose: Pose,
+    center: DVec3,
+    radius: f64,
+    solid: usize,
+    /// Scene-wide number of its first face.
+    first_surface: u16,
+    paints: Vec<Paint>,
+}
+
+/// What a ray meets first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sight {
+    /// In lengths of the ray's direction; of a ray with z = 1 in the camera frame: the depth (m).
+    pub(crate) t: f64,
+    pub(crate) point: DVec3,
+    pub(crate) normal: DVec3,
+    pub(crate) instance: u16,
+    pub(crate) surface: u16,
+    part: usize,
+    uv_m: [f64; 2],
+}
+
+/// What lies nearer to a surface than this (m) is the surface itself, for rays that leave it.
+pub(crate) const SKIN_M: f64 = 1e-6;
+
+impl World {
+    pub(crate) fn new(
+        seed: u64,
+        solids: Vec<Solid>,
+        contacts: Vec<Contact>,
+        lighting: Lighting,
+        viewpoint: Viewpoint,
+    ) -> Self {
+        let mut parts = Vec::new();
+        let mut next_surface = 1_u16;
+        for (solid, thing) in solids.iter().enumerate() {
+            for part in &thing.parts {
+                let pose = thing.pose.after(&part.pose);
+                let (center, radius) = part.shape.bounding_sphere();
+                parts.push(Placed {
+                    shape: part.shape.clone(),
+                    pose,
+                    center: pose.point(center),
+                    radius,
+                    solid,
+                    first_surface: next_surface,
+                    paints: part.paints.clone(),
+                });
+                next_surface += part.shape.surfaces() as u16;
+            }
+        }
+        Self { seed, solids, contacts, lighting, viewpoint, parts }
+    }
+
+    /// The same scene in a quarter of the columns and rows, for a quick look.
+    pub(crate) fn at_quarter_size(&self) -> Self {
+        let Viewpoint { camera: c, size_px: (width, height), pose } = self.viewpoint;
+        let center = |c: f64| (c + 0.5) / 4.0 - 0.5;
+        let camera = Camera {
+            fx_px: c.fx_px / 4.0,
+            fy_px: c.fy_px / 4.0,
+            cx_px: center(c.cx_px),
+            cy_px: center(c.cy_px),
+        };
+        Self { viewpoint: Viewpoint { camera, size_px: (width / 4, height / 4), pose }, ..self.clone() }
+    }
+
+    /// What the scene and the noise of its pictures are made from.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Everything there is; number k has the instance k + 1.
+    pub fn solids(&self) -> &[Solid] {
+        &self.solids
+    }
+
+    /// Instance numbers of what can be grasped and moved, ascending.
+    pub fn objects(&self) -> impl Iterator<Item = u16> + '_ {
+        let objects = self.solids.iter().enumerate().filter(|(_, solid)| solid.role == Role::Object);
+        objects.map(|(k, _)| k as u16 + 1)
+    }
+
+    /// Who stands, leans or lies where: by upper, then by lower instance.
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// The camera.
+    pub fn viewpoint(&self) -> &Viewpoint {
+        &self.viewpoint
+    }
+
+    /// The solid with this instance number, if there is one.
+    pub fn solid(&self, instance: u16) -> Option<&Solid> {
+        self.solids.get(usize::from(instance).checked_sub(1)?)
+    }
+
+    /// The first surface along a ray. Counts in `alone`, for every solid, whether the ray would meet it.
+    pub(crate) fn first(&self, ray: Ray, alone: &mut [u32]) -> Option<Sight> {
+        let mut nearest: Option<(Hit, usize)> = None;
+        let mut last = usize::MAX;
+        for (k, part) in self.parts.iter().enumerate() {
+            if let Some(hit) = part.hit(ray) {
+                // The parts of a solid stand together.
+                alone[part.solid] += u32::from(last != part.solid);
+                last = part.solid;
+                if nearest.is_none_or(|(best, _)| hit.t < best.t) {
+                    nearest = Some((hit, k));
+                }
+            }
+        }
+        nearest.map(|(hit, part)| self.sight(ray, hit, part))
+    }
+
+    fn sight(&self, ray: Ray, hit: Hit, part: usize) -> Sight {
+        let placed = &self.parts[part];
+        Sight {
+            t: hit.t,
+            point: ray.at(hit.t),
+            normal: placed.pose.rotation * hit.normal,
+            instance: placed.solid as u16 + 1,
+            surface: placed.first_surface + hit.surface as u16,
+            part,
+            uv_m: hit.uv_m,
+        }
+    }
+
+    /// Whether nothing lies between two points; the first may lie on a surface with this normal.
+    pub(crate) fn sees(&self, from: DVec3, normal: DVec3, to: DVec3) -> bool {
+        let toward = to - from;
+        if toward.dot(normal) <= 0.0 {
+            return false;
+        }
+        let ray = Ray { origin: from + normal * SKIN_M, direction: toward };
+        !self.parts.iter().any(|part| part.hit(ray).is_some_and(|hit| hit.t < 1.0 - 1e-9))
+    }
+
+    /// The colour of the surface where a ray met it.
+    pub(crate) fn albedo(&self, sight: &Sight) -> [f64; 3] {
+        let placed = &self.parts[sight.part];
+        let face = usize::from(sight.surface - placed.first_surface);
+        placed.paints[face.min(placed.paints.len() - 1)].albedo(sight.uv_m)
+    }
+}
+
+impl Placed {
+    fn hit(&self, ray: Ray) -> Option<Hit> {
+        if ray.passes(self.center, self.radius) { self.shape.hit(self.pose.own_ray(ray), 0.0) } else { None }
+    }
+}
+
+impl Viewpoint {
+    /// The ray of a pixel in the world; its t is the depth.
+    pub(crate) fn ray(&self, u: f64, v: f64) -> Ray {
+        let direction = DVec3::from(self.camera.ray(u, v));
+        Ray { origin: self.pose.origin, direction: self.pose.rotation * direction }
+    }
+}
+
+#[cfg(test)]
+impl World {
+    /// The same view of one solid alone.
+    pub(crate) fn with_only(&self, instance: u16) -> Self {
+        let solid = self.solid(instance).unwrap().clone();
+        Self::new(self.seed, vec![solid], Vec::new(), self.lighting.clone(), self.viewpoint)
+    }
+
+    /// The same view and light of other solids.
+    pub(crate) fn with_solids(&self, solids: Vec<Solid>) -> Self {
+        Self::new(self.seed, solids, Vec::new(), self.lighting.clone(), self.viewpoint)
+    }
+}
