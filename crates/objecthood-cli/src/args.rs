@@ -184,7 +184,7 @@ pub(crate) struct ParamsArgs {
 pub(crate) enum MethodName {
     /// The published method, equation by equation.
     Paper,
-    /// The method that follows; not there yet.
+    /// Surfaces fitted in disparity, and what their borders and surroundings tell.
     Context,
 }
 

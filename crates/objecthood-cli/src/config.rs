@@ -25,10 +25,9 @@ pub(crate) fn params(settings: &Settings, method: Option<MethodName>) -> Result<
     }
     let mut params: Params = given.groups.try_into().map_err(|e| usage(e.to_string()))?;
     params.method = match method.or(given.method) {
-        None | Some(MethodName::Paper) => Method::Paper,
-        Some(MethodName::Context) => {
-            return Err(usage("the method `context` is not there yet: use `paper`"));
-        }
+        None => Method::default(),
+        Some(MethodName::Paper) => Method::Paper,
+        Some(MethodName::Context) => Method::Context,
     };
     params.validate().map_err(|e| usage(e.to_string()))?;
     Ok(params)
@@ -55,7 +54,7 @@ impl Given {
                 Value::String(name) if key == "method" => {
                     let method = MethodName::from_str(&name, false);
                     self.method =
-                        Some(method.map_err(|_| format!("there is no method `{name}`: use `paper`"))?);
+                        Some(method.map_err(|_| format!("there is no method `{name}`: use `paper` or `context`"))?);
                 }
                 Value::Table(group) => {
                     for (name, value) in group {

@@ -47,6 +47,7 @@ impl Observer for Watch<'_> {
         self.laps.end(match stage {
             Stage::Normals(_) => "normals",
             Stage::Curvature(_) => "curvature",
+            Stage::Structure(_) => "structure",
             Stage::Superpixels(_) => "superpixels",
             Stage::Facets(_) => "facets",
             Stage::Shapes(_) => "shapes",

@@ -3,7 +3,7 @@
 //! These types are the contract with whoever reads the files; they follow [`Discovery`] but change only with
 //! [`SCHEMA_VERSION`]. Their schema, made from the texts below, is published as `docs/scene.schema.json`.
 
-use objecthood::objectness::gravity;
+use objecthood::objectness::{gravity, join};
 use objecthood::objectness::support::NodeKind;
 use objecthood::{Discovery, Params};
 use schemars::JsonSchema;
@@ -150,6 +150,8 @@ pub struct SceneObject {
     pub node: u32,
     /// The nodes that it stands on or leans against.
     pub parents: Vec<u32>,
+    /// Which of its parts were joined although they do not touch as one surface, and why.
+    pub joins: Vec<Join>,
 }
 
 /// The evidence behind an objectness, by method.
@@ -167,6 +169,95 @@ pub enum ObjectnessParts {
         /// P(O): the probability that it is an object by what carries it.
         #[schemars(range(min = 0, max = 1))]
         p_o: f32,
+    },
+    /// Of the method `context`.
+    Context {
+        /// P(S) of its best parent: how well that can carry something; 0 without a parent.
+        #[schemars(range(min = 0, max = 1))]
+        p_s: f32,
+        /// P(O): the probability that it is an object by what carries it.
+        #[schemars(range(min = 0, max = 1))]
+        p_o: f32,
+        /// How high it stands above the support plane (m); absent without such a plane.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f32")]
+        top_m: Option<f32>,
+    },
+}
+
+/// Two parts of one object, and why they belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Join {
+    /// Where the two parts were when they were joined.
+    pub parts: [JoinedPart; 2],
+    /// Node of what hides the object between them; absent when nothing known does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "u32")]
+    pub behind: Option<u32>,
+    /// Why.
+    pub evidence: JoinEvidence,
+}
+
+/// A part of an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JoinedPart {
+    /// The smallest upright rectangle around it.
+    pub box_px: PixelBox,
+    /// Its pixels (px).
+    #[schemars(range(min = 1))]
+    pub size_px: usize,
+}
+
+/// Why two parts are one object.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum JoinEvidence {
+    /// One surface that goes on behind something nearer.
+    Occlusion {
+        /// How far the common surface is from both parts (quanta of disparity).
+        disagreement_quanta: f64,
+        /// Angle between the surfaces (degrees).
+        angle_deg: f64,
+        /// Distance of the parts (m).
+        distance_m: f64,
+        /// Share of the gap in which something nearer is seen.
+        #[schemars(range(min = 0, max = 1))]
+        hidden_share: f64,
+        /// Share of the gap in which something farther is seen.
+        #[schemars(range(min = 0, max = 1))]
+        seen_through_share: f64,
+        /// Overlap of the colour histograms; absent without colour.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", range(min = 0, max = 1))]
+        color_overlap: Option<f64>,
+    },
+    /// Two pieces of the inside of one vessel.
+    VesselInside {
+        /// How concave the larger and the smaller piece are: below 0.
+        concavity: [f64; 2],
+    },
+    /// The inside of a vessel and the wall before it.
+    VesselWall {
+        /// How concave the inside is: below 0.
+        concavity: f64,
+        /// Pixel pairs in which the wall is before the inside.
+        wall_in_front: u32,
+        /// Radius of the circle on which both rims lie (m), if that decided.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0))]
+        rim_radius_m: Option<f64>,
+        /// Root mean square distance of the rim from that circle (m).
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", range(min = 0))]
+        rim_residual_m: Option<f64>,
+    },
+    /// A small part that touches hardly anything but a vessel.
+    VesselRemainder {
+        /// Share of its contacts that are with the vessel.
+        #[schemars(range(min = 0, max = 1))]
+        contact_share: f64,
     },
 }
 
@@ -217,6 +308,10 @@ pub struct SupportNode {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "u16", range(min = 1))]
     pub object: Option<u16>,
+    /// Index of the structure plane that it is; absent when it is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "usize")]
+    pub plane: Option<usize>,
     /// P(S): how well it can carry something.
     #[schemars(range(min = 0, max = 1))]
     pub p_s: f32,
@@ -315,20 +410,66 @@ impl From<&gravity::StructurePlane> for StructurePlane {
 
 impl From<&objecthood::Object> for SceneObject {
     fn from(object: &objecthood::Object) -> Self {
-        let objecthood::PixelBox { u, v, width, height } = object.box_px;
         let objecthood::OrientedBox { center_m, rotation_xyzw, extents_m } = object.box_m;
         Self {
             id: object.id.0,
             objectness: object.objectness,
             parts: object.parts,
             size_px: object.size_px,
-            box_px: PixelBox { u, v, width, height },
+            box_px: object.box_px.into(),
             centroid_m: object.centroid_m,
             box_m: OrientedBox { center_m, rotation_xyzw, extents_m },
             facets: object.facets,
             node: object.node.0,
             parents: object.parents.iter().map(|node| node.0).collect(),
+            joins: object.joins.iter().map(Join::from).collect(),
         }
+    }
+}
+
+impl From<&join::Join> for Join {
+    fn from(join: &join::Join) -> Self {
+        let parts = join.parts.map(|part| JoinedPart { box_px: part.box_px.into(), size_px: part.size_px });
+        Self { parts, behind: join.behind.map(|node| node.0), evidence: join.evidence.into() }
+    }
+}
+
+impl From<join::JoinEvidence> for JoinEvidence {
+    fn from(evidence: join::JoinEvidence) -> Self {
+        match evidence {
+            join::JoinEvidence::Occlusion(continuation) => {
+                let join::Continuation {
+                    disagreement_quanta,
+                    angle_deg,
+                    distance_m,
+                    hidden_share,
+                    seen_through_share,
+                    color_overlap,
+                } = continuation;
+                Self::Occlusion {
+                    disagreement_quanta,
+                    angle_deg,
+                    distance_m,
+                    hidden_share,
+                    seen_through_share,
+                    color_overlap,
+                }
+            }
+            join::JoinEvidence::VesselInside { concavity } => Self::VesselInside { concavity },
+            join::JoinEvidence::VesselWall { concavity, wall_in_front, rim } => Self::VesselWall {
+                concavity,
+                wall_in_front,
+                rim_radius_m: rim.map(|rim| rim.radius_m),
+                rim_residual_m: rim.map(|rim| rim.residual_m),
+            },
+            join::JoinEvidence::VesselRemainder { contact_share } => Self::VesselRemainder { contact_share },
+        }
+    }
+}
+
+impl From<objecthood::PixelBox> for PixelBox {
+    fn from(objecthood::PixelBox { u, v, width, height }: objecthood::PixelBox) -> Self {
+        Self { u, v, width, height }
     }
 }
 
@@ -337,7 +478,11 @@ impl From<&objecthood::objectness::support::SupportGraph> for Support {
         let nodes = graph.nodes.iter().map(|node| SupportNode {
             object: match node.kind {
                 NodeKind::Object { object } => Some(object.0),
-                NodeKind::Surface => None,
+                NodeKind::Structure { .. } | NodeKind::Surface => None,
+            },
+            plane: match node.kind {
+                NodeKind::Structure { plane } => Some(plane),
+                NodeKind::Object { .. } | NodeKind::Surface => None,
             },
             p_s: node.p_s,
             p_o: node.p_o,

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::objectness::gravity::{StructurePlane, Up};
+use crate::objectness::join::Join;
 use crate::objectness::support::{NodeId, SupportGraph};
 use crate::raster::Raster;
 
@@ -21,6 +22,8 @@ pub struct Discovery {
     pub up: Up,
     /// Large planes of the scene: the table, the floor. In `paper` at most the dominant one.
     pub structure_planes: Vec<StructurePlane>,
+    /// The structure plane of every pixel: 0 = none, else k stands for the plane at index k - 1.
+    pub structure: Raster<u16>,
     /// What stands on what.
     pub support: SupportGraph,
     /// What the user should know about how this came about.
@@ -46,6 +49,8 @@ pub struct Object {
     pub box_m: OrientedBox,
     /// Number of facets it is made of.
     pub facets: usize,
+    /// Which of its parts were joined although they do not touch as one surface. None in `paper`.
+    pub joins: Vec<Join>,
     /// Its place in the support graph.
     pub node: NodeId,
     /// The nodes that it stands on or leans against.
@@ -64,6 +69,15 @@ pub enum ObjectnessParts {
         p_s: f32,
         /// P(O), eq. 8: what the parents make it.
         p_o: f32,
+    },
+    /// Of the method `context`.
+    Context {
+        /// P(S) of its best parent, eq. 7: how horizontal the parent is. 0 without a parent.
+        p_s: f32,
+        /// P(O), eq. 8: what the parents make it.
+        p_o: f32,
+        /// How high it stands above the support plane (m), if there is one.
+        top_m: Option<f32>,
     },
 }
 

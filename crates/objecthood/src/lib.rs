@@ -80,5 +80,6 @@ pub fn discover_observed(frame: &Frame, params: &Params, observer: &mut dyn Obse
     params.validate()?;
     match params.method {
         Method::Paper => method::paper(frame, params, observer),
+        Method::Context => method::context(frame, params, observer),
     }
 }

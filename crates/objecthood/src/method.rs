@@ -4,23 +4,35 @@ use crate::discovery::{Discovery, Notice};
 use crate::error::Result;
 use crate::facets::appearance::Appearance;
 use crate::facets::grouping::facets;
+use crate::facets::merging::merge_surfaces;
+use crate::facets::refinement::refine;
 use crate::frame::Frame;
 use crate::objectness::decision::decide;
-use crate::objectness::gravity::{dominant_plane, up};
+use crate::objectness::gravity::{dominant_plane, on_plane, up};
 use crate::objectness::objects::objects;
 use crate::objectness::support::support;
+use crate::objectness::{
+    Clusters, Scene, absorb_fragments, drop_low, fill, join_behind_occluders, join_vessels, outcome,
+};
 use crate::observe::{Observer, Stage};
 use crate::oversegment::absorb::absorb;
 use crate::oversegment::felzenszwalb::segment;
 use crate::oversegment::graph::{PixelGraph, Unmeasured};
 use crate::oversegment::smoothing::smooth;
+use crate::oversegment::structure::structure;
+use crate::oversegment::watershed::{Links, linked_pairs, watershed};
 use crate::params::{Channels, Params, UpFrom};
 use crate::raster::Raster;
+use crate::shapes::border::borders;
 use crate::shapes::contact::contacts;
+use crate::shapes::contraction::{contract, votes};
 use crate::shapes::convexity::{convexities, shapes};
 use crate::shapes::descriptor::descriptors;
 use crate::surface::curvature::curvature;
+use crate::surface::disparity::DisparitySpace;
 use crate::surface::normals::normals;
+use crate::surface::plane_fit::plane_fits;
+use crate::surface::window_choice::orientation;
 
 /// The published method: "Unsupervised Object Exploration Using Context" (RO-MAN 2014).
 pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer) -> Result<Discovery> {
@@ -68,12 +80,86 @@ pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer)
     let missing_color = frame.color().is_none();
     let notices = [(missing_plane, Notice::NoPlane), (missing_color, Notice::NoColor)];
     let discovery = Discovery {
-        labels,
         objects,
         up,
+        structure: on_plane(plane.as_ref(), &labels, &points, &params.gravity),
         structure_planes: plane.into_iter().collect(),
+        labels,
         support,
         notices: notices.into_iter().filter_map(|(holds, notice)| holds.then_some(notice)).collect(),
+    };
+    observer.observe(Stage::Objects(&discovery));
+    Ok(discovery)
+}
+
+/// The same four stages, with surfaces fitted in disparity and the evidence of whole borders; what borders cannot tell the
+/// surroundings decide. Colour is asked only about parts behind an occluder.
+pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observer) -> Result<Discovery> {
+    let space = &DisparitySpace::new(frame.camera(), &params.sensor);
+    let points = frame.points_m();
+
+    // What single pixels tell: the plane that fits their surroundings best.
+    let disparity = space.disparity(frame.depth_m());
+    let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px));
+    let orientation = orientation(&disparity, &fits, space, &params.local_fit);
+    observer.observe(Stage::Normals(&orientation.normal));
+
+    // 1. Over-segmentation: large planes, then a watershed of how badly a plane fits.
+    let structure = structure(&disparity, &fits, &orientation, &points, space, &params.structure);
+    observer.observe(Stage::Structure(&structure.segments()));
+    let links = Links::new(&disparity, &orientation.slope, space, &params.watershed);
+    let superpixels = watershed(&disparity, &fits, &structure.labels, &links, space, &params.watershed);
+    observer.observe(Stage::Superpixels(&structure.with(&superpixels)));
+
+    // 2. Facets: superpixels that lie on one surface.
+    let joined = linked_pairs(&superpixels, &links);
+    let facets = merge_surfaces(&superpixels, &structure, &joined, &disparity, space, &params.merging);
+    let facets = refine(facets, &disparity, &params.refinement);
+    observer.observe(Stage::Facets(&facets.segments));
+
+    // 3. Shapes: facets whose borders vote for one shape.
+    let borders = borders(&facets, &disparity, space, &params.border);
+    let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
+    observer.observe(Stage::Shapes(&shapes.with_structure(&facets)));
+
+    // 4. Objectness: what the surroundings of a shape tell, and support against gravity.
+    let jump_quanta = params.watershed.link_jump_quanta;
+    let facets = fill(facets, &disparity, jump_quanta + 1.0);
+    let scene = Scene {
+        facets: &facets,
+        disparity: &disparity,
+        normals: &orientation.normal,
+        points_m: &points,
+        color: frame.color(),
+        space,
+        support: structure.support.map(|s| &structure.surfaces[s]),
+    };
+    let mut clusters = Clusters::new(&scene, &shapes, jump_quanta);
+    absorb_fragments(&mut clusters, &params.fragments);
+    drop_low(&mut clusters, &params.height);
+    join_vessels(&mut clusters, &params.vessels);
+    join_behind_occluders(&mut clusters, &params.occlusion);
+
+    let outcome = outcome(&clusters, structure.support, space.area_px(params.objectness.min_size_px));
+    let planes = structure.planes(&outcome.regions, frame);
+    let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
+    let described = descriptors(&outcome.regions, &outcome.regions.labels().map(|_| true), &points, &orientation.normal);
+    let touching = contacts(&outcome.regions, &points, &params.contact);
+    let mut support = support(&outcome.regions, &described, &touching, &points, &up);
+    support.mark_structure(planes.len());
+    observer.observe(Stage::Support(&support));
+    let (objects, labels) = objects(outcome.hypotheses(&clusters, &support, &up), &facets.segments, &points, &support)?;
+    support.mark(&objects);
+
+    let missing_plane = structure.support.is_none() && params.gravity.up_from == UpFrom::Plane;
+    let discovery = Discovery {
+        objects,
+        labels,
+        up,
+        structure: outcome.structure_labels(),
+        structure_planes: planes,
+        support,
+        notices: missing_plane.then_some(Notice::NoPlane).into_iter().collect(),
     };
     observer.observe(Stage::Objects(&discovery));
     Ok(discovery)

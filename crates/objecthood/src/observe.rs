@@ -5,19 +5,21 @@ use crate::objectness::support::SupportGraph;
 use crate::raster::Raster;
 use crate::regions::Segments;
 
-/// What a stage has just produced. Each is announced once a frame, in this order.
+/// What a stage has just produced. Each is announced at most once a frame, in this order.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum Stage<'a> {
     /// Unit normals towards the camera, zero where there is none.
     Normals(&'a Raster<[f32; 3]>),
-    /// Curvature of every pixel, eq. 2.
+    /// Curvature of every pixel, eq. 2 (`paper`).
     Curvature(&'a Raster<f32>),
-    /// Stage 1: small regions of one colour and one surface.
+    /// Large planes that carry or enclose the objects (`context`). They come first among superpixels and facets.
+    Structure(&'a Segments),
+    /// Stage 1: small regions of one surface, in `paper` also of one colour.
     Superpixels(&'a Segments),
     /// Stage 2: one face each of a convex shape.
     Facets(&'a Segments),
-    /// Stage 3: facets joined across convex edges.
+    /// Stage 3: facets joined across convex edges. In `context` shape 0 is all structure.
     Shapes(&'a Segments),
     /// Stage 4, first half: which shape supports which; which of them are objects is not yet known.
     Support(&'a SupportGraph),

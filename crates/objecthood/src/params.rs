@@ -177,6 +177,8 @@ choice! {
         /// The published method, equation by equation.
         #[default]
         Paper = "paper",
+        /// Surfaces fitted in disparity, and what their borders and surroundings tell.
+        Context = "context",
     }
 }
 
@@ -210,6 +212,8 @@ parameters! {
         /// Step of inverse depth that the sensor resolves: the unit of disparity in eq. 1.
         disparity_quantum_per_m: f64 = 0.00285, 1e-6..=1.0, "1/m",
             "measured on mOSD learn, a Kinect v1; 1/348 by its disparity law (METHOD 0)";
+        /// Sideways noise of points, which looks like noise of disparity on slopes (`context`).
+        lateral_noise_px: f64 = 0.8, 0.0..=100.0, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)";
     }
 
     /// Gaussian smoothing of the colour image before eq. 1.
@@ -295,6 +299,102 @@ parameters! {
         samples: usize = 6000, 3..=1_000_000, "points", "ours, because more changes no plane (METHOD 2.6)";
         /// Planes tried.
         trials: usize = 300, 1..=100_000, "planes", "ours, because more changes no plane (METHOD 2.6)";
+    }
+
+    /// Planes fitted to the window around every pixel (`context`).
+    LocalFit local_fit {
+        /// Half the side of the window, without its middle.
+        radius_px: usize = 3, 1..=50, "px at a focal length of 525 px", "METHOD 3.1";
+        /// A pixel keeps its own window below this residual; above, the best of nine windows speaks for it.
+        own_window_residual_quanta: f32 = 0.8, 0.0..=1000.0, "quanta of disparity", "METHOD 3.2: a short cut that saves time";
+    }
+
+    /// Large planes that carry or enclose the objects (`context`).
+    Structure structure {
+        /// Pixels nearer than this belong to the surface.
+        tolerance_quanta: f64 = 2.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.3)";
+        /// Their normals differ by less than this from the surface's.
+        angle_deg: f64 = 30.0, 0.0..=180.0, "degrees", "tuned on mOSD learn (METHOD 3.3)";
+    }
+
+    /// Superpixels by watershed of the fit residual (`context`).
+    Watershed watershed {
+        /// Side of the blocks with one seed each.
+        seed_block_px: usize = 8, 1..=1000, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)";
+        /// Largest jump inside a surface, beyond what its slope explains.
+        link_jump_quanta: f32 = 5.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.4)";
+    }
+
+    /// Superpixels that lie on one surface merged to facets (`context`).
+    Merging merging {
+        /// Disagreement up to which planes are merged.
+        plane_tolerance_quanta: f32 = 1.2, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.5)";
+        /// Disagreement up to which quadratics are merged afterwards; 0 = planes only.
+        quadratic_tolerance_quanta: f32 = 1.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.5)";
+        /// Smaller facets are dropped and given to their neighbours.
+        min_facet_px: usize = 25, 0..=1_000_000, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.5)";
+    }
+
+    /// Borders of facets straightened (`context`).
+    Refinement refinement {
+        /// Misfit that one neighbour of the same facet makes up for.
+        agreement_quanta: f64 = 0.35, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.6)";
+    }
+
+    /// What the common border of two facets tells (`context`).
+    Border border {
+        /// Half the side of the window in which a plane is fitted to either side, without its middle.
+        radius_px: usize = 7, 1..=100, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.7)";
+        /// A larger gap between both sides is a step.
+        gap_quanta: f64 = 4.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.7)";
+        /// A deeper step hides something; a smaller one may be a torn ridge.
+        step_depth_m: f64 = 0.013, 0.0..=10.0, "m", "tuned on mOSD learn (METHOD 3.7)";
+    }
+
+    /// Facets joined to shapes by the votes of their borders (`context`).
+    Contraction contraction {
+        /// Concavity at which a fold votes neither way.
+        reflex_offset_deg: f64 = 12.0, -180.0..=180.0, "degrees", "tuned on mOSD learn (METHOD 3.8)";
+        /// From there to a full vote.
+        full_vote_deg: f64 = 15.0, 1e-3..=360.0, "degrees", "tuned on mOSD learn (METHOD 3.8)";
+        /// How much a step speaks against one shape.
+        occlusion_weight: f64 = 0.15, 0.0..=100.0, "dimensionless: vote per metre of step", "tuned on mOSD learn (METHOD 3.8)";
+    }
+
+    /// Small clusters go to what they touch (`context`).
+    Fragments fragments {
+        /// Clusters with fewer pixels are given away.
+        max_size_px: usize = 250, 0..=1_000_000, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.10)";
+    }
+
+    /// What hardly rises above the support is a part of it (`context`).
+    Height height {
+        /// Lowest top of an object.
+        min_top_m: f64 = 0.010, -1.0..=10.0, "m", "tuned on mOSD learn (METHOD 3.11)";
+    }
+
+    /// Insides and walls of vessels joined (`context`).
+    Vessels vessels {
+        /// Concavity of a vessel's inside; 0 = vessels are not joined.
+        concavity: f64 = 0.2, 0.0..=2.0, "dimensionless: mean turn of normals towards each other", "tuned on mOSD learn (METHOD 3.12)";
+        /// Inside and wall have tops of equal height up to this.
+        rim_height_m: f64 = 0.015, 0.0..=1.0, "m", "tuned on mOSD learn (METHOD 3.12)";
+        /// Whether the circle of the rim tells what belongs to a vessel.
+        rim_circle: bool = true, OneOf("true | false"), "dimensionless: switch", "METHOD 3.12";
+    }
+
+    /// Parts of an object joined behind what hides its middle (`context`).
+    Occlusion occlusion {
+        /// Whether they are.
+        enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "METHOD 3.13";
+        /// Both parts lie on one surface up to this.
+        disagreement_quanta: f64 = 1.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.13)";
+        /// Angle between the surfaces of both parts, at most.
+        angle_deg: f64 = 7.0, 0.0..=180.0, "degrees", "tuned on mOSD learn (METHOD 3.13)";
+        /// Overlap of their colour histograms, at least.
+        color_overlap: f64 = 0.08, -1.0..=1.0, "dimensionless: share in common; -1 = colour has no say", "tuned on mOSD learn (METHOD 3.13)";
+        /// Distance of the parts, at most.
+        max_distance_m: f64 = 0.35, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 3.13)";
     }
 
     /// What makes a shape an object: its size and the support it has, eq. 6 to 8.

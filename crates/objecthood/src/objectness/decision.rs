@@ -2,6 +2,7 @@
 
 use crate::discovery::{ObjectnessParts, OrientedBox};
 use crate::objectness::gravity::Up;
+use crate::objectness::join::Join;
 use crate::objectness::size::{longest_side_m, oriented_box};
 use crate::objectness::support::SupportGraph;
 use crate::params;
@@ -21,6 +22,8 @@ pub struct Hypothesis {
     pub objectness: f32,
     /// What the objectness is made of.
     pub parts: ObjectnessParts,
+    /// Which of its parts were joined although they do not touch as one surface.
+    pub joins: Vec<Join>,
 }
 
 /// The shapes that are objects: with at least `min_size_px` points, a longest side within
@@ -51,7 +54,7 @@ pub fn decide(
         let p_s = parents[s].iter().map(|p| support.nodes[p.0 as usize].p_s).fold(0.0, f32::max);
         let parts = ObjectnessParts::Paper { size_ok, p_s, p_o };
         let shape = SegmentId(s as u32);
-        size_ok.then_some(Hypothesis { shape, pixels, box_m, objectness: p_o, parts })
+        size_ok.then_some(Hypothesis { shape, pixels, box_m, objectness: p_o, parts, joins: Vec::new() })
     };
     pixels.into_iter().enumerate().filter_map(judge).collect()
 }

@@ -72,6 +72,22 @@ pub fn dominant_plane(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> 
     })
 }
 
+/// The points of the plane that belong to no object: 1 on the plane, 0 elsewhere.
+pub(crate) fn on_plane(
+    plane: Option<&StructurePlane>,
+    labels: &Raster<u16>,
+    points_m: &Raster<[f32; 3]>,
+    params: &params::Gravity,
+) -> Raster<u16> {
+    let Some(plane) = plane else { return labels.map(|_| 0) };
+    let normal = Vec3::from(plane.normal).as_dvec3();
+    let distance_m = |p: &[f32; 3]| (normal.dot(Vec3::from(*p).as_dvec3()) + f64::from(plane.offset_m)).abs();
+    // False without depth.
+    let is_near = |p: &[f32; 3]| distance_m(p) < params.inlier_distance_m;
+    let pixels = points_m.as_slice().iter().zip(labels.as_slice());
+    labels.with_data(pixels.map(|(p, &object)| u16::from(object == 0 && is_near(p))).collect())
+}
+
 /// The direction up: the normal of `plane`, or the camera's -y when there is none or `up_from` says so.
 ///
 /// *Differs from the paper:* it holds the camera horizontally (`up_from = camera`).

@@ -1,7 +1,25 @@
 //! Stage 4: which shapes are objects, by size and by what supports them (paper, III-D).
+//!
+//! `paper`: [`gravity`], [`support`], [`size`], [`decision`]. `context` first lets the surroundings of shapes tell what is one object:
+//! fragments, what hardly rises above the support, vessels, and surfaces that go on behind something nearer ([`join`]).
 
+mod clusters;
 pub mod decision;
+mod fragments;
 pub mod gravity;
+mod height;
+pub mod join;
 pub mod objects;
+mod occlusion;
+mod outcome;
+mod rim;
 pub mod size;
 pub mod support;
+mod vessels;
+
+pub(crate) use clusters::{Clusters, Scene, fill};
+pub(crate) use fragments::absorb_fragments;
+pub(crate) use height::drop_low;
+pub(crate) use occlusion::join_behind_occluders;
+pub(crate) use outcome::outcome;
+pub(crate) use vessels::join_vessels;

@@ -30,17 +30,18 @@ pub fn objects(
     let parents = support.parents();
     let mut labels = vec![0; points_m.len()];
     let mut objects = Vec::with_capacity(hypotheses.len());
-    for (number, Hypothesis { shape, pixels, box_m, objectness, parts }) in (1..=u16::MAX).zip(hypotheses) {
+    for (number, Hypothesis { shape, pixels, box_m, objectness, parts, joins }) in (1..=u16::MAX).zip(hypotheses) {
         pixels.iter().for_each(|&i| labels[i] = number);
         objects.push(Object {
             id: ObjectId(number),
             objectness,
             parts,
             size_px: pixels.len(),
-            box_px: pixel_box(&pixels, points_m.width()),
+            box_px: pixel_box(pixels.iter().copied(), points_m.width()),
             centroid_m: centroid_m(&pixels, points_m),
             box_m,
             facets: facets_among(&pixels, facets),
+            joins,
             node: NodeId(shape.0),
             parents: parents.get(shape.index()).cloned().unwrap_or_default(),
         });
@@ -48,14 +49,15 @@ pub fn objects(
     Ok((objects, points_m.with_data(labels)))
 }
 
-/// The smallest upright rectangle around pixels in scan order, of which there is at least one.
-fn pixel_box(pixels: &[usize], width: usize) -> PixelBox {
-    let (mut left, mut right) = (usize::MAX, 0);
-    for u in pixels.iter().map(|i| i % width) {
+/// The smallest upright rectangle around pixels, of which there is at least one.
+pub(crate) fn pixel_box(pixels: impl Iterator<Item = usize>, width: usize) -> PixelBox {
+    let (mut left, mut right, mut top, mut bottom) = (usize::MAX, 0, usize::MAX, 0);
+    for (u, v) in pixels.map(|i| (i % width, i / width)) {
         left = left.min(u);
         right = right.max(u);
+        top = top.min(v);
+        bottom = bottom.max(v);
     }
-    let (top, bottom) = (pixels[0] / width, pixels[pixels.len() - 1] / width);
     PixelBox { u: left, v: top, width: right - left + 1, height: bottom - top + 1 }
 }
 

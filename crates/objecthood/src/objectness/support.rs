@@ -22,6 +22,11 @@ pub enum NodeKind {
     },
     /// A shape that is not: the table, or something too large, too small or without support.
     Surface,
+    /// A structure plane (`context`).
+    Structure {
+        /// Its index among the structure planes.
+        plane: usize,
+    },
 }
 
 /// One shape in the support graph.
@@ -66,6 +71,13 @@ impl SupportGraph {
         let mut parents = vec![Vec::new(); self.nodes.len().max(named)];
         self.edges.iter().for_each(|e| parents[e.upper.0 as usize].push(e.lower));
         parents
+    }
+
+    /// Marks the first nodes as the structure planes.
+    pub(crate) fn mark_structure(&mut self, planes: usize) {
+        for (plane, node) in self.nodes.iter_mut().take(planes).enumerate() {
+            node.kind = NodeKind::Structure { plane };
+        }
     }
 
     /// Marks the nodes that have turned out to be objects.

@@ -1,9 +1,14 @@
-//! Stage 1: over-segmentation of the image into superpixels on colour, depth and curvature (paper, III-A).
+//! Stage 1: over-segmentation of the image into superpixels.
+//!
+//! `paper`: on colour, depth and curvature (III-A): [`smoothing`], [`graph`], [`felzenszwalb`], [`absorb`].
+//! `context`: large planes apart ([`structure`]), then a watershed of how badly a plane fits ([`watershed`]).
 
 pub mod absorb;
 pub mod felzenszwalb;
 pub mod graph;
 pub mod smoothing;
+pub mod structure;
+pub mod watershed;
 
 use crate::raster::Raster;
 use crate::regions::Segments;

@@ -1,0 +1,352 @@
+//! Occlusion joins: a surface cut in two by something nearer goes on behind it (METHOD 3.13).
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::objectness::clusters::Clusters;
+use crate::objectness::join::{Continuation, Join, JoinEvidence};
+use crate::params;
+use crate::random::Lcg;
+use crate::regions::{SegmentId, Segments};
+use crate::surface::disparity::position;
+use crate::surface::moments::{length, solve};
+use crate::union_find::UnionFind;
+
+/// A facet is looked at when it has so many pixels (at a focal length of 525 px) ...
+const FACET_PX: usize = 80;
+/// ... and is this share of its cluster.
+const FACET_SHARE: f64 = 0.15;
+/// Something is in front of a cluster along so many pixel pairs (px at 525 px) before it counts as cut.
+const OCCLUDED_PX: usize = 8;
+/// Clusters that touch along more pairs (px at 525 px) are neighbours, not parts.
+const TOUCH_PX: usize = 6;
+/// Facets nearer to each other in the image (px) have no direction between them.
+const LEAST_APART_PX: f64 = 3.0;
+/// Pixels of a facet that are looked at.
+const SAMPLES: usize = 150;
+/// Keeps the normal equations solvable, per sample.
+const RIDGE: f64 = 1e-6;
+/// A facet is curved when its residual falls by this factor with a squared term along the gap.
+const CURVED_RATIO: f64 = 1.3;
+/// Beyond so many times a tolerance nothing else is looked at.
+const HOPELESS: f64 = 2.0;
+/// Lines of sight through the gap.
+const LINES: usize = 60;
+/// What is farther than the surface in the gap by so many quanta is seen through it; nearer by so many, hides it.
+const SEEN_THROUGH_QUANTA: f64 = 3.0;
+const HIDDEN_QUANTA: f64 = 2.0;
+/// The surface may be seen through in less than this share of the gap, and is hidden in more than this share.
+const SEEN_THROUGH_SHARE: f64 = 0.15;
+const HIDDEN_SHARE: f64 = 0.5;
+/// Cosine to the support plane's normal from which a facet is horizontal: tops of equal height are common, so ...
+const HORIZONTAL: f64 = 0.92;
+/// ... they have to be nearer, by this factor, ...
+const HORIZONTAL_DISTANCE: f64 = 0.8;
+/// ... and of more alike colour.
+const HORIZONTAL_COLOR: f64 = 0.15;
+/// Bits of each colour channel in the histograms.
+const COLOR_BITS: u32 = 2;
+
+/// Joins clusters of which one facet each continues the other behind something nearer: same surface, same direction, and the gap
+/// shows what is nearer, hardly anything that is farther.
+///
+/// O(F^2 · (samples + lines)) for F facets that are large and partly hidden; in parallel over pairs.
+pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params::Occlusion) {
+    if !params.enabled {
+        return;
+    }
+    let pieces = pieces(clusters);
+    let pairs: Vec<(&Piece, &Piece)> =
+        pieces.iter().enumerate().flat_map(|(k, a)| pieces[k + 1..].iter().map(move |b| (a, b))).collect();
+    let gap = Gap { clusters, params };
+    let mut joins: Vec<([SegmentId; 2], Option<SegmentId>, Join)> = pairs
+        .into_par_iter()
+        .filter_map(|(a, b)| {
+            let (continuation, hider) = gap.continuation(a, b)?;
+            let parts = [a, b].map(|piece| clusters.part(piece.cluster));
+            let evidence = JoinEvidence::Occlusion(continuation);
+            Some(([a.cluster, b.cluster], hider, Join { parts, evidence, behind: None }))
+        })
+        .collect();
+    let disagreement = |join: &Join| match join.evidence {
+        JoinEvidence::Occlusion(continuation) => continuation.disagreement_quanta,
+        _ => 0.0,
+    };
+    joins.sort_by(|x, y| disagreement(&x.2).total_cmp(&disagreement(&y.2)));
+
+    let highest = joins.iter().map(|([a, b], ..)| a.index().max(b.index()) + 1).max().unwrap_or(0);
+    let mut sets = UnionFind::new(highest);
+    for (pair, hider, join) in joins {
+        let [a, b] = pair.map(|cluster| sets.find(cluster.index()));
+        if a != b {
+            let (into, from) = (SegmentId(a.min(b) as u32), SegmentId(a.max(b) as u32));
+            sets.link(into.index(), from.index());
+            clusters.merge(Some(into), from);
+            clusters.note(into, join, hider);
+        }
+    }
+}
+
+/// A facet that something may cut.
+struct Piece {
+    /// Its label.
+    facet: SegmentId,
+    cluster: SegmentId,
+    /// In scan order.
+    pixels: Vec<u32>,
+    centroid: [f64; 2],
+    /// Share of its pixels in each cell of colour; empty without colour.
+    colors: Vec<f64>,
+}
+
+/// The large facets of clusters before which something stands.
+fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
+    let scene = clusters.scene;
+    let facets = scene.facets;
+    let hidden_along = |id: SegmentId| {
+        let real = clusters.get(id).neighbours.iter().filter(|(other, _)| other.is_some());
+        real.map(|(_, borders)| borders.behind).sum::<u32>()
+    };
+    let least_hidden = scene.space.length_px(OCCLUDED_PX) as u32;
+    let mut pixels: Vec<Vec<u32>> = vec![Vec::new(); facets.segments.count()];
+    facets.segments.members().for_each(|(i, facet)| pixels[facet].push(i as u32));
+    let judge = |(facet, pixels): (usize, Vec<u32>)| {
+        let cluster = clusters.of_facet(facet.checked_sub(facets.structure)?)?;
+        let share = pixels.len() as f64 / clusters.get(cluster).pixels.len() as f64;
+        let is_large = pixels.len() >= scene.space.area_px(FACET_PX).max(1) && share >= FACET_SHARE;
+        if !is_large || hidden_along(cluster) < least_hidden {
+            return None;
+        }
+        let sum = pixels.iter().fold([0.0; 2], |[x, y], &i| {
+            let [u, v] = position(i as usize, scene.disparity.width());
+            [x + u, y + v]
+        });
+        let centroid = sum.map(|sum| sum / pixels.len() as f64);
+        let colors = scene.color.map(|color| histogram(&pixels, |i| color[i])).unwrap_or_default();
+        Some(Piece { facet: SegmentId(facet as u32), cluster, pixels, centroid, colors })
+    };
+    pixels.into_iter().enumerate().filter_map(judge).collect()
+}
+
+/// The share of pixels in each cell of a coarse RGB histogram.
+fn histogram(pixels: &[u32], color: impl Fn(usize) -> [u8; 3]) -> Vec<f64> {
+    let mut shares = vec![0.0; 1 << (3 * COLOR_BITS)];
+    for &i in pixels {
+        let cell = color(i as usize).iter().fold(0, |cell, &c| cell << COLOR_BITS | usize::from(c >> (8 - COLOR_BITS)));
+        shares[cell] += 1.0 / pixels.len() as f64;
+    }
+    shares
+}
+
+/// A frame that lies along the gap between two pieces: S from one centroid to the other, T across, in units of their distance.
+#[derive(Clone, Copy)]
+struct Along {
+    middle: [f64; 2],
+    direction: [f64; 2],
+    length_px: f64,
+    /// Disparities are counted from here.
+    origin: f64,
+}
+
+impl Along {
+    fn coordinates(&self, at: [f64; 2]) -> [f64; 2] {
+        let [x, y] = [0, 1].map(|k| (at[k] - self.middle[k]) / self.length_px);
+        let [cos, sin] = self.direction;
+        [x * cos + y * sin, y * cos - x * sin]
+    }
+
+    /// Slope of a surface in the image (quanta/px) from that in this frame.
+    fn slope(&self, [along, across]: [f64; 2]) -> [f64; 2] {
+        let [cos, sin] = self.direction;
+        [(along * cos - across * sin) / self.length_px, (along * sin + across * cos) / self.length_px]
+    }
+}
+
+/// Disparity over 1, S, T and S^2.
+struct Surface<const K: usize> {
+    weights: [f64; K],
+    mean_squared_error: f64,
+}
+
+impl<const K: usize> Surface<K> {
+    fn terms([s, t]: [f64; 2]) -> [f64; K] {
+        let all = [1.0, s, t, s * s];
+        std::array::from_fn(|k| all[k])
+    }
+
+    fn fit<'a>(samples: impl Iterator<Item = &'a ([f64; 2], f64)> + Clone) -> Self {
+        let (mut matrix, mut right, mut n) = ([[0.0; K]; K], [0.0; K], 0.0);
+        for &(at, d) in samples.clone() {
+            let terms = Self::terms(at);
+            for r in 0..K {
+                for c in 0..K {
+                    matrix[r][c] += terms[r] * terms[c];
+                }
+                right[r] += terms[r] * d;
+            }
+            n += 1.0;
+        }
+        for (k, row) in matrix.iter_mut().enumerate() {
+            row[k] += RIDGE * n;
+        }
+        let mut surface = Self { weights: solve(matrix, right), mean_squared_error: 0.0 };
+        let squared = samples.map(|&(at, d)| (d - surface.value(at)).powi(2));
+        surface.mean_squared_error = squared.sum::<f64>() / n;
+        surface
+    }
+
+    fn value(&self, at: [f64; 2]) -> f64 {
+        Self::terms(at).iter().zip(&self.weights).map(|(term, weight)| term * weight).sum()
+    }
+}
+
+/// What lies in the gap between two pieces.
+struct Seen {
+    hidden: f64,
+    through: f64,
+    /// The facet that hides most.
+    hider: Option<SegmentId>,
+}
+
+struct Gap<'a> {
+    clusters: &'a Clusters<'a>,
+    params: &'a params::Occlusion,
+}
+
+impl Gap<'_> {
+    /// How piece `b` continues piece `a`, if it does, and the facet that hides most of what is between them.
+    fn continuation(&self, a: &Piece, b: &Piece) -> Option<(Continuation, Option<SegmentId>)> {
+        let scene = self.clusters.scene;
+        let space = scene.space;
+        let touch = || self.clusters.borders(a.cluster, b.cluster).touch as usize;
+        if a.cluster == b.cluster || touch() > space.length_px(TOUCH_PX) {
+            return None;
+        }
+        let apart = [0, 1].map(|k| b.centroid[k] - a.centroid[k]);
+        let length_px = length(apart);
+        if length_px < LEAST_APART_PX {
+            return None;
+        }
+        let [point_a, point_b] = [a, b].map(|piece| {
+            let model = &scene.facets.models[piece.facet.index()];
+            space.point_m(piece.centroid, model.value(piece.centroid).max(1.0))
+        });
+        let distance_m = point_a.distance(point_b);
+        if distance_m > self.params.max_distance_m {
+            return None;
+        }
+
+        let along = Along {
+            middle: [0, 1].map(|k| (a.centroid[k] + b.centroid[k]) / 2.0),
+            direction: apart.map(|x| x / length_px),
+            length_px,
+            origin: f64::from(scene.disparity[a.pixels[0] as usize]),
+        };
+        let [of_a, of_b] = [a, b].map(|piece| self.samples(piece, &along));
+        let flat = [&of_a, &of_b].map(|samples| Surface::<3>::fit(samples.iter()));
+        let curved = [&of_a, &of_b].map(|samples| Surface::<4>::fit(samples.iter()));
+        let slopes = flat.each_ref().map(|surface| along.slope([surface.weights[1], surface.weights[2]]));
+        let noise = space.slope_noise(length(slopes[0]).min(length(slopes[1])));
+        let is_curved = flat.iter().zip(&curved).all(|(flat, curved)| {
+            flat.mean_squared_error.sqrt() > CURVED_RATIO * curved.mean_squared_error.sqrt()
+        });
+        let both = of_a.iter().chain(&of_b);
+        let disagreement = |joint: f64, single: [f64; 2]| (joint - (single[0] + single[1]) / 2.0).max(0.0).sqrt() / noise;
+        let (disagreement_quanta, joint): (f64, Box<dyn Fn([f64; 2]) -> f64>) = if is_curved {
+            let joint = Surface::<4>::fit(both);
+            let single = curved.each_ref().map(|surface| surface.mean_squared_error);
+            (disagreement(joint.mean_squared_error, single), Box::new(move |at| joint.value(at)))
+        } else {
+            let joint = Surface::<3>::fit(both);
+            let single = flat.each_ref().map(|surface| surface.mean_squared_error);
+            (disagreement(joint.mean_squared_error, single), Box::new(move |at| joint.value(at)))
+        };
+        let normals: [DVec3; 2] =
+            [0, 1].map(|k| space.normal(along.middle, along.origin + flat[k].weights[0], slopes[k]));
+        let angle_deg = libm::acos(normals[0].dot(normals[1]).clamp(-1.0, 1.0)).to_degrees();
+        if disagreement_quanta > HOPELESS * self.params.disagreement_quanta
+            || angle_deg > HOPELESS * self.params.angle_deg
+        {
+            return None;
+        }
+
+        let seen = self.look(a, b, |at| along.origin + joint(along.coordinates(at)));
+        let common = |(x, y): (&f64, &f64)| x.min(*y);
+        let color_overlap = scene.color.map(|_| a.colors.iter().zip(&b.colors).map(common).sum::<f64>());
+        let is_horizontal =
+            scene.support.is_some_and(|support| normals[0].dot(support.normal).abs() > HORIZONTAL);
+        let (farthest_m, least_color) = if is_horizontal {
+            (HORIZONTAL_DISTANCE * self.params.max_distance_m, HORIZONTAL_COLOR)
+        } else {
+            (self.params.max_distance_m, f64::NEG_INFINITY)
+        };
+        let is_one = disagreement_quanta < self.params.disagreement_quanta
+            && angle_deg < self.params.angle_deg
+            && seen.through < SEEN_THROUGH_SHARE
+            && seen.hidden > HIDDEN_SHARE
+            && distance_m <= farthest_m
+            && color_overlap.is_none_or(|overlap| overlap > self.params.color_overlap && overlap >= least_color);
+        let continuation = Continuation {
+            disagreement_quanta,
+            angle_deg,
+            distance_m,
+            hidden_share: seen.hidden,
+            seen_through_share: seen.through,
+            color_overlap,
+        };
+        is_one.then_some((continuation, seen.hider))
+    }
+
+    /// Evenly spaced pixels of a piece, with their disparities.
+    fn samples(&self, piece: &Piece, along: &Along) -> Vec<([f64; 2], f64)> {
+        let disparity = self.clusters.scene.disparity;
+        let sample = |q: usize| {
+            let i = piece.pixels[q * piece.pixels.len() / SAMPLES] as usize;
+            let at = along.coordinates(position(i, disparity.width()));
+            (at, f64::from(disparity[i]) - along.origin)
+        };
+        (0..SAMPLES).map(sample).collect()
+    }
+
+    /// What is seen along lines from random pixels of one piece to random pixels of the other.
+    fn look(&self, a: &Piece, b: &Piece, surface: impl Fn([f64; 2]) -> f64) -> Seen {
+        let scene = self.clusters.scene;
+        let width = scene.disparity.width();
+        let labels: &Segments = &scene.facets.segments;
+        let mut random = Lcg::new(777);
+        let (mut through, mut on, mut hidden) = (0_u32, 0_u32, 0_u32);
+        let mut before: BTreeMap<SegmentId, u32> = BTreeMap::new();
+        for _ in 0..LINES {
+            let [from, to] = [a, b].map(|piece| {
+                position(piece.pixels[random.below(piece.pixels.len())] as usize, width)
+            });
+            let reach = [0, 1].map(|k| to[k] - from[k]);
+            let steps = reach[0].abs().max(reach[1].abs());
+            for t in 1..steps as usize {
+                let at = [0, 1].map(|k| (from[k] + reach[k] * t as f64 / steps).round());
+                let i = at[1] as usize * width + at[0] as usize;
+                let facet = labels.at(i);
+                let d = f64::from(scene.disparity[i]);
+                if facet == Some(a.facet) || facet == Some(b.facet) || d.is_nan() {
+                    continue;
+                }
+                let free = facet.and_then(|facet| facet.index().checked_sub(scene.facets.structure));
+                let cluster = free.and_then(|free| self.clusters.of_facet(free));
+                let expected = surface(at);
+                if d < expected - SEEN_THROUGH_QUANTA {
+                    through += 1;
+                } else if cluster == Some(a.cluster) || cluster == Some(b.cluster) || d <= expected + HIDDEN_QUANTA {
+                    on += 1;
+                } else {
+                    hidden += 1;
+                    facet.into_iter().for_each(|facet| *before.entry(facet).or_default() += 1);
+                }
+            }
+        }
+        let share = |part: u32| f64::from(part) / f64::from((through + on + hidden).max(1));
+        let most = before.into_iter().reduce(|most, next| if next.1 > most.1 { next } else { most });
+        Seen { hidden: share(hidden), through: share(through), hider: most.map(|(facet, _)| facet) }
+    }
+}

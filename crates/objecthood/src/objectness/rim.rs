@@ -1,0 +1,112 @@
+//! The circle of a vessel's rim (METHOD 3.12).
+
+use glam::Vec3;
+
+use crate::objectness::clusters::{Clusters, Scene};
+use crate::objectness::join::RimCircle;
+use crate::oversegment::structure::{StructureSurface, tangents};
+use crate::regions::SegmentId;
+
+/// The rim is what lies within this height (m) of the top.
+const BAND_M: f64 = 0.012;
+/// With fewer points there is no circle.
+const LEAST_POINTS: usize = 20;
+/// Points in a line have a determinant (m^4) below this.
+const LEAST_SPREAD: f64 = 1e-12;
+/// Rims of vessels that a hand can hold (m).
+const RADIUS_M: std::ops::Range<f64> = 0.02..0.2;
+/// A rim lies on its circle within so much (m), or within this share of the radius if that is more.
+const RESIDUAL_M: f64 = 0.006;
+const RESIDUAL_SHARE: f64 = 0.12;
+/// The circle is looked at in so many sectors, ...
+const SECTORS: usize = 12;
+/// ... at least so many of which must hold points.
+const LEAST_SECTORS: usize = 7;
+/// A sector is held by so many points, or by one in `POINTS_PER_HOLD` of all if that is more.
+const LEAST_HOLD: usize = 2;
+const POINTS_PER_HOLD: usize = 200;
+/// A vessel may bulge beyond its rim by so much (m), or by this share of the radius if that is more.
+const BULGE_M: f64 = 0.012;
+const BULGE_SHARE: f64 = 0.12;
+
+/// Where on the support plane a point stands (m), along the plane's tangents.
+fn foot_m(scene: &Scene<'_>, i: u32, support: &StructureSurface) -> [f64; 2] {
+    let point = Vec3::from(scene.points_m[i as usize]).as_dvec3();
+    tangents(support.normal).map(|t| t.dot(point))
+}
+
+/// The circle through the feet of what lies at the height `top_m` of some clusters (algebraic fit, Kåsa 1976); `None` when it is
+/// no rim of a vessel. O(pixels).
+pub(crate) fn rim_circle(
+    clusters: &Clusters<'_>,
+    ids: &[SegmentId],
+    top_m: f64,
+    support: &StructureSurface,
+) -> Option<RimCircle> {
+    let scene = clusters.scene;
+    let pixels = ids.iter().flat_map(|&id| &clusters.get(id).pixels);
+    let on_rim = pixels.filter(|&&i| (scene.height_m(i as usize, support) - top_m).abs() < BAND_M);
+    let feet: Vec<[f64; 2]> = on_rim.map(|&i| foot_m(scene, i, support)).collect();
+    if feet.len() < LEAST_POINTS {
+        return None;
+    }
+    let n = feet.len() as f64;
+    let mean = [0, 1].map(|k| feet.iter().map(|foot| foot[k]).sum::<f64>() / n);
+    let centered = || feet.iter().map(|foot| (foot[0] - mean[0], foot[1] - mean[1]));
+    let (mut xx, mut xy, mut yy, mut xr, mut yr) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (x, y) in centered() {
+        let squared = x * x + y * y;
+        xx += x * x;
+        xy += x * y;
+        yy += y * y;
+        xr += x * squared;
+        yr += y * squared;
+    }
+    let determinant = xx * yy - xy * xy;
+    if determinant < LEAST_SPREAD {
+        return None;
+    }
+    let x_center = (xr * yy - yr * xy) / (2.0 * determinant);
+    let y_center = (yr * xx - xr * xy) / (2.0 * determinant);
+    let radius_m = (x_center * x_center + y_center * y_center + (xx + yy) / n).sqrt();
+
+    let mut held = [0_usize; SECTORS];
+    let mut squared_error = 0.0;
+    for (x, y) in centered() {
+        let (x, y) = (x - x_center, y - y_center);
+        let off = (x * x + y * y).sqrt() - radius_m;
+        squared_error += off * off;
+        let turn = (libm::atan2(y, x) + std::f64::consts::PI) / std::f64::consts::TAU;
+        held[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] += 1;
+    }
+    let residual_m = (squared_error / n).sqrt();
+    let least_hold = LEAST_HOLD.max(feet.len() / POINTS_PER_HOLD);
+    let covered = held.iter().filter(|&&points| points >= least_hold).count();
+    let is_rim = RADIUS_M.contains(&radius_m)
+        && residual_m < RESIDUAL_M.max(RESIDUAL_SHARE * radius_m)
+        && covered >= LEAST_SECTORS;
+    is_rim.then(|| RimCircle {
+        center_m: [mean[0] + x_center, mean[1] + y_center],
+        radius_m,
+        residual_m,
+        covered: covered as f64 / SECTORS as f64,
+    })
+}
+
+/// The share of a cluster, of every third pixel, that stands within the circle or hardly outside.
+pub(crate) fn share_within(
+    clusters: &Clusters<'_>,
+    id: SegmentId,
+    rim: &RimCircle,
+    support: &StructureSurface,
+) -> f64 {
+    let limit_m = rim.radius_m + BULGE_M.max(BULGE_SHARE * rim.radius_m);
+    let (mut within, mut all) = (0, 0);
+    for &i in clusters.get(id).pixels.iter().step_by(3) {
+        let [x, y] = foot_m(clusters.scene, i, support);
+        let (x, y) = (x - rim.center_m[0], y - rim.center_m[1]);
+        all += 1;
+        within += usize::from(x * x + y * y <= limit_m * limit_m);
+    }
+    within as f64 / all.max(1) as f64
+}

@@ -1,0 +1,284 @@
+//! Structure planes: large surfaces that carry or enclose the objects (METHOD 3.3).
+//!
+//! They are taken out first: they are support and background, they say what "up" and "height" are, and every later
+//! stage is cheaper without them.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::frame::Frame;
+use crate::objectness::gravity::StructurePlane;
+use crate::params;
+use crate::random::Lcg;
+use crate::raster::Raster;
+use crate::regions::Segments;
+use crate::surface::disparity::{DisparitySpace, position};
+use crate::surface::moments::{Basis, Model, Moments};
+use crate::surface::plane_fit::PlaneFit;
+use crate::surface::window_choice::Orientation;
+
+/// A large surface: almost a plane.
+#[derive(Clone, Debug)]
+pub struct StructureSurface {
+    /// Its disparity; quadratic, because the sensor's own distortion bends a table by more than its noise.
+    pub model: Model,
+    /// Unit normal of the plane it started from, towards the camera.
+    pub normal: DVec3,
+    /// Distance of the camera from that plane (m).
+    pub offset_m: f64,
+}
+
+/// The structure of a scene.
+#[derive(Clone, Debug)]
+pub struct Structure {
+    /// The surfaces, in the order in which they were found.
+    pub surfaces: Vec<StructureSurface>,
+    /// The surface of every pixel; -1 = none.
+    pub labels: Raster<i32>,
+    /// The surface on which objects stand: the first that faces up in the image, else the first of all.
+    pub support: Option<usize>,
+}
+
+/// Every so many columns and rows one pixel is looked at (px at a focal length of 525 px).
+const GRID_PX: usize = 6;
+/// At most so many surfaces are looked for.
+const ROUNDS: usize = 4;
+/// With fewer pixels left on the grid nothing is looked for.
+const LEAST_POOL: usize = 150;
+/// Planes tried in a round.
+const TRIALS: usize = 300;
+/// Twice the area of the triangle of a trial (px^2 at 525 px) is at least this.
+const LEAST_TRIANGLE_PX: usize = 400;
+/// A trial counts the pixels nearer than this (quanta).
+const TRIAL_QUANTA: f64 = 2.0;
+/// The best trial has at least so many.
+const LEAST_VOTES: usize = 100;
+/// Fitted again to pixels nearer than this to the plane, then to the surface (quanta).
+const REFIT_QUANTA: [f64; 3] = [3.5, 3.0, 3.0];
+/// To at least so many.
+const LEAST_REFIT: usize = 50;
+/// Nearer than this pixels are taken out with the surface (quanta).
+const INLIER_QUANTA: f64 = 3.0;
+/// A surface this large ...
+const LARGE_M2: f64 = 0.18;
+/// ... and this long is structure;
+const LONG_M: f64 = 0.5;
+/// and the first one already if it holds this share of the pixels ...
+const DOMINANT_SHARE: f64 = 0.2;
+/// ... and has this area.
+const DOMINANT_M2: f64 = 0.03;
+/// A pixel seen more glancingly than this cosine counts as if it were seen so.
+const LEAST_COSINE: f64 = 0.15;
+/// A surface whose normal has more than this upwards in the image is one to stand on.
+const UPWARD: f64 = 0.3;
+/// What lies in front of a surface that is behind the horizon stands as high as this (m).
+const BEYOND_M: f64 = 10.0;
+
+/// A pixel of the grid.
+struct Sample {
+    at: [f64; 2],
+    disparity: f64,
+    point_m: DVec3,
+    normal: DVec3,
+}
+
+/// Finds the structure of a scene.
+///
+/// RANSAC (Fischler and Bolles 1981) with fixed random numbers over a grid of pixels; the best plane is refitted as a
+/// quadratic and kept when it is large. O(rounds · trials · pixels / 36).
+pub fn structure(
+    disparity: &Raster<f32>,
+    fits: &Raster<PlaneFit>,
+    orientation: &Orientation,
+    points_m: &Raster<[f32; 3]>,
+    space: &DisparitySpace,
+    params: &params::Structure,
+) -> Structure {
+    let (width, height) = disparity.size();
+    let grid = space.length_px(GRID_PX);
+    let center = [(width / 2) as f64, (height / 2) as f64];
+    let least_cosine = cosine(params.angle_deg);
+    let rows = (grid / 3..height).step_by(grid);
+    let on_grid = rows.flat_map(|v| (grid / 3..width).step_by(grid).map(move |u| v * width + u));
+    let mut pool: Vec<Sample> = on_grid
+        .filter(|&i| fits[i].is_some())
+        .map(|i| Sample {
+            at: position(i, width),
+            disparity: f64::from(disparity[i]),
+            point_m: Vec3::from(points_m[i]).as_dvec3(),
+            normal: Vec3::from(orientation.normal[i]).as_dvec3(),
+        })
+        .collect();
+    let everything = pool.len();
+
+    let mut random = Lcg::new(12345);
+    let mut surfaces = Vec::new();
+    for round in 0..ROUNDS {
+        if pool.len() <= LEAST_POOL {
+            break;
+        }
+        let Some(plane) = best_plane(&pool, &mut random, space) else { break };
+        let normal = space.normal([0.0; 2], plane[2], [plane[0], plane[1]]);
+        let Some(model) = refit(&pool, plane, normal, center, least_cosine) else { continue };
+        let is_inlier = |s: &Sample| (s.disparity - model.value(s.at)).abs() < INLIER_QUANTA;
+        let (inliers, rest): (Vec<_>, Vec<_>) = pool.into_iter().partition(is_inlier);
+        pool = rest;
+        let extent = Extent::of(&inliers, normal, grid, space);
+        let is_large = extent.area_m2 > LARGE_M2 && extent.longest_m > LONG_M;
+        let dominates = surfaces.is_empty()
+            && inliers.len() as f64 > DOMINANT_SHARE * everything as f64
+            && extent.area_m2 > DOMINANT_M2;
+        if is_large || dominates {
+            let offset_m = space.distance_m([0.0; 2], plane[2], [plane[0], plane[1]]);
+            surfaces.push(StructureSurface { model, normal, offset_m });
+        } else if round > 0 {
+            break;
+        }
+    }
+
+    let support = surfaces.iter().position(|s| -s.normal.y > UPWARD).or((!surfaces.is_empty()).then_some(0));
+    let label = |i: usize| {
+        let normal = Vec3::from(orientation.normal[i]).as_dvec3();
+        let lies_on = |s: &StructureSurface| {
+            let near = (f64::from(disparity[i]) - s.model.value(position(i, width))).abs() < params.tolerance_quanta;
+            near && (normal == DVec3::ZERO || s.normal.dot(normal) > least_cosine)
+        };
+        surfaces.iter().position(lies_on).map_or(-1, |s| s as i32)
+    };
+    let labels = disparity.with_data((0..disparity.len()).into_par_iter().map(label).collect());
+    Structure { surfaces, labels, support }
+}
+
+impl Structure {
+    /// The label map of the surfaces alone.
+    pub(crate) fn segments(&self) -> Segments {
+        Segments::from_numbered(self.labels.clone(), self.surfaces.len())
+    }
+
+    /// The surfaces as planes, of which `regions` says where they are in the end: its first regions are the surfaces.
+    pub(crate) fn planes(&self, regions: &Segments, frame: &Frame) -> Vec<StructurePlane> {
+        let mut size_px = vec![0_usize; regions.count()];
+        regions.members().for_each(|(_, region)| size_px[region] += 1);
+        let measured = (0..regions.labels().len()).filter(|&i| frame.is_valid(i)).count();
+        let plane = |(surface, size): (&StructureSurface, usize)| StructurePlane {
+            normal: surface.normal.as_vec3().to_array(),
+            offset_m: surface.offset_m as f32,
+            inlier_share: (size as f64 / measured as f64) as f32,
+        };
+        self.surfaces.iter().zip(size_px).map(plane).collect()
+    }
+
+    /// One label map of both: first the surfaces, then the segments, which lie where no surface is.
+    pub(crate) fn with(&self, segments: &Segments) -> Segments {
+        let surfaces = self.surfaces.len();
+        let both = self.labels.as_slice().iter().zip(segments.labels().as_slice());
+        let label = |(&surface, &segment): (&i32, &i32)| match (surface, segment) {
+            (0.., _) => surface,
+            (_, 0..) => surfaces as i32 + segment,
+            _ => Segments::NONE,
+        };
+        let labels = self.labels.with_data(both.map(label).collect());
+        Segments::from_numbered(labels, surfaces + segments.count())
+    }
+}
+
+impl StructureSurface {
+    /// Height (m) above the surface of what is seen at a pixel with this disparity (quanta), along its normal.
+    pub fn height_m(&self, at: [f64; 2], disparity: f64, space: &DisparitySpace) -> f64 {
+        let below = self.model.value(at);
+        if below < 1.0 {
+            return BEYOND_M;
+        }
+        let ray = DVec3::from(space.camera().ray(at[0], at[1]));
+        (space.depth_m(below) - space.depth_m(disparity)) * self.normal.dot(ray).abs()
+    }
+}
+
+/// The plane a u + b v + c through three samples that passes near most of them; `None` when it is near to few.
+fn best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpace) -> Option<[f64; 3]> {
+    let least_triangle = space.area_px(LEAST_TRIANGLE_PX) as f64;
+    let mut best: Option<(usize, [f64; 3])> = None;
+    for _ in 0..TRIALS {
+        let [p, q, r] = std::array::from_fn(|_| &pool[random.below(pool.len())]);
+        let ([x1, y1], [x2, y2]) = ([0, 1].map(|k| q.at[k] - p.at[k]), [0, 1].map(|k| r.at[k] - p.at[k]));
+        let triangle = x1 * y2 - x2 * y1;
+        if triangle.abs() < least_triangle {
+            continue;
+        }
+        let (d1, d2) = (q.disparity - p.disparity, r.disparity - p.disparity);
+        let a = (d1 * y2 - d2 * y1) / triangle;
+        let b = (x1 * d2 - x2 * d1) / triangle;
+        let c = p.disparity - a * p.at[0] - b * p.at[1];
+        let is_near = |s: &&Sample| (s.disparity - (a * s.at[0] + b * s.at[1] + c)).abs() < TRIAL_QUANTA;
+        let votes = pool.iter().filter(is_near).count();
+        if best.is_none_or(|(most, _)| votes > most) {
+            best = Some((votes, [a, b, c]));
+        }
+    }
+    best.filter(|&(votes, _)| votes >= LEAST_VOTES).map(|(_, plane)| plane)
+}
+
+/// The quadratic through the samples near the plane that face the same way; `None` when they are few.
+fn refit(
+    pool: &[Sample],
+    [a, b, c]: [f64; 3],
+    normal: DVec3,
+    center: [f64; 2],
+    least_cosine: f64,
+) -> Option<Model> {
+    let mut surface: Option<Model> = None;
+    for tolerance in REFIT_QUANTA {
+        let value = |at: [f64; 2]| surface.map_or(a * at[0] + b * at[1] + c, |model| model.value(at));
+        let mut moments = Moments::about(center);
+        for s in pool {
+            if (s.disparity - value(s.at)).abs() < tolerance && normal.dot(s.normal) > least_cosine {
+                moments.add(s.at, s.disparity);
+            }
+        }
+        if moments.count() < LEAST_REFIT as f64 {
+            break;
+        }
+        surface = Some(moments.fit(Basis::Quadratic).model);
+    }
+    surface
+}
+
+/// How large a surface is.
+struct Extent {
+    area_m2: f64,
+    longest_m: f64,
+}
+
+impl Extent {
+    fn of(inliers: &[Sample], normal: DVec3, grid: usize, space: &DisparitySpace) -> Self {
+        let camera = space.camera();
+        let area_m2 = inliers.iter().map(|s| {
+            let p = s.point_m;
+            let cosine = (-normal.dot(p) / p.length()).max(LEAST_COSINE);
+            (grid * grid) as f64 * p.z * p.z / (camera.fx_px * camera.fy_px) / cosine
+        });
+        let width_m = |axis: DVec3| {
+            let mut along: Vec<f64> = inliers.iter().map(|s| s.point_m.dot(axis)).collect();
+            along.sort_by(f64::total_cmp);
+            percentile(&along, 0.95) - percentile(&along, 0.05)
+        };
+        let [t1, t2] = tangents(normal);
+        Self { area_m2: area_m2.sum(), longest_m: width_m(t1).max(width_m(t2)) }
+    }
+}
+
+/// Two unit vectors along a plane, at right angles.
+pub(crate) fn tangents(normal: DVec3) -> [DVec3; 2] {
+    let along = DVec3::new(normal.y, -normal.x, 0.0).try_normalize().unwrap_or(DVec3::X);
+    [along, normal.cross(along)]
+}
+
+/// The element that this share of the sorted values lie below; 0 of no values.
+pub(crate) fn percentile(sorted: &[f64], share: f64) -> f64 {
+    sorted.get((share * sorted.len() as f64) as usize).or(sorted.last()).copied().unwrap_or(0.0)
+}
+
+/// Cosine of an angle in degrees, the same on every platform.
+pub(crate) fn cosine(degrees: f64) -> f64 {
+    libm::cos(degrees.to_radians())
+}
