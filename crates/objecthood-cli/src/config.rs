@@ -53,8 +53,10 @@ impl Given {
             match value {
                 Value::String(name) if key == "method" => {
                     let method = MethodName::from_str(&name, false);
-                    self.method =
-                        Some(method.map_err(|_| format!("there is no method `{name}`: use `paper` or `context`"))?);
+                    self.method = Some(
+                        method
+                            .map_err(|_| format!("there is no method `{name}`: use `paper` or `context`"))?,
+                    );
                 }
                 Value::Table(group) => {
                     for (name, value) in group {

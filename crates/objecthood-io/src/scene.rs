@@ -3,8 +3,8 @@
 //! These types are the contract with whoever reads the files; they follow [`Discovery`] but change only with
 //! [`SCHEMA_VERSION`]. Their schema, made from the texts below, is published as `docs/scene.schema.json`.
 
-use objecthood::objectness::{gravity, join};
 use objecthood::objectness::support::NodeKind;
+use objecthood::objectness::{gravity, join};
 use objecthood::{Discovery, Params};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;

@@ -37,8 +37,10 @@ fn discovery() -> Discovery {
             facets: 2,
             node: NodeId(1),
             parents: vec![NodeId(0)],
+            joins: vec![],
         }],
         up: Up { direction: [0.0, -1.0, 0.0], source: UpSource::Plane },
+        structure: Raster::filled(4, 3, 0).unwrap(),
         structure_planes: vec![StructurePlane { normal: [0.0, -1.0, 0.0], offset_m: 0.5, inlier_share: 0.7 }],
         support: SupportGraph {
             nodes: vec![node(NodeKind::Surface, 0.0), node(NodeKind::Object { object: ObjectId(1) }, 0.9)],

@@ -26,6 +26,7 @@ pub(crate) fn discovery(labels: Raster<u16>) -> Discovery {
     let up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera };
     let objects = (1..=objects).map(object).collect();
     Discovery {
+        structure: labels.map(|_| 0),
         labels,
         objects,
         up,
@@ -47,5 +48,6 @@ fn object(id: u16) -> Object {
         facets: 1,
         node: NodeId(0),
         parents: vec![],
+        joins: vec![],
     }
 }

@@ -143,12 +143,14 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     let outcome = outcome(&clusters, structure.support, space.area_px(params.objectness.min_size_px));
     let planes = structure.planes(&outcome.regions, frame);
     let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
-    let described = descriptors(&outcome.regions, &outcome.regions.labels().map(|_| true), &points, &orientation.normal);
+    let described =
+        descriptors(&outcome.regions, &outcome.regions.labels().map(|_| true), &points, &orientation.normal);
     let touching = contacts(&outcome.regions, &points, &params.contact);
     let mut support = support(&outcome.regions, &described, &touching, &points, &up);
     support.mark_structure(planes.len());
     observer.observe(Stage::Support(&support));
-    let (objects, labels) = objects(outcome.hypotheses(&clusters, &support, &up), &facets.segments, &points, &support)?;
+    let (objects, labels) =
+        objects(outcome.hypotheses(&clusters, &support, &up), &facets.segments, &points, &support)?;
     support.mark(&objects);
 
     let missing_plane = structure.support.is_none() && params.gravity.up_from == UpFrom::Plane;

@@ -158,7 +158,8 @@ impl Forest<'_> {
 
     /// Merges region `b` into region `a`.
     fn join(&mut self, a: u32, b: u32, basis: Basis) {
-        let (Some(mut x), Some(y)) = (self.regions[a as usize].take(), self.regions[b as usize].take()) else {
+        let (Some(mut x), Some(y)) = (self.regions[a as usize].take(), self.regions[b as usize].take())
+        else {
             return;
         };
         x.moments = x.moments.merged(&y.moments);
@@ -193,7 +194,8 @@ impl Forest<'_> {
                 models.push(fit(&region.moments, Basis::Quadratic, QUADRATIC_PX).model);
             }
         }
-        let label = |&s: &i32| usize::try_from(s).map_or(Segments::NONE, |s| facet_of_root[self.sets.find(s)]);
+        let label =
+            |&s: &i32| usize::try_from(s).map_or(Segments::NONE, |s| facet_of_root[self.sets.find(s)]);
         let labels = superpixels.labels().map(label);
         let facets = Segments::from_numbered(labels, facets as usize);
         Facets { segments: structure.with(&facets), models, structure: structure.surfaces.len() }

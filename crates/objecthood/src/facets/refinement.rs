@@ -64,7 +64,8 @@ fn best(
     let width = labels.width();
     let mut around = [(Segments::NONE, 0_u32); 8];
     let mut candidates = 0;
-    for j in [i - width - 1, i - width, i - width + 1, i - 1, i + 1, i + width - 1, i + width, i + width + 1] {
+    for j in [i - width - 1, i - width, i - width + 1, i - 1, i + 1, i + width - 1, i + width, i + width + 1]
+    {
         // Also false when the neighbour is not measured.
         if labels[j] < 0 || !((disparity[j] - disparity[i]).abs() <= NEIGHBOUR_QUANTA) {
             continue;

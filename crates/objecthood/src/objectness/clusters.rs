@@ -126,8 +126,7 @@ impl<'a> Clusters<'a> {
         for edge in lie_of_clusters(scene, shapes, jump_quanta).edges() {
             // Region 0 is the background.
             let [a, b] = [edge.a, edge.b].map(|k| k.0.checked_sub(1).map(SegmentId));
-            for (own, other, borders) in
-                [(a, b, edge.evidence), (b, a, edge.evidence.from_the_other_side())]
+            for (own, other, borders) in [(a, b, edge.evidence), (b, a, edge.evidence.from_the_other_side())]
             {
                 if let Some(own) = own {
                     clusters[own.index()].neighbours.insert(other, borders);
@@ -209,7 +208,8 @@ impl<'a> Clusters<'a> {
         let cluster = self.get(id);
         *cluster.top_m.get_or_init(|| {
             let every_other = cluster.pixels.iter().step_by(2);
-            let mut heights: Vec<f64> = every_other.map(|&i| self.scene.height_m(i as usize, support)).collect();
+            let mut heights: Vec<f64> =
+                every_other.map(|&i| self.scene.height_m(i as usize, support)).collect();
             let place = ((TOP_SHARE * heights.len() as f64) as usize).min(heights.len().saturating_sub(1));
             if heights.is_empty() { 0.0 } else { *heights.select_nth_unstable_by(place, f64::total_cmp).1 }
         })

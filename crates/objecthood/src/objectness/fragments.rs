@@ -20,7 +20,8 @@ pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fra
     let least_touch = space.length_px(LEAST_TOUCH_PX) as u32;
     for _ in 0..ROUNDS {
         let size = |id: SegmentId| clusters.get(id).pixels.len();
-        let mut fragments: Vec<SegmentId> = clusters.alive().into_iter().filter(|&id| size(id) < max_size).collect();
+        let mut fragments: Vec<SegmentId> =
+            clusters.alive().into_iter().filter(|&id| size(id) < max_size).collect();
         fragments.sort_by_key(|&id| (size(id), id));
         let mut moves: BTreeMap<SegmentId, Option<SegmentId>> = BTreeMap::new();
         for id in fragments {

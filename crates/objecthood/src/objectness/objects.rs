@@ -30,7 +30,9 @@ pub fn objects(
     let parents = support.parents();
     let mut labels = vec![0; points_m.len()];
     let mut objects = Vec::with_capacity(hypotheses.len());
-    for (number, Hypothesis { shape, pixels, box_m, objectness, parts, joins }) in (1..=u16::MAX).zip(hypotheses) {
+    for (number, Hypothesis { shape, pixels, box_m, objectness, parts, joins }) in
+        (1..=u16::MAX).zip(hypotheses)
+    {
         pixels.iter().for_each(|&i| labels[i] = number);
         objects.push(Object {
             id: ObjectId(number),

@@ -134,7 +134,9 @@ fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
 fn histogram(pixels: &[u32], color: impl Fn(usize) -> [u8; 3]) -> Vec<f64> {
     let mut shares = vec![0.0; 1 << (3 * COLOR_BITS)];
     for &i in pixels {
-        let cell = color(i as usize).iter().fold(0, |cell, &c| cell << COLOR_BITS | usize::from(c >> (8 - COLOR_BITS)));
+        let cell = color(i as usize)
+            .iter()
+            .fold(0, |cell, &c| cell << COLOR_BITS | usize::from(c >> (8 - COLOR_BITS)));
         shares[cell] += 1.0 / pixels.len() as f64;
     }
     shares
@@ -253,7 +255,8 @@ impl Gap<'_> {
             flat.mean_squared_error.sqrt() > CURVED_RATIO * curved.mean_squared_error.sqrt()
         });
         let both = of_a.iter().chain(&of_b);
-        let disagreement = |joint: f64, single: [f64; 2]| (joint - (single[0] + single[1]) / 2.0).max(0.0).sqrt() / noise;
+        let disagreement =
+            |joint: f64, single: [f64; 2]| (joint - (single[0] + single[1]) / 2.0).max(0.0).sqrt() / noise;
         let (disagreement_quanta, joint): (f64, Box<dyn Fn([f64; 2]) -> f64>) = if is_curved {
             let joint = Surface::<4>::fit(both);
             let single = curved.each_ref().map(|surface| surface.mean_squared_error);
@@ -287,7 +290,8 @@ impl Gap<'_> {
             && seen.through < SEEN_THROUGH_SHARE
             && seen.hidden > HIDDEN_SHARE
             && distance_m <= farthest_m
-            && color_overlap.is_none_or(|overlap| overlap > self.params.color_overlap && overlap >= least_color);
+            && color_overlap
+                .is_none_or(|overlap| overlap > self.params.color_overlap && overlap >= least_color);
         let continuation = Continuation {
             disagreement_quanta,
             angle_deg,
@@ -319,9 +323,8 @@ impl Gap<'_> {
         let (mut through, mut on, mut hidden) = (0_u32, 0_u32, 0_u32);
         let mut before: BTreeMap<SegmentId, u32> = BTreeMap::new();
         for _ in 0..LINES {
-            let [from, to] = [a, b].map(|piece| {
-                position(piece.pixels[random.below(piece.pixels.len())] as usize, width)
-            });
+            let [from, to] =
+                [a, b].map(|piece| position(piece.pixels[random.below(piece.pixels.len())] as usize, width));
             let reach = [0, 1].map(|k| to[k] - from[k]);
             let steps = reach[0].abs().max(reach[1].abs());
             for t in 1..steps as usize {
@@ -337,7 +340,10 @@ impl Gap<'_> {
                 let expected = surface(at);
                 if d < expected - SEEN_THROUGH_QUANTA {
                     through += 1;
-                } else if cluster == Some(a.cluster) || cluster == Some(b.cluster) || d <= expected + HIDDEN_QUANTA {
+                } else if cluster == Some(a.cluster)
+                    || cluster == Some(b.cluster)
+                    || d <= expected + HIDDEN_QUANTA
+                {
                     on += 1;
                 } else {
                     hidden += 1;

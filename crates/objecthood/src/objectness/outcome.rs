@@ -44,7 +44,12 @@ impl Outcome {
     }
 
     /// Every found cluster is an object; `support` has the regions as nodes.
-    pub(crate) fn hypotheses(&self, clusters: &Clusters<'_>, support: &SupportGraph, up: &Up) -> Vec<Hypothesis> {
+    pub(crate) fn hypotheses(
+        &self,
+        clusters: &Clusters<'_>,
+        support: &SupportGraph,
+        up: &Up,
+    ) -> Vec<Hypothesis> {
         let scene = clusters.scene;
         let parents = support.parents();
         let judge = |(k, &id): (usize, &SegmentId)| {

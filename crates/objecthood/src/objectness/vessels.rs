@@ -110,7 +110,8 @@ impl Rules<'_> {
                 continue;
             }
             let walls = self.walls(clusters, inside);
-            let Some(&(front, wall)) = walls.iter().reduce(|best, next| if next.0 > best.0 { next } else { best })
+            let Some(&(front, wall)) =
+                walls.iter().reduce(|best, next| if next.0 > best.0 { next } else { best })
             else {
                 continue;
             };
@@ -120,7 +121,8 @@ impl Rules<'_> {
                 for member in members.into_iter().filter(|&member| member != wall) {
                     merge(clusters, wall, member, evidence(Some(rim)));
                 }
-            } else if concavity < -self.params.concavity && front as usize >= space.length_px(FRONT_ALONE_PX) {
+            } else if concavity < -self.params.concavity && front as usize >= space.length_px(FRONT_ALONE_PX)
+            {
                 merge(clusters, wall, inside, evidence(None));
             } else {
                 continue;
@@ -170,7 +172,8 @@ impl Rules<'_> {
         }
         let rim = rim?;
         let near = parts.iter().flat_map(|&part| clusters.get(part).neighbours.keys().copied().flatten());
-        let candidates: BTreeSet<SegmentId> = near.chain(parts.iter().copied()).filter(|&q| q != inside).collect();
+        let candidates: BTreeSet<SegmentId> =
+            near.chain(parts.iter().copied()).filter(|&q| q != inside).collect();
         let least_touch = space.length_px(INSIDE_TOUCH_PX) as u32;
         let is_member = |&q: &SegmentId| {
             let above_m = self.top_m(clusters, q) - top_m;
@@ -192,7 +195,8 @@ impl Rules<'_> {
             let touched = cluster.neighbours.iter().filter_map(|(&other, borders)| {
                 other.filter(|other| vessels.contains(other)).map(|other| (borders.touch, other))
             });
-            let Some((touch, vessel)) = touched.reduce(|best, next| if next.0 > best.0 { next } else { best })
+            let Some((touch, vessel)) =
+                touched.reduce(|best, next| if next.0 > best.0 { next } else { best })
             else {
                 continue;
             };

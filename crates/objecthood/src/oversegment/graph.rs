@@ -129,7 +129,7 @@ mod tests {
         let smoothed =
             Raster::from_vec(3, 2, [0.0, 30.0, 90.0, 0.0, 0.0, 0.0].map(|c| [0.0, c, 0.0]).to_vec());
         let smoothed = smoothed.unwrap();
-        let sensor = params::Sensor { disparity_quantum_per_m: 0.01 };
+        let sensor = params::Sensor { disparity_quantum_per_m: 0.01, ..Default::default() };
         let graph = |channels, unmeasured| {
             let params = params::Graph { channels, ..Default::default() };
             PixelGraph::new(&frame(), Some(&smoothed), unmeasured, &sensor, &params)

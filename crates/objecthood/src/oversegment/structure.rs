@@ -140,7 +140,8 @@ pub fn structure(
     let label = |i: usize| {
         let normal = Vec3::from(orientation.normal[i]).as_dvec3();
         let lies_on = |s: &StructureSurface| {
-            let near = (f64::from(disparity[i]) - s.model.value(position(i, width))).abs() < params.tolerance_quanta;
+            let near =
+                (f64::from(disparity[i]) - s.model.value(position(i, width))).abs() < params.tolerance_quanta;
             near && (normal == DVec3::ZERO || s.normal.dot(normal) > least_cosine)
         };
         surfaces.iter().position(lies_on).map_or(-1, |s| s as i32)

@@ -55,7 +55,8 @@ pub fn votes(
     params: &params::Contraction,
 ) -> RegionGraph<f64> {
     let free = |facet: SegmentId| facet.index().checked_sub(structure).map(|f| SegmentId(f as u32));
-    let votes = borders.edges().iter().filter_map(|e| Some((free(e.a)?, free(e.b)?, e.evidence.vote_m(params))));
+    let votes =
+        borders.edges().iter().filter_map(|e| Some((free(e.a)?, free(e.b)?, e.evidence.vote_m(params))));
     RegionGraph::gather(borders.regions() - structure, votes, |sum: &mut f64, vote| *sum += vote)
 }
 

@@ -54,12 +54,7 @@ pub fn orientation(
 }
 
 /// The middle of the window whose plane passes nearest to pixel `i` and fits best; the first one on ties.
-fn best_window(
-    i: usize,
-    disparity: &Raster<f32>,
-    fits: &Raster<PlaneFit>,
-    reach: isize,
-) -> Option<usize> {
+fn best_window(i: usize, disparity: &Raster<f32>, fits: &Raster<PlaneFit>, reach: isize) -> Option<usize> {
     let (width, height) = disparity.size();
     let (u, v) = ((i % width) as isize, (i / width) as isize);
     let mut best: Option<(f32, usize)> = None;
