@@ -87,7 +87,14 @@ mod tests {
 
     fn hypothesis(shape: u32, pixels: &[usize], p_o: f32) -> Hypothesis {
         let parts = ObjectnessParts::Paper { size_ok: true, p_s: p_o, p_o };
-        Hypothesis { shape: SegmentId(shape), pixels: pixels.to_vec(), box_m: BOX, objectness: p_o, parts }
+        Hypothesis {
+            shape: SegmentId(shape),
+            pixels: pixels.to_vec(),
+            box_m: BOX,
+            objectness: p_o,
+            parts,
+            joins: vec![],
+        }
     }
 
     /// A 4 x 3 image whose point (u, v) lies at (u, v, 1); every column is a facet.
