@@ -20,11 +20,14 @@
 //! ```
 
 mod distance;
+mod drawing;
 mod grid;
+mod labels;
 mod palette;
 mod panels;
 mod recording;
 mod region_colors;
+mod support;
 #[cfg(test)]
 mod testing;
 mod text;

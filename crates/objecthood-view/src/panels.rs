@@ -9,55 +9,96 @@ use crate::text::Text;
 use crate::tiles::{self, Scale, Tile};
 use crate::view::View;
 
-const COLUMNS: usize = 4;
+const COLUMNS: usize = 3;
 /// Room for a title and a scale [px], however narrow the frame.
 const MIN_TILE_WIDTH_PX: u32 = 320;
+/// Room for the support tree [px], however low the frame.
+const MIN_TREE_HEIGHT_PX: u32 = 240;
 const PAGE: Rgb<u8> = Rgb([255; 3]);
 const INK: Rgb<u8> = Rgb([30; 3]);
 
-/// Draws every stage of a frame: colour, depth, normals, superpixels; facets, shapes, objectness, objects.
+/// Draws every stage of a frame: colour with the outlines of the objects, depth, normals, superpixels, facets, shapes,
+/// objectness, objects, and the support tree.
 ///
-/// `recording` and `discovery` are what [`objecthood::discover_observed`] gave for `frame`. Black is where there is
-/// no depth, no label, or where a stage was not recorded. Frames up to 960 px keep their pixels (small ones are
-/// enlarged by a whole number), larger ones are shrunk: the picture is at most 4000 px wide. The same input gives the
-/// same picture, byte for byte.
+/// `recording` and `discovery` are what [`objecthood::discover_observed`] gave for `frame`. A stage that was not
+/// recorded is left out; black is where there is no depth or no label. Frames up to 960 px keep their pixels (small
+/// ones are enlarged by a whole number), larger ones are shrunk: the picture is at most 3000 px wide. Its size depends
+/// on nothing but the size of the frame and which stages were recorded. The same input gives the same picture, byte
+/// for byte.
+///
+/// In the support tree what carries stands below what it carries. Discs are the objects, beside them P(O); bars are the
+/// shapes that are none, beside them P(S), with the letters that they have in the picture of the objectness. A dark
+/// line leads to what an object touches most, faint ones to what else carries it.
 pub fn panels(frame: &Frame, recording: &Recording, discovery: &Discovery) -> RgbImage {
     let view = View::new(frame, recording, discovery);
-    compose(&[
-        tiles::color(&view),
-        tiles::depth(&view),
-        tiles::normals(&view),
-        tiles::superpixels(&view),
-        tiles::facets(&view),
-        tiles::shapes(&view),
-        tiles::objectness(&view),
-        tiles::objects(&view),
-    ])
+    let mut tiles = vec![tiles::color(&view), tiles::depth(&view)];
+    tiles.extend(tiles::normals(&view));
+    tiles.extend(tiles::superpixels(&view));
+    tiles.extend(tiles::facets(&view));
+    tiles.extend(tiles::shapes(&view));
+    tiles.push(tiles::objectness(&view));
+    tiles.push(tiles::objects(&view));
+
+    let page = Page::new(view.tile_size(), tiles.len() + 1);
+    tiles.push(tiles::support(&view, page.rest_of_last_row()));
+    page.compose(&tiles)
 }
 
-/// Sets the tiles side by side on a white page, each under its title.
-fn compose(tiles: &[Tile]) -> RgbImage {
-    let widest = tiles.iter().map(|t| t.image.width()).max().unwrap_or(0).max(MIN_TILE_WIDTH_PX);
-    let highest = tiles.iter().map(|t| t.image.height()).max().unwrap_or(0);
-    let letters_px = (widest / 28).clamp(15, 30);
-    let (gap, header) = (letters_px, letters_px * 2);
-    let rows = tiles.len().div_ceil(COLUMNS) as u32;
+/// A white page with tiles side by side, each under its title. All have the size of the frame but the last, which
+/// takes the rest of its row.
+struct Page {
+    /// Columns and rows of a tile [px].
+    tile: (u32, u32),
+    tiles: usize,
+    letters_px: u32,
+}
 
-    let width = COLUMNS as u32 * (widest + gap) + gap;
-    let height = rows * (header + highest) + gap;
-    let mut page = RgbImage::from_pixel(width, height, PAGE);
-    for (k, tile) in tiles.iter().enumerate() {
-        let left = gap + (k % COLUMNS) as u32 * (widest + gap);
-        let top = (k / COLUMNS) as u32 * (header + highest);
-        let baseline = i64::from(top + header - letters_px / 2);
-        let title = Text::new(&tile.title, letters_px as f32);
-        title.draw(&mut page, (i64::from(left), baseline - title.ascent), INK);
-        if let Some(scale) = &tile.scale {
-            draw_scale(&mut page, scale, (left + widest, baseline), widest / 4, letters_px);
-        }
-        imageops::replace(&mut page, &tile.image, i64::from(left), i64::from(top + header));
+impl Page {
+    fn new((width, height): (u32, u32), tiles: usize) -> Self {
+        let tile = (width.max(MIN_TILE_WIDTH_PX), height);
+        Self { tile, tiles, letters_px: (tile.0 / 28).clamp(15, 30) }
     }
-    page
+
+    fn gap(&self) -> u32 {
+        self.letters_px
+    }
+
+    fn header(&self) -> u32 {
+        2 * self.letters_px
+    }
+
+    /// Where the image of tile `k` is.
+    fn corner(&self, k: usize) -> (u32, u32) {
+        let (column, row) = ((k % COLUMNS) as u32, (k / COLUMNS) as u32);
+        (
+            self.gap() + column * (self.tile.0 + self.gap()),
+            self.header() + row * (self.header() + self.tile.1),
+        )
+    }
+
+    /// Columns and rows of the last tile [px].
+    fn rest_of_last_row(&self) -> (u32, u32) {
+        let columns = (COLUMNS - (self.tiles - 1) % COLUMNS) as u32;
+        (columns * (self.tile.0 + self.gap()) - self.gap(), self.tile.1.max(MIN_TREE_HEIGHT_PX))
+    }
+
+    fn compose(&self, tiles: &[Tile]) -> RgbImage {
+        let width = COLUMNS as u32 * (self.tile.0 + self.gap()) + self.gap();
+        let height = self.corner(self.tiles - 1).1 + self.rest_of_last_row().1 + self.gap();
+        let mut page = RgbImage::from_pixel(width, height, PAGE);
+        for (k, tile) in tiles.iter().enumerate() {
+            let (left, top) = self.corner(k);
+            let baseline = i64::from(top - self.letters_px / 2);
+            let title = Text::new(&tile.title, self.letters_px as f32);
+            title.draw(&mut page, (i64::from(left), baseline - title.ascent), INK);
+            if let Some(scale) = &tile.scale {
+                let right = left + self.tile.0;
+                draw_scale(&mut page, scale, (right, baseline), self.tile.0 / 4, self.letters_px);
+            }
+            imageops::replace(&mut page, &tile.image, i64::from(left), i64::from(top));
+        }
+        page
+    }
 }
 
 /// A bar of colours between its two numbers, ending at (right, baseline).
@@ -126,7 +167,7 @@ mod tests {
                 let (frame, recording, discovery) = scene(width, height, objects, color);
                 let picture = panels(&frame, &recording, &discovery);
                 let (w, h) = picture.dimensions();
-                assert!((1280..=4000).contains(&w) && (60..=2200).contains(&h), "{width}x{height}: {w}x{h}");
+                assert!((975..=3000).contains(&w) && (300..=3000).contains(&h), "{width}x{height}: {w}x{h}");
                 assert!(picture.pixels().any(|p| *p == INK), "titles are written");
             }
         }
@@ -154,23 +195,33 @@ mod tests {
 
     #[test]
     fn every_tile_stands_under_its_title() {
-        // One object fills a frame that keeps its pixels; the last tile shows it.
+        // One object fills a frame that keeps its pixels; of five tiles the fourth shows it.
         let (size, gap, header) = (400, 15, 30);
         let frame = testing::frame(Raster::filled(size, size, 2.0).unwrap(), None);
         let discovery = testing::discovery(Raster::filled(size, size, 1).unwrap());
         let picture = panels(&frame, &Recording::default(), &discovery);
-        let step = size as u32 + gap;
-        assert_eq!(picture.dimensions(), (4 * step + gap, 2 * (size as u32 + header) + gap));
-        let last = |x: u32, y: u32| *picture.get_pixel(gap + 3 * step + x, 2 * header + size as u32 + y);
-        assert_eq!(last(0, 0), Rgb([0; 3]));
-        assert_eq!(last(10, 10), object_color(1));
-        assert_eq!(last(size as u32 - 2, size as u32 - 2), object_color(1));
-        assert_eq!(last(size as u32, size as u32), PAGE);
-        for column in 0..4 {
-            for top in [0, size as u32 + header] {
-                let title = imageops::crop_imm(&picture, gap + column * step, top, 100, header).to_image();
-                assert!(title.pixels().any(|p| *p == INK), "column {column}, row at {top}");
-            }
+        let size = size as u32;
+        let step = size + gap;
+        assert_eq!(picture.dimensions(), (3 * step + gap, 2 * (size + header) + gap));
+        let objects = |x: u32, y: u32| *picture.get_pixel(gap + x, 2 * header + size + y);
+        assert_eq!(objects(0, 0), Rgb([0; 3]));
+        assert_eq!(objects(10, 10), object_color(1));
+        assert_eq!(objects(size - 2, size - 2), object_color(1));
+        assert_eq!(objects(size, size), PAGE);
+        for (column, top) in [(0, 0), (1, 0), (2, 0), (0, size + header), (1, size + header)] {
+            let title = imageops::crop_imm(&picture, gap + column * step, top, 100, header).to_image();
+            assert!(title.pixels().any(|p| *p == INK), "column {column}, row at {top}");
+        }
+        // The tree takes the rest of the last row.
+        let right = |x: u32| *picture.get_pixel(x, 2 * header + size + 5);
+        assert!(right(gap + step) != PAGE && right(3 * step - 1) != PAGE && right(3 * step) == PAGE);
+    }
+
+    #[test]
+    fn the_size_does_not_depend_on_what_is_found() {
+        for objects in [0, 1, 200] {
+            let (frame, recording, discovery) = scene(640, 480, objects, true);
+            assert_eq!(panels(&frame, &recording, &discovery).dimensions(), (2008, 1594));
         }
     }
 

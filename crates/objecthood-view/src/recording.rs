@@ -1,11 +1,10 @@
 //! What the picture needs of every stage.
 
-use objecthood::objectness::support::SupportGraph;
 use objecthood::{Observer, Raster, Segments, Stage};
 
-/// Watches one frame and keeps what [`panels`](crate::panels()) draws: normals, label maps, the support graph.
+/// Watches one frame and keeps what [`panels`](crate::panels()) draws: normals and label maps.
 ///
-/// Take a new one for every frame. Stages that never came, because the frame failed before, are drawn black.
+/// Take a new one for every frame. Stages that never came, because the method has none such, are left out.
 /// A recording takes 24 bytes a pixel.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
@@ -13,7 +12,6 @@ pub struct Recording {
     pub(crate) superpixels: Option<Segments>,
     pub(crate) facets: Option<Segments>,
     pub(crate) shapes: Option<Segments>,
-    pub(crate) support: Option<SupportGraph>,
 }
 
 impl Observer for Recording {
@@ -23,7 +21,6 @@ impl Observer for Recording {
             Stage::Superpixels(segments) => self.superpixels = Some(segments.clone()),
             Stage::Facets(segments) => self.facets = Some(segments.clone()),
             Stage::Shapes(segments) => self.shapes = Some(segments.clone()),
-            Stage::Support(graph) => self.support = Some(graph.clone()),
             _ => {}
         }
     }
@@ -45,11 +42,9 @@ mod tests {
         recording.observe(Stage::Superpixels(&segments(4)));
         recording.observe(Stage::Facets(&segments(3)));
         recording.observe(Stage::Shapes(&segments(2)));
-        recording.observe(Stage::Support(&SupportGraph::default()));
         assert_eq!(recording.normals, Some(normals));
         assert_eq!(recording.superpixels, Some(segments(4)));
         assert_eq!(recording.facets, Some(segments(3)));
         assert_eq!(recording.shapes, Some(segments(2)));
-        assert_eq!(recording.support, Some(SupportGraph::default()));
     }
 }

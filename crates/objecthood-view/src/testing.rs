@@ -1,7 +1,7 @@
 //! Small frames and discoveries for the tests.
 
 use objecthood::objectness::gravity::{Up, UpSource};
-use objecthood::objectness::support::{NodeId, SupportGraph};
+use objecthood::objectness::support::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportNode};
 use objecthood::{
     Camera, Discovery, Frame, Object, ObjectId, ObjectnessParts, OrientedBox, PixelBox, Raster, Segments,
 };
@@ -50,4 +50,48 @@ fn object(id: u16) -> Object {
         parents: vec![],
         joins: vec![],
     }
+}
+
+/// So many nodes, of which those in `objects` are objects 1, 2, .. from right to left in the image, and the edges
+/// (lower, upper, contacts).
+pub(crate) fn standing(nodes: u32, objects: &[u32], edges: &[(u32, u32, u32)]) -> Discovery {
+    let mut discovery = discovery(raster(1, 1, |_| objects.len() as u16));
+    let node = |n: u32| SupportNode {
+        kind: match objects.iter().position(|&o| o == n) {
+            Some(k) => NodeKind::Object { object: ObjectId(k as u16 + 1) },
+            None => NodeKind::Surface,
+        },
+        p_s: 0.5,
+        p_o: 0.25,
+        height_m: 0.0,
+        size_px: 100 + n as usize,
+    };
+    let edge =
+        |&(lower, upper, contacts)| SupportEdge { lower: NodeId(lower), upper: NodeId(upper), contacts };
+    discovery.support =
+        SupportGraph { nodes: (0..nodes).map(node).collect(), edges: edges.iter().map(edge).collect() };
+    let rightmost = 10 * objects.len();
+    for (k, object) in discovery.objects.iter_mut().enumerate() {
+        object.box_px.u = rightmost - 10 * k;
+    }
+    discovery
+}
+
+/// A graph of `nodes` nodes, about half of them objects, and `edges` random edges: upwards only, or any at all.
+pub(crate) fn random_support(seed: u32, nodes: u32, edges: u32, upwards: bool) -> Discovery {
+    // A linear congruential generator (Numerical Recipes); its high bits are the random ones.
+    let mut state = seed;
+    let mut below = |n: u32| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (u64::from(state) * u64::from(n) >> 32) as u32
+    };
+    let objects: Vec<u32> = (0..nodes).filter(|_| below(2) == 0).collect();
+    let mut pairs: Vec<(u32, u32)> = (0..edges).map(|_| (below(nodes), below(nodes))).collect();
+    if upwards {
+        pairs.retain(|(lower, upper)| lower < upper);
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    let edges: Vec<_> = pairs.into_iter().map(|(lower, upper)| (lower, upper, below(1000))).collect();
+    standing(nodes, &objects, &edges)
 }

@@ -104,7 +104,7 @@ fn layout(text: &str, size_px: f32) -> Vec<Glyph> {
 }
 
 /// Covers the share `alpha` of a pixel with `color`. Outside the picture nothing happens.
-fn blend(picture: &mut RgbImage, (x, y): (i64, i64), color: Rgb<u8>, alpha: f32) {
+pub(crate) fn blend(picture: &mut RgbImage, (x, y): (i64, i64), color: Rgb<u8>, alpha: f32) {
     let at = u32::try_from(x).ok().zip(u32::try_from(y).ok());
     if let Some(pixel) = at.and_then(|(x, y)| picture.get_pixel_mut_checked(x, y)) {
         *pixel = mix(*pixel, color, alpha);

@@ -1,17 +1,21 @@
-//! The eight tiles, one function each.
+//! The tiles, one function each. Those of a stage that was not recorded are none.
 
 use colorous::Gradient;
 use image::{Rgb, RgbImage};
-use objecthood::Segments;
+use objecthood::{Raster, Segments};
 
-use crate::distance::Anchor;
-use crate::palette::{ink_on, object_color};
+use crate::distance::{Anchor, anchors, to_border};
+use crate::labels::{self, Label};
+use crate::palette::object_color;
 use crate::region_colors::region_colors;
-use crate::text::{Text, mix};
+use crate::support::tree::tree;
+use crate::text::mix;
 use crate::view::{NOTHING, View};
 
 const DEPTH: Gradient = colorous::VIRIDIS;
 const OBJECTNESS: Gradient = colorous::PLASMA;
+/// Around the letters of what carries objects.
+const CARRIER: Rgb<u8> = Rgb([225; 3]);
 
 /// One of the pictures in the picture.
 pub(crate) struct Tile {
@@ -42,60 +46,73 @@ pub(crate) fn color(view: &View<'_>) -> Tile {
     Tile { title: title.to_owned(), image, scale: None }
 }
 
-/// Depth, from the first to the 99th percentile; what is near is bright, so that it stands out from the black of
-/// missing depth.
+/// Depth, from the second to the 98th percentile: one far pixel does not flatten the rest. What lies outside has the
+/// colour of the end, and the number there then says so. What is near is bright, so that it stands out from the black
+/// of missing depth.
 pub(crate) fn depth(view: &View<'_>) -> Tile {
     let mut valid_m = view.valid_depths_m();
     valid_m.sort_unstable_by(f32::total_cmp);
-    let percentile = |p: usize| valid_m.get(valid_m.len().saturating_sub(1) * p / 100).copied();
-    let range_m = percentile(1).zip(percentile(99));
-    let image = view.paint(|u, v| {
-        let ((near, far), z) = range_m.zip(view.depth_m(u, v))?;
-        Some(shade(&DEPTH, if far > near { (far - z) / (far - near) } else { 0.5 }))
-    });
-    let scale = range_m.map(|(near, far)| Scale {
-        color: |share| shade(&DEPTH, 1.0 - share),
-        low: metres(near),
-        high: format!("{} m", metres(far)),
+    let image = match percentiles(&valid_m) {
+        None => view.paint(|_, _| None),
+        Some((near, far)) => view.paint(|u, v| {
+            let z = view.depth_m(u, v)?;
+            Some(shade(&DEPTH, if far > near { (far - z) / (far - near) } else { 0.5 }))
+        }),
+    };
+    let scale = percentiles(&valid_m).map(|(near, far)| {
+        let nearer = if valid_m.first() < Some(&near) { "≤ " } else { "" };
+        let farther = if valid_m.last() > Some(&far) { "≥ " } else { "" };
+        Scale {
+            color: |share| shade(&DEPTH, 1.0 - share),
+            low: format!("{nearer}{}", metres(near)),
+            high: format!("{farther}{} m", metres(far)),
+        }
     });
     Tile { title: "depth".to_owned(), image, scale }
 }
 
+/// The depths of which 2 % and 98 % are smaller, rounded down to one that is there.
+fn percentiles(sorted_m: &[f32]) -> Option<(f32, f32)> {
+    let at = |percent: usize| sorted_m.get(sorted_m.len().saturating_sub(1) * percent / 100).copied();
+    at(2).zip(at(98))
+}
+
 /// Normals: x to the right is red, y upwards green, z towards the camera blue.
-pub(crate) fn normals(view: &View<'_>) -> Tile {
+pub(crate) fn normals(view: &View<'_>) -> Option<Tile> {
+    view.recording.normals.as_ref()?;
     let image = view.paint(|u, v| {
         let [x, y, z] = view.normal(u, v)?;
         Some(Rgb([x, -y, -z].map(|a| ((a + 1.0) * 127.5).round() as u8)))
     });
-    Tile { title: "normals".to_owned(), image, scale: None }
+    Some(Tile { title: "normals".to_owned(), image, scale: None })
 }
 
 /// The regions of the first stage.
-pub(crate) fn superpixels(view: &View<'_>) -> Tile {
-    regions(view, "superpixels", view.recording.superpixels.as_ref())
+pub(crate) fn superpixels(view: &View<'_>) -> Option<Tile> {
+    Some(regions(view, "superpixels", view.recording.superpixels.as_ref()?))
 }
 
 /// The regions of the second stage.
-pub(crate) fn facets(view: &View<'_>) -> Tile {
-    regions(view, "facets", view.recording.facets.as_ref())
+pub(crate) fn facets(view: &View<'_>) -> Option<Tile> {
+    Some(regions(view, "facets", view.recording.facets.as_ref()?))
 }
 
 /// The regions of the third stage.
-pub(crate) fn shapes(view: &View<'_>) -> Tile {
-    regions(view, "shapes", view.recording.shapes.as_ref())
+pub(crate) fn shapes(view: &View<'_>) -> Option<Tile> {
+    Some(regions(view, "shapes", view.recording.shapes.as_ref()?))
 }
 
 /// The objects by objectness; behind them, in grey, the shapes that are none, by what carries them: the lighter, the
-/// larger P(O).
+/// larger P(O). Those that carry an object have the letters under which they stand in the support tree.
 pub(crate) fn objectness(view: &View<'_>) -> Tile {
     let shapes = view.recording.shapes.as_ref().map(|segments| view.labels(segments));
+    let nodes = &view.discovery.support.nodes;
     let surface = |u: usize, v: usize| {
         let shape = *shapes.as_ref()?.get(u, v)?;
-        let nodes = &view.recording.support.as_ref()?.nodes;
         let p_o = nodes.get(usize::try_from(shape).ok()?)?.p_o;
         Some(Rgb([(60.0 + 120.0 * p_o.clamp(0.0, 1.0)) as u8; 3]))
     };
-    let image = view.paint(|u, v| match view.object(u, v) {
+    let mut image = view.paint(|u, v| match view.object(u, v) {
         Some((_, depth)) if depth <= 1 => Some(NOTHING),
         Some((id, _)) => {
             let object = view.discovery.objects.get(usize::from(id) - 1);
@@ -103,8 +120,28 @@ pub(crate) fn objectness(view: &View<'_>) -> Tile {
         }
         None => surface(u, v),
     });
+    if let Some(shapes) = &shapes {
+        name_carriers(&mut image, view, shapes);
+    }
     let scale = Scale { color: |share| shade(&OBJECTNESS, share), low: "0".to_owned(), high: "1".to_owned() };
     Tile { title: "objectness".to_owned(), image, scale: Some(scale) }
+}
+
+/// Writes the letters of the shapes that carry objects, of which shape k is node k of the support graph.
+fn name_carriers(image: &mut RgbImage, view: &View<'_>, shapes: &Raster<i32>) {
+    let names = view.forest.surface_names(view.discovery);
+    let mut name_of = vec![0_u16; view.discovery.support.nodes.len()];
+    for ((node, name), number) in view.forest.nodes.iter().zip(&names).zip(1..=u16::MAX) {
+        name_of[node.node] = if name.is_empty() { 0 } else { number };
+    }
+    let carriers =
+        shapes.map(|&s| usize::try_from(s).ok().and_then(|s| name_of.get(s)).copied().unwrap_or(0));
+    let label = |anchor: Anchor| {
+        let text = names[usize::from(anchor.id) - 1].clone();
+        Label { text, color: CARRIER, anchor }
+    };
+    let anchors = anchors(&carriers, &to_border(&carriers));
+    labels::write(image, anchors.into_iter().map(label).collect());
 }
 
 /// The objects with their numbers, on the dimmed image.
@@ -114,32 +151,23 @@ pub(crate) fn objects(view: &View<'_>) -> Tile {
         Some((id, _)) => Some(object_color(id)),
         None => view.scenery(u, v).map(|color| mix(NOTHING, color, 0.4)),
     });
-    number(&mut image, view.anchors());
+    let label =
+        |anchor: Anchor| Label { text: anchor.id.to_string(), color: object_color(anchor.id), anchor };
+    labels::write(&mut image, view.anchors().into_iter().map(label).collect());
     Tile { title: format!("objects {}", view.discovery.objects.len()), image, scale: None }
 }
 
-fn regions(view: &View<'_>, name: &str, segments: Option<&Segments>) -> Tile {
-    let Some(segments) = segments else {
-        return Tile { title: name.to_owned(), image: view.paint(|_, _| None), scale: None };
-    };
+/// What stands on what, on `size` (columns, rows) pixels.
+pub(crate) fn support(view: &View<'_>, size: (u32, u32)) -> Tile {
+    let image = tree(view.discovery, &view.forest, size);
+    Tile { title: "support".to_owned(), image, scale: None }
+}
+
+fn regions(view: &View<'_>, name: &str, segments: &Segments) -> Tile {
     let labels = view.labels(segments);
     let colors = region_colors(&labels, segments.count());
     let image = view.paint(|u, v| colors[usize::try_from(*labels.get(u, v)?).ok()?]);
     Tile { title: format!("{name} {}", view.count(segments)), image, scale: None }
-}
-
-/// Writes their numbers on the objects, the largest last: where numbers overlap, the more important one is legible.
-fn number(image: &mut RgbImage, mut anchors: Vec<Anchor>) {
-    anchors.sort_by(|a, b| a.radius_px.total_cmp(&b.radius_px).then(b.id.cmp(&a.id)));
-    let width = image.width() as f32;
-    let (smallest_px, largest_px) = ((width / 50.0).max(13.0), width / 22.0);
-    for Anchor { id, u, v, radius_px } in anchors {
-        let text = Text::new(&id.to_string(), (1.6 * radius_px).min(largest_px).max(smallest_px));
-        let at = (u as i64 - text.width / 2, v as i64 - text.height / 2);
-        // Digits that reach beyond a small object keep their contrast and show whose they are.
-        let halo = object_color(id);
-        text.draw_with_halo(image, at, ink_on(halo), halo, 2);
-    }
 }
 
 fn shade(gradient: &Gradient, share: f32) -> Rgb<u8> {
@@ -153,10 +181,11 @@ fn metres(length_m: f32) -> String {
 
 #[cfg(test)]
 mod tests {
-    use objecthood::objectness::support::{NodeKind, SupportGraph, SupportNode};
-    use objecthood::{Discovery, Frame, Observer, Stage};
+    use objecthood::objectness::support::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportNode};
+    use objecthood::{Discovery, Frame, ObjectId, Observer, Stage};
 
     use super::*;
+    use crate::palette::ink_on;
     use crate::recording::Recording;
     use crate::testing;
 
@@ -177,7 +206,7 @@ mod tests {
         let depth_m = [1.0, 1.0, 2.0, f32::NAN, 1.0, 1.0, 2.0, 3.0];
         let color = testing::raster(4, 2, |i| [10 * i as u8, 100, 200]);
         let frame = testing::frame(testing::raster(4, 2, |i| depth_m[i]), Some(color));
-        let discovery = testing::discovery(testing::raster(4, 2, |i| [1, 0, 0, 0, 1, 2, 0, 0][i]));
+        let mut discovery = testing::discovery(testing::raster(4, 2, |i| [1, 0, 0, 0, 1, 2, 0, 0][i]));
 
         let axes = [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0; 3]];
         let shapes = testing::segments(4, 2, |i| [0, 1, 1, 2, 0, 3, 1, 1][i]);
@@ -188,7 +217,7 @@ mod tests {
         recording.observe(Stage::Superpixels(&testing::segments(4, 2, |i| i as i32 - 1)));
         recording.observe(Stage::Facets(&testing::segments(4, 2, |_| -1)));
         recording.observe(Stage::Shapes(&shapes));
-        recording.observe(Stage::Support(&SupportGraph { nodes, edges: vec![] }));
+        discovery.support = SupportGraph { nodes, edges: vec![] };
         (frame, recording, discovery)
     }
 
@@ -212,11 +241,11 @@ mod tests {
         assert_eq!((scale.low.as_str(), scale.high.as_str()), ("1.00", "3.00 m"));
         assert_eq!((scale.color)(0.0).0, at(&depth(&view), 0, 0));
 
-        let tile = normals(&view);
+        let tile = normals(&view).unwrap();
         assert_eq!([0, 1, 2].map(|u| at(&tile, u, 0)), [[128, 128, 255], [255, 128, 128], [128, 255, 128]]);
         assert_eq!(at(&tile, 3, 0), [0; 3]);
 
-        let tile = superpixels(&view);
+        let tile = superpixels(&view).unwrap();
         assert_eq!(
             tile.title, "superpixels 6",
             "neither the one without depth nor the pixel without a label"
@@ -226,11 +255,11 @@ mod tests {
         assert!(colors.iter().all(|c| *c != [0; 3]));
         assert!(colors[0] != colors[1] && colors[0] != colors[3] && colors[2] != colors[3], "{colors:?}");
 
-        let tile = facets(&view);
+        let tile = facets(&view).unwrap();
         assert_eq!(tile.title, "facets 0");
         assert!(tile.image.pixels().all(|p| *p == NOTHING));
 
-        let tile = shapes(&view);
+        let tile = shapes(&view).unwrap();
         assert_eq!(tile.title, "shapes 3");
         assert_eq!((at(&tile, 1, 0), at(&tile, 0, 0)), (at(&tile, 3, 1), at(&tile, 0, 1)));
         assert_ne!(at(&tile, 0, 0), at(&tile, 1, 0));
@@ -263,18 +292,67 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_recorded_is_black() {
+    fn what_was_not_recorded_is_left_out() {
         let (frame, _, discovery) = small_scene();
         let recording = Recording::default();
         let view = View::new(&frame, &recording, &discovery);
-        for (tile, name) in
-            [(superpixels(&view), "superpixels"), (facets(&view), "facets"), (shapes(&view), "shapes")]
-        {
-            assert_eq!(tile.title, name);
-            assert!(tile.image.pixels().all(|p| *p == NOTHING));
+        for tile in [normals, superpixels, facets, shapes] {
+            assert!(tile(&view).is_none());
         }
-        assert!(normals(&view).image.pixels().all(|p| *p == NOTHING));
         assert_eq!(at(&objectness(&view), 1, 0), [0; 3]);
+    }
+
+    #[test]
+    fn carriers_are_named_where_they_are() {
+        let (frame, recording, mut discovery) = small_scene();
+        let inked = |discovery: &Discovery| {
+            let image = objectness(&View::new(&frame, &recording, discovery)).image;
+            image
+                .enumerate_pixels()
+                .filter(|(.., p)| **p == CARRIER)
+                .map(|(x, y, _)| (x, y))
+                .collect::<Vec<_>>()
+        };
+        assert!(inked(&discovery).is_empty());
+        // Object 2, shape 3, stands on shape 1, which lies to its right and above it.
+        discovery.support.nodes[3].kind = NodeKind::Object { object: ObjectId(2) };
+        discovery.support.edges = vec![SupportEdge { lower: NodeId(1), upper: NodeId(3), contacts: 1 }];
+        let halo = inked(&discovery);
+        assert!(!halo.is_empty());
+        assert!(halo.iter().all(|&(x, y)| x >= BLOCK && (x >= 2 * BLOCK || y < BLOCK)), "{halo:?}");
+    }
+
+    /// The same depths by counting, for each, how many are smaller.
+    #[test]
+    fn percentiles_are_depths_with_so_many_below() {
+        for n in [1_usize, 2, 3, 49, 50, 51, 99, 100, 101, 1000] {
+            let mut depths: Vec<f32> = (0..n).map(|i| 0.5 + ((i * 7919) % 1009 / 3) as f32).collect();
+            depths.sort_unstable_by(f32::total_cmp);
+            let naive = |percent: usize| {
+                let below = |z: f32| depths.iter().filter(|&&other| other < z).count();
+                depths.iter().copied().filter(|&z| below(z) * 100 <= percent * (n - 1)).fold(0.0, f32::max)
+            };
+            assert_eq!(percentiles(&depths), Some((naive(2), naive(98))), "{n} depths");
+        }
+        assert_eq!(percentiles(&[]), None);
+    }
+
+    #[test]
+    fn a_far_pixel_does_not_flatten_the_rest() {
+        let depths = |i: usize| if i == 77 { 60.0 } else { 1.0 + (i % 100) as f32 / 100.0 };
+        let frame = testing::frame(testing::raster(100, 80, depths), None);
+        let (recording, discovery) =
+            (Recording::default(), testing::discovery(testing::raster(100, 80, |_| 0)));
+        let tile = depth(&View::new(&frame, &recording, &discovery));
+        let scale = tile.scale.unwrap();
+        assert_eq!((scale.low.as_str(), scale.high.as_str()), ("≤ 1.01", "≥ 1.98 m"));
+        let pixel = |u: u32, v: u32| tile.image.get_pixel(4 * u + 1, 4 * v + 1).0;
+        let ends = [1.0, 0.0].map(|share| DEPTH.eval_continuous(share).into_array());
+        assert_eq!(
+            [pixel(0, 5), pixel(1, 5), pixel(77, 0), pixel(99, 0)],
+            [ends[0], ends[0], ends[1], ends[1]]
+        );
+        assert_ne!(pixel(50, 5), pixel(51, 5));
     }
 
     #[test]

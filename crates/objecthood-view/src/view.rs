@@ -7,19 +7,21 @@ use objecthood::{Discovery, Frame, Raster, Segments};
 use crate::distance::{self, Anchor};
 use crate::grid::{sample, tile_size};
 use crate::recording::Recording;
+use crate::support::forest::Forest;
 
 /// Where there is no depth, no label, or nothing was recorded.
 pub(crate) const NOTHING: Rgb<u8> = Rgb([0; 3]);
 
 /// All that is to be drawn of a frame, at the size of a tile.
 pub(crate) struct View<'a> {
-    /// Columns and rows of a tile.
     size: (usize, usize),
     color: Option<RgbImage>,
     depth_m: Raster<f32>,
     normals: Option<Raster<[f32; 3]>>,
     /// The object of every pixel, 0 = none.
     objects: Raster<u16>,
+    /// What stands on what.
+    pub(crate) forest: Forest,
     /// From every pixel to the border of its object, in units of 1 / [`distance::SIDE`] px.
     to_border: Vec<u32>,
     frame: &'a Frame,
@@ -36,6 +38,7 @@ impl<'a> View<'a> {
             depth_m: sample(frame.depth_m()),
             to_border: distance::to_border(&objects),
             objects,
+            forest: Forest::new(discovery),
             normals: recording.normals.as_ref().map(sample),
             frame,
             recording,
@@ -43,12 +46,15 @@ impl<'a> View<'a> {
         }
     }
 
+    /// Columns and rows of a tile.
+    pub(crate) fn tile_size(&self) -> (u32, u32) {
+        (self.size.0 as u32, self.size.1 as u32)
+    }
+
     /// A tile of which `color` paints every pixel that shows something.
     pub(crate) fn paint(&self, mut color: impl FnMut(usize, usize) -> Option<Rgb<u8>>) -> RgbImage {
-        let (width, height) = self.size;
-        RgbImage::from_fn(width as u32, height as u32, |x, y| {
-            color(x as usize, y as usize).unwrap_or(NOTHING)
-        })
+        let (width, height) = self.tile_size();
+        RgbImage::from_fn(width, height, |x, y| color(x as usize, y as usize).unwrap_or(NOTHING))
     }
 
     /// Width of a line that is seen at the size of a tile [px].

@@ -1,0 +1,103 @@
+//! Smooth shapes on a picture, each given by the distance of a point to it.
+
+use image::{Rgb, RgbImage};
+
+use crate::text::blend;
+
+/// A point or an extent on a picture: columns to the right, rows downwards [px].
+pub(crate) type Point = [f32; 2];
+
+/// A filled disc.
+pub(crate) fn disc(picture: &mut RgbImage, center: Point, radius_px: f32, color: Rgb<u8>) {
+    let reach = [radius_px; 2];
+    fill(picture, minus(center, reach), plus(center, reach), color, |p| length(minus(p, center)) - radius_px);
+}
+
+/// A filled rectangle, `half` its width and height.
+pub(crate) fn bar(picture: &mut RgbImage, center: Point, half: Point, color: Rgb<u8>) {
+    fill(picture, minus(center, half), plus(center, half), color, |p| {
+        let d = minus(p, center);
+        (d[0].abs() - half[0]).max(d[1].abs() - half[1])
+    });
+}
+
+/// A straight line from `a` to `b` with round ends.
+pub(crate) fn line(picture: &mut RgbImage, a: Point, b: Point, width_px: f32, color: Rgb<u8>) {
+    let half = width_px / 2.0;
+    let along = minus(b, a);
+    let squared = (along[0] * along[0] + along[1] * along[1]).max(f32::MIN_POSITIVE);
+    let low = [a[0].min(b[0]) - half, a[1].min(b[1]) - half];
+    let high = [a[0].max(b[0]) + half, a[1].max(b[1]) + half];
+    fill(picture, low, high, color, |p| {
+        let d = minus(p, a);
+        let share = ((d[0] * along[0] + d[1] * along[1]) / squared).clamp(0.0, 1.0);
+        length([d[0] - share * along[0], d[1] - share * along[1]]) - half
+    });
+}
+
+/// Covers the pixels whose centre is inside, within `low..high`; `distance` is negative there, and a pixel on the
+/// border is covered in part.
+fn fill(picture: &mut RgbImage, low: Point, high: Point, color: Rgb<u8>, distance: impl Fn(Point) -> f32) {
+    let (width, height) = picture.dimensions();
+    let range = |k: usize, size: u32| {
+        let first = (low[k] - 1.0).max(0.0) as u32;
+        first..((high[k] + 2.0).max(0.0) as u32).min(size)
+    };
+    for y in range(1, height) {
+        for x in range(0, width) {
+            let covered = (0.5 - distance([x as f32 + 0.5, y as f32 + 0.5])).clamp(0.0, 1.0);
+            blend(picture, (i64::from(x), i64::from(y)), color, covered);
+        }
+    }
+}
+
+fn plus(a: Point, b: Point) -> Point {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+fn minus(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn length(a: Point) -> f32 {
+    (a[0] * a[0] + a[1] * a[1]).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const INK: Rgb<u8> = Rgb([255; 3]);
+
+    /// How much of a black picture of 40 x 30 pixels is covered, in pixels.
+    fn area(draw: impl Fn(&mut RgbImage)) -> f32 {
+        let mut picture = RgbImage::new(40, 30);
+        draw(&mut picture);
+        picture.pixels().map(|p| f32::from(p.0[0]) / 255.0).sum()
+    }
+
+    #[test]
+    fn shapes_cover_their_area() {
+        let close = |found: f32, exact: f32| assert!((found - exact).abs() < 0.03 * exact, "{found} {exact}");
+        close(area(|p| disc(p, [20.0, 15.0], 9.0, INK)), 81.0 * std::f32::consts::PI);
+        close(area(|p| disc(p, [20.3, 15.7], 9.4, INK)), 88.36 * std::f32::consts::PI);
+        close(area(|p| bar(p, [20.0, 15.0], [8.0, 5.0], INK)), 160.0);
+        close(area(|p| line(p, [5.0, 15.0], [35.0, 15.0], 2.0, INK)), 60.0 + std::f32::consts::PI);
+        close(area(|p| line(p, [5.0, 5.0], [35.0, 25.0], 2.0, INK)), 72.11 + std::f32::consts::PI);
+    }
+
+    #[test]
+    fn what_lies_outside_is_cut_off() {
+        close_to_half(area(|p| disc(p, [0.0, 15.0], 9.0, INK)));
+        for far in [-1e9, 1e9, f32::NAN] {
+            assert_eq!(area(|p| disc(p, [far, 15.0], 9.0, INK)), 0.0);
+        }
+        assert_eq!(area(|p| line(p, [-9.0, -9.0], [-9.0, 90.0], 2.0, INK)), 0.0);
+        area(|p| line(p, [7.0, 7.0], [7.0, 7.0], 1.0, INK));
+    }
+
+    fn close_to_half(found: f32) {
+        let half = 40.5 * std::f32::consts::PI;
+        assert!((found - half).abs() < 0.03 * half, "{found}");
+    }
+}

@@ -1,0 +1,5 @@
+//! The drawing of what stands on what.
+
+pub(crate) mod forest;
+mod layout;
+pub(crate) mod tree;

@@ -1,0 +1,146 @@
+//! The forest as a picture.
+
+use image::{Rgb, RgbImage};
+use objecthood::Discovery;
+use objecthood::objectness::support::NodeKind;
+
+use crate::drawing::{Point, bar, disc, line};
+use crate::palette::{ink_on, object_color};
+use crate::support::forest::Forest;
+use crate::support::layout::{Layout, layout};
+use crate::text::Text;
+
+const PAPER: Rgb<u8> = Rgb([245; 3]);
+const INK: Rgb<u8> = Rgb([60; 3]);
+/// Edges beside those to the parents.
+const FAINT: Rgb<u8> = Rgb([205; 3]);
+const SURFACE: Rgb<u8> = Rgb([150; 3]);
+/// Smaller letters are left out [px].
+const LEAST_LETTERS_PX: f32 = 9.0;
+
+/// How a node looks, and the number that is written beside it.
+struct Look {
+    color: Rgb<u8>,
+    is_round: bool,
+    name: String,
+    value: f32,
+}
+
+/// Draws a forest on `size` (columns, rows) pixels: objects as discs in their colours with their P(O), whatever else carries one as a grey
+/// bar with its name and P(S).
+///
+/// What carries stands below; a dark line leads to what an object touches most, faint ones to the rest. Letters and
+/// numbers for which there is no room are left out.
+pub(crate) fn tree(discovery: &Discovery, forest: &Forest, (width, height): (u32, u32)) -> RgbImage {
+    let mut picture = RgbImage::from_pixel(width, height, PAPER);
+    let Layout { centers, radius_px, branch_px, beside_px } = layout(forest, [width as f32, height as f32]);
+    let line_px = (radius_px / 8.0).clamp(0.7, 2.5);
+
+    for &(lower, upper) in &forest.others {
+        line(&mut picture, centers[lower], centers[upper], line_px, FAINT);
+    }
+    for (node, &[x, y]) in forest.nodes.iter().zip(&centers) {
+        if let Some([parent_x, parent_y]) = node.parent.map(|p| centers[p]) {
+            let branch_y = parent_y - branch_px;
+            line(&mut picture, [parent_x, parent_y], [parent_x, branch_y], line_px, INK);
+            line(&mut picture, [parent_x, branch_y], [x, branch_y], line_px, INK);
+            line(&mut picture, [x, branch_y], [x, y], line_px, INK);
+        }
+    }
+    let names = forest.surface_names(discovery);
+    for (k, &center) in centers.iter().enumerate() {
+        let look = look(discovery, forest.nodes[k].node, &names[k]);
+        draw_node(&mut picture, &look, center, radius_px, beside_px);
+    }
+    picture
+}
+
+/// One line for each kind of node.
+fn look(discovery: &Discovery, node: usize, name: &str) -> Look {
+    let node = &discovery.support.nodes[node];
+    let (color, is_round, name, value) = match node.kind {
+        NodeKind::Object { object } => (object_color(object.0), true, object.0.to_string(), node.p_o),
+        NodeKind::Surface => (SURFACE, false, name.to_owned(), node.p_s),
+    };
+    Look { color, is_round, name, value }
+}
+
+fn draw_node(picture: &mut RgbImage, look: &Look, center: Point, radius_px: f32, beside_px: f32) {
+    let outline_px = (radius_px / 10.0).min(1.5);
+    let r = radius_px - outline_px;
+    if look.is_round {
+        disc(picture, center, radius_px, INK);
+        disc(picture, center, r, look.color);
+    } else {
+        bar(picture, center, [radius_px, 0.7 * radius_px], INK);
+        bar(picture, center, [r, 0.7 * radius_px - outline_px], look.color);
+    }
+    let letters_px = radius_px * (2.4 / look.name.len() as f32).min(1.2);
+    if letters_px >= LEAST_LETTERS_PX {
+        let text = Text::new(&look.name, letters_px);
+        text.draw(picture, centered(&text, center), ink_on(look.color));
+    }
+    let value = Text::new(&format!("{:.2}", look.value), (0.7 * radius_px).clamp(LEAST_LETTERS_PX, 16.0));
+    if value.width as f32 + radius_px / 2.0 <= beside_px {
+        let middle = [center[0] + radius_px * 1.2 + value.width as f32 / 2.0, center[1] + radius_px * 0.3];
+        value.draw_with_halo(picture, centered(&value, middle), INK, PAPER, 2);
+    }
+}
+
+/// Where the box of a text goes so that its middle is at `center`.
+fn centered(text: &Text, [x, y]: Point) -> (i64, i64) {
+    ((x - text.width as f32 / 2.0).round() as i64, (y - text.height as f32 / 2.0).round() as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing;
+
+    fn drawn(discovery: &Discovery, size: (u32, u32)) -> RgbImage {
+        tree(discovery, &Forest::new(discovery), size)
+    }
+
+    fn pixels(picture: &RgbImage, color: Rgb<u8>) -> usize {
+        picture.pixels().filter(|p| **p == color).count()
+    }
+
+    #[test]
+    fn objects_have_their_colours_and_carriers_are_grey() {
+        let discovery = testing::standing(3, &[1, 2], &[(0, 1, 9), (0, 2, 5), (1, 2, 4)]);
+        let picture = drawn(&discovery, (640, 480));
+        let disc = pixels(&picture, object_color(1));
+        assert!(disc > 500 && disc.abs_diff(pixels(&picture, object_color(2))) < 200, "{disc}");
+        assert!(pixels(&picture, SURFACE) > 300);
+        let rows = |color| {
+            picture.enumerate_pixels().filter(|(.., p)| **p == color).map(|(_, y, _)| y).collect::<Vec<_>>()
+        };
+        let middle = |rows: Vec<u32>| rows.iter().sum::<u32>() / rows.len() as u32;
+        let heights = [SURFACE, object_color(1), object_color(2)].map(|c| middle(rows(c)));
+        assert_eq!(heights, [399, 239, 79], "each above what carries it");
+    }
+
+    #[test]
+    fn any_number_of_objects_on_any_size() {
+        for objects in [0, 1, 40, 200, 3000] {
+            let numbers: Vec<u32> = (1..=objects).collect();
+            let edges: Vec<_> = numbers.iter().map(|&k| (k / 3, k, k % 7)).collect();
+            let discovery = testing::standing(objects + 1, &numbers, &edges);
+            for size in [(1, 1), (320, 240), (640, 480), (2640, 240), (320, 960)] {
+                let picture = drawn(&discovery, size);
+                assert_eq!(picture, drawn(&discovery, size));
+                let blank = picture.pixels().all(|p| *p == PAPER);
+                assert_eq!(blank, objects == 0, "{objects} objects on {size:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn forty_objects_can_be_read() {
+        let numbers: Vec<u32> = (1..=40).collect();
+        let edges: Vec<_> = numbers.iter().map(|&k| (0, k, 1)).collect();
+        let discovery = testing::standing(41, &numbers, &edges);
+        let Layout { radius_px, .. } = layout(&Forest::new(&discovery), [640.0, 480.0]);
+        assert!(radius_px * 1.2 >= LEAST_LETTERS_PX, "{radius_px}");
+    }
+}
