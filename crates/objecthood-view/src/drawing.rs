@@ -21,18 +21,24 @@ pub(crate) fn bar(picture: &mut RgbImage, center: Point, half: Point, color: Rgb
     });
 }
 
-/// A straight line from `a` to `b` with round ends.
-pub(crate) fn line(picture: &mut RgbImage, a: Point, b: Point, width_px: f32, color: Rgb<u8>) {
+/// A line along `points` with round ends and corners.
+pub(crate) fn line(picture: &mut RgbImage, points: &[Point], width_px: f32, color: Rgb<u8>) {
     let half = width_px / 2.0;
-    let along = minus(b, a);
-    let squared = (along[0] * along[0] + along[1] * along[1]).max(f32::MIN_POSITIVE);
-    let low = [a[0].min(b[0]) - half, a[1].min(b[1]) - half];
-    let high = [a[0].max(b[0]) + half, a[1].max(b[1]) + half];
+    let of = |k: usize| points.iter().map(move |p| p[k]);
+    let low = [0, 1].map(|k| of(k).fold(f32::INFINITY, f32::min) - half);
+    let high = [0, 1].map(|k| of(k).fold(f32::NEG_INFINITY, f32::max) + half);
     fill(picture, low, high, color, |p| {
-        let d = minus(p, a);
-        let share = ((d[0] * along[0] + d[1] * along[1]) / squared).clamp(0.0, 1.0);
-        length([d[0] - share * along[0], d[1] - share * along[1]]) - half
+        let distances = points.windows(2).map(|ends| to_segment(p, ends[0], ends[1]));
+        distances.fold(f32::INFINITY, f32::min) - half
     });
+}
+
+/// From `p` to the nearest point between `a` and `b`.
+fn to_segment(p: Point, a: Point, b: Point) -> f32 {
+    let (along, d) = (minus(b, a), minus(p, a));
+    let squared = (along[0] * along[0] + along[1] * along[1]).max(f32::MIN_POSITIVE);
+    let share = ((d[0] * along[0] + d[1] * along[1]) / squared).clamp(0.0, 1.0);
+    length([d[0] - share * along[0], d[1] - share * along[1]])
 }
 
 /// Covers the pixels whose centre is inside, within `low..high`; `distance` is negative there, and a pixel on the
@@ -82,8 +88,10 @@ mod tests {
         close(area(|p| disc(p, [20.0, 15.0], 9.0, INK)), 81.0 * std::f32::consts::PI);
         close(area(|p| disc(p, [20.3, 15.7], 9.4, INK)), 88.36 * std::f32::consts::PI);
         close(area(|p| bar(p, [20.0, 15.0], [8.0, 5.0], INK)), 160.0);
-        close(area(|p| line(p, [5.0, 15.0], [35.0, 15.0], 2.0, INK)), 60.0 + std::f32::consts::PI);
-        close(area(|p| line(p, [5.0, 5.0], [35.0, 25.0], 2.0, INK)), 72.11 + std::f32::consts::PI);
+        close(area(|p| line(p, &[[5.0, 15.0], [35.0, 15.0]], 2.0, INK)), 60.0 + std::f32::consts::PI);
+        let corner = [[5.0, 5.0], [5.0, 25.0], [35.0, 25.0]];
+        close(area(|p| line(p, &corner, 2.0, INK)), 100.0 + std::f32::consts::PI);
+        close(area(|p| line(p, &[[5.0, 5.0], [35.0, 25.0]], 2.0, INK)), 72.11 + std::f32::consts::PI);
     }
 
     #[test]
@@ -92,8 +100,10 @@ mod tests {
         for far in [-1e9, 1e9, f32::NAN] {
             assert_eq!(area(|p| disc(p, [far, 15.0], 9.0, INK)), 0.0);
         }
-        assert_eq!(area(|p| line(p, [-9.0, -9.0], [-9.0, 90.0], 2.0, INK)), 0.0);
-        area(|p| line(p, [7.0, 7.0], [7.0, 7.0], 1.0, INK));
+        assert_eq!(area(|p| line(p, &[[-9.0, -9.0], [-9.0, 90.0]], 2.0, INK)), 0.0);
+        for points in [&[][..], &[[7.0, 7.0]], &[[7.0, 7.0], [7.0, 7.0]], &[[f32::NAN; 2], [7.0, 7.0]]] {
+            area(|p| line(p, points, 1.0, INK));
+        }
     }
 
     fn close_to_half(found: f32) {

@@ -42,7 +42,7 @@ pub(crate) fn write(image: &mut RgbImage, mut labels: Vec<Label>) {
     for (label, text, place) in placed.iter().rev() {
         let (anchor, middle) = ([label.anchor.u, label.anchor.v].map(|x| x as f32 + 0.5), place.middle());
         if !place.holds(anchor) {
-            line(image, anchor, middle, 1.5, label.color);
+            line(image, &[anchor, middle], 1.5, label.color);
             disc(image, anchor, 2.5, label.color);
         }
         // Digits that reach beyond a small region keep their contrast and show whose they are.
@@ -115,5 +115,73 @@ impl Taken {
         let (top, bottom) = (clip(place.top, self.height), clip(place.top + place.height, self.height));
         let width = self.width;
         (top..bottom).map(move |y| (y * width + left) as usize..(y * width + right) as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: (u32, u32) = (320, 240);
+
+    fn label(id: u16, u: usize, v: usize, radius_px: f32) -> Label {
+        let color = Rgb([id as u8, 200, 255 - id as u8]);
+        Label { text: id.to_string(), color, anchor: Anchor { id, u, v, radius_px } }
+    }
+
+    fn place(taken: &mut Taken, label: &Label) -> Place {
+        taken.place(&label.anchor, &Text::new(&label.text, 14.0))
+    }
+
+    fn overlap(a: &Place, b: &Place) -> bool {
+        let apart = |a: i64, a_length: i64, b: i64, b_length: i64| a + a_length <= b || b + b_length <= a;
+        !apart(a.left, a.width, b.left, b.width) && !apart(a.top, a.height, b.top, b.height)
+    }
+
+    #[test]
+    fn labels_do_not_cover_each_other() {
+        // Objects 9 px apart, two digits 18 px wide.
+        let mut taken = Taken::new(SIZE);
+        let crowd = (0..16)
+            .map(|k| label(10 + k, 140 + 9 * (usize::from(k) % 4), 100 + 9 * (usize::from(k) / 4), 4.0));
+        let places: Vec<Place> = crowd.map(|l| place(&mut taken, &l)).collect();
+        for (k, a) in places.iter().enumerate() {
+            assert!(a.left >= 0 && a.top >= 0, "{a:?}");
+            assert!(places[..k].iter().all(|b| !overlap(a, b)), "{a:?} covers another");
+        }
+        let (first, home) = (&places[0], [140.0, 100.0]);
+        assert!((0..2).all(|k| (first.middle()[k] - home[k]).abs() <= 1.0), "the first one stays: {first:?}");
+    }
+
+    #[test]
+    fn a_label_at_the_border_moves_inside() {
+        for (u, v) in [(0, 0), (319, 0), (0, 239), (319, 239)] {
+            let place = place(&mut Taken::new(SIZE), &label(88, u, v, 1.0));
+            assert!(place.left >= 0 && place.left + place.width <= 320, "{place:?}");
+            assert!(place.top >= 0 && place.top + place.height <= 240, "{place:?}");
+        }
+    }
+
+    #[test]
+    fn without_room_a_label_stays_where_it_belongs() {
+        let mut taken = Taken::new(SIZE);
+        taken.pixels.fill(true);
+        let middle = place(&mut taken, &label(1, 100, 100, 9.0)).middle();
+        assert!(
+            middle.iter().all(|x| (x - 100.5).abs() <= 0.5),
+            "{middle:?} is not the middle of pixel 100, 100"
+        );
+        for size in [(1, 1), (320, 1), (1, 240)] {
+            let mut image = RgbImage::new(size.0, size.1);
+            write(&mut image, (1..200).map(|id| label(id, 0, 0, 0.3)).collect());
+        }
+    }
+
+    #[test]
+    fn a_moved_label_is_tied_to_its_region() {
+        let mut image = RgbImage::new(SIZE.0, SIZE.1);
+        write(&mut image, vec![label(1, 160, 120, 9.0), label(2, 160, 120, 2.0)]);
+        let count = |id| image.pixels().filter(|p| **p == label(id, 0, 0, 0.0).color).count();
+        assert!(count(1) > 20 && count(2) > 20, "{} {}", count(1), count(2));
     }
 }

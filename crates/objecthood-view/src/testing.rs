@@ -83,7 +83,7 @@ pub(crate) fn random_support(seed: u32, nodes: u32, edges: u32, upwards: bool) -
     let mut state = seed;
     let mut below = |n: u32| {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (u64::from(state) * u64::from(n) >> 32) as u32
+        ((u64::from(state) * u64::from(n)) >> 32) as u32
     };
     let objects: Vec<u32> = (0..nodes).filter(|_| below(2) == 0).collect();
     let mut pairs: Vec<(u32, u32)> = (0..edges).map(|_| (below(nodes), below(nodes))).collect();

@@ -159,8 +159,9 @@ pub(crate) fn objects(view: &View<'_>) -> Tile {
 
 /// What stands on what, on `size` (columns, rows) pixels.
 pub(crate) fn support(view: &View<'_>, size: (u32, u32)) -> Tile {
-    let image = tree(view.discovery, &view.forest, size);
-    Tile { title: "support".to_owned(), image, scale: None }
+    let tree = tree(view.discovery, &view.forest, size);
+    let title = if tree.has_numbers { "support: P(O), for bars P(S)" } else { "support" };
+    Tile { title: title.to_owned(), image: tree.picture, scale: None }
 }
 
 fn regions(view: &View<'_>, name: &str, segments: &Segments) -> Tile {

@@ -18,54 +18,73 @@ const SURFACE: Rgb<u8> = Rgb([150; 3]);
 /// Smaller letters are left out [px].
 const LEAST_LETTERS_PX: f32 = 9.0;
 
+/// The picture of a forest.
+pub(crate) struct Tree {
+    pub(crate) picture: RgbImage,
+    /// Whether there was room for the numbers beside the nodes.
+    pub(crate) has_numbers: bool,
+}
+
 /// How a node looks, and the number that is written beside it.
 struct Look {
     color: Rgb<u8>,
     is_round: bool,
     name: String,
-    value: f32,
+    number: f32,
 }
 
-/// Draws a forest on `size` (columns, rows) pixels: objects as discs in their colours with their P(O), whatever else carries one as a grey
-/// bar with its name and P(S).
+/// Draws a forest on `size` (columns, rows) pixels: objects as discs in their colours with their P(O), whatever else
+/// carries one as a grey bar with its name and P(S).
 ///
-/// What carries stands below; a dark line leads to what an object touches most, faint ones to the rest. Letters and
+/// What carries stands below; a dark line leads to what an object touches most, faint ones to the rest. Names and
 /// numbers for which there is no room are left out.
-pub(crate) fn tree(discovery: &Discovery, forest: &Forest, (width, height): (u32, u32)) -> RgbImage {
+pub(crate) fn tree(discovery: &Discovery, forest: &Forest, (width, height): (u32, u32)) -> Tree {
     let mut picture = RgbImage::from_pixel(width, height, PAPER);
+    if forest.nodes.is_empty() {
+        let text = Text::new("no objects", 15.0);
+        text.draw(&mut picture, centered(&text, [width as f32 / 2.0, height as f32 / 2.0]), INK);
+        return Tree { picture, has_numbers: false };
+    }
+
     let Layout { centers, radius_px, branch_px, beside_px } = layout(forest, [width as f32, height as f32]);
     let line_px = (radius_px / 8.0).clamp(0.7, 2.5);
-
     for &(lower, upper) in &forest.others {
-        line(&mut picture, centers[lower], centers[upper], line_px, FAINT);
+        line(&mut picture, &[centers[lower], centers[upper]], line_px, FAINT);
     }
     for (node, &[x, y]) in forest.nodes.iter().zip(&centers) {
         if let Some([parent_x, parent_y]) = node.parent.map(|p| centers[p]) {
             let branch_y = parent_y - branch_px;
-            line(&mut picture, [parent_x, parent_y], [parent_x, branch_y], line_px, INK);
-            line(&mut picture, [parent_x, branch_y], [x, branch_y], line_px, INK);
-            line(&mut picture, [x, branch_y], [x, y], line_px, INK);
+            let path = [[parent_x, parent_y], [parent_x, branch_y], [x, branch_y], [x, y]];
+            line(&mut picture, &path, line_px, INK);
         }
     }
+
+    let digits_px = (0.7 * radius_px).clamp(LEAST_LETTERS_PX, 16.0);
+    let has_numbers = 0.5 * radius_px + Text::new("0.00", digits_px).width as f32 <= beside_px;
     let names = forest.surface_names(discovery);
-    for (k, &center) in centers.iter().enumerate() {
-        let look = look(discovery, forest.nodes[k].node, &names[k]);
-        draw_node(&mut picture, &look, center, radius_px, beside_px);
+    for ((node, name), &[x, y]) in forest.nodes.iter().zip(&names).zip(&centers) {
+        let look = look(discovery, node.node, name);
+        draw_node(&mut picture, &look, [x, y], radius_px);
+        if has_numbers {
+            let text = Text::new(&format!("{:.2}", look.number), digits_px);
+            let middle = [x + 1.2 * radius_px + text.width as f32 / 2.0, y + 0.3 * radius_px];
+            text.draw_with_halo(&mut picture, centered(&text, middle), INK, PAPER, 2);
+        }
     }
-    picture
+    Tree { picture, has_numbers }
 }
 
 /// One line for each kind of node.
 fn look(discovery: &Discovery, node: usize, name: &str) -> Look {
     let node = &discovery.support.nodes[node];
-    let (color, is_round, name, value) = match node.kind {
+    let (color, is_round, name, number) = match node.kind {
         NodeKind::Object { object } => (object_color(object.0), true, object.0.to_string(), node.p_o),
         NodeKind::Surface => (SURFACE, false, name.to_owned(), node.p_s),
     };
-    Look { color, is_round, name, value }
+    Look { color, is_round, name, number }
 }
 
-fn draw_node(picture: &mut RgbImage, look: &Look, center: Point, radius_px: f32, beside_px: f32) {
+fn draw_node(picture: &mut RgbImage, look: &Look, center: Point, radius_px: f32) {
     let outline_px = (radius_px / 10.0).min(1.5);
     let r = radius_px - outline_px;
     if look.is_round {
@@ -80,11 +99,6 @@ fn draw_node(picture: &mut RgbImage, look: &Look, center: Point, radius_px: f32,
         let text = Text::new(&look.name, letters_px);
         text.draw(picture, centered(&text, center), ink_on(look.color));
     }
-    let value = Text::new(&format!("{:.2}", look.value), (0.7 * radius_px).clamp(LEAST_LETTERS_PX, 16.0));
-    if value.width as f32 + radius_px / 2.0 <= beside_px {
-        let middle = [center[0] + radius_px * 1.2 + value.width as f32 / 2.0, center[1] + radius_px * 0.3];
-        value.draw_with_halo(picture, centered(&value, middle), INK, PAPER, 2);
-    }
 }
 
 /// Where the box of a text goes so that its middle is at `center`.
@@ -98,7 +112,7 @@ mod tests {
     use crate::testing;
 
     fn drawn(discovery: &Discovery, size: (u32, u32)) -> RgbImage {
-        tree(discovery, &Forest::new(discovery), size)
+        tree(discovery, &Forest::new(discovery), size).picture
     }
 
     fn pixels(picture: &RgbImage, color: Rgb<u8>) -> usize {
@@ -130,7 +144,7 @@ mod tests {
                 let picture = drawn(&discovery, size);
                 assert_eq!(picture, drawn(&discovery, size));
                 let blank = picture.pixels().all(|p| *p == PAPER);
-                assert_eq!(blank, objects == 0, "{objects} objects on {size:?}");
+                assert!(!blank, "{objects} objects on {size:?}");
             }
         }
     }
@@ -142,5 +156,19 @@ mod tests {
         let discovery = testing::standing(41, &numbers, &edges);
         let Layout { radius_px, .. } = layout(&Forest::new(&discovery), [640.0, 480.0]);
         assert!(radius_px * 1.2 >= LEAST_LETTERS_PX, "{radius_px}");
+    }
+
+    #[test]
+    fn numbers_are_written_where_there_is_room() {
+        for (objects, expected) in [(1, true), (5, true), (8, true), (60, false), (200, false)] {
+            let numbers: Vec<u32> = (1..=objects).collect();
+            let edges: Vec<_> = numbers.iter().map(|&k| (0, k, 1)).collect();
+            let discovery = testing::standing(objects + 1, &numbers, &edges);
+            let Tree { picture, has_numbers } = tree(&discovery, &Forest::new(&discovery), (640, 480));
+            assert_eq!(has_numbers, expected, "{objects} objects");
+            let at_border = |x: u32| x == 0 || x == 639;
+            let cut_off = picture.enumerate_pixels().any(|(x, _, p)| at_border(x) && *p != PAPER);
+            assert!(!(has_numbers && cut_off), "{objects} objects");
+        }
     }
 }
