@@ -19,7 +19,7 @@ pub(super) struct Layout {
 /// A node takes at most this share of the smaller side of the drawing.
 const MAX_SHARE: f32 = 1.0 / 22.0;
 /// And so much of its row: the rest is for branches.
-const OF_ROW: f32 = 0.3;
+const OF_ROW: f32 = 0.4;
 
 /// Places a forest on a drawing of `size` (width, height) pixels.
 ///
