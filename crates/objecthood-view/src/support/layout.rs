@@ -17,9 +17,11 @@ pub(super) struct Layout {
 }
 
 /// A node takes at most this share of the smaller side of the drawing.
-const MAX_SHARE: f32 = 1.0 / 22.0;
+const MAX_SHARE: f32 = 1.0 / 26.0;
 /// And so much of its row: the rest is for branches.
 const OF_ROW: f32 = 0.4;
+/// Nodes are raised when they then are larger by this factor.
+const WORTH_RAISING: f32 = 1.25;
 
 /// Places a forest on a drawing of `size` (width, height) pixels.
 ///
@@ -34,11 +36,11 @@ pub(super) fn layout(forest: &Forest, [width, height]: Point) -> Layout {
     // Half a column on either side is a margin, also for the number beside the last node.
     let (column_px, layer_px) = (width / (leaves + 1.0), height / layers as f32);
 
-    let level = f32::min(0.42 * column_px, OF_ROW * layer_px);
-    let raised = f32::min(0.8 * column_px, OF_ROW * layer_px / 2.0);
-    let (rows, room_px) = if raised > level { (2, raised) } else { (1, level) };
+    let largest = MAX_SHARE * width.min(height);
+    let level = f32::min(0.42 * column_px, OF_ROW * layer_px).min(largest);
+    let raised = f32::min(0.8 * column_px, OF_ROW * layer_px / 2.0).min(largest);
+    let (rows, radius_px) = if raised > WORTH_RAISING * level { (2, raised) } else { (1, level) };
     let row_px = layer_px / rows as f32;
-    let radius_px = room_px.min(MAX_SHARE * width.min(height));
 
     let mut order: Vec<usize> = (0..columns.len()).collect();
     order.sort_by(|&a, &b| columns[a].total_cmp(&columns[b]));
