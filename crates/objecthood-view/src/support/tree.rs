@@ -129,9 +129,10 @@ mod tests {
         let rows = |color| {
             picture.enumerate_pixels().filter(|(.., p)| **p == color).map(|(_, y, _)| y).collect::<Vec<_>>()
         };
-        let middle = |rows: Vec<u32>| rows.iter().sum::<u32>() / rows.len() as u32;
-        let heights = [SURFACE, object_color(1), object_color(2)].map(|c| middle(rows(c)));
-        assert_eq!(heights, [399, 239, 79], "each above what carries it");
+        // The median, because the grey of a surface is also at the edges of letters. Layers are 160 px high.
+        let heights = [SURFACE, object_color(1), object_color(2)].map(|c| rows(c)[rows(c).len() / 2]);
+        let is_near = |(found, expected): (u32, u32)| found.abs_diff(expected) <= 5;
+        assert!(heights.into_iter().zip([400, 240, 80]).all(is_near), "{heights:?}");
     }
 
     #[test]
