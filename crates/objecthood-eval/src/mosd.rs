@@ -151,7 +151,10 @@ impl SceneRef {
 }
 
 /// The truth behind raw labels: the table 1, objects renumbered 2.. by ascending label, parts likewise.
-fn truth_of(raw: &Raster<u32>) -> Result<Truth> {
+///
+/// # Errors
+/// None: [`Error::PartsSize`] cannot be, as both have the size of `raw`.
+pub fn truth_of(raw: &Raster<u32>) -> Result<Truth> {
     Truth::new(renumbered(raw, |label| label / 10 * 10), renumbered(raw, |label| label), ROLES)
 }
 

@@ -25,6 +25,12 @@ pub enum Error {
         /// What there is.
         known: String,
     },
+    /// A camera that is nowhere near the scene.
+    #[error("a camera at {origin_m:?} m sees nothing of the scene: put it within 1000 m along every axis")]
+    FarAway {
+        /// Where it is.
+        origin_m: [f64; 3],
+    },
     /// The picture is no frame.
     #[error(transparent)]
     Frame(#[from] objecthood::Error),

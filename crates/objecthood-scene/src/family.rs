@@ -5,7 +5,7 @@ mod room;
 use std::fmt;
 use std::str::FromStr;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use objecthood::Camera;
 
 use crate::error::{Error, choices};
@@ -150,9 +150,7 @@ fn viewpoint(rng: &mut Rng) -> Viewpoint {
     let ((sin_e, cos_e), (sin_a, cos_a)) = (libm::sincos(elevation), libm::sincos(azimuth));
     let target = DVec3::new(rng.range(-0.04..0.04), rng.range(-0.04..0.04), room::TABLE_M + 0.03);
     let eye = target + DVec3::new(sin_a * cos_e, -cos_a * cos_e, sin_e) * distance;
-    let forward = (target - eye).normalize();
-    let right = forward.cross(DVec3::Z).normalize();
-    let pose = Pose { rotation: DMat3::from_cols(right, forward.cross(right), forward), origin: eye };
+    let pose = Pose::looking_at(eye.into(), target.into());
     // The nominal intrinsics of a Kinect v1, which mOSD has too.
     let camera = Camera { fx_px: 525.0, fy_px: 525.0, cx_px: 319.5, cy_px: 239.5 };
     Viewpoint { camera, size_px: (640, 480), pose: pose.turned(2, rng.range(-4.0..4.0)) }

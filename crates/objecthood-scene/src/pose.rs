@@ -19,6 +19,15 @@ impl Pose {
         Self { rotation: DMat3::IDENTITY, origin: origin_m.into() }
     }
 
+    /// That of a camera (x right, y down, z forward) at `eye_m` which looks at `target_m` and is held level; straight
+    /// down its right is the world's x.
+    pub fn looking_at(eye_m: [f64; 3], target_m: [f64; 3]) -> Self {
+        let origin = DVec3::from(eye_m);
+        let forward = (DVec3::from(target_m) - origin).normalize_or(DVec3::NEG_Z);
+        let right = forward.cross(DVec3::Z).normalize_or(DVec3::X);
+        Self { rotation: DMat3::from_cols(right, forward.cross(right), forward), origin }
+    }
+
     /// Turned by the angle about axis 0, 1 or 2 of its own frame (counterclockwise seen against the axis).
     #[must_use]
     pub fn turned(self, axis: usize, angle_deg: f64) -> Self {
@@ -74,6 +83,19 @@ mod tests {
             [(2, DVec3::X, [1.0, 3.0, 3.0]), (0, DVec3::Y, [1.0, 2.0, 4.0]), (1, DVec3::Z, [2.0, 2.0, 3.0])]
         {
             near(Pose::at([1.0, 2.0, 3.0]).turned(axis, 90.0).point(from), to);
+        }
+    }
+
+    #[test]
+    fn a_camera_looks_at_its_target_and_is_level() {
+        for eye in [[1.0, -2.0, 0.5], [0.3, 0.4, 2.0], [0.3, 0.4, -1.0], [-1.0, 0.4, 0.5]] {
+            let target = DVec3::new(0.3, 0.4, 0.5);
+            let pose = Pose::looking_at(eye, target.into());
+            let [right, down, forward] = [0, 1, 2].map(|k| pose.rotation.col(k));
+            let way = target - DVec3::from(eye);
+            assert!((forward * way.length() - way).length() < 1e-15);
+            assert!(right.z.abs() < 1e-15 && down.z <= 0.0 && (right.cross(down) - forward).length() < 1e-15);
+            assert!((pose.rotation.determinant() - 1.0).abs() < 1e-15);
         }
     }
 

@@ -72,8 +72,10 @@ mod tests {
 
     use super::*;
     use crate::family::{Family, generate};
+    use crate::pose::Pose;
     use crate::ray::Ray;
     use crate::solid::Probe;
+    use crate::world::Viewpoint;
 
     const STEP_M: f64 = 0.0004;
 
@@ -102,45 +104,68 @@ mod tests {
         Some((solid as u16 + 1, behind))
     }
 
-    #[test]
-    fn truth_is_the_first_hit() {
-        let (mut checked, mut skimmed) = (0, 0);
-        for (family, seed) in Family::ALL.into_iter().zip(3..) {
-            let world = generate(family, seed);
-            let probe = Probe::new(world.solids());
-            let view = View::of(&world);
-            let truth = view.truth().unwrap();
-            // A stride that visits all columns.
-            for i in (0..view.sights.len()).step_by(1009) {
-                let ray = world.viewpoint().ray((i % view.width) as f64, (i / view.width) as f64);
-                let walked = walk(&probe, ray);
-                let Some(sight) = view.sights[i] else {
-                    assert!(walked.is_none(), "{family} pixel {i}: nothing instead of {walked:?}");
-                    continue;
-                };
-                assert_eq!(truth.instance[i], sight.instance);
-                match walked {
-                    Some((instance, t)) if instance == sight.instance && (t - sight.t).abs() < 2e-6 => {
-                        checked += 1;
-                    }
-                    _ => {
-                        // The walk steps over what is thinner than its step along the ray.
-                        let length = ray.direction.length();
-                        let is_inside = |along: f64| {
-                            let instances = probe.at(ray.at(sight.t + along / length)).map(|k| k as u16 + 1);
-                            instances.into_iter().any(|k| k == sight.instance)
-                        };
-                        let is_boundary = is_inside(1e-6) && !is_inside(-1e-6);
-                        assert!(
-                            is_boundary && !is_inside(STEP_M),
-                            "{family} pixel {i}: {sight:?}, walked to {walked:?}"
-                        );
-                        skimmed += 1;
-                    }
+    /// Compares every `stride`-th pixel with a walk along its ray: how many agree, and how many were skimmed, where
+    /// the walk steps over what is thinner than its step.
+    fn compare(name: &str, world: &World, stride: usize) -> (usize, usize) {
+        let probe = Probe::new(world.solids());
+        let view = View::of(world);
+        let truth = view.truth().unwrap();
+        let (mut agree, mut skimmed) = (0, 0);
+        for i in (0..view.sights.len()).step_by(stride) {
+            let ray = world.viewpoint().ray((i % view.width) as f64, (i / view.width) as f64);
+            let walked = walk(&probe, ray);
+            let Some(sight) = view.sights[i] else {
+                assert!(walked.is_none(), "{name} pixel {i}: nothing instead of {walked:?}");
+                continue;
+            };
+            assert_eq!(truth.instance[i], sight.instance);
+            match walked {
+                Some((instance, t)) if instance == sight.instance && (t - sight.t).abs() < 2e-6 => agree += 1,
+                _ => {
+                    let length = ray.direction.length();
+                    let is_inside = |along: f64| {
+                        let instances = probe.at(ray.at(sight.t + along / length)).map(|k| k as u16 + 1);
+                        instances.into_iter().any(|k| k == sight.instance)
+                    };
+                    let is_boundary = is_inside(1e-6) && !is_inside(-1e-6);
+                    assert!(
+                        is_boundary && !is_inside(STEP_M),
+                        "{name} pixel {i}: {sight:?}, walked to {walked:?}"
+                    );
+                    skimmed += 1;
                 }
             }
         }
-        assert!(checked > 1700 && skimmed < checked / 100, "{checked} checked, {skimmed} skimmed");
+        (agree, skimmed)
+    }
+
+    #[test]
+    fn truth_is_the_first_hit() {
+        let (mut agree, mut skimmed) = (0, 0);
+        for (family, seed) in Family::ALL.into_iter().zip(3..) {
+            // A stride that visits all columns.
+            let (a, s) = compare(family.name(), &generate(family, seed), 1009);
+            (agree, skimmed) = (agree + a, skimmed + s);
+        }
+        assert!(agree > 1700 && skimmed < agree / 100, "{agree} agree, {skimmed} skimmed");
+    }
+
+    #[test]
+    fn truth_is_the_first_hit_from_anywhere() {
+        let world = generate(Family::Clutter, 4);
+        let camera = objecthood::Camera { fx_px: 90.0, fy_px: 70.0, cx_px: 40.0, cy_px: 70.0 };
+        let target_m = [0.0, 0.0, 0.75];
+        let (mut agree, mut skimmed) = (0, 0);
+        // Straight above, below the table, from behind, level with the table's top, close to it.
+        for eye_m in
+            [[0.0, 0.0, 2.0], [0.1, -0.3, 0.2], [0.3, 0.9, 1.3], [-1.5, 0.2, 0.7401], [0.5, -0.6, 0.9]]
+        {
+            let pose = Pose::looking_at(eye_m, target_m).turned(2, 30.0);
+            let viewpoint = Viewpoint { camera, size_px: (160, 120), pose };
+            let (a, s) = compare(&format!("{eye_m:?}"), &world.with_viewpoint(viewpoint).unwrap(), 37);
+            (agree, skimmed) = (agree + a, skimmed + s);
+        }
+        assert!(agree > 2000 && skimmed < agree / 50, "{agree} agree, {skimmed} skimmed");
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! A scene: what stands where, how it is lit, who looks at it.
 
 use glam::DVec3;
-use objecthood::Camera;
+use objecthood::{Camera, Raster};
 
 use crate::contact::Contact;
+use crate::error::{Error, Result};
 use crate::light::Lighting;
 use crate::pose::Pose;
 use crate::ray::{Hit, Ray};
@@ -63,6 +64,8 @@ pub(crate) struct Sight {
 
 /// What lies nearer to a surface than this (m) is the surface itself, for rays that leave it.
 pub(crate) const SKIN_M: f64 = 1e-6;
+/// A camera is no farther from the middle of the floor than this along any axis.
+const FARTHEST_M: f64 = 1000.0;
 
 impl World {
     pub(crate) fn new(
@@ -104,6 +107,24 @@ impl World {
             cy_px: center(c.cy_px),
         };
         Self { viewpoint: Viewpoint { camera, size_px: (width / 4, height / 4), pose }, ..self.clone() }
+    }
+
+    /// The same scene, seen from anywhere outside its solids, by any pinhole camera.
+    ///
+    /// What sensors do in pixels (windows, jitter) was measured at 640 x 480 with 525 px of focal length.
+    ///
+    /// # Errors
+    /// [`Error::Frame`] when there is no such camera or image, [`Error::FarAway`] when the camera is not within 1 km of
+    /// the scene.
+    pub fn with_viewpoint(&self, viewpoint: Viewpoint) -> Result<Self> {
+        viewpoint.camera.check()?;
+        let (width, height) = viewpoint.size_px;
+        Raster::filled(width, height, ())?;
+        // Farther away a step along a ray would be lost in rounding.
+        if !viewpoint.pose.origin.to_array().iter().all(|x| x.abs() <= FARTHEST_M) {
+            return Err(Error::FarAway { origin_m: viewpoint.pose.origin_m() });
+        }
+        Ok(Self { viewpoint, ..self.clone() })
     }
 
     /// What the scene and the noise of its pictures are made from.

@@ -15,23 +15,19 @@ const POINT_BYTES: usize = 20;
 
 /// An organized PCD file, version 0.7, `binary_compressed`, with the fields label, x, y, z and rgba.
 ///
-/// Labels: 0 = no depth; 1 = whatever is no object; 10 (k + 1) and up = the k-th object, one number for each of its disjoint
-/// visible parts. With `crop` points on the room (floor and walls) have no depth, as in mOSD.
+/// Labels are [`mosd_labels`]; where they are 0 there is no point.
 pub fn pcd(world: &World, rendered: &Rendered, crop: bool) -> Vec<u8> {
     let (width, height) = rendered.frame.size();
-    let is_kept =
-        |instance: u16| world.solid(instance).is_some_and(|solid| !crop || solid.role() != Role::Room);
-    let instances = rendered.truth.instance.map(|&k| if is_kept(k) { k } else { 0 });
-    let labels = labels(world, &instances);
+    let labels = mosd_labels(world, rendered, crop);
     let points = rendered.frame.points_m();
 
     // One whole field after the other.
     let pixels = width * height;
     let mut block = Vec::with_capacity(pixels * POINT_BYTES);
-    labels.iter().for_each(|label| block.extend(label.to_le_bytes()));
+    labels.as_slice().iter().for_each(|label| block.extend(label.to_le_bytes()));
     for axis in 0..3 {
-        for (point, &instance) in points.as_slice().iter().zip(instances.as_slice()) {
-            let value = if instance == 0 { f32::NAN } else { point[axis] };
+        for (point, &label) in points.as_slice().iter().zip(labels.as_slice()) {
+            let value = if label == 0 { f32::NAN } else { point[axis] };
             block.extend(value.to_le_bytes());
         }
     }
@@ -53,16 +49,21 @@ pub fn pcd(world: &World, rendered: &Rendered, crop: bool) -> Vec<u8> {
     file
 }
 
-/// The label of every pixel.
-fn labels(world: &World, instances: &Raster<u16>) -> Vec<u32> {
-    let objects: Vec<u16> = world.objects().collect();
-    let mut labels: Vec<u32> = instances.as_slice().iter().map(|&k| u32::from(k != 0)).collect();
-    for (k, &object) in objects.iter().enumerate() {
+/// The truth of every pixel as mOSD has it.
+///
+/// 0 = no depth; 1 = whatever is no object; 10 (k + 1) and up = the k-th object, k >= 1, one number for each of its disjoint
+/// visible parts. With `crop` the room (floor and walls) is 0 too, as in mOSD.
+pub fn mosd_labels(world: &World, rendered: &Rendered, crop: bool) -> Raster<u32> {
+    let instances = &rendered.truth.instance;
+    let is_kept =
+        |instance: u16| world.solid(instance).is_some_and(|solid| !crop || solid.role() != Role::Room);
+    let mut labels = instances.map(|&k| u32::from(is_kept(k)));
+    for (k, object) in world.objects().enumerate() {
         let mut parts = parts(instances, object);
         parts.sort_by_key(|part| std::cmp::Reverse(part.len()));
         for (number, part) in parts.iter().enumerate() {
             let own = if part.len() >= MIN_PART_PX && number < MAX_PARTS { number } else { 0 };
-            part.iter().for_each(|&i| labels[i] = 10 * (k as u32 + 2) + own as u32);
+            part.iter().for_each(|&i| labels.as_mut_slice()[i] = 10 * (k as u32 + 2) + own as u32);
         }
     }
     labels
