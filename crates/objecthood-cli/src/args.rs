@@ -1,13 +1,16 @@
 //! What can be said on the command line, and nothing of what is done with it.
 
 mod images;
+mod synthetic;
 
 pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
+pub(crate) use synthetic::{DemoArgs, SynthArgs};
 
 use std::path::PathBuf;
 
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use objecthood_io::GridCamera;
 
 /// Said at the end of every `--help`.
@@ -31,23 +34,28 @@ pub(crate) struct Cli {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    Demo(DemoArgs),
     Segment(SegmentArgs),
     Eval(EvalArgs),
+    Synth(SynthArgs),
     Params(ParamsArgs),
+    Completions(CompletionsArgs),
 }
 
 impl Command {
-    /// The settings given to whichever subcommand it is.
-    pub(crate) fn settings(&self) -> &Settings {
+    /// Whether to log the time of every stage.
+    pub(crate) fn is_verbose(&self) -> bool {
         match self {
-            Self::Segment(args) => &args.settings,
-            Self::Eval(args) => &args.settings,
-            Self::Params(args) => &args.settings,
+            Self::Demo(args) => args.settings.verbose,
+            Self::Segment(args) => args.settings.verbose,
+            Self::Eval(args) => args.settings.verbose,
+            Self::Params(args) => args.settings.verbose,
+            Self::Synth(_) | Self::Completions(_) => false,
         }
     }
 }
 
-/// What every subcommand takes.
+/// What every subcommand takes that runs a method.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Settings")]
 pub(crate) struct Settings {
@@ -59,9 +67,8 @@ pub(crate) struct Settings {
     #[arg(long, value_name = "STAGE.PARAMETER=VALUE")]
     pub(crate) set: Vec<String>,
 
-    /// Threads to use [default: one per core].
-    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..=1024))]
-    pub(crate) threads: Option<usize>,
+    #[command(flatten)]
+    threads: Threads,
 
     /// Log the time of every stage.
     #[arg(short, long)]
@@ -71,6 +78,20 @@ pub(crate) struct Settings {
 impl Settings {
     /// How many threads to use.
     pub(crate) fn threads(&self) -> usize {
+        self.threads.count()
+    }
+}
+
+/// How many threads to use.
+#[derive(Debug, Args)]
+pub(crate) struct Threads {
+    /// Threads to use [default: one per core].
+    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..=1024))]
+    threads: Option<usize>,
+}
+
+impl Threads {
+    pub(crate) fn count(&self) -> usize {
         self.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
     }
 }
@@ -177,6 +198,15 @@ pub(crate) struct ParamsArgs {
 
     #[command(flatten)]
     pub(crate) settings: Settings,
+}
+
+/// Print a script by which a shell completes the command line.
+///
+/// For example: objecthood completions bash > ~/.local/share/bash-completion/completions/objecthood
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArgs {
+    /// The shell that is to read it.
+    pub(crate) shell: Shell,
 }
 
 /// The methods by name, those to come included.

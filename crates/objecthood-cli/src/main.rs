@@ -4,14 +4,20 @@
 //! with the command line is said before the first file is written.
 
 mod args;
+mod completions;
 mod config;
 mod crew;
+mod demo;
 mod eval;
 mod failure;
 mod inputs;
 mod natural;
+mod outputs;
 mod params;
 mod segment;
+mod shell;
+mod synth;
+mod synthetic;
 mod terminal;
 mod watch;
 
@@ -31,13 +37,16 @@ fn main() -> ExitCode {
             return if e.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
         }
     };
-    if cli.command.settings().verbose {
+    if cli.command.is_verbose() {
         terminal::log_to_stderr();
     }
     let outcome = match &cli.command {
+        Command::Demo(args) => demo::run(args),
         Command::Segment(args) => segment::run(args),
         Command::Eval(args) => eval::run(args),
+        Command::Synth(args) => synth::run(args),
         Command::Params(args) => params::run(args),
+        Command::Completions(args) => completions::run(args),
     };
     match outcome {
         Ok(Outcome::AllDone) => ExitCode::SUCCESS,

@@ -1,21 +1,20 @@
 //! `objecthood segment`: frames -> label images, scene files, panels.
 
 use std::collections::BTreeSet;
-use std::ffi::OsString;
 use std::fmt::Write;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, Result, anyhow};
-use objecthood::{Discovery, Object, Observer, Params};
-use objecthood_io::scene::{SceneFile, notices};
+use anyhow::{Context, Result};
+use objecthood::{Object, Observer, Params};
+use objecthood_io::scene::notices;
 use objecthood_io::scope::Scope;
-use objecthood_io::{Capture, images, label_image, output};
-use objecthood_view::{Recording, panels, png};
+use objecthood_io::{Capture, images, output};
+use objecthood_view::Recording;
 
 use crate::args::{CameraArg, OutputKind, SegmentArgs};
-use crate::failure::{Outcome, usage};
+use crate::failure::Outcome;
 use crate::inputs::{Input, Inputs};
+use crate::outputs::{Found, make_folder, refuse_file};
 use crate::watch::{Laps, Watch};
 use crate::{config, crew, inputs, terminal};
 
@@ -91,9 +90,7 @@ impl<'a> Plan<'a> {
         let camera = args.camera.as_ref().map(CameraArg::read).transpose()?;
         let inputs = inputs::collect(args, camera.as_ref())?;
         let scope = args.scope.read(args.images.max_pixels)?;
-        if args.out.exists() && !args.out.is_dir() {
-            return Err(usage(format!("--out {} is a file: name a folder", args.out.display())));
-        }
+        refuse_file(&args.out)?;
         Ok(Self { args, inputs, scope, params, kinds: args.write.iter().copied().collect() })
     }
 
@@ -123,7 +120,14 @@ impl<'a> Plan<'a> {
         let mut watch = Watch { laps, next };
         let discovery = objecthood::discover_observed(&capture.frame, &self.params, &mut watch)?;
 
-        let files = self.encode(input, capture, &discovery, recording.as_ref())?;
+        let found = Found {
+            source: &input.path.display().to_string(),
+            capture,
+            params: &self.params,
+            discovery: &discovery,
+            recording: recording.as_ref(),
+        };
+        let files = found.files(&self.kinds, &self.args.out.join(&input.name))?;
         laps.end("encoding");
         for (path, _) in &files {
             path.parent().map_or(Ok(()), make_folder)?;
@@ -133,45 +137,6 @@ impl<'a> Plan<'a> {
         let files = files.into_iter().map(|(path, _)| path).collect();
         Ok(Done { notices: notices(capture, &discovery), objects: discovery.objects, files })
     }
-
-    /// The files of a frame, none of them written yet.
-    fn encode(
-        &self,
-        input: &Input,
-        capture: &Capture,
-        discovery: &Discovery,
-        recording: Option<&Recording>,
-    ) -> Result<Vec<(PathBuf, Vec<u8>)>> {
-        let mut files = Vec::new();
-        for kind in &self.kinds {
-            let (suffix, bytes) = match kind {
-                OutputKind::Labels => (".labels.png", label_image::encode(&discovery.labels)?),
-                OutputKind::Json => {
-                    let source = input.path.display().to_string();
-                    let scene = SceneFile::new(&source, capture, &self.params, discovery);
-                    (".json", scene.to_json()?.into_bytes())
-                }
-                OutputKind::Panels => {
-                    let Some(recording) = recording else { continue };
-                    (".panels.png", png(&panels(&capture.frame, recording, discovery))?)
-                }
-            };
-            files.push((with_suffix(&self.args.out.join(&input.name), suffix), bytes));
-        }
-        Ok(files)
-    }
-}
-
-fn make_folder(folder: &Path) -> Result<()> {
-    fs::create_dir_all(folder)
-        .map_err(|e| anyhow!("cannot make the folder {} ({e}): choose another --out", folder.display()))
-}
-
-/// `a.b` -> `a.b.json`; `Path::with_extension` would make `a.json` of it.
-fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(suffix);
-    name.into()
 }
 
 /// The result of the only frame: a table of its objects, and where the files are.

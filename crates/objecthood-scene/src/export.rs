@@ -62,3 +62,11 @@ where
 pub fn truth_png(rendered: &Rendered) -> Result<Vec<u8>> {
     Ok(label_image::encode(&rendered.truth.instance)?)
 }
+
+/// The surface of every pixel with depth as label image.
+///
+/// # Errors
+/// [`Error::Write`] when the image is larger than a PNG can be.
+pub fn surfaces_png(rendered: &Rendered) -> Result<Vec<u8>> {
+    Ok(label_image::encode(&rendered.truth.surface)?)
+}

@@ -43,6 +43,9 @@ struct Placed {
     pose: Pose,
     center: DVec3,
     radius: f64,
+    /// Lowest and highest coordinates, a little beyond.
+    low: DVec3,
+    high: DVec3,
     solid: usize,
     /// Scene-wide number of its first face.
     first_surface: u16,
@@ -81,11 +84,17 @@ impl World {
             for part in &thing.parts {
                 let pose = thing.pose.after(&part.pose);
                 let (center, radius) = part.shape.bounding_sphere();
+                let reach = |sign: f64| {
+                    let along = DVec3::AXES.map(|axis| part.shape.support(pose.own_direction(axis * sign)));
+                    pose.origin + (DVec3::from(along) + SKIN_M) * sign
+                };
                 parts.push(Placed {
                     shape: part.shape.clone(),
                     pose,
                     center: pose.point(center),
                     radius,
+                    low: reach(-1.0),
+                    high: reach(1.0),
                     solid,
                     first_surface: next_surface,
                     paints: part.paints.clone(),
@@ -143,7 +152,8 @@ impl World {
         objects.map(|(k, _)| k as u16 + 1)
     }
 
-    /// Who stands, leans or lies where: by upper, then by lower instance.
+    /// Where every object stands, leans or lies, and what it touches: by upper, then by lower instance. What furniture
+    /// rests on is not listed.
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
     }
@@ -195,7 +205,12 @@ impl World {
             return false;
         }
         let ray = Ray { origin: from + normal * SKIN_M, direction: toward };
-        !self.parts.iter().any(|part| part.hit(ray).is_some_and(|hit| hit.t < 1.0 - 1e-9))
+        let (start, end) = (ray.origin, ray.at(1.0));
+        let (low, high) = (start.min(end), start.max(end));
+        // Most parts are nowhere near the way: what the boxes tell is cheaper than what the rays tell.
+        let mut near =
+            self.parts.iter().filter(|part| part.low.cmple(high).all() && low.cmple(part.high).all());
+        !near.any(|part| part.hit(ray).is_some_and(|hit| hit.t < 1.0 - 1e-9))
     }
 
     /// The colour of the surface where a ray met it.

@@ -61,6 +61,8 @@ fn images_come_back() {
     let (world, rendered) = scene();
     let truth = label_image::decode(&export::truth_png(&rendered).unwrap()).unwrap();
     assert_eq!(truth, rendered.truth.instance);
+    let surfaces = label_image::decode(&export::surfaces_png(&rendered).unwrap()).unwrap();
+    assert_eq!(surfaces, rendered.truth.surface);
     let color = image::load_from_memory(&export::color_png(&rendered.frame).unwrap()).unwrap();
     assert_eq!(color.into_rgb8().into_raw(), rendered.frame.color().unwrap().as_slice().as_flattened());
     let depth = label_image::decode(&export::depth_png(&rendered.frame).unwrap()).unwrap();

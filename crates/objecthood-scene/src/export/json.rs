@@ -84,7 +84,13 @@ impl PoseFile {
     }
 }
 
-/// The truth of a scene: poses, contacts, visible fractions. World frame: z up, metres.
+/// The truth of a scene. World frame: z up, metres.
+///
+/// * `family`, `seed`, `sensor`: what it was made from; `camera_pose` takes the camera frame to the world.
+/// * `solids`, each with `instance` (its value in the truth image), `kind`, `role`, `pose` and `bounds_m` of its own frame,
+///   `surfaces` (first and last of its values in the image of surfaces), `mosd_label` (in the point cloud; 1 = no object),
+///   `size_px` (pixels with depth) and `visible_fraction`.
+/// * `contacts`, each with the instances `upper` and `lower`, `kind`, `point_m` and `normal`: those of [`World::contacts`].
 ///
 /// # Errors
 /// [`Error::Json`] never in practice.

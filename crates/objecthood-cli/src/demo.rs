@@ -1,0 +1,147 @@
+//! `objecthood demo`: a synthetic scene, what is found in it, and how that compares with what is there.
+
+mod check;
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::path::Path;
+
+use anyhow::Result;
+use objecthood::Params;
+use objecthood_eval::{ImageScore, ObjectScore, Truth, Verdict, VerdictCounts, mosd, score};
+use objecthood_io::camera_file::{self, CameraFile};
+use objecthood_io::images::{DEFAULT_MAX_PIXELS, ImageSetup, decode_images};
+use objecthood_io::{Capture, output};
+use objecthood_scene::{Family, Sensor, export};
+use objecthood_view::Recording;
+
+use crate::args::{DemoArgs, OutputKind};
+use crate::failure::Outcome;
+use crate::outputs::{Found, make_folder, refuse_file};
+use crate::shell::word;
+use crate::synthetic::{Made, Recipe, camera_file, camera_path, color_path, depth_path};
+use crate::watch::{Laps, Watch};
+use crate::{config, crew, terminal};
+
+/// The scenes that are shown: things of all kinds, seldom hidden.
+const FAMILY: Family = Family::Tabletop;
+/// The first that anyone sees.
+const SEED: u32 = 34;
+/// The camera that sees them.
+const SENSOR: Sensor = Sensor::Kinect;
+
+/// Shows one scene, or scores many.
+///
+/// # Errors
+/// Of usage; when the files or stdout cannot be written.
+pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
+    let params = config::params(&args.settings, args.method)?;
+    if args.check {
+        return check::run(args, &params);
+    }
+    refuse_file(&args.out)?;
+    let recipe = Recipe { family: FAMILY, seed: args.seed.unwrap_or(SEED).into(), sensor: SENSOR };
+    let text = crew::pool(args.settings.threads())?.install(|| show(recipe, &params, &args.out))?;
+    terminal::print(&text)?;
+    Ok(Outcome::AllDone)
+}
+
+/// A synthetic scene as anyone sees it who has its files, and the truth about it.
+struct Shot {
+    made: Made,
+    capture: Capture,
+    truth: Truth,
+}
+
+impl Shot {
+    fn of(recipe: Recipe) -> Result<Self> {
+        let made = recipe.make()?;
+        let CameraFile { camera, depth_scale } =
+            camera_file::parse(export::camera_json(&made.world)?.as_bytes())?;
+        let setup = ImageSetup { camera, depth_scale, max_pixels: DEFAULT_MAX_PIXELS };
+        let capture = decode_images(Some(&made.color_png), &made.depth_png, &setup)?;
+        let truth = mosd::truth_of(&export::mosd_labels(&made.world, &made.rendered, false))?;
+        Ok(Self { made, capture, truth })
+    }
+}
+
+/// Makes a scene, finds its objects and writes everything to `folder`; what is to be said of it.
+fn show(recipe: Recipe, params: &Params, folder: &Path) -> Result<String> {
+    let Shot { made, capture, truth } = Shot::of(recipe)?;
+    let mut laps = Laps::start();
+    let mut recording = Recording::default();
+    let mut watch = Watch { laps: &mut laps, next: &mut recording };
+    let discovery = objecthood::discover_observed(&capture.frame, params, &mut watch)?;
+    let score = score(&discovery.labels, &truth)?;
+
+    let name = recipe.name();
+    let found = Found {
+        source: &depth_path(folder, &name).display().to_string(),
+        capture: &capture,
+        params,
+        discovery: &discovery,
+        recording: Some(&recording),
+    };
+    let kinds = BTreeSet::from([OutputKind::Labels, OutputKind::Json, OutputKind::Panels]);
+    let stem = folder.join(&name);
+    let mut files = found.files(&kinds, &stem)?;
+    let table = table(&made, &score);
+    files.push(camera_file(&made.world, folder)?);
+    files.extend(made.into_files(folder)?);
+    for (path, _) in &files {
+        path.parent().map_or(Ok(()), make_folder)?;
+    }
+    output::write_together(&files)?;
+
+    let (stem, next) = (stem.display(), next_steps(folder, &name, recipe.seed));
+    Ok(format!(
+        "{name}, method {}: {table}\n{laps}\nfound: {stem}.labels.png {stem}.json\nlook at: {stem}.panels.png\n\n{next}",
+        params.method
+    ))
+}
+
+/// What became of each object.
+fn table(made: &Made, score: &ImageScore) -> String {
+    let counts: VerdictCounts = score.objects.iter().map(|object| object.verdict).collect();
+    let mut text = format!("{} of {} objects correct", counts.correct, counts.total());
+    // Writing to a string cannot fail.
+    let _ = match score.hypotheses_off_objects {
+        0 => writeln!(text),
+        more => writeln!(text, ", {more} found where there is none"),
+    };
+    text.push_str("  object  pixels  visible   IoU  verdict\n");
+    // Truth labels ascend as instances do; what has no pixel with depth has no label.
+    let seen = made.rendered.truth.instance.as_slice().iter().copied().collect::<BTreeSet<u16>>();
+    let objects = made.world.objects().filter(|instance| seen.contains(instance));
+    for (instance, ObjectScore { pixels, iou, verdict, .. }) in objects.zip(&score.objects) {
+        let kind = made.world.solid(instance).map_or("", |solid| solid.kind());
+        let percent = 100.0 * made.rendered.visible_fraction[usize::from(instance) - 1];
+        let verdict = in_words(*verdict);
+        let _ = writeln!(text, "  {kind:<6}  {pixels:>6}  {percent:>5.0} %  {iou:.2}  {verdict}");
+    }
+    text
+}
+
+fn in_words(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Correct => "correct",
+        Verdict::Missed => "missed: less than half of it was found",
+        Verdict::Occlusion => "occlusion: what stands before it cuts it in parts",
+        Verdict::Under => "under: joined with something else",
+        Verdict::Over => "over: found in pieces",
+        Verdict::Boundary => "boundary: its border is off",
+    }
+}
+
+/// What can be done next, as commands.
+fn next_steps(folder: &Path, name: &str, seed: u64) -> String {
+    let (color, depth) = (word(&color_path(folder, name)), word(&depth_path(folder, name)));
+    let (camera, again) = (word(&camera_path(folder)), word(&folder.join("again")));
+    format!(
+        "next:\n  \
+         objecthood demo --seed {}\n  \
+         objecthood segment --color {color} --depth {depth} --camera {camera} --out {again}\n  \
+         objecthood synth --out scenes --scenes 20\n",
+        seed + 1
+    )
+}

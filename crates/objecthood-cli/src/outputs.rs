@@ -1,0 +1,78 @@
+//! What is written of a frame, and where.
+
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, anyhow};
+use objecthood::{Discovery, Params};
+use objecthood_io::scene::SceneFile;
+use objecthood_io::{Capture, label_image};
+use objecthood_view::{Recording, panels, png};
+
+use crate::args::OutputKind;
+use crate::failure::usage;
+
+/// A frame and what was found in it.
+pub(crate) struct Found<'a> {
+    /// The frame, as the user would name it.
+    pub(crate) source: &'a str,
+    pub(crate) capture: &'a Capture,
+    pub(crate) params: &'a Params,
+    pub(crate) discovery: &'a Discovery,
+    /// What the panels are drawn from.
+    pub(crate) recording: Option<&'a Recording>,
+}
+
+impl Found<'_> {
+    /// The files of the frame, none of them written yet: `stem` with a suffix each.
+    ///
+    /// # Errors
+    /// When the frame has no such form.
+    pub(crate) fn files(&self, kinds: &BTreeSet<OutputKind>, stem: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+        let Self { source, capture, params, discovery, recording } = *self;
+        let mut files = Vec::new();
+        for kind in kinds {
+            let (suffix, bytes) = match kind {
+                OutputKind::Labels => (".labels.png", label_image::encode(&discovery.labels)?),
+                OutputKind::Json => {
+                    (".json", SceneFile::new(source, capture, params, discovery).to_json()?.into_bytes())
+                }
+                OutputKind::Panels => {
+                    let Some(recording) = recording else { continue };
+                    (".panels.png", png(&panels(&capture.frame, recording, discovery))?)
+                }
+            };
+            files.push((with_suffix(stem, suffix), bytes));
+        }
+        Ok(files)
+    }
+}
+
+/// `a.b` -> `a.b.json`; `Path::with_extension` would make `a.json` of it.
+fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = OsString::from(path);
+    name.push(suffix);
+    name.into()
+}
+
+/// Refuses a file as folder for outputs, before anything is done.
+///
+/// # Errors
+/// Of usage.
+pub(crate) fn refuse_file(out: &Path) -> Result<()> {
+    if out.exists() && !out.is_dir() {
+        return Err(usage(format!("--out {} is a file: name a folder", out.display())));
+    }
+    Ok(())
+}
+
+/// Makes a folder for outputs, if it is not there.
+///
+/// # Errors
+/// When it cannot be made.
+pub(crate) fn make_folder(folder: &Path) -> Result<()> {
+    fs::create_dir_all(folder)
+        .map_err(|e| anyhow!("cannot make the folder {} ({e}): choose another --out", folder.display()))
+}

@@ -1,0 +1,86 @@
+//! `objecthood synth`: numbers -> synthetic scenes in files that `segment` and `eval` take.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use objecthood_io::output;
+use objecthood_scene::generate;
+
+use crate::args::SynthArgs;
+use crate::failure::Outcome;
+use crate::outputs::{make_folder, refuse_file};
+use crate::shell::word;
+use crate::synthetic::{Recipe, camera_file, camera_path, color_path, depth_path, recipes};
+use crate::{crew, terminal};
+
+/// Makes the scenes named on the command line.
+///
+/// # Errors
+/// Of usage; when the folder or the camera's file cannot be written; when stdout cannot be written. A scene that fails
+/// is reported, which is no error.
+pub(crate) fn run(args: &SynthArgs) -> Result<Outcome> {
+    refuse_file(&args.out)?;
+    let recipes = recipes(args.family, args.sensor, args.seed, args.scenes);
+    make_folder(&args.out)?;
+    // One camera took all pictures; its file comes first, so that every scene that is there can be used.
+    if let Some(first) = recipes.first() {
+        let (path, bytes) = camera_file(&generate(first.family, first.seed), &args.out)?;
+        output::write_atomically(&path, &bytes)?;
+    }
+
+    let bar = terminal::progress_bar(recipes.len(), false);
+    let mut failed = 0;
+    let mut printed = Ok(());
+    crew::in_order(
+        &recipes,
+        args.threads.count(),
+        |recipe| write(recipe, &args.out),
+        |_, result| {
+            bar.suspend(|| match result {
+                Ok(text) if printed.is_ok() => printed = terminal::print(&text),
+                Ok(_) => {}
+                Err(e) => {
+                    failed += 1;
+                    terminal::error(&e);
+                }
+            });
+            bar.inc(1);
+        },
+    )?;
+    bar.finish_and_clear();
+    printed?;
+    let total = recipes.len();
+    if failed > 0 {
+        terminal::complain(&format!("{} of {total} scenes done, {failed} failed", total - failed));
+        return Ok(Outcome::SomeFailed);
+    }
+    terminal::print(&next_steps(&args.out))?;
+    Ok(Outcome::AllDone)
+}
+
+/// Makes one scene and writes all of its files or none; a line that says what it is.
+fn write(recipe: &Recipe, folder: &Path) -> Result<String> {
+    let name = recipe.name();
+    let scene = recipe.make().with_context(|| name.clone())?;
+    let objects = scene.world.objects().count();
+    let files = scene.into_files(folder).with_context(|| name.clone())?;
+    for (path, _) in &files {
+        path.parent().map_or(Ok(()), make_folder)?;
+    }
+    output::write_together(&files).with_context(|| name.clone())?;
+    let names = folder.join(format!("{name}-*"));
+    Ok(format!("{name}: {objects} object{} -> {}\n", if objects == 1 { "" } else { "s" }, names.display()))
+}
+
+/// What can be done with the scenes, as commands.
+fn next_steps(folder: &Path) -> String {
+    let (color, depth) = (word(&color_path(folder, "*")), word(&depth_path(folder, "*")));
+    let (camera, found) = (word(&camera_path(folder)), word(&folder.join("found")));
+    let folder = word(folder);
+    format!(
+        "\nnext:\n  \
+         objecthood segment --color {color} --depth {depth} --camera {camera} --out {found} --write labels,json,panels\n  \
+         objecthood eval {folder} --labels {found}\n  \
+         objecthood eval {folder}\n"
+    )
+}
