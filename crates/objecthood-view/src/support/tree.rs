@@ -79,7 +79,7 @@ fn look(discovery: &Discovery, node: usize, name: &str) -> Look {
     let node = &discovery.support.nodes[node];
     let (color, is_round, name, number) = match node.kind {
         NodeKind::Object { object } => (object_color(object.0), true, object.0.to_string(), node.p_o),
-        NodeKind::Surface => (SURFACE, false, name.to_owned(), node.p_s),
+        NodeKind::Structure { .. } | NodeKind::Surface => (SURFACE, false, name.to_owned(), node.p_s),
     };
     Look { color, is_round, name, number }
 }
