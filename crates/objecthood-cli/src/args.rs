@@ -99,7 +99,8 @@ impl Threads {
 /// Find the objects in frames and write them as label images, scene files and pictures.
 ///
 /// For every frame: DIR/<stem>.labels.png, a 16-bit image with 0 = none and 1.. = objects; DIR/<stem>.json, the scene;
-/// DIR/<stem>.panels.png, pictures of every stage. A frame that fails leaves nothing.
+/// DIR/<stem>.structure.png, the table and other large planes as a second label image; DIR/<stem>.panels.png, pictures of
+/// every stage. A frame that fails leaves nothing.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct SegmentArgs {
@@ -225,8 +226,22 @@ pub(crate) enum OutputKind {
     Labels,
     /// Scene file.
     Json,
+    /// 16-bit label image of the large planes: table, floor, wall.
+    Structure,
     /// Pictures of every stage.
     Panels,
+}
+
+impl OutputKind {
+    /// What follows the name of the frame in the name of the file.
+    pub(crate) fn suffix(self) -> &'static str {
+        match self {
+            Self::Labels => ".labels.png",
+            Self::Json => ".json",
+            Self::Structure => ".structure.png",
+            Self::Panels => ".panels.png",
+        }
+    }
 }
 
 #[cfg(test)]

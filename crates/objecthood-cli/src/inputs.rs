@@ -47,6 +47,15 @@ impl Input {
             Source::Images { color, setup } => images::open_images(color.as_deref(), &self.path, setup),
         }
     }
+
+    /// The files that it is read from.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        let color = match &self.source {
+            Source::Cloud { .. } => None,
+            Source::Images { color, .. } => color.as_deref(),
+        };
+        color.into_iter().chain([self.path.as_path()])
+    }
 }
 
 /// What was found.
@@ -59,6 +68,8 @@ pub(crate) struct Inputs {
     pub(crate) unreadable: Vec<anyhow::Error>,
     /// What the user should know of folders that are read.
     pub(crate) notices: Vec<String>,
+    /// Camera files in folders, whether they are there or not.
+    pub(crate) cameras: Vec<PathBuf>,
 }
 
 /// A file before its outputs have a name.
@@ -82,6 +93,7 @@ pub(crate) fn collect(args: &SegmentArgs, camera: Option<&CameraFile>) -> Result
     let mut found = Vec::new();
     let mut unreadable = Vec::new();
     let mut notices = Vec::new();
+    let mut cameras = Vec::new();
     let mut tops = Vec::new();
     if args.images.depth.is_empty() {
         let cloud = Source::Cloud { camera: camera.map(|file| file.camera) };
@@ -90,6 +102,7 @@ pub(crate) fn collect(args: &SegmentArgs, camera: Option<&CameraFile>) -> Result
                 let top = absolute(argument);
                 let before = (found.len(), unreadable.len());
                 if tum::is_tum(argument) {
+                    cameras.push(argument.join(tum::CAMERA));
                     match tum_frames(argument, args, camera, &mut notices) {
                         Ok(frames) => found.extend(frames),
                         Err(e) => unreadable.push(e),
@@ -136,7 +149,7 @@ pub(crate) fn collect(args: &SegmentArgs, camera: Option<&CameraFile>) -> Result
         })
         .collect();
     refuse_equal_names(&frames, args.keep_tree)?;
-    Ok(Inputs { frames, unreadable, notices })
+    Ok(Inputs { frames, unreadable, notices, cameras })
 }
 
 impl Found {
@@ -178,7 +191,7 @@ fn tum_frames(
     camera: Option<&CameraFile>,
     notices: &mut Vec<String>,
 ) -> Result<Vec<Found>> {
-    let path = folder.join("camera.json");
+    let path = folder.join(tum::CAMERA);
     let own = if path.is_file() { Some(camera_file::open(&path)?) } else { None };
     let Some(CameraFile { camera: grid_camera, .. }) = camera.or(own.as_ref()) else {
         return Err(anyhow!(

@@ -34,26 +34,27 @@ impl Found<'_> {
         let Self { source, capture, params, discovery, recording } = *self;
         let mut files = Vec::new();
         for kind in kinds {
-            let (suffix, bytes) = match kind {
-                OutputKind::Labels => (".labels.png", label_image::encode(&discovery.labels)?),
+            let bytes = match kind {
+                OutputKind::Labels => label_image::encode(&discovery.labels)?,
                 OutputKind::Json => {
-                    (".json", SceneFile::new(source, capture, params, discovery).to_json()?.into_bytes())
+                    SceneFile::new(source, capture, params, discovery).to_json()?.into_bytes()
                 }
+                OutputKind::Structure => label_image::encode(&discovery.structure)?,
                 OutputKind::Panels => {
                     let Some(recording) = recording else { continue };
-                    (".panels.png", png(&panels(&capture.frame, recording, discovery))?)
+                    png(&panels(&capture.frame, recording, discovery))?
                 }
             };
-            files.push((with_suffix(stem, suffix), bytes));
+            files.push((path_of(stem, *kind), bytes));
         }
         Ok(files)
     }
 }
 
-/// `a.b` -> `a.b.json`; `Path::with_extension` would make `a.json` of it.
-fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(suffix);
+/// Where an output goes: `a.b` -> `a.b.json`; `Path::with_extension` would make `a.json` of it.
+pub(crate) fn path_of(stem: &Path, kind: OutputKind) -> PathBuf {
+    let mut name = OsString::from(stem);
+    name.push(kind.suffix());
     name.into()
 }
 

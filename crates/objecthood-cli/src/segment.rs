@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
+use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
@@ -12,9 +13,9 @@ use objecthood_io::{Capture, images, output};
 use objecthood_view::Recording;
 
 use crate::args::{CameraArg, OutputKind, SegmentArgs};
-use crate::failure::Outcome;
+use crate::failure::{Outcome, usage};
 use crate::inputs::{Input, Inputs};
-use crate::outputs::{Found, make_folder, refuse_file};
+use crate::outputs::{Found, make_folder, path_of, refuse_file};
 use crate::watch::{Laps, Watch};
 use crate::{config, crew, inputs, terminal};
 
@@ -43,7 +44,7 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     let plan = Plan::new(args)?;
     make_folder(&args.out)?;
 
-    let Inputs { frames, unreadable, notices } = &plan.inputs;
+    let Inputs { frames, unreadable, notices, .. } = &plan.inputs;
     notices.iter().for_each(|notice| terminal::complain(&format!("note: {notice}")));
     unreadable.iter().for_each(terminal::error);
     let total = frames.len() + unreadable.len();
@@ -91,7 +92,9 @@ impl<'a> Plan<'a> {
         let inputs = inputs::collect(args, camera.as_ref())?;
         let scope = args.scope.read(args.images.max_pixels)?;
         refuse_file(&args.out)?;
-        Ok(Self { args, inputs, scope, params, kinds: args.write.iter().copied().collect() })
+        let plan = Self { args, inputs, scope, params, kinds: args.write.iter().copied().collect() };
+        plan.refuse_replacing_what_is_read()?;
+        Ok(plan)
     }
 
     /// Finds the objects in one frame and writes what was asked for: all of it or nothing.
@@ -136,6 +139,28 @@ impl<'a> Plan<'a> {
         laps.end("writing");
         let files = files.into_iter().map(|(path, _)| path).collect();
         Ok(Done { notices: notices(capture, &discovery), objects: discovery.objects, files })
+    }
+
+    /// Refuses outputs in the place of files that are read: `camera.json` is the scene file of `camera-depth.png`.
+    fn refuse_replacing_what_is_read(&self) -> Result<()> {
+        let Inputs { frames, cameras, .. } = &self.inputs;
+        let camera = self.args.camera.as_ref().and_then(CameraArg::file);
+        let given = [camera, self.args.scope.mask(), self.args.settings.config.as_deref()];
+        let beside = cameras.iter().map(PathBuf::as_path).chain(given.into_iter().flatten());
+        let read = frames.iter().flat_map(Input::files).chain(beside);
+        let read: BTreeSet<PathBuf> = read.filter_map(|path| fs::canonicalize(path).ok()).collect();
+
+        let stem = |input: &Input| self.args.out.join(&input.name);
+        let outputs = || {
+            frames.iter().flat_map(|input| self.kinds.iter().map(move |&kind| path_of(&stem(input), kind)))
+        };
+        match outputs().find(|path| fs::canonicalize(path).is_ok_and(|path| read.contains(&path))) {
+            Some(path) => Err(usage(format!(
+                "{} is read, so it cannot be written too: choose another --out",
+                path.display()
+            ))),
+            None => Ok(()),
+        }
     }
 }
 

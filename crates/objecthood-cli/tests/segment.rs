@@ -5,6 +5,7 @@
 mod common;
 
 use common::Folder;
+use common::photo::png;
 use common::scene::Cloud;
 
 fn scenes() -> Folder {
@@ -195,4 +196,44 @@ fn names_need_not_be_unicode() {
     for suffix in [b".json" as &[u8], b".labels.png"] {
         assert!(folder.path().join(out).join(OsStr::from_bytes(&[b"\xff\xfe", suffix].concat())).is_file());
     }
+}
+
+/// `camera.json` beside `camera-depth.png` became its scene file.
+#[test]
+fn outputs_do_not_replace_what_is_read() {
+    let folder = Folder::new();
+    let cloud = Cloud::two_boxes(0.0);
+    let (depth, color) = (png(&cloud.depth(1000.0)), png(&cloud.color()));
+    folder.write("camera-depth.png", &depth);
+    folder.write("camera.labels.png", &color);
+    folder.write(
+        "camera.json",
+        br#"{"fx": 262.5, "fy": 262.5, "cx": 159.5, "cy": 119.5, "depth_scale": 1000}"#,
+    );
+    folder.write("cloud.json", &cloud.to_binary_pcd());
+    folder.write("tum/depth/camera.png", &depth);
+    folder.write("tum/rgb/camera.png", &color);
+    folder.write("tum/rgb.txt", b"0 rgb/camera.png\n");
+    folder.write("tum/depth.txt", b"0 depth/camera.png\n");
+    folder.write(
+        "tum/camera.json",
+        br#"{"fx": 262.5, "fy": 262.5, "cx": 159.5, "cy": 119.5, "depth_scale": 1000}"#,
+    );
+    let before = folder.files("");
+
+    let images = "--depth camera-depth.png --color camera.labels.png --camera camera.json";
+    for (arguments, replaced) in [
+        (format!("{images} --out ."), "./camera.labels.png"),
+        (format!("{images} --out . --write json"), "./camera.json"),
+        (format!("{images} --out tum/.. --mask camera.labels.png"), "tum/../camera.labels.png"),
+        ("cloud.json --out .".to_owned(), "./cloud.json"),
+        ("tum --out tum".to_owned(), "tum/camera.json"),
+    ] {
+        let run = folder.run(&format!("segment {arguments}"), 2);
+        let said = format!("error: {replaced} is read, so it cannot be written too: choose another --out\n");
+        assert_eq!(run.stderr, said, "{arguments}");
+        assert!(folder.files("") == before, "{arguments}");
+    }
+    folder.run(&format!("segment {images} --out . --write panels"), 0);
+    folder.run("segment tum --out tum --write labels", 0);
 }

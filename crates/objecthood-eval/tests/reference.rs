@@ -94,3 +94,40 @@ fn the_reference_label_images_score_as_recorded() {
         }
     }
 }
+
+/// Each of our labels stands for one label of the reference, and the other way round.
+fn assert_same_regions(ours: &[u16], reference: &[u16], name: &str) {
+    let mut partner = std::collections::BTreeMap::new();
+    let mut taken = std::collections::BTreeMap::from([(0, 0)]);
+    for (i, (&a, &b)) in ours.iter().zip(reference).enumerate() {
+        let (expected, back) = (*partner.entry(a).or_insert(b), *taken.entry(b).or_insert(a));
+        assert_eq!((expected, back), (b, a), "{name}, pixel {i}");
+    }
+}
+
+#[test]
+fn context_gives_the_reference_label_maps_pixel_for_pixel() {
+    let Some(data) = common::data() else {
+        println!("skipped: no mOSD here (set OBJECTHOOD_DATA)");
+        return;
+    };
+    let reference = data.join("../design/reference/learn");
+    if !reference.is_dir() {
+        println!("skipped: no reference label images beside the data");
+        return;
+    }
+    let labels = LabelFolder { path: reference, suffix: ".context.png".to_owned() };
+    let params = objecthood::Params { method: objecthood::Method::Context, ..Default::default() };
+    let scenes = mosd::scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
+    for reference in &scenes {
+        let scene = reference.load(None).unwrap();
+        let found = objecthood::discover(&scene.frame, &params).unwrap();
+        let expected = labels.read(reference).unwrap().labels;
+        assert_same_regions(found.labels.as_slice(), expected.as_slice(), &reference.name);
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let again = pool.install(|| objecthood::discover(&scene.frame, &params)).unwrap();
+            assert!(again.labels == found.labels, "{}: other labels on {threads} threads", reference.name);
+        }
+    }
+}

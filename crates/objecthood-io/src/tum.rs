@@ -11,6 +11,9 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
+/// The file in the folder that tells the camera, as a [`camera_file`](crate::camera_file); ours, the layout has none.
+pub const CAMERA: &str = "camera.json";
+
 /// Units of depth that make a metre, by convention of the layout.
 pub const DEPTH_SCALE: f64 = 5000.0;
 

@@ -62,6 +62,11 @@ impl ScopeArgs {
         let mask = mask.map_err(|e| usage(format!("--mask {e}")))?;
         Ok(Scope { range: self.range, region: self.roi, mask })
     }
+
+    /// The file of the mask.
+    pub(crate) fn mask(&self) -> Option<&Path> {
+        self.mask.as_deref()
+    }
 }
 
 /// A camera, or where to read it.
@@ -79,6 +84,14 @@ impl CameraArg {
             Ok(camera) => Ok(Self::Given(camera)),
             Err(_) if is_file(text) => Ok(Self::File(text.into())),
             Err(e) => Err(e),
+        }
+    }
+
+    /// The file that it is read from, if it is.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Given(_) => None,
+            Self::File(path) => Some(path),
         }
     }
 
