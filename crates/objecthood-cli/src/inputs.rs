@@ -31,7 +31,7 @@ pub(crate) struct Input {
 #[derive(Clone, Debug, PartialEq)]
 enum Source {
     /// One file that has everything, but for a camera that may be given.
-    Cloud { camera: Option<GridCamera> },
+    Cloud { camera: Option<GridCamera>, max_pixels: usize },
     /// A depth image with perhaps a colour image.
     Images { color: Option<PathBuf>, setup: ImageSetup },
 }
@@ -43,7 +43,9 @@ impl Input {
     /// Whatever is wrong with a file, and its path.
     pub(crate) fn open(&self) -> objecthood_io::Result<Capture> {
         match &self.source {
-            Source::Cloud { camera } => objecthood_io::open(&self.path, camera.as_ref()),
+            Source::Cloud { camera, max_pixels } => {
+                objecthood_io::open(&self.path, camera.as_ref(), *max_pixels)
+            }
             Source::Images { color, setup } => images::open_images(color.as_deref(), &self.path, setup),
         }
     }
@@ -96,7 +98,8 @@ pub(crate) fn collect(args: &SegmentArgs, camera: Option<&CameraFile>) -> Result
     let mut cameras = Vec::new();
     let mut tops = Vec::new();
     if args.images.depth.is_empty() {
-        let cloud = Source::Cloud { camera: camera.map(|file| file.camera) };
+        let cloud =
+            Source::Cloud { camera: camera.map(|file| file.camera), max_pixels: args.images.max_pixels };
         for argument in &args.inputs {
             if argument.is_dir() {
                 let top = absolute(argument);

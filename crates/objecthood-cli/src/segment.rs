@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 use objecthood::{Object, Observer, Params};
 use objecthood_io::scene::notices;
 use objecthood_io::scope::Scope;
-use objecthood_io::{Capture, images, output};
+use objecthood_io::{Capture, output};
 use objecthood_view::Recording;
 
 use crate::args::{CameraArg, OutputKind, SegmentArgs};
@@ -110,10 +110,7 @@ impl<'a> Plan<'a> {
     /// What of a frame is to be looked at.
     fn read(&self, input: &Input) -> Result<Capture> {
         let capture = input.open()?;
-        images::check_pixels(capture.frame.size(), self.args.images.max_pixels)
-            .map_err(objecthood_io::Error::from)
-            .and_then(|()| self.scope.limit(capture))
-            .with_context(|| input.path.display().to_string())
+        self.scope.limit(capture).with_context(|| input.path.display().to_string())
     }
 
     fn look_and_write(&self, input: &Input, capture: &Capture, laps: &mut Laps) -> Result<Done> {

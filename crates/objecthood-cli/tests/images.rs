@@ -297,6 +297,14 @@ fn bad_images_are_refused_in_one_line() {
     refused(&folder, "hollow", &["error: hollow: no point cloud"]);
     folder.write("cloud.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
     refused(&folder, "cloud.pcd --max-pixels 1000", &["error: cloud.pcd: ", "--max-pixels 1000"]);
+    let cloud = Cloud::two_boxes(0.0);
+    let flat = Cloud { width: cloud.width * cloud.height, height: 1, ..cloud };
+    folder.write("flat.pcd", &flat.to_binary_pcd());
+    refused(
+        &folder,
+        &format!("flat.pcd --camera {},16384,16384", camera()),
+        &["16384x16384", "--max-pixels"],
+    );
     refused(&folder, "rgb.png", &["error: rgb.png: ", "--color and --depth"]);
 }
 

@@ -13,6 +13,7 @@ use std::{fmt, fs, io};
 
 use objecthood::{Camera, Frame, Raster};
 use objecthood_io::GridCamera;
+use objecthood_io::images::DEFAULT_MAX_PIXELS;
 
 use crate::error::{Error, Result};
 use crate::truth::{Roles, Truth};
@@ -137,11 +138,11 @@ impl SceneRef {
     /// # Errors
     /// [`Error::Input`] when the file cannot be read as a frame, [`Error::NoTruth`] when it has no labels.
     pub fn load(&self, camera: Option<&GridCamera>) -> Result<Scene> {
-        let capture = match objecthood_io::open(&self.path, camera) {
+        let capture = match objecthood_io::open(&self.path, camera, DEFAULT_MAX_PIXELS) {
             Err(objecthood_io::Error::At { error, .. })
                 if camera.is_none() && matches!(*error, objecthood_io::Error::Unorganized { .. }) =>
             {
-                objecthood_io::open(&self.path, Some(&CAMERA))
+                objecthood_io::open(&self.path, Some(&CAMERA), DEFAULT_MAX_PIXELS)
             }
             capture => capture,
         }?;

@@ -16,11 +16,13 @@ struct Format {
     /// Whether a file that begins like this is one of ours. Need not be sure: reading finds the rest out.
     is_mine: fn(head: &[u8]) -> bool,
     /// Reads the whole file.
-    read: fn(bytes: &[u8], camera: Option<&GridCamera>) -> Result<Capture>,
+    read: fn(bytes: &[u8], camera: Option<&GridCamera>, max_pixels: usize) -> Result<Capture>,
 }
 
-const FORMATS: &[Format] =
-    &[Format { is_mine: is_pcd, read: |bytes, camera| organize(pcd::parse(bytes)?, camera) }];
+const FORMATS: &[Format] = &[Format {
+    is_mine: is_pcd,
+    read: |bytes, camera, max_pixels| organize(pcd::parse(bytes)?, camera, max_pixels),
+}];
 
 /// Bytes that are looked at to tell the format.
 const HEAD_BYTES: usize = 512;
@@ -31,22 +33,23 @@ fn is_pcd(head: &[u8]) -> bool {
     head.starts_with(b"#") || head.starts_with(b"VERSION")
 }
 
-/// Opens the file at `path`, whatever format it is of; `camera` overrides the camera that the file implies.
+/// Opens the file at `path`, whatever format it is of; `camera` overrides the camera that the file implies, and a
+/// frame of more than `max_pixels` is refused.
 ///
 /// # Errors
 /// [`Error::At`] the path: whatever is wrong with the file or its content.
-pub fn open(path: &Path, camera: Option<&GridCamera>) -> Result<Capture> {
+pub fn open(path: &Path, camera: Option<&GridCamera>, max_pixels: usize) -> Result<Capture> {
     let bytes = read_file(path, |head| probe(head).map(drop));
-    bytes.and_then(|bytes| decode(&bytes, camera)).map_err(|error| error.at(path))
+    bytes.and_then(|bytes| decode(&bytes, camera, max_pixels)).map_err(|error| error.at(path))
 }
 
 /// As [`open`], for the content of a file.
 ///
 /// # Errors
 /// [`Error::Empty`], [`Error::UnknownFormat`], or what is wrong with the content.
-pub fn decode(bytes: &[u8], camera: Option<&GridCamera>) -> Result<Capture> {
+pub fn decode(bytes: &[u8], camera: Option<&GridCamera>, max_pixels: usize) -> Result<Capture> {
     let format = probe(&bytes[..bytes.len().min(HEAD_BYTES)])?;
-    (format.read)(bytes, camera)
+    (format.read)(bytes, camera, max_pixels)
 }
 
 fn probe(head: &[u8]) -> Result<&'static Format> {
@@ -71,6 +74,10 @@ pub(crate) fn read_file(path: &Path, judge: impl FnOnce(&[u8]) -> Result<()>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn open(path: &Path, camera: Option<&GridCamera>) -> Result<Capture> {
+        super::open(path, camera, 100)
+    }
 
     const ONE_POINT: &str =
         "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n0 0 1\n";

@@ -93,7 +93,7 @@ pub(crate) fn read_image(path: &Path) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// [`ImageError::TooManyPixels`].
-pub fn check_pixels((width, height): (usize, usize), max_pixels: usize) -> Result<(), ImageError> {
+pub(crate) fn check_pixels((width, height): (usize, usize), max_pixels: usize) -> Result<(), ImageError> {
     match width.checked_mul(height) {
         Some(pixels) if pixels <= max_pixels => Ok(()),
         _ => Err(ImageError::TooManyPixels { size: (width, height), max_pixels }),

@@ -15,7 +15,7 @@
 //! use objecthood_io::{label_image, output, scene::SceneFile};
 //!
 //! let input = std::path::Path::new("learn0.pcd");
-//! let capture = objecthood_io::open(input, None)?;
+//! let capture = objecthood_io::open(input, None, objecthood_io::images::DEFAULT_MAX_PIXELS)?;
 //! let params = objecthood::Params::default();
 //! let discovery = objecthood::discover(&capture.frame, &params)?;
 //!

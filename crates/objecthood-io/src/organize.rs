@@ -21,6 +21,7 @@ pub use grid_camera::GridCamera;
 use objecthood::{Camera, Frame, Raster};
 
 use crate::error::{Error, Result};
+use crate::images::check_pixels;
 use crate::pcd::PointCloud;
 
 /// What a file shows: the frame, and what else it says about it.
@@ -37,16 +38,19 @@ pub struct Capture {
 }
 
 /// Puts a cloud on the pixel grid. `camera` overrides the fit of organized clouds, which ignore its size unless it
-/// is given and wrong; unorganized ones need it.
+/// is given and wrong; unorganized ones need it. No grid of more than `max_pixels` is made.
 ///
 /// # Errors
 /// * organized: those of [`fit_camera`] without a camera, [`Error::CameraSize`] with one of another size;
 /// * unorganized: [`Error::Unorganized`] without a camera, [`Error::NothingInView`] with a wrong one,
 ///   [`Error::NoImageSize`] when its size is neither given nor implied;
-/// * both: [`Error::Frame`] with `NoValidDepth` when no point is valid.
-pub fn organize(mut cloud: PointCloud, camera: Option<&GridCamera>) -> Result<Capture> {
+/// * both: [`Error::Image`] with `TooManyPixels`, [`Error::Frame`] with `NoValidDepth` when no point is valid.
+pub fn organize(mut cloud: PointCloud, camera: Option<&GridCamera>, max_pixels: usize) -> Result<Capture> {
     let turned = face_forward(&mut cloud.points_m);
     let is_organized = cloud.height > 1 || cloud.width == 1;
+    if is_organized {
+        check_pixels((cloud.width, cloud.height), max_pixels)?;
+    }
     let capture = match (is_organized, camera) {
         (true, None) => {
             let fit = fit_camera(&cloud)?;
@@ -59,7 +63,7 @@ pub fn organize(mut cloud: PointCloud, camera: Option<&GridCamera>) -> Result<Ca
             _ => keep_grid(cloud, given.camera, None),
         },
         (false, None) => Err(Error::Unorganized { points: cloud.points_m.len() }),
-        (false, Some(given)) => to_grid(&cloud, given),
+        (false, Some(given)) => to_grid(&cloud, given, max_pixels),
     }?;
     Ok(Capture { turned, ..capture })
 }
@@ -92,8 +96,10 @@ fn keep_grid(cloud: PointCloud, camera: Camera, camera_fit: Option<CameraFit>) -
     Ok(Capture { frame: Frame::new(depth_m, color, camera)?, truth, camera_fit, turned: false })
 }
 
-fn to_grid(cloud: &PointCloud, given: &GridCamera) -> Result<Capture> {
+fn to_grid(cloud: &PointCloud, given: &GridCamera, max_pixels: usize) -> Result<Capture> {
     let (width, height) = given.image_size()?;
+    // The points do not tell how many pixels there are: the camera does, and it may come from a file.
+    check_pixels((width, height), max_pixels)?;
     let mut depth_m = Raster::filled(width, height, f32::NAN)?;
     let mut color = cloud.color.as_ref().map(|_| Raster::filled(width, height, [0; 3])).transpose()?;
     let mut truth = cloud.label.as_ref().map(|_| Raster::filled(width, height, 0)).transpose()?;
@@ -130,6 +136,10 @@ mod tests {
     use super::*;
 
     const NAN: [f32; 3] = [f32::NAN; 3];
+
+    fn organize(cloud: PointCloud, camera: Option<&GridCamera>) -> Result<Capture> {
+        super::organize(cloud, camera, 48)
+    }
 
     fn camera() -> Camera {
         Camera::new(10.0, 12.0, 3.5, 2.5).unwrap()
@@ -240,6 +250,23 @@ mod tests {
         assert!(matches!(said(Some(GridCamera { camera: far, size: None })), Error::NoImageSize { .. }));
         let aside = GridCamera { camera: far, size: Some((8, 6)) };
         assert!(matches!(said(Some(aside)), Error::NothingInView { points: 47, .. }));
+    }
+
+    /// `--camera 131,131,79.5,59.5,16384,16384` made room for them before it asked for `--max-pixels`.
+    #[test]
+    fn a_camera_of_many_pixels_is_refused() {
+        let given = GridCamera { camera: camera(), size: Some((7, 7)) };
+        for (cloud, camera) in [
+            (flattened(&organized(), is_valid), Some(&given)),
+            (
+                PointCloud { width: 49, height: 1, points_m: vec![NAN; 49], color: None, label: None },
+                Some(&given),
+            ),
+            (PointCloud { width: 7, height: 7, points_m: vec![NAN; 49], color: None, label: None }, None),
+        ] {
+            let error = organize(cloud, camera).unwrap_err();
+            assert!(error.to_string().starts_with("7x7 pixels are more than --max-pixels 48"), "{error}");
+        }
     }
 
     #[test]

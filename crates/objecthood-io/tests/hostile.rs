@@ -3,8 +3,8 @@
 
 mod common;
 
-use common::{ENCODINGS, small_file};
-use objecthood_io::{GridCamera, decode};
+use common::{ENCODINGS, decode, small_file};
+use objecthood_io::GridCamera;
 use pcd_rs::DataKind;
 use proptest::prelude::*;
 

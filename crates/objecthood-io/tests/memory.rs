@@ -2,8 +2,7 @@
 
 mod common;
 
-use common::{ENCODINGS, small_file};
-use objecthood_io::decode;
+use common::{ENCODINGS, decode, small_file};
 use peak_alloc::PeakAlloc;
 
 #[global_allocator]

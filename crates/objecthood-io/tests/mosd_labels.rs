@@ -5,9 +5,8 @@ mod common;
 
 use std::fmt::Write;
 
-use common::data_folder;
+use common::{data_folder, decode, open};
 use objecthood::{Frame, Params, Raster, discover};
-use objecthood_io::{decode, open};
 
 fn labels(frame: &Frame) -> Raster<u16> {
     discover(frame, &Params::default()).unwrap().labels

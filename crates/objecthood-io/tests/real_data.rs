@@ -5,11 +5,11 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
-use common::data_folder;
+use common::{data_folder, decode, open};
 use objecthood::{Frame, Raster};
 use objecthood_io::organize::organize;
 use objecthood_io::pcd::{self, PointCloud};
-use objecthood_io::{Capture, GridCamera, decode, open};
+use objecthood_io::{Capture, GridCamera};
 
 fn learn_scenes(data: &Path) -> Vec<PathBuf> {
     (0..45).map(|k| data.join(format!("mosd/learn/learn{k}.pcd"))).collect()
@@ -84,7 +84,7 @@ fn flattened_scenes_come_back_to_their_grid() {
             label: Some(kept.iter().map(|&i| label[i]).collect()),
         };
         assert!(short.width < 307_200);
-        assert_same(&grid, &organize(short, Some(&kinect())).unwrap());
+        assert_same(&grid, &organize(short, Some(&kinect()), 640 * 480).unwrap());
     }
 }
 

@@ -5,9 +5,21 @@
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
+use objecthood_io::images::DEFAULT_MAX_PIXELS;
+use objecthood_io::{Capture, GridCamera, Result};
 use pcd_rs::{DataKind, DynRecord, Field, Schema, ValueKind, WriterInit};
 
 pub(crate) const ENCODINGS: [DataKind; 3] = [DataKind::Ascii, DataKind::Binary, DataKind::BinaryCompressed];
+
+/// As the function of that name, for frames of the usual size.
+pub(crate) fn open(path: &Path, camera: Option<&GridCamera>) -> Result<Capture> {
+    objecthood_io::open(path, camera, DEFAULT_MAX_PIXELS)
+}
+
+/// As the function of that name, for frames of the usual size.
+pub(crate) fn decode(bytes: &[u8], camera: Option<&GridCamera>) -> Result<Capture> {
+    objecthood_io::decode(bytes, camera, DEFAULT_MAX_PIXELS)
+}
 
 /// A PCD file written by `pcd-rs`.
 pub(crate) fn pcd_file(
