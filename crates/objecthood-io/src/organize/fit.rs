@@ -59,7 +59,9 @@ pub fn fit_camera(cloud: &PointCloud) -> Result<CameraFit> {
             (f, f)
         }
     };
-    let camera = Camera::new(fx, fy, columns.principal_px(fx), rows.principal_px(fy))?;
+    let camera = Camera::new(fx, fy, columns.principal_px(fx), rows.principal_px(fy));
+    // Points far beside the others make one that nobody has, and the user gave none that could be corrected.
+    let camera = camera.map_err(|_| Error::NotPinhole)?;
 
     let square = |(pixel, slope): Sight, f: f64, c: f64| (f * slope + c - pixel).powi(2);
     let squares = sights.map(|[across, down]| {
@@ -210,6 +212,15 @@ mod tests {
         assert!(matches!(mirrored(|[x, y, z]| [-x, y, z]), Error::NotPinhole));
         assert!(matches!(mirrored(|[x, y, z]| [x, -y, z]), Error::NotPinhole));
         assert!(matches!(mirrored(|[_, y, z]| [0.0, y, z]), Error::NotPinhole));
+    }
+
+    /// It was told that `fx 0.000..` is no camera, though it had given none.
+    #[test]
+    fn a_point_far_beside_makes_no_camera() {
+        let mut cloud = seen(kinect(), 40, 30, |_, _| 1.0);
+        cloud.points_m[40 * 30 - 1] = [1e20, 1e20, 1e-10];
+        let error = fit_camera(&cloud).unwrap_err();
+        assert!(matches!(error, Error::NotPinhole), "{error}");
     }
 
     #[test]
