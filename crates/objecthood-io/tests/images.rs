@@ -144,6 +144,23 @@ fn what_is_no_depth_is_refused() {
     assert!(matches!(error, Error::Frame(objecthood::Error::NoValidDepth)), "{error}");
 }
 
+/// The decoder names every one of the sample formats, and there may be 65535.
+#[test]
+fn a_table_as_long_as_the_file_likes_is_not_repeated() {
+    const SHORT: u32 = 3;
+    let (table_at, count) = (200, 2000);
+    let entries = [(256, 1, 7), (257, 1, 5), (258, 1, 16), (259, 1, 1), (262, 1, 1), (339, count, table_at)];
+    let mut tiff = b"II*\0\x08\0\0\0".to_vec();
+    tiff.extend((entries.len() as u16).to_le_bytes());
+    for (tag, count, value) in entries {
+        tiff.extend([tag | SHORT << 16, count, value].map(u32::to_le_bytes).as_flattened());
+    }
+    tiff.resize(table_at as usize, 0);
+    tiff.extend((0..count).flat_map(|k| (1 + k as u16 % 2).to_le_bytes()));
+    let message = refused(None, &tiff, &setup(Some(1000.0))).to_string();
+    assert!(message.contains("sample format [Uint, Int, ") && message.len() < 400, "{message}");
+}
+
 #[test]
 fn what_is_no_colour_is_refused() {
     let mm = setup(Some(1000.0));

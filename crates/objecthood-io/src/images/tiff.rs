@@ -12,6 +12,9 @@ use super::picture::{Picture, Samples};
 /// Kinds of pixels that are read, in words.
 const WANTED: &str = "grey or RGB with 8 or 16 bits, or grey with 32-bit floats";
 
+/// Characters of what the decoder says.
+const MAX_REASON: usize = 200;
+
 pub(super) fn decode(bytes: &[u8], max_pixels: usize) -> Result<Picture, ImageError> {
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(broken)?;
     let (width, height) = decoder.dimensions().map_err(broken)?;
@@ -53,5 +56,7 @@ pub(super) fn decode(bytes: &[u8], max_pixels: usize) -> Result<Picture, ImageEr
 
 #[expect(clippy::needless_pass_by_value, reason = "the shape of map_err")]
 fn broken(error: tiff::TiffError) -> ImageError {
-    ImageError::Broken { format: "TIFF", reason: error.to_string() }
+    // Some name every entry of a table that the file makes as long as it likes.
+    let reason = error.to_string().chars().take(MAX_REASON).collect();
+    ImageError::Broken { format: "TIFF", reason }
 }
