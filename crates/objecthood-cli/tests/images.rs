@@ -122,6 +122,39 @@ fn depth_alone_is_a_frame() {
     assert_eq!(folder.names("out").len(), 6);
 }
 
+/// The label images and panels of the first run were depth images to the second.
+#[test]
+fn a_second_run_into_the_folder_of_the_images_does_the_same() {
+    let folder = Folder::new();
+    for k in [1, 2] {
+        folder.write(&format!("in/{k}.png"), &png(&Cloud::two_boxes(0.01 * f64::from(k)).depth(10_000.0)));
+    }
+    let again = || folder.run(&format!("segment --depth in {} --out in --write labels,panels", how()), 0);
+    let first = again();
+    assert_eq!(counts(&first).len(), 2);
+    let files = folder.files("in");
+    assert_eq!(again().stdout, first.stdout);
+    assert!(folder.files("in") == files);
+}
+
+/// `--camera <(..)` was no file.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_camera_may_come_through_a_pipe() {
+    let folder = stills();
+    let json = r#"{"fx": 262.5, "fy": 262.5, "cx": 159.5, "cy": 119.5, "depth_scale": 10000}"#;
+    let piped = |json: &str| {
+        let mut command = common::command();
+        command.current_dir(folder.path()).args(["segment", "--depth", "in/1-depth.png", "--out", "out"]);
+        command.args(["--camera", "/dev/stdin"]).write_stdin(json).output().unwrap()
+    };
+    assert_eq!(piped(json).status.code(), Some(0));
+    let refused = piped("\0\0\0\0");
+    assert_eq!(refused.status.code(), Some(2));
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(said.starts_with("error: --camera /dev/stdin: not a camera file"), "{said}");
+}
+
 #[test]
 fn camera_files_are_read() {
     let folder = stills();

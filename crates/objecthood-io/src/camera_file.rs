@@ -10,6 +10,7 @@ use objecthood::Camera;
 use serde::Deserialize;
 
 use crate::error::{Error, Result};
+use crate::formats::read_file;
 use crate::organize::GridCamera;
 
 /// What a camera file says.
@@ -42,7 +43,10 @@ struct Fields {
 /// # Errors
 /// [`Error::At`] the path: it cannot be read, or those of [`parse`].
 pub fn open(path: &Path) -> Result<CameraFile> {
-    let bytes = std::fs::read(path).map_err(|reason| Error::Read { reason });
+    let bytes = read_file(path, |head| match head.trim_ascii_start() {
+        [b'{', ..] => Ok(()),
+        _ => Err(Error::BadCameraFile { reason: "it does not begin with {".to_owned() }),
+    });
     bytes.and_then(|bytes| parse(&bytes)).map_err(|error| error.at(path))
 }
 
@@ -83,6 +87,13 @@ mod tests {
             theirs,
             CameraFile { camera: GridCamera { camera, size: Some((640, 480)) }, depth_scale: None }
         );
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_device_without_end_is_not_loaded() {
+        let message = open(Path::new("/dev/zero")).unwrap_err().to_string();
+        assert!(message.starts_with("/dev/zero: not a camera file (it does not begin with {)"), "{message}");
     }
 
     #[test]

@@ -79,7 +79,7 @@ pub(crate) enum CameraArg {
 impl CameraArg {
     /// Numbers are a camera; anything else that may be a file is one.
     pub(crate) fn parse(text: &str) -> Result<Self, Error> {
-        let is_file = |text: &str| text.to_lowercase().ends_with(".json") || Path::new(text).is_file();
+        let is_file = |text: &str| text.to_lowercase().ends_with(".json") || Path::new(text).exists();
         match text.parse() {
             Ok(camera) => Ok(Self::Given(camera)),
             Err(_) if is_file(text) => Ok(Self::File(text.into())),

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, anyhow};
 
 use super::entries;
+use crate::args::OutputKind;
 use crate::failure::usage;
 use crate::natural;
 
@@ -112,10 +113,12 @@ fn expand(role: Role, arguments: &[PathBuf], complaints: &mut Vec<anyhow::Error>
     files
 }
 
-/// The image files of a folder, in natural order.
+/// The image files of a folder, in natural order, without those that an earlier run wrote there.
 fn images_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    let ours = [OutputKind::Labels, OutputKind::Panels].map(OutputKind::suffix);
+    let is_image = |path: &Path| has_extension(path, Role::Color.extensions()) && !has_extension(path, &ours);
     let paths = entries(folder)?.into_iter().map(|(entry, _)| folder.join(entry.file_name()));
-    Ok(paths.filter(|path| has_extension(path, Role::Color.extensions()) && path.is_file()).collect())
+    Ok(paths.filter(|path| is_image(path) && path.is_file()).collect())
 }
 
 impl Role {
