@@ -28,7 +28,8 @@ pub(crate) fn error(error: &anyhow::Error) {
 
 /// Prints one line to stderr. When even that fails nobody is left to be told.
 pub(crate) fn complain(message: &str) {
-    let _ = writeln!(io::stderr(), "{}", message.replace(['\n', '\r'], " "));
+    // Names of files and what is in them may hold anything, line ends and commands to the terminal among it.
+    let _ = writeln!(io::stderr(), "{}", message.replace(char::is_control, " "));
 }
 
 /// Sends the log of all crates to stderr.

@@ -217,3 +217,12 @@ fn an_output_that_is_full() {
         assert!(folder.names(out).is_empty(), "{:?}", folder.names(out));
     }
 }
+
+/// A name could colour the terminal, or write a line of its own.
+#[test]
+fn names_are_told_without_what_would_command_the_terminal() {
+    let folder = Folder::new();
+    let run = folder.run("segment \u{1b}[31mred\u{7}.pcd --out out", 1);
+    assert!(run.stderr.starts_with("error:  [31mred .pcd: cannot be read"), "{:?}", run.stderr);
+    assert!(!run.stderr.replace('\n', "").contains(char::is_control), "{:?}", run.stderr);
+}
