@@ -109,16 +109,21 @@ impl Given {
         Ok(())
     }
 
-    /// Names what may have been meant.
+    /// Names what may have been meant, if anything is like it.
     fn no_such_parameter(&self, key: &str) -> Complaint {
+        const LIKE: f64 = 0.4;
+        let given = key.to_lowercase();
         let names = self.known.iter().map(|p| p.name.as_str());
         // A name without its group is compared with names without their groups.
         let part =
-            |name: &'_ str| if key.contains('.') { name.to_owned() } else { after_dot(name).to_owned() };
+            |name: &'_ str| if given.contains('.') { name.to_owned() } else { after_dot(name).to_owned() };
         let mut likely: Vec<(f64, &str)> =
-            names.map(|name| (strsim::normalized_damerau_levenshtein(&part(name), key), name)).collect();
+            names.map(|name| (strsim::normalized_damerau_levenshtein(&part(name), &given), name)).collect();
         likely.sort_by(|a, b| b.0.total_cmp(&a.0));
         let best = likely.first().map_or(0.0, |l| l.0);
+        if best < LIKE {
+            return format!("there is no parameter `{key}`: `objecthood params` lists all");
+        }
         let near: Vec<&str> = likely.iter().take_while(|l| l.0 >= best - 0.05).take(3).map(|l| l.1).collect();
         format!(
             "there is no parameter `{key}`: did you mean {}? `objecthood params` lists all",

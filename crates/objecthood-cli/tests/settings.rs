@@ -77,6 +77,8 @@ fn mistakes_in_settings_are_explained_and_nothing_is_done() {
         ("--set curvature.thresold=0.1", &["`curvature.thresold`", "`curvature.threshold`"] as &[&str]),
         ("--set threshold=0.1", &["`curvature.threshold`", "`objectness.threshold`"]),
         ("--set curvatur.threshold=0.1", &["`curvature.threshold`"]),
+        ("--set CURVATURE.THRESOLD=0.1", &["`CURVATURE.THRESOLD`", "did you mean `curvature.threshold`?"]),
+        ("--set z=1", &["there is no parameter `z`: `objecthood params` lists all"]),
         ("--set curvature.threshold", &["stage.parameter=value"]),
         ("--set curvature.threshold=high", &["curvature.threshold = \"high\"", "0 ..= 2"]),
         ("--set curvature.threshold=3", &["curvature.threshold = 3", "0 ..= 2"]),
