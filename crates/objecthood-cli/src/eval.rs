@@ -43,7 +43,7 @@ struct Named<'a> {
 pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
     let subject = Subject::new(args)?;
     if let Some(path) = &args.json {
-        refuse_missing_folder(path)?;
+        refuse_what_cannot_be_a_file(path)?;
     }
     let Ok(split) = args.split.parse::<Split>();
     let scenes = mosd::scenes(&args.root, &split)?;
@@ -157,8 +157,9 @@ fn ablation(params: &Params) -> Vec<(String, Params)> {
     settings
 }
 
-fn refuse_missing_folder(file: &Path) -> Result<()> {
+fn refuse_what_cannot_be_a_file(file: &Path) -> Result<()> {
     match file.parent() {
+        _ if file.is_dir() => Err(usage(format!("--json {} is a folder: name a file", file.display()))),
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(usage(format!(
             "--json {}: the folder {} is not there: make it",
             file.display(),

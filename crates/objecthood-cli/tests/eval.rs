@@ -124,6 +124,7 @@ fn contradictions_are_mistakes_of_usage() {
         ("--method context", "not there yet"),
         ("--set graph.chanels=depth", "`graph.channels`"),
         ("--json nowhere/figures.json", "nowhere"),
+        ("--json root", "--json root is a folder: name a file"),
     ] {
         let run = folder.run(&format!("eval root {arguments}"), 2);
         assert!(
