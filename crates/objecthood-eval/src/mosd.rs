@@ -92,7 +92,7 @@ pub fn scenes(root: &Path, split: &Split) -> Result<Vec<SceneRef>> {
     let folders: Vec<PathBuf> = list(root)?.into_iter().filter(|path| path.is_dir()).collect();
     let mut found = Vec::new();
     for folder in folders.iter().filter(|path| split.holds(&text(path.file_name()))) {
-        for path in list(folder)?.into_iter().filter(|path| path.extension().is_some_and(|e| e == "pcd")) {
+        for path in list(folder)?.into_iter().filter(|path| is_pcd(path)) {
             found.push(SceneRef { name: text(path.file_stem()), folder: text(folder.file_name()), path });
         }
     }
@@ -107,6 +107,10 @@ pub fn scenes(root: &Path, split: &Split) -> Result<Vec<SceneRef>> {
         return Err(Error::SameName { first: first.path.clone(), second: second.path.clone() });
     }
     Ok(found)
+}
+
+fn is_pcd(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pcd"))
 }
 
 /// What lies in a folder, by name, hidden files and folders left out.
@@ -261,7 +265,7 @@ mod tests {
         for other in ["learn/notes.txt", "learn/.learn1.pcd", ".git/a1.pcd", "a0.pcd", "empty/readme"] {
             touch(other);
         }
-        touch("all2/x1.pcd");
+        touch("all2/x1.PCD");
         assert_eq!(names("learn"), ["none", "learn9", "learn10", "learn011b"]);
         assert_eq!(names("all"), ["x1", "none", "learn9", "learn10", "learn011b"]);
 
