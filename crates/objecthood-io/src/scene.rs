@@ -156,7 +156,12 @@ pub struct SceneObject {
 
 /// The evidence behind an objectness, by method.
 #[derive(Serialize, Deserialize, JsonSchema)]
-#[serde(remote = "objecthood::ObjectnessParts", tag = "method", rename_all = "snake_case", deny_unknown_fields)]
+#[serde(
+    remote = "objecthood::ObjectnessParts",
+    tag = "method",
+    rename_all = "snake_case",
+    deny_unknown_fields
+)]
 #[non_exhaustive]
 pub enum ObjectnessParts {
     /// Of the method `paper`.

@@ -66,8 +66,9 @@ fn best(
     let mut candidates = 0;
     for j in [i - width - 1, i - width, i - width + 1, i - 1, i + 1, i + width - 1, i + width, i + width + 1]
     {
-        // Also false when the neighbour is not measured.
-        if labels[j] < 0 || !((disparity[j] - disparity[i]).abs() <= NEIGHBOUR_QUANTA) {
+        // False when the neighbour is not measured.
+        let is_near = (disparity[j] - disparity[i]).abs() <= NEIGHBOUR_QUANTA;
+        if labels[j] < 0 || !is_near {
             continue;
         }
         match around[..candidates].iter_mut().find(|(label, _)| *label == labels[j]) {

@@ -106,7 +106,7 @@ impl AddAssign for Borders {
 
 impl Borders {
     /// As the other cluster sees it.
-    fn from_the_other_side(self) -> Self {
+    fn mirrored(self) -> Self {
         Self { in_front: self.behind, behind: self.in_front, ..self }
     }
 }
@@ -126,8 +126,7 @@ impl<'a> Clusters<'a> {
         for edge in lie_of_clusters(scene, shapes, jump_quanta).edges() {
             // Region 0 is the background.
             let [a, b] = [edge.a, edge.b].map(|k| k.0.checked_sub(1).map(SegmentId));
-            for (own, other, borders) in [(a, b, edge.evidence), (b, a, edge.evidence.from_the_other_side())]
-            {
+            for (own, other, borders) in [(a, b, edge.evidence), (b, a, edge.evidence.mirrored())] {
                 if let Some(own) = own {
                     clusters[own.index()].neighbours.insert(other, borders);
                 }
@@ -183,7 +182,7 @@ impl<'a> Clusters<'a> {
             if let Some(other) = other {
                 let seen = &mut self.clusters[other.index()].neighbours;
                 seen.remove(&Some(from));
-                *seen.entry(into).or_default() += borders.from_the_other_side();
+                *seen.entry(into).or_default() += borders.mirrored();
             }
             if let Some(into) = into {
                 *self.clusters[into.index()].neighbours.entry(other).or_default() += borders;

@@ -204,6 +204,14 @@ impl<const K: usize> Surface<K> {
     }
 }
 
+impl Surface<3> {
+    /// The same surface with a squared term, of weight 0.
+    fn curved(self) -> Surface<4> {
+        let [value, along, across] = self.weights;
+        Surface { weights: [value, along, across, 0.0], mean_squared_error: self.mean_squared_error }
+    }
+}
+
 /// What lies in the gap between two pieces.
 struct Seen {
     hidden: f64,
@@ -255,17 +263,13 @@ impl Gap<'_> {
             flat.mean_squared_error.sqrt() > CURVED_RATIO * curved.mean_squared_error.sqrt()
         });
         let both = of_a.iter().chain(&of_b);
-        let disagreement =
-            |joint: f64, single: [f64; 2]| (joint - (single[0] + single[1]) / 2.0).max(0.0).sqrt() / noise;
-        let (disagreement_quanta, joint): (f64, Box<dyn Fn([f64; 2]) -> f64>) = if is_curved {
-            let joint = Surface::<4>::fit(both);
-            let single = curved.each_ref().map(|surface| surface.mean_squared_error);
-            (disagreement(joint.mean_squared_error, single), Box::new(move |at| joint.value(at)))
+        let (joint, single) = if is_curved {
+            (Surface::<4>::fit(both), curved.each_ref().map(|surface| surface.mean_squared_error))
         } else {
-            let joint = Surface::<3>::fit(both);
-            let single = flat.each_ref().map(|surface| surface.mean_squared_error);
-            (disagreement(joint.mean_squared_error, single), Box::new(move |at| joint.value(at)))
+            (Surface::<3>::fit(both).curved(), flat.each_ref().map(|surface| surface.mean_squared_error))
         };
+        let added = joint.mean_squared_error - (single[0] + single[1]) / 2.0;
+        let disagreement_quanta = added.max(0.0).sqrt() / noise;
         let normals: [DVec3; 2] =
             [0, 1].map(|k| space.normal(along.middle, along.origin + flat[k].weights[0], slopes[k]));
         let angle_deg = libm::acos(normals[0].dot(normals[1]).clamp(-1.0, 1.0)).to_degrees();
@@ -275,7 +279,7 @@ impl Gap<'_> {
             return None;
         }
 
-        let seen = self.look(a, b, |at| along.origin + joint(along.coordinates(at)));
+        let seen = self.look(a, b, |at| along.origin + joint.value(along.coordinates(at)));
         let common = |(x, y): (&f64, &f64)| x.min(*y);
         let color_overlap = scene.color.map(|_| a.colors.iter().zip(&b.colors).map(common).sum::<f64>());
         let is_horizontal =

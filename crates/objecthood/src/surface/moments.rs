@@ -3,6 +3,8 @@
 //! The moments of two regions add up to those of their union, so that the model of a union and its residual are known
 //! without touching a pixel.
 
+#![allow(clippy::needless_range_loop, reason = "indices are exponents, as in the formulae")]
+
 use crate::raster::Raster;
 use crate::surface::disparity::position;
 
