@@ -121,7 +121,6 @@ fn contradictions_are_mistakes_of_usage() {
         ("--labels labels --config empty.toml", "--labels"),
         ("--suffix .png", "--labels"),
         ("--ablation --set graph.channels=depth", "--ablation"),
-        ("--method context", "not there yet"),
         ("--set graph.chanels=depth", "`graph.channels`"),
         ("--json nowhere/figures.json", "nowhere"),
         ("--json root", "--json root is a folder: name a file"),
