@@ -17,7 +17,7 @@ use objecthood_view::Recording;
 
 use crate::args::{DemoArgs, OutputKind};
 use crate::failure::Outcome;
-use crate::outputs::{Found, make_folder, refuse_file};
+use crate::outputs::{Found, make_folders_of, refuse_file};
 use crate::shell::word;
 use crate::synthetic::{Made, Recipe, camera_file, camera_path, color_path, depth_path};
 use crate::watch::{Laps, Watch};
@@ -88,9 +88,7 @@ fn show(recipe: Recipe, params: &Params, folder: &Path) -> Result<String> {
     let table = table(&made, &score);
     files.push(camera_file(&made.world, folder)?);
     files.extend(made.into_files(folder)?);
-    for (path, _) in &files {
-        path.parent().map_or(Ok(()), make_folder)?;
-    }
+    make_folders_of(&files)?;
     output::write_together(&files)?;
 
     let (stem, next) = (stem.display(), next_steps(folder, &name, recipe.seed));

@@ -77,3 +77,11 @@ pub(crate) fn make_folder(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder)
         .map_err(|e| anyhow!("cannot make the folder {} ({e}): choose another --out", folder.display()))
 }
+
+/// Makes the folders in which files are to be written, where they are not there.
+///
+/// # Errors
+/// When one cannot be made.
+pub(crate) fn make_folders_of(files: &[(PathBuf, Vec<u8>)]) -> Result<()> {
+    files.iter().filter_map(|(path, _)| path.parent()).try_for_each(make_folder)
+}

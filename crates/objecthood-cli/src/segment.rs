@@ -15,7 +15,7 @@ use objecthood_view::Recording;
 use crate::args::{CameraArg, OutputKind, SegmentArgs};
 use crate::failure::{Outcome, usage};
 use crate::inputs::{Input, Inputs};
-use crate::outputs::{Found, make_folder, path_of, refuse_file};
+use crate::outputs::{Found, make_folder, make_folders_of, path_of, refuse_file};
 use crate::watch::{Laps, Watch};
 use crate::{config, crew, inputs, terminal};
 
@@ -129,9 +129,7 @@ impl<'a> Plan<'a> {
         };
         let files = found.files(&self.kinds, &self.args.out.join(&input.name))?;
         laps.end("encoding");
-        for (path, _) in &files {
-            path.parent().map_or(Ok(()), make_folder)?;
-        }
+        make_folders_of(&files)?;
         output::write_together(&files)?;
         laps.end("writing");
         let files = files.into_iter().map(|(path, _)| path).collect();

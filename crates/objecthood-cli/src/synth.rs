@@ -8,7 +8,7 @@ use objecthood_scene::generate;
 
 use crate::args::SynthArgs;
 use crate::failure::Outcome;
-use crate::outputs::{make_folder, refuse_file};
+use crate::outputs::{make_folder, make_folders_of, refuse_file};
 use crate::shell::word;
 use crate::synthetic::{Recipe, camera_file, camera_path, color_path, depth_path, recipes};
 use crate::{crew, terminal};
@@ -64,9 +64,7 @@ fn write(recipe: &Recipe, folder: &Path) -> Result<String> {
     let scene = recipe.make().with_context(|| name.clone())?;
     let objects = scene.world.objects().count();
     let files = scene.into_files(folder).with_context(|| name.clone())?;
-    for (path, _) in &files {
-        path.parent().map_or(Ok(()), make_folder)?;
-    }
+    make_folders_of(&files)?;
     output::write_together(&files).with_context(|| name.clone())?;
     let names = folder.join(format!("{name}-*"));
     Ok(format!("{name}: {objects} object{} -> {}\n", if objects == 1 { "" } else { "s" }, names.display()))

@@ -9,6 +9,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
+use clap::ValueEnum as _;
 
 use super::entries;
 use crate::args::OutputKind;
@@ -115,7 +116,7 @@ fn expand(role: Role, arguments: &[PathBuf], complaints: &mut Vec<anyhow::Error>
 
 /// The image files of a folder, in natural order, without those that an earlier run wrote there.
 fn images_in(folder: &Path) -> Result<Vec<PathBuf>> {
-    let ours = [OutputKind::Labels, OutputKind::Panels].map(OutputKind::suffix);
+    let ours: Vec<&str> = OutputKind::value_variants().iter().map(|kind| kind.suffix()).collect();
     let is_image = |path: &Path| has_extension(path, Role::Color.extensions()) && !has_extension(path, &ours);
     let paths = entries(folder)?.into_iter().map(|(entry, _)| folder.join(entry.file_name()));
     Ok(paths.filter(|path| is_image(path) && path.is_file()).collect())
