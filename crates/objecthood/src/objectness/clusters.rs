@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 use crate::facets::Facets;
 use crate::objectness::join::{Join, JoinedPart};
 use crate::objectness::objects::pixel_box;
-use crate::oversegment::structure::StructureSurface;
+use crate::oversegment::structure::{StructureSurface, percentile};
 use crate::oversegment::watershed::neighbours;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, SegmentId, Segments};
@@ -209,8 +209,7 @@ impl<'a> Clusters<'a> {
             let every_other = cluster.pixels.iter().step_by(2);
             let mut heights: Vec<f64> =
                 every_other.map(|&i| self.scene.height_m(i as usize, support)).collect();
-            let place = ((TOP_SHARE * heights.len() as f64) as usize).min(heights.len().saturating_sub(1));
-            if heights.is_empty() { 0.0 } else { *heights.select_nth_unstable_by(place, f64::total_cmp).1 }
+            percentile(&mut heights, TOP_SHARE)
         })
     }
 

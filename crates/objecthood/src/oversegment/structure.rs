@@ -260,8 +260,7 @@ impl Extent {
         });
         let width_m = |axis: DVec3| {
             let mut along: Vec<f64> = inliers.iter().map(|s| s.point_m.dot(axis)).collect();
-            along.sort_by(f64::total_cmp);
-            percentile(&along, 0.95) - percentile(&along, 0.05)
+            percentile(&mut along, 0.95) - percentile(&mut along, 0.05)
         };
         let [t1, t2] = tangents(normal);
         Self { area_m2: area_m2.sum(), longest_m: width_m(t1).max(width_m(t2)) }
@@ -274,12 +273,14 @@ pub(crate) fn tangents(normal: DVec3) -> [DVec3; 2] {
     [along, normal.cross(along)]
 }
 
-/// The element that this share of the sorted values lie below; 0 of no values.
-pub(crate) fn percentile(sorted: &[f64], share: f64) -> f64 {
-    sorted.get((share * sorted.len() as f64) as usize).or(sorted.last()).copied().unwrap_or(0.0)
+/// The element that this share of the values lie below; reorders them. 0 of no values. O(n).
+pub(crate) fn percentile(values: &mut [f64], share: f64) -> f64 {
+    let Some(last) = values.len().checked_sub(1) else { return 0.0 };
+    let place = ((share * values.len() as f64) as usize).min(last);
+    *values.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
 /// Cosine of an angle in degrees, the same on every platform.
-pub(crate) fn cosine(degrees: f64) -> f64 {
+fn cosine(degrees: f64) -> f64 {
     libm::cos(degrees.to_radians())
 }
