@@ -97,7 +97,7 @@ macro_rules! parameters {
             }
         )+
 
-        /// All parameters, a group per algorithm. `Params::default()` is the published method.
+        /// All parameters, a group per algorithm. `Params::default()` is the method `context`.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         #[serde(default, deny_unknown_fields)]
         pub struct Params {
@@ -174,11 +174,11 @@ macro_rules! choice {
 choice! {
     /// A way of doing the four stages.
     Method {
-        /// The published method, equation by equation.
-        #[default]
-        Paper = "paper",
         /// Surfaces fitted in disparity, and what their borders and surroundings tell.
+        #[default]
         Context = "context",
+        /// The published method, equation by equation.
+        Paper = "paper",
     }
 }
 

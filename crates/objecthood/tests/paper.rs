@@ -8,13 +8,17 @@ use std::collections::HashSet;
 use objecthood::objectness::gravity::UpSource;
 use objecthood::objectness::support::NodeKind;
 use objecthood::{
-    Camera, Discovery, Error, Frame, Notice, ObjectnessParts, Observer, Params, PixelBox, Raster, Segments,
-    Stage, discover, discover_observed,
+    Camera, Discovery, Error, Frame, Method, Notice, ObjectnessParts, Observer, Params, PixelBox, Raster,
+    Segments, Stage, discover, discover_observed,
 };
 use world::{Solid, snapshot};
 
 const RED: [u8; 3] = [180, 40, 30];
 const BLUE: [u8; 3] = [30, 70, 150];
+
+fn paper() -> Params {
+    Params { method: Method::Paper, ..Params::default() }
+}
 
 fn two_boxes() -> Frame {
     snapshot(&[
@@ -75,7 +79,7 @@ fn drawn(frame: &Frame, label: impl Fn(usize) -> i64) -> String {
 
 fn check_golden(name: &str, frame: &Frame) {
     let mut maps = Maps::default();
-    let found = discover_observed(frame, &Params::default(), &mut maps).expect("the scene is valid");
+    let found = discover_observed(frame, &paper(), &mut maps).expect("the scene is valid");
     for (stage, segments) in &maps.0 {
         let map = drawn(frame, |i| segments.labels()[i].into());
         insta::assert_snapshot!(format!("{name}_{stage}"), map);
@@ -95,7 +99,7 @@ fn golden_stack() {
 
 #[test]
 fn two_boxes_on_a_table_are_two_objects_that_stand_on_it() {
-    let found = discover(&two_boxes(), &Params::default()).unwrap();
+    let found = discover(&two_boxes(), &paper()).unwrap();
     assert_eq!(found.objects.len(), 2);
     assert_eq!(found.up.source, UpSource::Plane);
     for object in &found.objects {
@@ -114,7 +118,7 @@ fn two_boxes_on_a_table_are_two_objects_that_stand_on_it() {
 
 #[test]
 fn support_reaches_the_upper_box_of_a_stack() {
-    let found = discover(&stack(), &Params::default()).unwrap();
+    let found = discover(&stack(), &paper()).unwrap();
     let seen_at = |u: usize, v: usize| {
         let label = found.labels[v * 320 + u];
         assert!(label > 0, "the box at {u}, {v} is an object");
@@ -133,7 +137,7 @@ fn support_reaches_the_upper_box_of_a_stack() {
 /// Looks at the frame and checks what holds for every discovery, whatever the frame.
 fn checked(frame: &Frame) -> (Discovery, Maps) {
     let mut maps = Maps::default();
-    let found = discover_observed(frame, &Params::default(), &mut maps).expect("the scene is valid");
+    let found = discover_observed(frame, &paper(), &mut maps).expect("the scene is valid");
     let [_, (_, facets), (_, shapes)] = &maps.0[..] else { panic!("each stage is announced once") };
     check_scene(&found);
     check_support(frame, &found, shapes);
@@ -245,7 +249,7 @@ fn labels_are_the_same_on_any_number_of_threads() {
     let frame = two_boxes();
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| discover(&frame, &Params::default()).unwrap().labels)
+        pool.install(|| discover(&frame, &paper()).unwrap().labels)
     };
     let one = on(1);
     assert!([1, 2, 8].into_iter().all(|threads| on(threads) == one));
@@ -267,7 +271,7 @@ fn the_colour_of_what_has_no_depth_changes_nothing() {
             *c = if depth[i].is_nan() { hole.unwrap_or([(i * 31) as u8, (i * 57) as u8, 9]) } else { *c };
         }
         let frame = Frame::new(depth.clone(), Some(color), camera).unwrap();
-        discover(&frame, &Params::default()).unwrap().labels
+        discover(&frame, &paper()).unwrap().labels
     };
     let black = with_holes(Some([0; 3]));
     assert!(black == with_holes(None) && black == with_holes(Some([255; 3])));
@@ -277,7 +281,7 @@ fn the_colour_of_what_has_no_depth_changes_nothing() {
 fn depth_alone_will_do() {
     let boxes = two_boxes();
     let frame = Frame::new(boxes.depth_m().clone(), None, boxes.camera()).unwrap();
-    let found = discover(&frame, &Params::default()).unwrap();
+    let found = discover(&frame, &paper()).unwrap();
     assert_eq!(found.notices, [Notice::NoColor]);
     assert_eq!(found.objects.len(), 2);
 }
@@ -295,7 +299,7 @@ fn tiny_and_odd_images_are_no_error() {
         assert!(checked(&frame).0.objects.is_empty());
     }
     let one = Frame::new(Raster::filled(1, 1, 1.0).unwrap(), None, camera).unwrap();
-    assert!(discover(&one, &Params::default()).unwrap().notices.contains(&Notice::NoPlane));
+    assert!(discover(&one, &paper()).unwrap().notices.contains(&Notice::NoPlane));
 }
 
 #[test]
@@ -320,7 +324,7 @@ fn noise_is_no_error() {
 
 #[test]
 fn parameters_outside_their_range_are_refused() {
-    let mut params = Params::default();
+    let mut params = paper();
     params.appearance.lab_bins = 0;
     let refused = discover(&two_boxes(), &params);
     assert!(
@@ -336,7 +340,7 @@ fn superpixels_by_color(hole: impl Fn(usize) -> [u8; 3]) -> Segments {
         depth.as_mut_slice()[i] = f32::NAN;
         color.as_mut_slice()[i] = hole(i);
     }
-    let mut params = Params::default();
+    let mut params = paper();
     params.curvature.enabled = false;
     let mut maps = Maps::default();
     let frame = Frame::new(depth, Some(color), boxes.camera()).expect("the table has depth");
@@ -372,7 +376,7 @@ impl Observer for Bends {
 #[test]
 fn curvature_bounds_superpixels_where_it_is_on_and_grows_with_its_scale() {
     let bends = |enabled: bool, scale: f32| {
-        let mut params = Params::default();
+        let mut params = paper();
         (params.curvature.enabled, params.curvature.scale) = (enabled, scale);
         let mut bends = Bends::default();
         discover_observed(&two_boxes(), &params, &mut bends).unwrap();
