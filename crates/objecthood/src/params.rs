@@ -315,6 +315,8 @@ parameters! {
         tolerance_quanta: f64 = 2.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.3)";
         /// Their normals differ by less than this from the surface's.
         angle_deg: f64 = 30.0, 0.0..=180.0, "degrees", "tuned on mOSD learn (METHOD 3.3)";
+        /// Or the slopes of their disparity do, by less than this; 0 = the normals alone decide.
+        slope_quanta_per_px: f64 = 0.4, 0.0..=1000.0, "quanta of disparity per px at a focal length of 525 px", "ours, because noise tilts a slope alike at any distance, a normal by more the farther it is; 30 degrees at 1 m";
     }
 
     /// Superpixels by watershed of the fit residual (`context`).

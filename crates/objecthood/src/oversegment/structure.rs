@@ -13,7 +13,7 @@ use crate::random::Lcg;
 use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::disparity::{DisparitySpace, position};
-use crate::surface::moments::{Basis, Model, Moments};
+use crate::surface::moments::{Basis, Model, Moments, length};
 use crate::surface::plane_fit::PlaneFit;
 use crate::surface::window_choice::Orientation;
 
@@ -79,7 +79,38 @@ struct Sample {
     at: [f64; 2],
     disparity: f64,
     point_m: DVec3,
+    tilt: Tilt,
+}
+
+/// How a surface is turned at a pixel.
+struct Tilt {
+    /// Unit normal, towards the camera; zero where it is not known.
     normal: DVec3,
+    /// Change of disparity along u and v (quanta/px).
+    slope: [f64; 2],
+}
+
+impl Tilt {
+    fn at(i: usize, orientation: &Orientation) -> Self {
+        let normal = Vec3::from(orientation.normal[i]).as_dvec3();
+        Self { normal, slope: orientation.slope[i].map(f64::from) }
+    }
+}
+
+/// What passes for the same tilt.
+///
+/// The normal tells sides of low objects from the table they stand on. Where depth is coarse noise turns it at will, and a
+/// wall 2 m away came to pieces; but not the slope of the disparity, whose noise is the same at any distance.
+struct Alike {
+    least_cosine: f64,
+    slope_per_px: f64,
+}
+
+impl Alike {
+    fn are(&self, a: &Tilt, b: &Tilt) -> bool {
+        let between = [0, 1].map(|k| a.slope[k] - b.slope[k]);
+        a.normal.dot(b.normal) > self.least_cosine || length(between) < self.slope_per_px
+    }
 }
 
 /// Finds the structure of a scene.
@@ -97,7 +128,10 @@ pub fn structure(
     let (width, height) = disparity.size();
     let grid = space.length_px(GRID_PX);
     let center = [(width / 2) as f64, (height / 2) as f64];
-    let least_cosine = cosine(params.angle_deg);
+    let alike = Alike {
+        least_cosine: cosine(params.angle_deg),
+        slope_per_px: space.slope_per_px(params.slope_quanta_per_px),
+    };
     let rows = (grid / 3..height).step_by(grid);
     let on_grid = rows.flat_map(|v| (grid / 3..width).step_by(grid).map(move |u| v * width + u));
     let mut pool: Vec<Sample> = on_grid
@@ -106,7 +140,7 @@ pub fn structure(
             at: position(i, width),
             disparity: f64::from(disparity[i]),
             point_m: Vec3::from(points_m[i]).as_dvec3(),
-            normal: Vec3::from(orientation.normal[i]).as_dvec3(),
+            tilt: Tilt::at(i, orientation),
         })
         .collect();
     let everything = pool.len();
@@ -119,7 +153,7 @@ pub fn structure(
         }
         let Some(plane) = best_plane(&pool, &mut random, space) else { break };
         let normal = space.normal([0.0; 2], plane[2], [plane[0], plane[1]]);
-        let Some(model) = refit(&pool, plane, normal, center, least_cosine) else { continue };
+        let Some(model) = refit(&pool, plane, normal, center, &alike) else { continue };
         let is_inlier = |s: &Sample| (s.disparity - model.value(s.at)).abs() < INLIER_QUANTA;
         let (inliers, rest): (Vec<_>, Vec<_>) = pool.into_iter().partition(is_inlier);
         pool = rest;
@@ -138,11 +172,11 @@ pub fn structure(
 
     let support = surfaces.iter().position(|s| -s.normal.y > UPWARD).or((!surfaces.is_empty()).then_some(0));
     let label = |i: usize| {
-        let normal = Vec3::from(orientation.normal[i]).as_dvec3();
+        let (at, tilt) = (position(i, width), Tilt::at(i, orientation));
         let lies_on = |s: &StructureSurface| {
-            let near =
-                (f64::from(disparity[i]) - s.model.value(position(i, width))).abs() < params.tolerance_quanta;
-            near && (normal == DVec3::ZERO || s.normal.dot(normal) > least_cosine)
+            let near = (f64::from(disparity[i]) - s.model.value(at)).abs() < params.tolerance_quanta;
+            let surface = || Tilt { normal: s.normal, slope: s.model.slope(at) };
+            near && (tilt.normal == DVec3::ZERO || alike.are(&surface(), &tilt))
         };
         surfaces.iter().position(lies_on).map_or(-1, |s| s as i32)
     };
@@ -225,14 +259,15 @@ fn refit(
     [a, b, c]: [f64; 3],
     normal: DVec3,
     center: [f64; 2],
-    least_cosine: f64,
+    alike: &Alike,
 ) -> Option<Model> {
+    let plane = Tilt { normal, slope: [a, b] };
     let mut surface: Option<Model> = None;
     for tolerance in REFIT_QUANTA {
         let value = |at: [f64; 2]| surface.map_or(a * at[0] + b * at[1] + c, |model| model.value(at));
         let mut moments = Moments::about(center);
         for s in pool {
-            if (s.disparity - value(s.at)).abs() < tolerance && normal.dot(s.normal) > least_cosine {
+            if (s.disparity - value(s.at)).abs() < tolerance && alike.are(&plane, &s.tilt) {
                 moments.add(s.at, s.disparity);
             }
         }

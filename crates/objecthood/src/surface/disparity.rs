@@ -108,6 +108,12 @@ impl DisparitySpace {
         ((at_525_px as f64 * self.scale).round() as usize).max(1)
     }
 
+    /// A slope in quanta/px at a focal length of 525 px, in quanta/px of this image.
+    #[inline]
+    pub fn slope_per_px(&self, at_525_px: f64) -> f64 {
+        at_525_px / self.scale
+    }
+
     /// An area in pixels at a focal length of 525 px, in pixels of this image.
     #[inline]
     pub fn area_px(&self, at_525_px: usize) -> usize {
