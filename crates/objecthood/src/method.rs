@@ -71,7 +71,7 @@ pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer)
     let described = descriptors(&shapes, &superpixels.core, &points, &normals);
     let touching = contacts(&shapes, &points, &params.contact);
     let mut support = support(&shapes, &described, &touching, &points, &up);
-    observer.observe(Stage::Support(&support));
+    observer.observe(Stage::Support { graph: &support, regions: &shapes });
     let hypotheses = decide(&shapes, &points, &support, &up, &params.objectness);
     let (objects, labels) = objects(hypotheses, &facets, &points, &support)?;
     support.mark(&objects);
@@ -148,7 +148,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     let touching = contacts(&outcome.regions, &points, &params.contact);
     let mut support = support(&outcome.regions, &described, &touching, &points, &up);
     support.mark_structure(planes.len());
-    observer.observe(Stage::Support(&support));
+    observer.observe(Stage::Support { graph: &support, regions: &outcome.regions });
     let (objects, labels) =
         objects(outcome.hypotheses(&clusters, &support, &up), &facets.segments, &points, &support)?;
     support.mark(&objects);
