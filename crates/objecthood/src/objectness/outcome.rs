@@ -65,18 +65,24 @@ impl Outcome {
                 pixels,
                 objectness: p_o,
                 parts: ObjectnessParts::Context { p_s, p_o, top_m },
-                joins: clusters.get(id).joins.iter().map(|join| self.resolve(clusters, join)).collect(),
+                joins: clusters.get(id).joins.iter().map(|join| self.resolve(clusters, id, join)).collect(),
             }
         };
         self.found.iter().enumerate().map(judge).collect()
     }
 
-    /// Says of a join which node it is behind.
-    fn resolve(&self, clusters: &Clusters<'_>, (join, hider): &(Join, Option<SegmentId>)) -> Join {
+    /// Says of a join of a cluster which node it is behind: none when what hid the parts became a part of the cluster itself.
+    fn resolve(
+        &self,
+        clusters: &Clusters<'_>,
+        own: SegmentId,
+        (join, hider): &(Join, Option<SegmentId>),
+    ) -> Join {
         let node = |facet: SegmentId| match facet.index().checked_sub(self.structure) {
             None => Some(NodeId(facet.0)),
             Some(free) => {
-                let place = self.found.binary_search(&clusters.of_facet(free)?).ok()?;
+                let cluster = clusters.of_facet(free).filter(|&cluster| cluster != own)?;
+                let place = self.found.binary_search(&cluster).ok()?;
                 Some(NodeId((self.structure + place) as u32))
             }
         };
