@@ -16,6 +16,8 @@ use crate::union_find::UnionFind;
 
 /// A facet is looked at when it has so many pixels (at a focal length of 525 px) ...
 const FACET_PX: usize = 80;
+/// ... in small images at least so many (px), because fewer determine no surface ...
+const LEAST_FACET_PX: usize = 12;
 /// ... and is this share of its cluster.
 const FACET_SHARE: f64 = 0.15;
 /// Something is in front of a cluster along so many pixel pairs (px at 525 px) before it counts as cut.
@@ -109,13 +111,14 @@ fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
         let real = clusters.get(id).neighbours.iter().filter(|(other, _)| other.is_some());
         real.map(|(_, borders)| borders.behind).sum::<u32>()
     };
+    let least_px = scene.space.area_px(FACET_PX).max(LEAST_FACET_PX);
     let least_hidden = scene.space.length_px(OCCLUDED_PX) as u32;
     let mut pixels: Vec<Vec<u32>> = vec![Vec::new(); facets.segments.count()];
     facets.segments.members().for_each(|(i, facet)| pixels[facet].push(i as u32));
     let judge = |(facet, pixels): (usize, Vec<u32>)| {
         let cluster = clusters.of_facet(facet.checked_sub(facets.structure)?)?;
         let share = pixels.len() as f64 / clusters.get(cluster).pixels.len() as f64;
-        let is_large = pixels.len() >= scene.space.area_px(FACET_PX).max(1) && share >= FACET_SHARE;
+        let is_large = pixels.len() >= least_px && share >= FACET_SHARE;
         if !is_large || hidden_along(cluster) < least_hidden {
             return None;
         }
@@ -281,7 +284,9 @@ impl Gap<'_> {
 
         let seen = self.look(a, b, |at| along.origin + joint.value(along.coordinates(at)));
         let common = |(x, y): (&f64, &f64)| x.min(*y);
-        let color_overlap = scene.color.map(|_| a.colors.iter().zip(&b.colors).map(common).sum::<f64>());
+        // Shares add up to 1 but for rounding.
+        let overlap = || a.colors.iter().zip(&b.colors).map(common).sum::<f64>().min(1.0);
+        let color_overlap = scene.color.map(|_| overlap());
         let is_horizontal =
             scene.support.is_some_and(|support| normals[0].dot(support.normal).abs() > HORIZONTAL);
         let (farthest_m, least_color) = if is_horizontal {
