@@ -152,7 +152,8 @@ mod tests {
                 small_size().prop_flat_map(|size| (raster(size, coarse_disparity()), raster(size, -1_i32..3))),
             agreement_quanta in 0.0..2.0,
         ) {
-            let models = [201.0, 204.0, 206.5].map(level).to_vec();
+            // Two alike, so that energies tie.
+            let models = [201.0, 204.0, 204.0].map(level).to_vec();
             let mut expected = labels.clone();
             for _ in 0..4 {
                 expected = naive_pass(&expected, &disparity, &models, agreement_quanta);

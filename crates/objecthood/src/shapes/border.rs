@@ -303,6 +303,17 @@ mod tests {
     }
 
     #[test]
+    fn what_noise_explains_is_no_step() {
+        // 6 mm are 2.1 quanta: within the noise, even where such a step would hide something.
+        let level = Walls::new(60.0, 0.006, 1).seen(0.001);
+        assert!(level.step_m == 0.0 && (border_m(&level) / TRUE_M - 1.0).abs() < 0.05, "{level:?}");
+        // 12.5 mm are 4.4 quanta: a step, unless the surfaces turn so much that sideways noise makes it.
+        assert!(Walls::new(0.0, 0.0125, 1).seen(0.02).folds.is_empty());
+        let folded = Walls::new(60.0, 0.0125, 1).seen(0.02);
+        assert!(folded.step_m == 0.0 && (border_m(&folded) / TRUE_M - 1.0).abs() < 0.05, "{folded:?}");
+    }
+
+    #[test]
     fn two_surfaces_of_the_structure_have_no_border() {
         let mut walls = Walls::new(90.0, 0.0, 1);
         let count = |walls: &Walls| {

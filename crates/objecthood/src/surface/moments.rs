@@ -299,11 +299,17 @@ mod tests {
 
     proptest! {
         #[test]
-        fn moments_of_a_union_are_the_merged_ones((disparity, a, b) in two_regions()) {
+        fn moments_of_a_union_are_the_merged_ones(
+            (disparity, a, b) in two_regions(),
+            [center_a, center_b] in prop::array::uniform2(prop::array::uniform2(-5.0..20.0)),
+        ) {
             let union = [a.as_slice(), &b].concat();
-            let merged = Moments::of(&a, &disparity).merged(&Moments::of(&b, &disparity));
+            let [of_a, of_b] = [&a, &b].map(|pixels| Moments::of(pixels, &disparity));
+            let merged = of_a.merged(&of_b);
             let expected = Moments::of(&union, &disparity);
             assert_same(&merged, &expected)?;
+            // Wherever the parts are counted from.
+            assert_same(&of_a.shifted(center_a).merged(&of_b.shifted(center_b)), &expected)?;
             prop_assert_eq!(merged.count(), union.len() as f64);
             for basis in [Basis::Plane, Basis::Quadratic] {
                 let (merged, scratch) = (merged.fit(basis), expected.fit(basis));
