@@ -365,3 +365,118 @@ impl Gap<'_> {
         Seen { hidden: share(hidden), through: share(through), hider: most.map(|(facet, _)| facet) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::objectness::testing::{Table, named, single};
+
+    /// A plank, facets 1 and 2, below a bar, facet 3, that cuts it. Their heights (m), and what is left of the bar.
+    struct Cut {
+        heights_m: [f64; 3],
+        is_bar: fn(usize) -> bool,
+    }
+
+    const CUT: Cut = Cut { heights_m: [0.05, 0.05, 0.15], is_bar: |_| true };
+
+    impl Cut {
+        fn seen(&self) -> Table {
+            Table::new((120, 80), |u, v| {
+                let is_plank = (20..100).contains(&u) && (30..50).contains(&v);
+                let facet = match u {
+                    50..65 if (10..70).contains(&v) && (self.is_bar)(v) => 3,
+                    0..50 if is_plank => 1,
+                    65.. if is_plank => 2,
+                    _ => 0,
+                };
+                Some((facet as i32, if facet == 0 { 0.0 } else { self.heights_m[facet - 1] }))
+            })
+        }
+    }
+
+    /// The clusters of the plank's two parts and of the bar, and the joins of the first.
+    fn joined(
+        table: &Table,
+        params: &params::Occlusion,
+    ) -> (Vec<Option<u32>>, Vec<(Join, Option<SegmentId>)>) {
+        let scene = table.scene();
+        let mut clusters = single(&scene);
+        join_behind_occluders(&mut clusters, params);
+        (named(&clusters), clusters.get(SegmentId(0)).joins.clone())
+    }
+
+    const PARTED: [Option<u32>; 3] = [Some(0), Some(1), Some(2)];
+
+    #[test]
+    fn a_plank_goes_on_below_a_bar() {
+        let (clusters, joins) = joined(&CUT.seen(), &params::Occlusion::default());
+        assert_eq!(clusters, [Some(0), Some(0), Some(2)]);
+        let [(join, hider)] = &joins[..] else { panic!("one join: {joins:?}") };
+        assert_eq!(*hider, Some(SegmentId(3)));
+        assert_eq!(join.parts.map(|part| part.size_px), [600, 700]);
+        let JoinEvidence::Occlusion(continuation) = join.evidence else { panic!("{join:?}") };
+        assert!(
+            continuation.hidden_share == 1.0 && continuation.seen_through_share == 0.0,
+            "{continuation:?}"
+        );
+        // From the middle of the left part, column 34.5, to that of the right one, 82, at 0.95 m.
+        assert!((continuation.distance_m - 47.5 * 0.95 / 525.0).abs() < 1e-3, "{continuation:?}");
+        assert!(continuation.angle_deg < 0.1 && continuation.color_overlap.is_none(), "{continuation:?}");
+    }
+
+    #[test]
+    fn parts_on_two_levels_are_two() {
+        let cut = Cut { heights_m: [0.05, 0.08, 0.15], ..CUT };
+        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).0, PARTED);
+    }
+
+    #[test]
+    fn what_is_seen_between_is_no_occluder() {
+        // The bar has a hole of half the plank's width, through which the table shows.
+        let cut = Cut { is_bar: |v| !(35..45).contains(&v), ..CUT };
+        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).0, PARTED);
+        // And here it lies lower than the plank.
+        let cut = Cut { heights_m: [0.05, 0.05, 0.02], ..CUT };
+        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).0, PARTED);
+    }
+
+    #[test]
+    fn parts_of_other_colour_are_two() {
+        let mut table = CUT.seen();
+        let painted = |left: [u8; 3], right: [u8; 3]| {
+            let pixels = (0..table.disparity.len()).map(|i| if i % 120 < 57 { left } else { right });
+            table.disparity.with_data(pixels.collect())
+        };
+        let [same, other] = [[200, 30, 30], [30, 30, 200]].map(|right| painted([200, 30, 30], right));
+        table.color = Some(same);
+        let (clusters, joins) = joined(&table, &params::Occlusion::default());
+        assert_eq!(clusters, [Some(0), Some(0), Some(2)]);
+        let JoinEvidence::Occlusion(continuation) = joins[0].0.evidence else { panic!("{joins:?}") };
+        let overlap = continuation.color_overlap.unwrap();
+        assert!(overlap <= 1.0 && overlap > 0.999_999, "no share exceeds 1: {overlap}");
+        table.color = Some(other);
+        assert_eq!(joined(&table, &params::Occlusion::default()).0, PARTED);
+    }
+
+    #[test]
+    fn parameters_part_what_would_be_joined() {
+        let table = CUT.seen();
+        let default = params::Occlusion::default;
+        for params in [
+            params::Occlusion { enabled: false, ..default() },
+            params::Occlusion { max_distance_m: 0.09, ..default() },
+            params::Occlusion { disagreement_quanta: 0.0, ..default() },
+        ] {
+            assert_eq!(joined(&table, &params).0, PARTED, "{params:?}");
+        }
+    }
+
+    #[test]
+    fn parts_of_a_few_pixels_continue_nothing() {
+        // Facets of three pixels, at a focal length at which 80 pixels would be less than one.
+        let rows = ["aaabbbccc", "aaabbbccc", "aaabbbccc"];
+        let table = Table::drawn(&rows, &[0.05, 0.15, 0.05]);
+        let scene = table.scene();
+        assert!(pieces(&single(&scene)).is_empty());
+    }
+}

@@ -307,9 +307,9 @@ mod tests {
         // 6 mm are 2.1 quanta: within the noise, even where such a step would hide something.
         let level = Walls::new(60.0, 0.006, 1).seen(0.001);
         assert!(level.step_m == 0.0 && (border_m(&level) / TRUE_M - 1.0).abs() < 0.05, "{level:?}");
-        // 12.5 mm are 4.4 quanta: a step, unless the surfaces turn so much that sideways noise makes it.
-        assert!(Walls::new(0.0, 0.0125, 1).seen(0.02).folds.is_empty());
-        let folded = Walls::new(60.0, 0.0125, 1).seen(0.02);
+        // 13 mm are 4.6 quanta: a step, unless the surfaces turn so much that sideways noise makes it.
+        assert!(Walls::new(0.0, 0.013, 1).seen(0.02).folds.is_empty());
+        let folded = Walls::new(60.0, 0.013, 1).seen(0.02);
         assert!(folded.step_m == 0.0 && (border_m(&folded) / TRUE_M - 1.0).abs() < 0.05, "{folded:?}");
     }
 
