@@ -311,13 +311,16 @@ mod tests {
         })
     }
 
+    /// The pixels of a cluster and how it lies to its neighbours.
+    type Counted = (Vec<u32>, BTreeMap<Option<SegmentId>, Borders>);
+
     /// Pixels and neighbours of every cluster, from the cluster of every pixel: `None` = no facet, `Some(None)` = background.
     fn counted(
         cluster: &[Option<Option<SegmentId>>],
         disparity: &Raster<f32>,
-    ) -> BTreeMap<SegmentId, (Vec<u32>, BTreeMap<Option<SegmentId>, Borders>)> {
+    ) -> BTreeMap<SegmentId, Counted> {
         let (width, height) = disparity.size();
-        let mut counted: BTreeMap<SegmentId, (Vec<u32>, BTreeMap<_, Borders>)> = BTreeMap::new();
+        let mut counted: BTreeMap<SegmentId, Counted> = BTreeMap::new();
         for (i, id) in cluster.iter().enumerate() {
             if let Some(Some(id)) = id {
                 counted.entry(*id).or_default().0.push(i as u32);
@@ -409,6 +412,17 @@ mod tests {
                     prop_assert!(near.all(|j| filled.labels()[j] < 0), "what can be reached is filled");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn what_lies_far_apart_is_no_neighbour() {
+        for (holes, is_near) in [(0, true), (23, true), (24, false)] {
+            let row = format!("a{}b", ".".repeat(holes));
+            let table = Table::drawn(&[&row], &[0.1, 0.1]);
+            let scene = table.scene();
+            let borders = single(&scene).borders(SegmentId(0), SegmentId(1));
+            assert_eq!(borders.touch + borders.level, u32::from(is_near), "{holes} holes");
         }
     }
 

@@ -82,6 +82,14 @@ mod tests {
     }
 
     #[test]
+    fn ties_go_to_the_first() {
+        let rows = ["aaaaaaaaaa", "aaaaaaaaaa", "cccccccc..", "bbbbbbbbbb", "bbbbbbbbbb"];
+        assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 10), [Some(0), Some(1), Some(0)]);
+        // Of two of one size the first moves, and the second stays where it is.
+        assert_eq!(absorbed(&["aaaa", "bbbb"], &[0.1, 0.1], 10), [Some(1), Some(1)]);
+    }
+
+    #[test]
     fn a_crumb_on_the_table_is_a_part_of_it() {
         let rows = ["________", "__aaaa__", "__aaaa__", "________"];
         assert_eq!(absorbed(&rows, &[0.002], 30), [None]);

@@ -394,22 +394,24 @@ mod tests {
         }
     }
 
-    /// The clusters of the plank's two parts and of the bar, and the joins of the first.
-    fn joined(
-        table: &Table,
-        params: &params::Occlusion,
-    ) -> (Vec<Option<u32>>, Vec<(Join, Option<SegmentId>)>) {
+    /// The clusters of the plank's two parts and of the bar, and the joins of the first, each with its hider.
+    struct Joined {
+        clusters: Vec<Option<u32>>,
+        joins: Vec<(Join, Option<SegmentId>)>,
+    }
+
+    fn joined(table: &Table, params: &params::Occlusion) -> Joined {
         let scene = table.scene();
         let mut clusters = single(&scene);
         join_behind_occluders(&mut clusters, params);
-        (named(&clusters), clusters.get(SegmentId(0)).joins.clone())
+        Joined { clusters: named(&clusters), joins: clusters.get(SegmentId(0)).joins.clone() }
     }
 
     const PARTED: [Option<u32>; 3] = [Some(0), Some(1), Some(2)];
 
     #[test]
     fn a_plank_goes_on_below_a_bar() {
-        let (clusters, joins) = joined(&CUT.seen(), &params::Occlusion::default());
+        let Joined { clusters, joins } = joined(&CUT.seen(), &params::Occlusion::default());
         assert_eq!(clusters, [Some(0), Some(0), Some(2)]);
         let [(join, hider)] = &joins[..] else { panic!("one join: {joins:?}") };
         assert_eq!(*hider, Some(SegmentId(3)));
@@ -427,17 +429,17 @@ mod tests {
     #[test]
     fn parts_on_two_levels_are_two() {
         let cut = Cut { heights_m: [0.05, 0.08, 0.15], ..CUT };
-        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).0, PARTED);
+        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).clusters, PARTED);
     }
 
     #[test]
     fn what_is_seen_between_is_no_occluder() {
         // The bar has a hole of half the plank's width, through which the table shows.
         let cut = Cut { is_bar: |v| !(35..45).contains(&v), ..CUT };
-        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).0, PARTED);
+        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).clusters, PARTED);
         // And here it lies lower than the plank.
         let cut = Cut { heights_m: [0.05, 0.05, 0.02], ..CUT };
-        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).0, PARTED);
+        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).clusters, PARTED);
     }
 
     #[test]
@@ -449,13 +451,13 @@ mod tests {
         };
         let [same, other] = [[200, 30, 30], [30, 30, 200]].map(|right| painted([200, 30, 30], right));
         table.color = Some(same);
-        let (clusters, joins) = joined(&table, &params::Occlusion::default());
+        let Joined { clusters, joins } = joined(&table, &params::Occlusion::default());
         assert_eq!(clusters, [Some(0), Some(0), Some(2)]);
         let JoinEvidence::Occlusion(continuation) = joins[0].0.evidence else { panic!("{joins:?}") };
         let overlap = continuation.color_overlap.unwrap();
         assert!(overlap <= 1.0 && overlap > 0.999_999, "no share exceeds 1: {overlap}");
         table.color = Some(other);
-        assert_eq!(joined(&table, &params::Occlusion::default()).0, PARTED);
+        assert_eq!(joined(&table, &params::Occlusion::default()).clusters, PARTED);
     }
 
     #[test]
@@ -467,7 +469,7 @@ mod tests {
             params::Occlusion { max_distance_m: 0.09, ..default() },
             params::Occlusion { disagreement_quanta: 0.0, ..default() },
         ] {
-            assert_eq!(joined(&table, &params).0, PARTED, "{params:?}");
+            assert_eq!(joined(&table, &params).clusters, PARTED, "{params:?}");
         }
     }
 

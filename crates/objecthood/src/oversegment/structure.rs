@@ -381,6 +381,14 @@ mod tests {
     }
 
     #[test]
+    fn a_pixel_without_a_normal_may_lie_on_a_surface() {
+        // Alone in a hole of 9 x 9 pixels, which no window spans.
+        let far = |i: usize| (i % SIZE.0).abs_diff(100).max((i / SIZE.0).abs_diff(100));
+        let found = seen(|i| if (1..5).contains(&far(i)) { f64::NAN } else { plane(i, table_normal(), 0.6) });
+        assert_eq!([100, 101].map(|u| found.labels[100 * SIZE.0 + u]), [0, -1]);
+    }
+
+    #[test]
     fn a_small_plane_is_structure_when_it_holds_most_of_what_is_seen() {
         let plate = |half_px: usize| {
             move |i: usize| {
