@@ -371,25 +371,26 @@ mod tests {
     use super::*;
     use crate::objectness::testing::{Table, named, single};
 
-    /// A plank, facets 1 and 2, below a bar, facet 3, that cuts it. Their heights (m), and what is left of the bar.
+    /// A plank, facets 1 and 2 at these heights (m), below a bar, facet 3, that cuts it: `bar_m` is the bar's height in a row,
+    /// if there is any of it.
     struct Cut {
-        heights_m: [f64; 3],
-        is_bar: fn(usize) -> bool,
+        plank_m: [f64; 2],
+        bar_m: fn(usize) -> Option<f64>,
     }
 
-    const CUT: Cut = Cut { heights_m: [0.05, 0.05, 0.15], is_bar: |_| true };
+    const CUT: Cut = Cut { plank_m: [0.05, 0.05], bar_m: |_| Some(0.15) };
 
     impl Cut {
         fn seen(&self) -> Table {
             Table::new((120, 80), |u, v| {
                 let is_plank = (20..100).contains(&u) && (30..50).contains(&v);
-                let facet = match u {
-                    50..65 if (10..70).contains(&v) && (self.is_bar)(v) => 3,
-                    0..50 if is_plank => 1,
-                    65.. if is_plank => 2,
-                    _ => 0,
-                };
-                Some((facet as i32, if facet == 0 { 0.0 } else { self.heights_m[facet - 1] }))
+                let bar_m = (self.bar_m)(v).filter(|_| (50..65).contains(&u) && (10..70).contains(&v));
+                Some(match bar_m {
+                    Some(height_m) => (3, height_m),
+                    None if is_plank && u < 50 => (1, self.plank_m[0]),
+                    None if is_plank && u >= 65 => (2, self.plank_m[1]),
+                    None => (0, 0.0),
+                })
             })
         }
     }
@@ -428,17 +429,21 @@ mod tests {
 
     #[test]
     fn parts_on_two_levels_are_two() {
-        let cut = Cut { heights_m: [0.05, 0.08, 0.15], ..CUT };
+        let cut = Cut { plank_m: [0.05, 0.08], ..CUT };
         assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).clusters, PARTED);
     }
 
     #[test]
-    fn what_is_seen_between_is_no_occluder() {
-        // The bar has a hole of half the plank's width, through which the table shows.
-        let cut = Cut { is_bar: |v| !(35..45).contains(&v), ..CUT };
+    fn what_is_seen_through_is_no_occluder() {
+        // A hole of a third of the plank's width, through which the table shows.
+        let cut = Cut { bar_m: |v| (!(36..43).contains(&v)).then_some(0.15), ..CUT };
         assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).clusters, PARTED);
-        // And here it lies lower than the plank.
-        let cut = Cut { heights_m: [0.05, 0.05, 0.02], ..CUT };
+    }
+
+    #[test]
+    fn what_is_level_with_the_parts_hides_nothing() {
+        // In 11 of the plank's 20 rows the bar is no higher than the plank.
+        let cut = Cut { bar_m: |v| Some(if (34..45).contains(&v) { 0.05 } else { 0.15 }), ..CUT };
         assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).clusters, PARTED);
     }
 
@@ -471,14 +476,5 @@ mod tests {
         ] {
             assert_eq!(joined(&table, &params).clusters, PARTED, "{params:?}");
         }
-    }
-
-    #[test]
-    fn parts_of_a_few_pixels_continue_nothing() {
-        // Facets of three pixels, at a focal length at which 80 pixels would be less than one.
-        let rows = ["aaabbbccc", "aaabbbccc", "aaabbbccc"];
-        let table = Table::drawn(&rows, &[0.05, 0.15, 0.05]);
-        let scene = table.scene();
-        assert!(pieces(&single(&scene)).is_empty());
     }
 }
