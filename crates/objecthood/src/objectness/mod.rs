@@ -15,6 +15,8 @@ mod outcome;
 mod rim;
 pub mod size;
 pub mod support;
+#[cfg(test)]
+mod testing;
 mod vessels;
 
 pub(crate) use clusters::{Clusters, Scene, fill};
