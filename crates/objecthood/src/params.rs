@@ -383,6 +383,8 @@ parameters! {
         rim_height_m: f64 = 0.015, 0.0..=1.0, "m", "tuned on mOSD learn (METHOD 3.12)";
         /// Whether the circle of the rim tells what belongs to a vessel.
         rim_circle: bool = true, OneOf("true | false"), "dimensionless: switch", "METHOD 3.12";
+        /// What lies as low as the table is the bottom of the object that encloses it when this share of its border touches; above 1 = never.
+        bottom_contact_share: f64 = 0.8, 0.0..=2.0, "dimensionless: share of the border", "ours, because a plate came out as a ring; the far half of a ring's border touches";
     }
 
     /// Parts of an object joined behind what hides its middle (`context`).

@@ -194,12 +194,13 @@ impl<'a> Clusters<'a> {
         };
         let cluster = &mut self.clusters[into.index()];
         cluster.neighbours.remove(&Some(from));
-        cluster.pixels.extend(pixels);
-        // Two sorted runs: linear.
-        cluster.pixels.sort();
         cluster.joins.extend(joins);
-        cluster.top_m = OnceLock::new();
-        cluster.concavity = OnceLock::new();
+        cluster.extend(&pixels);
+    }
+
+    /// Adds pixels of the background to a cluster. O(pixels of both).
+    pub(crate) fn extend(&mut self, id: SegmentId, pixels: &[u32]) {
+        self.clusters[id.index()].extend(pixels);
     }
 
     /// How high a cluster stands (m) above a surface: nearly its highest pixel. Single noisy pixels stand high anywhere.
@@ -218,6 +219,16 @@ impl<'a> Clusters<'a> {
     pub(crate) fn concavity(&self, id: SegmentId) -> f64 {
         let cluster = self.get(id);
         *cluster.concavity.get_or_init(|| self.scene.concavity(&cluster.pixels))
+    }
+}
+
+impl Cluster {
+    fn extend(&mut self, pixels: &[u32]) {
+        self.pixels.extend(pixels);
+        // Two sorted runs: linear.
+        self.pixels.sort();
+        self.top_m = OnceLock::new();
+        self.concavity = OnceLock::new();
     }
 }
 
