@@ -3,6 +3,8 @@
 //! They are taken out first: they are support and background, they say what "up" and "height" are, and every later
 //! stage is cheaper without them.
 
+use std::collections::BTreeMap;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -59,6 +61,8 @@ const REFIT_QUANTA: [f64; 3] = [3.5, 3.0, 3.0];
 const LEAST_REFIT: usize = 50;
 /// Nearer than this pixels are taken out with the surface (quanta).
 const INLIER_QUANTA: f64 = 3.0;
+/// Samples hang together when they are at most so many places of the grid apart.
+const PIECE_GAP: usize = 2;
 /// A surface this large ...
 const LARGE_M2: f64 = 0.18;
 /// ... and this long is structure;
@@ -157,7 +161,7 @@ pub fn structure(
         let is_inlier = |s: &Sample| (s.disparity - model.value(s.at)).abs() < INLIER_QUANTA;
         let (inliers, rest): (Vec<_>, Vec<_>) = pool.into_iter().partition(is_inlier);
         pool = rest;
-        let extent = Extent::of(&inliers, normal, grid, space);
+        let extent = Extent::of(&largest_piece(&inliers, grid), normal, grid, space);
         let is_large = extent.area_m2 > LARGE_M2 && extent.longest_m > LONG_M;
         let dominates = surfaces.is_empty()
             && inliers.len() as f64 > DOMINANT_SHARE * everything as f64
@@ -279,6 +283,31 @@ fn refit(
     surface
 }
 
+/// The samples of the largest connected piece: tops of boxes that happen to be as high as a shelf are no surface.
+fn largest_piece(inliers: &[Sample], grid: usize) -> Vec<&Sample> {
+    let cell = |s: &Sample| s.at.map(|x| (x / grid as f64) as usize);
+    let mut open: BTreeMap<[usize; 2], &Sample> = inliers.iter().map(|s| (cell(s), s)).collect();
+    let mut largest = Vec::new();
+    while let Some((first, sample)) = open.pop_first() {
+        let mut piece = vec![sample];
+        let mut around = vec![first];
+        while let Some([u, v]) = around.pop() {
+            for u in u.saturating_sub(PIECE_GAP)..=u + PIECE_GAP {
+                for v in v.saturating_sub(PIECE_GAP)..=v + PIECE_GAP {
+                    if let Some(sample) = open.remove(&[u, v]) {
+                        piece.push(sample);
+                        around.push([u, v]);
+                    }
+                }
+            }
+        }
+        if piece.len() > largest.len() {
+            largest = piece;
+        }
+    }
+    largest
+}
+
 /// How large a surface is.
 struct Extent {
     area_m2: f64,
@@ -286,7 +315,7 @@ struct Extent {
 }
 
 impl Extent {
-    fn of(inliers: &[Sample], normal: DVec3, grid: usize, space: &DisparitySpace) -> Self {
+    fn of(inliers: &[&Sample], normal: DVec3, grid: usize, space: &DisparitySpace) -> Self {
         let camera = space.camera();
         let area_m2 = inliers.iter().map(|s| {
             let p = s.point_m;
