@@ -112,7 +112,7 @@ pub(crate) struct SegmentArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 
-    /// Way of finding objects [default: paper].
+    /// Way of finding objects [default: context].
     #[arg(long)]
     pub(crate) method: Option<MethodName>,
 
@@ -153,7 +153,7 @@ pub(crate) struct EvalArgs {
     #[arg(long, value_name = "FOLDER", default_value = "all")]
     pub(crate) split: String,
 
-    /// Way of finding objects [default: paper].
+    /// Way of finding objects [default: context].
     #[arg(long)]
     pub(crate) method: Option<MethodName>,
 

@@ -139,7 +139,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     absorb_fragments(&mut clusters, &params.fragments);
     drop_low(&mut clusters, &params.height);
     join_vessels(&mut clusters, &params.vessels);
-    join_bottoms(&mut clusters, jump_quanta + 1.0, &params.vessels);
+    join_bottoms(&mut clusters, structure.support, jump_quanta + 1.0, &params.vessels);
     join_behind_occluders(&mut clusters, &params.occlusion);
 
     let outcome = outcome(&clusters, structure.support, space.area_px(params.objectness.min_size_px));

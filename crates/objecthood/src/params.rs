@@ -408,7 +408,7 @@ parameters! {
         /// Greatest length of the longest side of an object.
         max_side_m: f32 = 0.60, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
         /// Pixels with depth that an object has at least.
-        min_size_px: usize = 200, 1..=100_000_000, "px", "tuned on mOSD learn (METHOD 2.1)";
+        min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)";
         /// P(O) that an object has at least.
         threshold: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (METHOD 2.1)";
     }

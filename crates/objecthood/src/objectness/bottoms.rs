@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use crate::facets::Facets;
-use crate::objectness::clusters::Clusters;
+use crate::objectness::clusters::{Clusters, Scene};
 use crate::objectness::join::{Join, JoinEvidence, JoinedPart};
 use crate::objectness::objects::pixel_box;
 use crate::oversegment::watershed::neighbours;
@@ -18,7 +18,7 @@ use crate::regions::SegmentId;
 /// Who a pixel belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Owner {
-    /// Not measured, or of no surface.
+    /// Not measured, or of a wall.
     Nobody,
     Background,
     /// Background that has been looked at.
@@ -36,67 +36,100 @@ struct Patch {
     touch: BTreeMap<SegmentId, u32>,
 }
 
-/// Gives patches of background to the object that encloses them. Neighbours further apart than `jump_quanta` do not
-/// touch. O(pixels).
-pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, jump_quanta: f32, params: &params::Vessels) {
+/// A smaller step in depth (m) is none: the edge of the thinnest thing that is told from the table.
+const STEP_M: f64 = 0.01;
+/// Smaller patches (px at a focal length of 525 px) are holes in a surface: they are filled without a word.
+const BOTTOM_PX: usize = 100;
+
+/// Gives patches of the support, and of what was found to be a part of it, to the object that encloses them. Pixels whose
+/// disparities differ by more than `jump_quanta`, or depths by more than 1 cm, do not touch. Without a support surface
+/// nothing is done. O(pixels + patches · clusters).
+pub(crate) fn join_bottoms(
+    clusters: &mut Clusters<'_>,
+    support: Option<usize>,
+    jump_quanta: f32,
+    params: &params::Vessels,
+) {
+    let Some(support) = support else { return };
     let scene = clusters.scene;
-    let mut owners = owners(clusters);
+    let touching = Touching { scene, jump_quanta };
+    let least_px = scene.space.area_px(BOTTOM_PX);
+    let mut owners = owners(clusters, support);
+    let mut gains: BTreeMap<SegmentId, Vec<u32>> = BTreeMap::new();
     for start in 0..owners.len() {
         if owners[start] != Owner::Background {
             continue;
         }
-        let Patch { pixels, border, touch } = patch(start, &mut owners, scene.disparity, jump_quanta);
+        let Patch { pixels, border, touch } = touching.patch(start, &mut owners);
         // The first of those touched most.
         let Some((&id, &most)) = touch.iter().rev().max_by_key(|(_, touch)| **touch) else { continue };
         let contact_share = f64::from(touch.values().sum::<u32>()) / f64::from(border);
-        if contact_share >= params.bottom_contact_share && 2 * most > border {
+        if contact_share < params.bottom_contact_share || 2 * most <= border {
+            continue;
+        }
+        if pixels.len() >= least_px {
             let box_px = pixel_box(pixels.iter().map(|&i| i as usize), scene.disparity.width());
             let parts = [clusters.part(id), JoinedPart { size_px: pixels.len(), box_px }];
             let join = Join { parts, evidence: JoinEvidence::VesselBottom { contact_share }, behind: None };
             clusters.note(id, join, None);
-            clusters.extend(id, &pixels);
         }
+        gains.entry(id).or_default().extend(pixels);
+    }
+    for (id, pixels) in gains {
+        clusters.extend(id, &pixels);
     }
 }
 
-fn owners(clusters: &Clusters<'_>) -> Raster<Owner> {
+fn owners(clusters: &Clusters<'_>, support: usize) -> Raster<Owner> {
     let Facets { segments, structure, .. } = clusters.scene.facets;
-    let cluster = |facet: usize| facet.checked_sub(*structure).and_then(|free| clusters.of_facet(free));
-    let owner = |facet: &i32| {
-        let facet = usize::try_from(*facet);
-        facet.map_or(Owner::Nobody, |facet| cluster(facet).map_or(Owner::Background, Owner::Cluster))
+    let owner = |facet: usize| match facet.checked_sub(*structure) {
+        None if facet == support => Owner::Background,
+        None => Owner::Nobody,
+        Some(free) => clusters.of_facet(free).map_or(Owner::Background, Owner::Cluster),
     };
-    segments.labels().map(owner)
+    segments.labels().map(|&facet| usize::try_from(facet).map_or(Owner::Nobody, owner))
 }
 
-/// The patch that holds `start`, which is marked as visited.
-fn patch(start: usize, owners: &mut Raster<Owner>, disparity: &Raster<f32>, jump_quanta: f32) -> Patch {
-    let (width, height) = owners.size();
-    let owners = owners.as_mut_slice();
-    owners[start] = Owner::Visited;
-    let mut patch = Patch { pixels: vec![start as u32], ..Patch::default() };
-    let mut looked_at = 0;
-    while let Some(&i) = patch.pixels.get(looked_at) {
-        let i = i as usize;
-        looked_at += 1;
-        let mut inside = 0;
-        for (j, _) in neighbours(i, width, height) {
-            match owners[j] {
-                Owner::Visited => inside += 1,
-                Owner::Background => {
-                    inside += 1;
-                    owners[j] = Owner::Visited;
-                    patch.pixels.push(j as u32);
-                }
-                Owner::Cluster(id) if (disparity[i] - disparity[j]).abs() <= jump_quanta => {
-                    *patch.touch.entry(id).or_default() += 1;
-                }
-                Owner::Cluster(_) | Owner::Nobody => {}
-            }
-        }
-        patch.border += 4 - inside;
+/// What is next to each other without a step.
+struct Touching<'a> {
+    scene: &'a Scene<'a>,
+    jump_quanta: f32,
+}
+
+impl Touching<'_> {
+    fn touch(&self, i: usize, j: usize) -> bool {
+        let [d_i, d_j] = [i, j].map(|i| self.scene.disparity[i]);
+        let [z_i, z_j] = [d_i, d_j].map(|d| self.scene.space.depth_m(d.into()));
+        (d_i - d_j).abs() <= self.jump_quanta && (z_i - z_j).abs() <= STEP_M
     }
-    patch
+
+    /// The patch that holds `start`, which is marked as visited.
+    fn patch(&self, start: usize, owners: &mut Raster<Owner>) -> Patch {
+        let (width, height) = owners.size();
+        let owners = owners.as_mut_slice();
+        owners[start] = Owner::Visited;
+        let mut patch = Patch { pixels: vec![start as u32], ..Patch::default() };
+        let mut looked_at = 0;
+        while let Some(&i) = patch.pixels.get(looked_at) {
+            let i = i as usize;
+            looked_at += 1;
+            let mut inside = 0;
+            for (j, _) in neighbours(i, width, height) {
+                match owners[j] {
+                    Owner::Visited => inside += 1,
+                    Owner::Background => {
+                        inside += 1;
+                        owners[j] = Owner::Visited;
+                        patch.pixels.push(j as u32);
+                    }
+                    Owner::Cluster(id) if self.touch(i, j) => *patch.touch.entry(id).or_default() += 1,
+                    Owner::Cluster(_) | Owner::Nobody => {}
+                }
+            }
+            patch.border += 4 - inside;
+        }
+        patch
+    }
 }
 
 #[cfg(test)]
@@ -104,7 +137,7 @@ mod tests {
     use super::*;
     use crate::objectness::testing::{Table, single};
 
-    /// A step of more than this parts the table from what stands on it; 5 mm is less, 100 mm more.
+    /// 17 mm at the table, more than the step that is none.
     const JUMP_QUANTA: f32 = 6.0;
 
     /// How many pixels of the table each of the facets a, b, .. gets.
@@ -116,7 +149,7 @@ mod tests {
             clusters.alive().iter().map(|&id| clusters.get(id).pixels.len()).collect()
         };
         let before = sizes(&clusters);
-        join_bottoms(&mut clusters, JUMP_QUANTA, &params::Vessels::default());
+        join_bottoms(&mut clusters, Some(0), JUMP_QUANTA, &params::Vessels::default());
         for id in clusters.alive() {
             let pixels = &clusters.get(id).pixels;
             assert!(
@@ -131,7 +164,7 @@ mod tests {
         let rows = ["________", "_aaaaaa_", "_aa__aa_", "_aa___a_", "_aaaaaa_", "________"];
         assert_eq!(gained(&rows, &[0.005]), [5]);
         // Beyond a step it is the table, seen through a ring.
-        assert_eq!(gained(&rows, &[0.1]), [0]);
+        assert_eq!(gained(&rows, &[0.012]), [0]);
         // And where it is open it is the table as well.
         let open = ["________", "_aaaaaa_", "_aa__aa_", "_aa_____", "_aaaaaa_", "________"];
         assert_eq!(gained(&open, &[0.005]), [0]);
@@ -154,18 +187,44 @@ mod tests {
     }
 
     #[test]
-    fn the_join_is_noted() {
+    fn a_wall_is_no_bottom() {
         let table = Table::drawn(&["aaaa", "a__a", "aaaa"], &[0.005]);
         let scene = table.scene();
         let mut clusters = single(&scene);
-        join_bottoms(&mut clusters, JUMP_QUANTA, &params::Vessels::default());
+        for support in [None, Some(7)] {
+            join_bottoms(&mut clusters, support, JUMP_QUANTA, &params::Vessels::default());
+            assert_eq!(clusters.get(SegmentId(0)).pixels.len(), 10);
+        }
+    }
+
+    #[test]
+    fn a_bottom_is_noted_and_a_pinhole_is_not() {
+        let plate = |hole: usize| {
+            Table::new((20, 20), |u, v| {
+                let within = |x: usize| (2..2 + hole).contains(&x);
+                Some(if within(u) && within(v) { (0, 0.0) } else { (1, 0.005) })
+            })
+        };
+        let table = plate(3);
+        let scene = table.scene();
+        let mut clusters = single(&scene);
+        join_bottoms(&mut clusters, Some(0), JUMP_QUANTA, &params::Vessels::default());
+        assert_eq!(
+            (clusters.get(SegmentId(0)).pixels.len(), clusters.get(SegmentId(0)).joins.len()),
+            (400, 0)
+        );
+
+        let table = plate(10);
+        let scene = table.scene();
+        let mut clusters = single(&scene);
+        join_bottoms(&mut clusters, Some(0), JUMP_QUANTA, &params::Vessels::default());
         let (join, _) = &clusters.get(SegmentId(0)).joins[0];
         assert_eq!(join.evidence, JoinEvidence::VesselBottom { contact_share: 1.0 });
-        assert_eq!(join.parts.map(|part| part.size_px), [10, 2]);
+        assert_eq!(join.parts.map(|part| part.size_px), [300, 100]);
         // Above 1 it never is.
         let mut clusters = single(&scene);
         let never = params::Vessels { bottom_contact_share: 1.1, ..Default::default() };
-        join_bottoms(&mut clusters, JUMP_QUANTA, &never);
+        join_bottoms(&mut clusters, Some(0), JUMP_QUANTA, &never);
         assert!(clusters.get(SegmentId(0)).joins.is_empty());
     }
 }

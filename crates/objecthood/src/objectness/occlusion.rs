@@ -30,7 +30,7 @@ const LEAST_APART_PX: f64 = 3.0;
 const SAMPLES: usize = 150;
 /// Keeps the normal equations solvable, per sample.
 const RIDGE: f64 = 1e-6;
-/// A facet is curved when its residual falls by this factor with a squared term along the gap.
+/// A facet is curved when its residual falls by this factor with a squared term across the gap: a cylinder that lies along it.
 const CURVED_RATIO: f64 = 1.3;
 /// Beyond so many times a tolerance nothing else is looked at.
 const HOPELESS: f64 = 2.0;
@@ -169,7 +169,7 @@ impl Along {
     }
 }
 
-/// Disparity over 1, S, T and S^2.
+/// Disparity over 1, S, T and T^2.
 struct Surface<const K: usize> {
     weights: [f64; K],
     mean_squared_error: f64,
@@ -177,7 +177,7 @@ struct Surface<const K: usize> {
 
 impl<const K: usize> Surface<K> {
     fn terms([s, t]: [f64; 2]) -> [f64; K] {
-        let all = [1.0, s, t, s * s];
+        let all = [1.0, s, t, t * t];
         std::array::from_fn(|k| all[k])
     }
 
@@ -197,7 +197,10 @@ impl<const K: usize> Surface<K> {
             row[k] += RIDGE * n;
         }
         let mut surface = Self { weights: solve(matrix, right), mean_squared_error: 0.0 };
-        let squared = samples.map(|&(at, d)| (d - surface.value(at)).powi(2));
+        let squared = samples.map(|&(at, d)| {
+            let residual = d - surface.value(at);
+            residual * residual
+        });
         surface.mean_squared_error = squared.sum::<f64>() / n;
         surface
     }
