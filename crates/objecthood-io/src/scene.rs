@@ -240,13 +240,13 @@ pub enum JoinEvidence {
     },
     /// Two pieces of the inside of one vessel.
     VesselInside {
-        /// How concave the larger and the smaller piece are: below 0.
-        concavity: [f64; 2],
+        /// How far the larger and the smaller piece bend outwards: both inwards, below 0.
+        convexity: [f64; 2],
     },
     /// The inside of a vessel and the wall before it.
     VesselWall {
-        /// How concave the inside is: below 0.
-        concavity: f64,
+        /// How far the inside bends outwards: inwards, below 0, or hardly.
+        convexity: f64,
         /// Pixel pairs in which the wall is before the inside.
         wall_in_front: u32,
         /// Radius of the circle on which both rims lie (m), if that decided.
@@ -257,6 +257,15 @@ pub enum JoinEvidence {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64", range(min = 0))]
         rim_residual_m: Option<f64>,
+    },
+    /// What stands within the circle of a vessel's rim and as high.
+    VesselRim {
+        /// Radius of the circle (m).
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        rim_radius_m: f64,
+        /// Root mean square distance of the rim from it (m).
+        #[schemars(range(min = 0))]
+        rim_residual_m: f64,
     },
     /// The bottom of a plate or bowl, which lies as low as the table.
     VesselBottom {
@@ -466,13 +475,16 @@ impl From<join::JoinEvidence> for JoinEvidence {
                     color_overlap,
                 }
             }
-            join::JoinEvidence::VesselInside { concavity } => Self::VesselInside { concavity },
-            join::JoinEvidence::VesselWall { concavity, wall_in_front, rim } => Self::VesselWall {
-                concavity,
+            join::JoinEvidence::VesselInside { convexity } => Self::VesselInside { convexity },
+            join::JoinEvidence::VesselWall { convexity, wall_in_front, rim } => Self::VesselWall {
+                convexity,
                 wall_in_front,
                 rim_radius_m: rim.map(|rim| rim.radius_m),
                 rim_residual_m: rim.map(|rim| rim.residual_m),
             },
+            join::JoinEvidence::VesselRim { rim } => {
+                Self::VesselRim { rim_radius_m: rim.radius_m, rim_residual_m: rim.residual_m }
+            }
             join::JoinEvidence::VesselBottom { contact_share } => Self::VesselBottom { contact_share },
             join::JoinEvidence::VesselRemainder { contact_share } => Self::VesselRemainder { contact_share },
         }

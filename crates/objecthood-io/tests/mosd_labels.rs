@@ -41,7 +41,7 @@ fn labels_of_learn_are_as_they_were() {
     insta::assert_snapshot!(hashes);
 }
 
-/// They are those of the reference (`objecthood-eval/tests/reference.rs`), on any number of threads.
+/// On any number of threads. `objecthood-eval/tests/reference.rs` compares with the reference, without what is ours.
 #[test]
 fn labels_of_learn_by_context_are_as_they_were() {
     let on = |threads| {

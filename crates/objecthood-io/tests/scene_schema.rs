@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use objecthood::objectness::gravity::{StructurePlane, Up, UpSource};
+use objecthood::objectness::join::{Continuation, Join, JoinEvidence, JoinedPart, RimCircle};
 use objecthood::objectness::support::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportNode};
 use objecthood::{
     Camera, Discovery, Frame, Notice, Object, ObjectId, ObjectnessParts, OrientedBox, Params, PixelBox,
@@ -116,6 +117,73 @@ fn a_scene_is_valid_with_and_without_what_is_optional() {
     let value: Value = serde_json::from_str(&scene.to_json().unwrap()).unwrap();
     assert!(validator.is_valid(&value));
     assert!(value["camera"].get("fit_residual_px").is_none());
+}
+
+/// Every kind of join, with what the scene file says of it.
+fn joins() -> Vec<(JoinEvidence, Value)> {
+    let rim = RimCircle { center_m: [0.1, 0.2], radius_m: 0.06, residual_m: 0.002, covered: 0.75 };
+    let continuation = Continuation {
+        disagreement_quanta: 0.4,
+        angle_deg: 2.5,
+        distance_m: 0.15,
+        hidden_share: 0.875,
+        seen_through_share: 0.0625,
+        color_overlap: Some(0.5),
+    };
+    let occlusion = json!({
+        "kind": "occlusion", "disagreement_quanta": 0.4, "angle_deg": 2.5, "distance_m": 0.15,
+        "hidden_share": 0.875, "seen_through_share": 0.0625, "color_overlap": 0.5
+    });
+    let wall = json!({
+        "kind": "vessel_wall", "convexity": -0.3, "wall_in_front": 40, "rim_radius_m": 0.06, "rim_residual_m": 0.002
+    });
+    vec![
+        (JoinEvidence::Occlusion(continuation), occlusion),
+        (
+            JoinEvidence::VesselInside { convexity: [-0.4, -0.2] },
+            json!({"kind": "vessel_inside", "convexity": [-0.4, -0.2]}),
+        ),
+        (JoinEvidence::VesselWall { convexity: -0.3, wall_in_front: 40, rim: Some(rim) }, wall),
+        (
+            JoinEvidence::VesselWall { convexity: -0.3, wall_in_front: 12, rim: None },
+            json!({"kind": "vessel_wall", "convexity": -0.3, "wall_in_front": 12}),
+        ),
+        (
+            JoinEvidence::VesselRim { rim },
+            json!({"kind": "vessel_rim", "rim_radius_m": 0.06, "rim_residual_m": 0.002}),
+        ),
+        (
+            JoinEvidence::VesselBottom { contact_share: 0.9375 },
+            json!({"kind": "vessel_bottom", "contact_share": 0.9375}),
+        ),
+        (
+            JoinEvidence::VesselRemainder { contact_share: 0.8125 },
+            json!({"kind": "vessel_remainder", "contact_share": 0.8125}),
+        ),
+    ]
+}
+
+#[test]
+fn every_kind_of_join_is_written_and_read_back() {
+    let parts = [3, 1]
+        .map(|size_px| JoinedPart { size_px, box_px: PixelBox { u: 1, v: 0, width: size_px, height: 1 } });
+    for (evidence, expected) in joins() {
+        for behind in [None, Some(NodeId(1))] {
+            let mut discovery = discovery();
+            discovery.objects[0].joins = vec![Join { parts, evidence, behind }];
+            let scene = SceneFile::new("", &capture(), &Params::default(), &discovery);
+            let json = scene.to_json().unwrap();
+            let value: Value = serde_json::from_str(&json).unwrap();
+            assert!(validator().is_valid(&value), "{json}");
+            let join = &value["objects"][0]["joins"][0];
+            assert_eq!(join["evidence"], expected);
+            assert_eq!(join.get("behind"), behind.map(|node| json!(node.0)).as_ref());
+            assert_eq!(join["parts"][1]["size_px"], 1);
+            assert_eq!(join["parts"][0]["box_px"], json!({"u": 1, "v": 0, "width": 3, "height": 1}));
+            let again = serde_json::from_str::<SceneFile>(&json).unwrap();
+            assert_eq!(again.to_json().unwrap(), json);
+        }
+    }
 }
 
 #[test]

@@ -1,8 +1,10 @@
 //! Unsupervised object discovery from one RGB-D image: what in it can be grasped and moved.
 //!
-//! No training, no known classes. The method is that of "Unsupervised Object Exploration Using Context" (RO-MAN 2014):
-//! a frame is over-segmented on colour, depth and curvature; superpixels are grouped to facets, facets across convex
-//! edges to shapes, and a shape is an object when it has a graspable size and something carries it.
+//! No training, no known classes. The method `paper` is that of "Unsupervised Object Exploration Using Context"
+//! (RO-MAN 2014): a frame is over-segmented on colour, depth and curvature; superpixels are grouped to facets, facets
+//! across convex edges to shapes, and a shape is an object when it has a graspable size and something carries it. The
+//! method `context`, the default, does the same four stages with surfaces fitted in disparity, the votes of whole
+//! borders, and what the surroundings tell: vessels, bottoms, parts behind an occluder.
 //!
 //! ```
 //! use objecthood::{Camera, Frame, Params, Raster, discover};
@@ -15,8 +17,8 @@
 //! # Ok::<(), objecthood::Error>(())
 //! ```
 //!
-//! [`discover`] is the one call most users need. Everything it does is a public function that can be called alone;
-//! the order in which they are called is the file `method.rs`, one screen a method:
+//! [`discover`] is the one call most users need. Every stage is a public function that can be called
+//! alone, but for the fourth of `context`, whose rules change one set of clusters in turn; the order in which they are called is the file `method.rs`, one screen a method:
 //!
 //! | room | what happens | paper |
 //! |---|---|---|

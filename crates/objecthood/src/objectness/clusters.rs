@@ -52,7 +52,7 @@ pub(crate) struct Cluster {
     /// Which of its parts were joined although they do not touch as one surface, each with the facet that hides what is between.
     pub joins: Vec<(Join, Option<SegmentId>)>,
     top_m: OnceLock<f64>,
-    concavity: OnceLock<f64>,
+    convexity: OnceLock<f64>,
 }
 
 /// The clusters of a frame. Merging keeps everything known of them in step.
@@ -69,12 +69,12 @@ pub(crate) struct Clusters<'a> {
 const REACH_PX: usize = 24;
 /// How high a cluster is: this share of its pixels is lower.
 const TOP_SHARE: f64 = 0.98;
-/// Fewer pixels (at 525 px) tell nothing about concavity.
-const CONCAVITY_PX: usize = 80;
-/// Concavity looks at about so many points ...
-const CONCAVITY_SAMPLES: usize = 48;
+/// Fewer pixels (at 525 px) tell nothing about convexity.
+const CONVEXITY_PX: usize = 80;
+/// Convexity looks at about so many points ...
+const CONVEXITY_SAMPLES: usize = 48;
 /// ... and at pairs of them whose squared distance (m^2) is at least this.
-const CONCAVITY_APART_M2: f64 = 1e-5;
+const CONVEXITY_APART_M2: f64 = 1e-5;
 
 /// Gives measured pixels without a facet to the facet of a neighbour, breadth first, across steps of at most `jump_quanta`.
 /// O(pixels).
@@ -214,11 +214,11 @@ impl<'a> Clusters<'a> {
         })
     }
 
-    /// How a cluster bends: the mean over pairs of its points of how much the normals turn apart along the way, above 0
+    /// How far a cluster bends outwards: the mean over pairs of its points of how much the normals turn apart along the way, above 0
     /// when it is convex, below 0 when it is concave, 0 when it is flat or small. Between -2 and 2. O(1).
-    pub(crate) fn concavity(&self, id: SegmentId) -> f64 {
+    pub(crate) fn convexity(&self, id: SegmentId) -> f64 {
         let cluster = self.get(id);
-        *cluster.concavity.get_or_init(|| self.scene.concavity(&cluster.pixels))
+        *cluster.convexity.get_or_init(|| self.scene.convexity(&cluster.pixels))
     }
 }
 
@@ -228,7 +228,7 @@ impl Cluster {
         // Two sorted runs: linear.
         self.pixels.sort();
         self.top_m = OnceLock::new();
-        self.concavity = OnceLock::new();
+        self.convexity = OnceLock::new();
     }
 }
 
@@ -238,11 +238,11 @@ impl Scene<'_> {
         support.height_m(position(i, self.disparity.width()), f64::from(self.disparity[i]), self.space)
     }
 
-    fn concavity(&self, pixels: &[u32]) -> f64 {
-        if pixels.len() < self.space.area_px(CONCAVITY_PX) {
+    fn convexity(&self, pixels: &[u32]) -> f64 {
+        if pixels.len() < self.space.area_px(CONVEXITY_PX) {
             return 0.0;
         }
-        let step = (pixels.len() / CONCAVITY_SAMPLES).max(1);
+        let step = (pixels.len() / CONVEXITY_SAMPLES).max(1);
         let sampled = pixels.iter().map(|&i| i as usize).skip(step / 2).step_by(step);
         let samples: Vec<(DVec3, DVec3)> = sampled
             .filter(|&i| self.normals[i] != [0.0; 3])
@@ -256,7 +256,7 @@ impl Scene<'_> {
         for (k, (x, n)) in samples.iter().enumerate() {
             for (y, m) in &samples[k + 1..] {
                 let apart = *x - *y;
-                if apart.length_squared() >= CONCAVITY_APART_M2 {
+                if apart.length_squared() >= CONVEXITY_APART_M2 {
                     sum += apart.dot(*n - *m) / apart.length();
                     pairs += 1;
                 }
@@ -447,12 +447,12 @@ mod tests {
             })
         };
         let board = Table::new((90, 90), |u, _| Some((1, 0.05 + 1e-4 * u as f64)));
-        let concavity = |table: &Table| {
+        let convexity = |table: &Table| {
             let scene = table.scene();
-            single(&scene).concavity(SegmentId(0))
+            single(&scene).convexity(SegmentId(0))
         };
-        assert!(concavity(&round(1.0)) > 0.4, "{}", concavity(&round(1.0)));
-        assert!(concavity(&round(-1.0)) < -0.4, "{}", concavity(&round(-1.0)));
-        assert!(concavity(&board).abs() < 0.02, "{}", concavity(&board));
+        assert!(convexity(&round(1.0)) > 0.4, "{}", convexity(&round(1.0)));
+        assert!(convexity(&round(-1.0)) < -0.4, "{}", convexity(&round(-1.0)));
+        assert!(convexity(&board).abs() < 0.02, "{}", convexity(&board));
     }
 }

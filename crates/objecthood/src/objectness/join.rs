@@ -30,17 +30,22 @@ pub enum JoinEvidence {
     Occlusion(Continuation),
     /// Two pieces of the inside of one vessel (METHOD 3.12 i).
     VesselInside {
-        /// How concave the larger and the smaller piece are: below 0.
-        concavity: [f64; 2],
+        /// How far the larger and the smaller piece bend outwards: both inwards, below 0.
+        convexity: [f64; 2],
     },
     /// The inside of a vessel and the wall before it (METHOD 3.12 ii).
     VesselWall {
-        /// How concave the inside is: below 0.
-        concavity: f64,
+        /// How far the inside bends outwards: inwards, below 0, or hardly.
+        convexity: f64,
         /// Pixel pairs in which the wall is before the inside.
         wall_in_front: u32,
         /// The circle on which both rims lie, if that decided.
         rim: Option<RimCircle>,
+    },
+    /// What stands within the circle of a vessel's rim and as high (METHOD 3.12 ii).
+    VesselRim {
+        /// The circle.
+        rim: RimCircle,
     },
     /// The bottom of a plate or bowl, which lies as low as the table (ours).
     VesselBottom {

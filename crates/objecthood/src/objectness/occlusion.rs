@@ -60,17 +60,17 @@ pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params
         return;
     }
     let pieces = pieces(clusters);
-    let pairs: Vec<(&Piece, &Piece)> =
-        pieces.iter().enumerate().flat_map(|(k, a)| pieces[k + 1..].iter().map(move |b| (a, b))).collect();
     let gap = Gap { clusters, params };
-    let mut joins: Vec<([SegmentId; 2], Option<SegmentId>, Join)> = pairs
-        .into_par_iter()
-        .filter_map(|(a, b)| {
-            let (continuation, hider) = gap.continuation(a, b)?;
-            let parts = [a, b].map(|piece| clusters.part(piece.cluster));
-            let evidence = JoinEvidence::Occlusion(continuation);
-            Some(([a.cluster, b.cluster], hider, Join { parts, evidence, behind: None }))
-        })
+    let join = |a: &Piece, b: &Piece| {
+        let (continuation, hider) = gap.continuation(a, b)?;
+        let parts = [a, b].map(|piece| clusters.part(piece.cluster));
+        let evidence = JoinEvidence::Occlusion(continuation);
+        Some(([a.cluster, b.cluster], hider, Join { parts, evidence, behind: None }))
+    };
+    let mut joins: Vec<([SegmentId; 2], Option<SegmentId>, Join)> = pieces
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(k, a)| pieces[k + 1..].iter().filter_map(move |b| join(a, b)))
         .collect();
     let disagreement = |join: &Join| match join.evidence {
         JoinEvidence::Occlusion(continuation) => continuation.disagreement_quanta,
@@ -412,6 +412,18 @@ mod tests {
     }
 
     const PARTED: [Option<u32>; 3] = [Some(0), Some(1), Some(2)];
+
+    /// It was curved along the gap, where a lying can is straight.
+    #[test]
+    fn a_curved_surface_is_a_cylinder_along_the_gap() {
+        let samples = |bend: fn([f64; 2]) -> f64| -> Vec<([f64; 2], f64)> {
+            let grid = (0..100).map(|k| [f64::from(k % 10) / 10.0 - 0.5, f64::from(k / 10) / 10.0 - 0.5]);
+            grid.map(|at| (at, 3.0 + 2.0 * at[0] - at[1] + 5.0 * bend(at))).collect()
+        };
+        let error = |samples: &[([f64; 2], f64)]| Surface::<4>::fit(samples.iter()).mean_squared_error;
+        assert!(error(&samples(|[_, t]| t * t)) < 1e-6, "across");
+        assert!(error(&samples(|[s, _]| s * s)) > 0.1, "along");
+    }
 
     #[test]
     fn a_plank_goes_on_below_a_bar() {

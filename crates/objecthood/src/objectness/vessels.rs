@@ -86,12 +86,12 @@ impl Rules<'_> {
                     continue;
                 }
                 let (large, small) = if size(b) > size(a) { (b, a) } else { (a, b) };
-                let concavity = [large, small].map(|id| clusters.concavity(id));
-                if concavity[0] <= -self.params.concavity
-                    && concavity[1] <= -self.params.concavity / 2.0
+                let convexity = [large, small].map(|id| clusters.convexity(id));
+                if convexity[0] <= -self.params.concavity
+                    && convexity[1] <= -self.params.concavity / 2.0
                     && self.top_m(clusters, small) <= self.top_m(clusters, large) + self.params.rim_height_m
                 {
-                    merge(clusters, large, small, JoinEvidence::VesselInside { concavity });
+                    merge(clusters, large, small, JoinEvidence::VesselInside { convexity });
                     return true;
                 }
             }
@@ -104,9 +104,9 @@ impl Rules<'_> {
     fn join_wall(&self, clusters: &mut Clusters<'_>, vessels: &mut BTreeSet<SegmentId>) -> bool {
         let space = clusters.scene.space;
         for inside in clusters.alive() {
-            let concavity = clusters.concavity(inside);
+            let convexity = clusters.convexity(inside);
             let is_large = clusters.get(inside).pixels.len() >= space.area_px(PART_PX);
-            if !is_large || vessels.contains(&inside) || concavity > FLAT {
+            if !is_large || vessels.contains(&inside) || convexity > FLAT {
                 continue;
             }
             let walls = self.walls(clusters, inside);
@@ -115,13 +115,13 @@ impl Rules<'_> {
             else {
                 continue;
             };
-            let evidence = |rim| JoinEvidence::VesselWall { concavity, wall_in_front: front, rim };
+            let evidence = |rim| JoinEvidence::VesselWall { convexity, wall_in_front: front, rim };
             if let Some((rim, members)) = self.rim(clusters, inside, wall, &walls) {
                 merge(clusters, wall, inside, evidence(Some(rim)));
                 for member in members.into_iter().filter(|&member| member != wall) {
-                    merge(clusters, wall, member, evidence(Some(rim)));
+                    merge(clusters, wall, member, JoinEvidence::VesselRim { rim });
                 }
-            } else if concavity < -self.params.concavity && front as usize >= space.length_px(FRONT_ALONE_PX)
+            } else if convexity < -self.params.concavity && front as usize >= space.length_px(FRONT_ALONE_PX)
             {
                 merge(clusters, wall, inside, evidence(None));
             } else {
@@ -141,7 +141,7 @@ impl Rules<'_> {
             let other = other?;
             let &Borders { in_front, behind, .. } = borders;
             let is_wall = clusters.get(other).pixels.len() >= space.area_px(PART_PX)
-                && clusters.concavity(other) >= -FLAT
+                && clusters.convexity(other) >= -FLAT
                 && behind as usize >= space.length_px(FRONT_PX)
                 && behind >= FRONT_RATIO * in_front
                 && (self.top_m(clusters, other) - top_m).abs() <= self.params.rim_height_m;
