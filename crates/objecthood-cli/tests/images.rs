@@ -129,7 +129,8 @@ fn a_second_run_into_the_folder_of_the_images_does_the_same() {
     for k in [1, 2] {
         folder.write(&format!("in/{k}.png"), &png(&Cloud::two_boxes(0.01 * f64::from(k)).depth(10_000.0)));
     }
-    let again = || folder.run(&format!("segment --depth in {} --out in --write labels,structure,panels", how()), 0);
+    let again =
+        || folder.run(&format!("segment --depth in {} --out in --write labels,structure,panels", how()), 0);
     let first = again();
     assert_eq!(counts(&first).len(), 2);
     let files = folder.files("in");

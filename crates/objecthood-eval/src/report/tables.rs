@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Report, SceneReport};
+use super::{Report, SceneReport, Totals};
 use crate::metrics::Prf;
 use crate::mosd;
 use crate::verdict::VerdictCounts;
@@ -81,6 +81,34 @@ impl fmt::Display for SettingsTable<'_> {
             "WOv",
             "occl/over/under/bnd/missed",
         ];
+        write_table(f, 1, &header, &rows.collect::<Vec<_>>())
+    }
+}
+
+/// One row a setting, and in it the figures of every folder: how two sets of scenes take the same change.
+pub struct FoldersTable<'a>(
+    /// The settings by name, all on the same scenes.
+    pub &'a [(String, Report)],
+);
+
+impl fmt::Display for FoldersTable<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let folders: Vec<_> = self.0.iter().map(|(name, report)| (name, report.folders())).collect();
+        let mut header = vec!["setting".to_owned()];
+        for (folder, totals) in folders.first().iter().flat_map(|(_, folders)| folders) {
+            header.push(format!("{folder}: correct of {}", totals.counts.total()));
+            header.extend(["overlap F", "boundary F", "occl/over/under"].map(str::to_owned));
+        }
+        let rows = folders.iter().map(|(name, folders)| {
+            let figures = folders.iter().flat_map(|(_, Totals { metrics, counts, .. })| {
+                let VerdictCounts { correct, occlusion, over, under, .. } = counts;
+                let percent = |share: f64| format!("{:.1}", 100.0 * share);
+                let [overlap, boundary] = [metrics.overlap.f, metrics.boundary.f].map(percent);
+                [correct.to_string(), overlap, boundary, format!("{occlusion}/{over}/{under}")]
+            });
+            std::iter::once((*name).clone()).chain(figures).collect()
+        });
+        let header: Vec<&str> = header.iter().map(String::as_str).collect();
         write_table(f, 1, &header, &rows.collect::<Vec<_>>())
     }
 }
@@ -193,6 +221,17 @@ mod tests {
 | both        |     1/2 | 80.0 / 40.0 / 53.3 | 50.0 / 25.0 / 33.3 | 50.0 | 0.675 |                  0/0/0/0/1 |
 | colour, off |     1/2 | 80.0 / 40.0 / 53.3 | 50.0 / 25.0 / 33.3 | 50.0 | 0.675 |                  0/0/0/0/1 |";
         assert_eq!(SettingsTable(&reports).to_string(), expected);
+    }
+
+    #[test]
+    fn folders_stand_side_by_side() {
+        let reports = [("all".to_owned(), report(&["a0", "b1"])), ("less".to_owned(), report(&["a0", "b1"]))];
+        let expected = "\
+| setting | a: correct of 2 | overlap F | boundary F | occl/over/under | b: correct of 2 | overlap F | boundary F | occl/over/under |
+| ------- | --------------: | --------: | ---------: | --------------: | --------------: | --------: | ---------: | --------------: |
+| all     |               1 |      53.3 |       33.3 |           0/0/0 |               1 |      53.3 |       33.3 |           0/0/0 |
+| less    |               1 |      53.3 |       33.3 |           0/0/0 |               1 |      53.3 |       33.3 |           0/0/0 |";
+        assert_eq!(FoldersTable(&reports).to_string(), expected);
     }
 
     #[test]
