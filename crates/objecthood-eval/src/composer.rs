@@ -5,8 +5,8 @@
 //!
 //! 1. Every object that nothing hides and that stands on the table becomes a specimen: its points, colours, footprint.
 //! 2. The table of one scene is cleared: where its objects were, the table goes on.
-//! 3. Specimens are drawn, turned and moved a little, put on the table or on a flat top, their footprints apart by a
-//!    gap of 0, 5 or 30 mm.
+//! 3. Specimens are drawn, turned and moved a little, put on the table or on a flat top, their footprints apart by
+//!    0, 5 or 30 mm at least; half of those on the table are pushed towards a neighbour until just that gap is left.
 //! 4. All are drawn into one picture, the nearest surface in front.
 //! 5. The picture is measured: disparity in whole quanta, no depth in the projector's shadow. Objects of which too little
 //!    is seen are taken out with their pixels, as if nothing had been measured there.

@@ -51,7 +51,9 @@ pub use error::{Error, Result};
 pub use evaluate::{LabelFolder, Prediction, evaluate, evaluate_composites, evaluate_settings};
 pub use metrics::{ImageMetrics, Prf};
 pub use mosd::{Scene, SceneRef, Split};
-pub use report::{FoldersTable, Report, SceneReport, SettingsTable, StagesTable, Totals, VerdictsTable};
+pub use report::{
+    FoldersTable, LossesList, Report, SceneReport, SettingsTable, StagesTable, Totals, VerdictsTable,
+};
 pub use score::{ImageScore, score};
 pub use settings::{Setting, ablation, ladder, sensitivity};
 pub use stages::{StageMetrics, StageObserver, Stages};

@@ -12,7 +12,7 @@ use crate::score::ImageScore;
 use crate::stages::Stages;
 use crate::verdict::{ObjectScore, VerdictCounts};
 
-pub use tables::{FoldersTable, SettingsTable, StagesTable, VerdictsTable};
+pub use tables::{FoldersTable, LossesList, SettingsTable, StagesTable, VerdictsTable};
 
 /// The figures of one scene. Displayed as the line of `tools/score.py --per-scene`.
 #[derive(Clone, Debug, PartialEq)]

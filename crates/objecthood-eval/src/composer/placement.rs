@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, Vec3};
 use objecthood_scene::random::Rng;
 
 use super::polygon::Polygon;
-use super::specimen::Specimen;
+use super::specimen::{Specimen, Top};
 use super::table::Table;
 
 /// Objects that a scene is meant to have: at least, and how many more at most.
@@ -18,6 +18,10 @@ const STACKED: f64 = 0.45;
 const OFF_CENTER_M: f64 = 0.03;
 /// How far from where an object of the data set stood another is put along either axis (m).
 const OFF_PLACE_M: f64 = 0.1;
+/// Probability that an object is pushed towards its neighbour.
+const PUSHED: f64 = 0.5;
+/// Steps in which the place where it comes to rest is found: a thousandth of the way.
+const BISECTIONS: usize = 10;
 /// Gaps that are left between objects (m): touching, slit, apart.
 const GAPS_M: [f64; 3] = [0.0, 0.005, 0.03];
 
@@ -50,6 +54,18 @@ impl<'a> Placement<'a> {
         Self { specimen, rotation, at, base_m, carrier, footprint: specimen.footprint.placed(rotation, at) }
     }
 
+    fn moved(&self, way_m: DVec2) -> Self {
+        let at = self.at + way_m;
+        Self { at, footprint: self.specimen.footprint.placed(self.rotation, at), ..*self }
+    }
+
+    /// Whether a camera would still see nearly the same of it as where it stood.
+    fn is_near_home(&self) -> bool {
+        let on_table = self.carrier.is_none();
+        let farthest_m = if self.specimen.is_vessel && on_table { VESSEL_MOVE_M } else { MOVE_M };
+        self.at.distance(self.specimen.home) <= farthest_m
+    }
+
     /// Where a point of the specimen is, on the ground (m).
     pub(super) fn point(&self, own: Vec3) -> DVec3 {
         let own = own.as_dvec3();
@@ -74,45 +90,57 @@ pub(super) fn place<'a>(specimens: &'a [Specimen], table: &Table, rng: &mut Rng)
     let wanted = FEWEST + rng.below(MORE + 1);
     let mut placed: Vec<Placement<'a>> = Vec::new();
     for _ in 0..DRAWS * wanted {
-        if placed.len() < wanted
-            && let Some(next) = draw(specimens, &placed, rng)
-            && fits(&next, &placed, table, rng.pick(&GAPS_M))
-        {
-            placed.push(next);
+        let (next, gap_m) = (draw(specimens, &placed, rng), rng.pick(&GAPS_M));
+        if fits(&next, &placed, table, gap_m) {
+            placed.push(if rng.chance(PUSHED) { pushed(next, &placed, table, gap_m) } else { next });
+        }
+        if placed.len() == wanted {
+            break;
         }
     }
     placed
 }
 
-/// An object and a place that is not too far from its own.
-fn draw<'a>(specimens: &'a [Specimen], placed: &[Placement<'a>], rng: &mut Rng) -> Option<Placement<'a>> {
+/// Pushed towards the nearest object until no more than the gap is left, or as far as it may be moved: objects that are
+/// put down at random hardly ever touch.
+fn pushed<'a>(next: Placement<'a>, placed: &[Placement<'a>], table: &Table, gap_m: f64) -> Placement<'a> {
+    let beside = placed.iter().filter(|other| next.carrier.is_none() && next.is_level_with(other));
+    let gap = |other: &&Placement<'_>| next.footprint.gap_m(&other.footprint);
+    let Some(nearest) = beside.min_by(|a, b| gap(a).total_cmp(&gap(b))) else { return next };
+    let moved = |share: f64| next.moved(share * (nearest.at - next.at));
+    let (mut free, mut blocked) = (0.0, 1.0);
+    for _ in 0..BISECTIONS {
+        let middle = (free + blocked) / 2.0;
+        let there = moved(middle);
+        if fits(&there, placed, table, gap_m) { free = middle } else { blocked = middle }
+    }
+    moved(free)
+}
+
+/// An object and a place for it.
+fn draw<'a>(specimens: &'a [Specimen], placed: &[Placement<'a>], rng: &mut Rng) -> Placement<'a> {
     let specimen = &specimens[rng.below(specimens.len())];
     let turn_deg = if specimen.is_vessel { VESSEL_TURN_DEG } else { TURN_DEG };
     let turn_deg = rng.range(-turn_deg..turn_deg);
     let free = free_tops(placed);
     if !free.is_empty() && rng.chance(STACKED) {
-        let carrier = rng.pick(&free);
+        let (carrier, top) = rng.pick(&free);
         let below = &placed[carrier];
-        let top = below.specimen.top.as_ref()?;
         let at = below.rotation.rotate(top.center) + below.at + within(OFF_CENTER_M, rng);
-        let is_near = at.distance(specimen.home) <= MOVE_M;
-        return is_near.then(|| Placement::new(specimen, turn_deg, at, top.height_m, Some(carrier)));
+        return Placement::new(specimen, turn_deg, at, top.height_m, Some(carrier));
     }
     // Near where some object of the data set stood: that is where its camera looked, so scenes become crowded there.
-    let farthest_m = if specimen.is_vessel { VESSEL_MOVE_M } else { MOVE_M };
     let at = specimens[rng.below(specimens.len())].home + within(OFF_PLACE_M, rng);
-    let is_near = at.distance(specimen.home) <= farthest_m;
-    is_near.then(|| Placement::new(specimen, turn_deg, at, 0.0, None))
+    Placement::new(specimen, turn_deg, at, 0.0, None)
 }
 
-/// What stands on the table, can carry something and does not yet.
-fn free_tops(placed: &[Placement<'_>]) -> Vec<usize> {
-    let is_free = |&k: &usize| {
-        placed[k].carrier.is_none()
-            && placed[k].specimen.top.is_some()
-            && placed.iter().all(|other| other.carrier != Some(k))
+/// What stands on the table, can carry something and does not yet, with its top.
+fn free_tops<'a>(placed: &[Placement<'a>]) -> Vec<(usize, &'a Top)> {
+    let free_top = |(k, object): (usize, &Placement<'a>)| {
+        let is_free = object.carrier.is_none() && placed.iter().all(|other| other.carrier != Some(k));
+        object.specimen.top.as_ref().filter(|_| is_free).map(|top| (k, top))
     };
-    (0..placed.len()).filter(is_free).collect()
+    placed.iter().enumerate().filter_map(free_top).collect()
 }
 
 /// Uniform in the square of this half side (m).
@@ -121,12 +149,12 @@ fn within(half_m: f64, rng: &mut Rng) -> DVec2 {
     DVec2::new(x, rng.range(-half_m..half_m))
 }
 
-/// Whether it stands on the table and keeps a gap from all that reaches as high, but for what carries it.
+/// Whether it is not too far from its own place, stands on the table and keeps a gap from all that reaches as high, but for what carries it.
 fn fits(next: &Placement<'_>, placed: &[Placement<'_>], table: &Table, gap_m: f64) -> bool {
     let is_clear = |(k, other): (usize, &Placement<'_>)| {
         next.carrier == Some(k)
             || !next.is_level_with(other)
             || next.footprint.gap_m(&other.footprint) >= gap_m
     };
-    table.outline.contains(&next.footprint) && placed.iter().enumerate().all(is_clear)
+    next.is_near_home() && table.outline.contains(&next.footprint) && placed.iter().enumerate().all(is_clear)
 }

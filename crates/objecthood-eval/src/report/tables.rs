@@ -113,6 +113,39 @@ impl fmt::Display for FoldersTable<'_> {
     }
 }
 
+/// One line a folder: the setting in which most objects are lost against the first one.
+pub struct LossesList<'a>(
+    /// The settings by name, all on the same scenes.
+    pub &'a [(String, Report)],
+);
+
+impl fmt::Display for LossesList<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [(_, first), others @ ..] = self.0 else { return Ok(()) };
+        for (k, (folder, totals)) in first.folders().into_iter().enumerate() {
+            let lost = |report: &Report| {
+                let correct = report.folders().get(k).map_or(0, |(_, totals)| totals.counts.correct);
+                totals.counts.correct.saturating_sub(correct)
+            };
+            // The first of equals.
+            let worst = others.iter().rev().max_by_key(|(_, report)| lost(report));
+            let new_line = if k > 0 { "\n" } else { "" };
+            match worst.map(|(name, report)| (name, lost(report))) {
+                Some((name, lost)) if lost > 0 => {
+                    let objects = totals.counts.total();
+                    let percent = 100.0 * lost as f64 / objects as f64;
+                    write!(
+                        f,
+                        "{new_line}{folder}: at most {lost} of {objects} objects lost ({percent:.1} %), by {name}"
+                    )?;
+                }
+                _ => write!(f, "{new_line}{folder}: no object lost")?,
+            }
+        }
+        Ok(())
+    }
+}
+
 /// One row a setting and stage: how its regions fit the truth. Settings whose stages were not watched have no row.
 pub struct StagesTable<'a>(
     /// The settings by name.
@@ -197,6 +230,7 @@ fn write_row(
 mod tests {
     use super::*;
     use crate::report::tests::{report, stages};
+    use crate::verdict::Verdict;
 
     #[test]
     fn verdicts_are_grouped_by_folder_and_category() {
@@ -232,6 +266,23 @@ mod tests {
 | all     |               1 |      53.3 |       33.3 |           0/0/0 |               1 |      53.3 |       33.3 |           0/0/0 |
 | less    |               1 |      53.3 |       33.3 |           0/0/0 |               1 |      53.3 |       33.3 |           0/0/0 |";
         assert_eq!(FoldersTable(&reports).to_string(), expected);
+    }
+
+    #[test]
+    fn the_greatest_loss_of_every_folder_is_named() {
+        let lose = |names: &[&str]| {
+            let mut scenes = report(&["a0", "b1", "b2"]).scenes;
+            for scene in scenes.iter_mut().filter(|scene| names.contains(&scene.name.as_str())) {
+                scene.score.objects[0].verdict = Verdict::Over;
+            }
+            Report::new(scenes).unwrap()
+        };
+        let reports =
+            [("as is", vec![]), ("x", vec!["b1"]), ("y", vec!["b1", "b2"]), ("z", vec!["b1", "b2"])]
+                .map(|(name, lost)| (name.to_owned(), lose(&lost)));
+        let expected = "a: no object lost\nb: at most 2 of 4 objects lost (50.0 %), by y";
+        assert_eq!(LossesList(&reports).to_string(), expected);
+        assert_eq!(LossesList(&[]).to_string(), "");
     }
 
     #[test]
