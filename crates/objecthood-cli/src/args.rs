@@ -180,6 +180,12 @@ pub(crate) struct EvalArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
 
+    /// Draw the hardest scenes, one picture each: colour, what either method finds, truth.
+    ///
+    /// The 12 scenes with most objects that are not correct, of equals those with most objects; made if it is not there.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["labels", "ComparisonArgs"])]
+    pub(crate) pictures: Option<PathBuf>,
+
     /// Print a line for every scene.
     #[arg(long)]
     pub(crate) per_scene: bool,

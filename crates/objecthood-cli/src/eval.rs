@@ -1,19 +1,24 @@
 //! `objecthood eval`: how good a method, or a folder of label images, is on a data set with truth.
 
 mod comparison;
+mod pictures;
+mod stock;
 mod subject;
 mod text;
 
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use objecthood::params;
 use objecthood_eval::{Report, Split, mosd};
 use objecthood_io::output;
 use serde::Serialize;
 
 use crate::args::EvalArgs;
 use crate::failure::{Outcome, usage};
+use crate::outputs::refuse_file;
 use crate::{crew, terminal};
+use stock::Stock;
 use subject::Subject;
 
 /// A report under the name of its settings.
@@ -34,10 +39,23 @@ pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
     if let Some(path) = &args.json {
         refuse_what_cannot_be_a_file(path)?;
     }
+    if let Some(folder) = &args.pictures {
+        refuse_file("--pictures", folder)?;
+    }
     let Ok(split) = args.split.parse::<Split>();
     let scenes = mosd::scenes(&args.root, &split)?;
 
-    let reports = crew::pool(args.settings.threads())?.install(|| subject.score(&scenes, args))?;
+    let seeds = u64::from(args.seed)..u64::from(args.seed) + u64::from(args.composites);
+    let sensor = subject.params().map_or_else(params::Sensor::default, |params| params.sensor.clone());
+    let reports = crew::pool(args.settings.threads())?.install(|| -> Result<_> {
+        let stock = Stock::new(scenes, args.camera, seeds, &sensor)?;
+        let reports = subject.score(&stock, args.settings.verbose)?;
+        if let (Some(folder), Some(params), [(_, report)]) = (&args.pictures, subject.params(), &reports[..])
+        {
+            pictures::draw(folder, &stock, report, params)?;
+        }
+        Ok(reports)
+    })?;
     let json = match &reports[..] {
         [(_, report)] => to_json(report)?,
         _ => {

@@ -54,7 +54,7 @@ pub use mosd::{Scene, SceneRef, Split};
 pub use report::{
     FoldersTable, LossesList, Report, SceneReport, SettingsTable, StagesTable, Totals, VerdictsTable,
 };
-pub use score::{ImageScore, score};
+pub use score::{ImageScore, numbered_as_truth, object_map, score};
 pub use settings::{Setting, ablation, ladder, sensitivity};
 pub use stages::{StageMetrics, StageObserver, Stages};
 pub use truth::{Roles, Truth};

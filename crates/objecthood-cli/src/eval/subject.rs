@@ -1,14 +1,12 @@
-//! What is scored, and on what.
+//! What is scored.
 
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use objecthood::{Observer, Params};
-use objecthood_eval::{
-    Composer, LabelFolder, Prediction, Report, Scene, SceneRef, Setting, StageObserver, evaluate,
-    evaluate_composites, evaluate_settings,
-};
+use objecthood_eval::{LabelFolder, Prediction, Report, Scene, Setting, StageObserver};
 
 use super::comparison::Comparison;
+use super::stock::Stock;
 use crate::args::EvalArgs;
 use crate::failure::usage;
 use crate::watch::{Laps, Watch};
@@ -58,60 +56,45 @@ impl Subject {
         }
     }
 
+    /// The parameters in force, of whatever is compared; the data set's own sensor among them.
+    pub(crate) fn params(&self) -> Option<&Params> {
+        match self {
+            Self::Labels(_) => None,
+            Self::Method(params) | Self::Comparison { base: params, .. } => Some(params),
+        }
+    }
+
     /// One report for every setting, by name.
     ///
     /// # Errors
     /// Of the scenes that fail, what the first one fails with.
-    pub(crate) fn score(&self, scenes: &[SceneRef], args: &EvalArgs) -> Result<Vec<(String, Report)>> {
-        match self {
+    pub(crate) fn score(&self, stock: &Stock, verbose: bool) -> Result<Vec<(String, Report)>> {
+        let with_stages = !matches!(self.comparison(), Some(Comparison::Ladder | Comparison::Sensitivity));
+        let alone;
+        let settings: &[Setting] = match self {
             Self::Labels(folder) => {
-                let bar = terminal::progress_bar(scenes.len(), args.settings.verbose);
-                let report = evaluate(scenes, args.camera.as_ref(), |_, reference| {
+                let bar = terminal::progress_bar(stock.len(), verbose);
+                let report = stock.evaluate_labels(|reference| {
                     bar.inc(1);
                     folder.read(reference)
                 })?;
                 bar.finish_and_clear();
-                Ok(vec![(folder.path.display().to_string(), report)])
+                return Ok(vec![(folder.path.display().to_string(), report)]);
             }
             Self::Method(params) => {
-                let setting = Setting { name: params.method.to_string(), params: params.clone() };
-                score_settings(params, &[setting], scenes, args, true)
+                alone = [Setting { name: params.method.to_string(), params: params.clone() }];
+                &alone
             }
-            Self::Comparison { base, comparison, settings } => {
-                // The stages take time, and only the paper's comparison is about them.
-                score_settings(base, settings, scenes, args, *comparison == Comparison::Ablation)
-            }
-        }
-    }
-}
-
-/// Scores every setting on the scenes and on as many composed ones as are asked for; `base` knows the sensor that took
-/// the scenes, whatever the settings make of it.
-fn score_settings(
-    base: &Params,
-    settings: &[Setting],
-    scenes: &[SceneRef],
-    args: &EvalArgs,
-    with_stages: bool,
-) -> Result<Vec<(String, Report)>> {
-    let composites = u64::from(args.composites);
-    let runs = settings.len() * (scenes.len() + args.composites as usize);
-    let bar = terminal::progress_bar(runs, args.settings.verbose);
-    let mut reports =
-        evaluate_settings(scenes, args.camera.as_ref(), settings, |setting, scene, reference| {
-            predict(setting, scene, &reference.path.display().to_string(), with_stages, &bar)
+            Self::Comparison { settings, .. } => settings,
+        };
+        let bar = terminal::progress_bar(settings.len() * stock.len(), verbose);
+        // The stages take time, and only the paper's comparison is about them.
+        let reports = stock.evaluate(settings, |setting, scene, source| {
+            predict(setting, scene, source, with_stages, &bar)
         })?;
-    if composites > 0 {
-        let composer = Composer::new(scenes, args.camera, &base.sensor)?;
-        let seeds = u64::from(args.seed)..u64::from(args.seed) + composites;
-        let composed = evaluate_composites(&composer, seeds, settings, |setting, scene, name| {
-            predict(setting, scene, name, with_stages, &bar)
-        })?;
-        let both = reports.into_iter().zip(composed);
-        reports = both.map(|(own, composed)| own.joined(composed)).collect::<objecthood_eval::Result<_>>()?;
+        bar.finish_and_clear();
+        Ok(settings.iter().map(|setting| setting.name.clone()).zip(reports).collect())
     }
-    bar.finish_and_clear();
-    Ok(settings.iter().map(|setting| setting.name.clone()).zip(reports).collect())
 }
 
 /// Runs a method on one scene, which is `source` to the user.
