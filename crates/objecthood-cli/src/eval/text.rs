@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use objecthood_eval::evaluate::COMPOSITE;
 use objecthood_eval::{FoldersTable, LossesList, Report, SettingsTable, StagesTable, VerdictsTable};
 
 use super::comparison::Comparison;
@@ -33,10 +34,14 @@ pub(crate) fn of(reports: &[(String, Report)], comparison: Option<Comparison>, p
 
 /// One report: the line of `tools/score.py`, what became of the objects, and the stages if a method ran.
 fn one(text: &mut String, reports: &[(String, Report)], report: &Report) -> std::fmt::Result {
-    writeln!(text, "{}\n\n{}", report.total, VerdictsTable(report))?;
-    if report.folders().len() > 1 {
-        writeln!(text, "\n{}", FoldersTable(reports))?;
+    writeln!(text, "{}", report.total)?;
+    // Real and composed scenes are of two kinds, so their mean says little.
+    let folders = report.folders();
+    let has_composites = folders.iter().any(|(folder, _)| *folder == COMPOSITE);
+    for (folder, totals) in folders.iter().filter(|_| has_composites) {
+        writeln!(text, "{folder}: {totals}")?;
     }
+    writeln!(text, "\n{}", VerdictsTable(report))?;
     if report.total.stages.is_some() {
         writeln!(text, "\n{}", StagesTable(reports))?;
     }
