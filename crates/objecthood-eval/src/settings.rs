@@ -8,7 +8,7 @@ use objecthood::Params;
 
 pub use ablation::{ABLATED, ablation};
 pub use ladder::ladder;
-pub use sensitivity::sensitivity;
+pub use sensitivity::{changes_choice, sensitivity};
 
 /// Parameters under a name.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use objecthood_eval::evaluate::COMPOSITE;
+use objecthood_eval::settings::changes_choice;
 use objecthood_eval::{FoldersTable, LossesList, Report, SettingsTable, StagesTable, VerdictsTable};
 
 use super::comparison::Comparison;
@@ -26,7 +27,9 @@ pub(crate) fn of(reports: &[(String, Report)], comparison: Option<Comparison>, p
         }
         Some(Comparison::Ladder) => writeln!(text, "{}", FoldersTable(reports)),
         Some(Comparison::Sensitivity) => {
-            writeln!(text, "{}\n\n{}", FoldersTable(reports), LossesList(reports))
+            // To do without a rule is no change of 30 %.
+            let numbers: Vec<_> = reports.iter().filter(|(name, _)| !changes_choice(name)).cloned().collect();
+            writeln!(text, "{}\n\nnumbers alone:\n{}", FoldersTable(reports), LossesList(&numbers))
         }
     };
     text

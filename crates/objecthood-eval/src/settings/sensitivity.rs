@@ -36,6 +36,12 @@ pub fn sensitivity(params: &Params) -> Result<Vec<Setting>> {
     Ok(settings)
 }
 
+/// Whether a setting of [`sensitivity`] changes a choice, not a number: its name says which parameter it is.
+pub fn changes_choice(setting: &str) -> bool {
+    let parameter = setting.split(" = ").next();
+    Params::table().iter().any(|info| Some(info.name.as_str()) == parameter && info.limits().is_none())
+}
+
 /// The values to try in place of one.
 fn others(info: &ParameterInfo, value: &Value) -> Vec<Value> {
     let mut others: Vec<Value> = match (info.limits(), value.as_f64()) {
@@ -86,6 +92,7 @@ mod tests {
                     choices => choices - 1,
                 };
                 assert_eq!(settings, expected, "{method} {}", info.name);
+                assert_eq!(changes_choice(&format!("{} = 1", info.name)), !info.choices().is_empty());
             }
         }
     }
@@ -122,5 +129,30 @@ mod tests {
             of("sensor.disparity"),
             ["sensor.disparity_quantum_per_m = 0.001995", "sensor.disparity_quantum_per_m = 0.003705"]
         );
+    }
+
+    /// What the table does not say a method reads may be anything: all of it changed at once changes nothing.
+    #[test]
+    fn what_a_method_does_not_read_does_not_matter() {
+        use objecthood_scene::{Family, Sensor, generate, render};
+        let frame = render(&generate(Family::Vessels, 1), Sensor::Kinect).unwrap().frame;
+        for method in [Method::Paper, Method::Context] {
+            let params = Params { method, ..Params::default() };
+            let mut values = serde_json::to_value(&params).unwrap();
+            for info in Params::table().iter().filter(|info| !info.methods.contains(&method)) {
+                let place = values.pointer_mut(&format!("/{}", info.name.replace('.', "/"))).unwrap();
+                *place = others(info, place).remove(0);
+            }
+            let changed: Params = serde_json::from_value(values).unwrap();
+            assert_ne!(changed, params);
+            let [a, b] = [&params, &changed].map(|params| objecthood::discover(&frame, params).unwrap());
+            assert_eq!(a.labels, b.labels, "{method}");
+            assert_eq!(a.structure, b.structure, "{method}");
+            assert_eq!(
+                format!("{:?}", (a.objects, a.support)),
+                format!("{:?}", (b.objects, b.support)),
+                "{method}"
+            );
+        }
     }
 }
