@@ -123,7 +123,7 @@ pub enum Error {
     /// What went wrong with one scene.
     #[error("{scene}: {error}")]
     InScene {
-        /// Name of the scene.
+        /// Its file, or its name if it has none.
         scene: String,
         /// What it is.
         error: Box<Error>,

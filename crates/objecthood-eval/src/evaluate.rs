@@ -1,5 +1,6 @@
 //! Running something over the scenes of a data set and scoring what comes out.
 
+use std::fmt::Display;
 use std::fs;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -41,7 +42,7 @@ pub fn evaluate<E: From<Error> + Send>(
 ) -> std::result::Result<Report, E> {
     let load = |reference: &SceneRef| reference.load(camera);
     let reports = for_each_scene(scenes, load, |scene, reference| {
-        Ok::<_, E>(report(scene, &reference.name, &reference.folder, &predict(scene, reference)?)?)
+        Ok::<_, E>(report_of(scene, reference, &predict(scene, reference)?)?)
     })?;
     Ok(Report::new(reports)?)
 }
@@ -58,8 +59,7 @@ pub fn evaluate_settings<S: Sync, E: From<Error> + Send>(
 ) -> std::result::Result<Vec<Report>, E> {
     let load = |reference: &SceneRef| reference.load(camera);
     let by_scene = for_each_scene(scenes, load, |scene, reference| {
-        let report =
-            |s| Ok(report(scene, &reference.name, &reference.folder, &predict(s, scene, reference)?)?);
+        let report = |s| Ok(report_of(scene, reference, &predict(s, scene, reference)?)?);
         settings.iter().map(report).collect::<std::result::Result<Vec<_>, E>>()
     })?;
     by_setting(by_scene, settings.len())
@@ -82,7 +82,7 @@ pub fn evaluate_composites<S: Sync, E: From<Error> + Send>(
         |&seed| composer.compose(seed),
         |scene, seed| {
             let name = format!("{COMPOSITE}{seed}");
-            let report = |s| Ok(report(scene, &name, COMPOSITE, &predict(s, scene, &name)?)?);
+            let report = |s| Ok(report(scene, (&name, COMPOSITE), &name, &predict(s, scene, &name)?)?);
             settings.iter().map(report).collect::<std::result::Result<Vec<_>, E>>()
         },
     )?;
@@ -103,10 +103,20 @@ fn by_setting<E: From<Error>>(
     by_setting.into_iter().map(|reports| Ok(Report::new(reports)?)).collect()
 }
 
-fn report(scene: &Scene, name: &str, folder: &str, prediction: &Prediction) -> Result<SceneReport> {
+/// The figures of a scene, which an error calls `source`.
+fn report(
+    scene: &Scene,
+    (name, folder): (&str, &str),
+    source: &dyn Display,
+    prediction: &Prediction,
+) -> Result<SceneReport> {
     let score = score(&prediction.labels, &scene.truth)
-        .map_err(|error| Error::InScene { scene: name.to_owned(), error: Box::new(error) })?;
+        .map_err(|error| Error::InScene { scene: source.to_string(), error: Box::new(error) })?;
     Ok(SceneReport { name: name.to_owned(), folder: folder.to_owned(), score, stages: prediction.stages })
+}
+
+fn report_of(scene: &Scene, reference: &SceneRef, prediction: &Prediction) -> Result<SceneReport> {
+    report(scene, (&reference.name, &reference.folder), &reference.path.display(), prediction)
 }
 
 /// Gets the scenes with `load` and applies `work`, one scene a thread. A batch ends before the next begins, because a
