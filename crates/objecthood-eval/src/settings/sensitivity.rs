@@ -16,7 +16,7 @@ const FACTORS: [f64; 2] = [0.7, 1.3];
 /// is set: `border.gap_quanta = 2.8`. What this does not change (0, or 1 rounded to 1) has no setting.
 ///
 /// # Errors
-/// [`Error::Params`] when a parameter of the table is not among the values, which a test rules out.
+/// [`Error::Params`](crate::Error::Params) when a parameter of the table is not among the values, which a test rules out.
 pub fn sensitivity(params: &Params) -> Result<Vec<Setting>> {
     let values = serde_json::to_value(params)?;
     let mut settings = vec![Setting { name: UNCHANGED.to_owned(), params: params.clone() }];
