@@ -243,10 +243,10 @@ pub(crate) struct CompletionsArgs {
 /// The methods by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodName {
+    /// Surfaces fitted in disparity, and what their borders and surroundings tell (the default).
+    Context,
     /// The published method, equation by equation.
     Paper,
-    /// Surfaces fitted in disparity, and what their borders and surroundings tell.
-    Context,
 }
 
 /// What can be written for a frame.

@@ -51,7 +51,7 @@ impl Observer for Watch<'_> {
             Stage::Superpixels(_) => "superpixels",
             Stage::Facets(_) => "facets",
             Stage::Shapes(_) => "shapes",
-            Stage::Support(_) => "support",
+            Stage::Support { .. } => "support",
             Stage::Objects(_) => "objects",
             _ => "another stage",
         });

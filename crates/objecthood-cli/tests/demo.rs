@@ -121,22 +121,45 @@ fn number_after(text: &str, word: &str) -> f64 {
     rest.split_whitespace().next().unwrap().parse().unwrap()
 }
 
-/// Measured when this was written: 61 of 104 objects correct, overlap F 71.3, boundary F 54.1.
-#[test]
-fn the_check_is_what_eval_says_and_not_below_its_floor() {
-    let folder = Folder::new();
-    let run = folder.run("demo --check --method paper", 0);
-    assert!(run.stdout.starts_with("method paper, synthetic scenes 0 to 19\n"), "{}", run.stdout);
-    let total = run.stdout.lines().nth(1).unwrap();
-    let counts = total.split_once('(').unwrap().1.split_once(')').unwrap().0;
-    let (correct, objects) = counts.split_once('/').unwrap();
-    assert_eq!(objects, "104", "{total}");
-    assert!(correct.parse::<u32>().unwrap() >= 58, "{total}");
-    let (overlap, boundary) = total.split_once("boundary").unwrap();
-    assert!(number_after(overlap, " F ") >= 69.0 && number_after(boundary, " F ") >= 52.0, "{total}");
-    assert_eq!(folder.names(""), Vec::<String>::new(), "nothing is written");
+/// The least a method may score on the synthetic scenes: objects correct, overlap F, boundary F.
+struct Floor {
+    method: &'static str,
+    correct: u32,
+    overlap: f64,
+    boundary: f64,
+}
 
-    // By way of files it is the same, to the last digit, and on any number of threads.
+/// Measured when this was written, of 104 objects: `context` 81 correct, overlap F 93.1, boundary F 87.9; `paper` 61,
+/// 71.3 and 54.1.
+const FLOORS: [Floor; 2] = [
+    Floor { method: "context", correct: 78, overlap: 91.0, boundary: 85.0 },
+    Floor { method: "paper", correct: 58, overlap: 69.0, boundary: 52.0 },
+];
+
+#[test]
+fn the_check_is_not_below_its_floor() {
+    for Floor { method, correct, overlap, boundary } in FLOORS {
+        let folder = Folder::new();
+        let run = folder.run(&format!("demo --check --method {method}"), 0);
+        let head = format!("method {method}, synthetic scenes 0 to 19\n");
+        assert!(run.stdout.starts_with(&head), "{}", run.stdout);
+        let total = run.stdout.lines().nth(1).unwrap();
+        let counts = total.split_once('(').unwrap().1.split_once(')').unwrap().0;
+        let (found, objects) = counts.split_once('/').unwrap();
+        assert_eq!(objects, "104", "{total}");
+        assert!(found.parse::<u32>().unwrap() >= correct, "{method}: {total}");
+        let (overlaps, boundaries) = total.split_once("boundary").unwrap();
+        assert!(number_after(overlaps, " F ") >= overlap, "{method}: {total}");
+        assert!(number_after(boundaries, " F ") >= boundary, "{method}: {total}");
+        assert_eq!(folder.names(""), Vec::<String>::new(), "nothing is written");
+    }
+}
+
+/// By way of files it is the same, to the last digit, and on any number of threads.
+#[test]
+fn the_check_is_what_eval_says() {
+    let folder = Folder::new();
+    let check = folder.run("demo --check --method paper", 0);
     folder.run("synth --out scenes --scenes 20 --threads 1", 0);
     folder.run(
         "segment --method paper --color scenes/*-color.png --depth scenes/*-depth.png --camera scenes/camera.json \
@@ -144,7 +167,7 @@ fn the_check_is_what_eval_says_and_not_below_its_floor() {
         0,
     );
     let eval = folder.run("eval scenes --labels found", 0);
-    assert_eq!(eval.stdout.trim(), run.stdout.split_once('\n').unwrap().1.trim());
+    assert_eq!(eval.stdout.trim(), check.stdout.split_once('\n').unwrap().1.trim());
 }
 
 #[test]

@@ -40,7 +40,7 @@ fn a_method_is_scored_with_its_stages() {
 
     let run = folder.run("eval root --split right", 0);
     assert!(run.stdout.starts_with("correct 1.000 (2/2)"), "{}", run.stdout);
-    let run = folder.run("eval root --set objectness.max_side_m=0.01", 0);
+    let run = folder.run("eval root --method paper --set objectness.max_side_m=0.01", 0);
     assert!(run.stdout.starts_with("correct 0.000 (0/6)"), "{}", run.stdout);
 }
 

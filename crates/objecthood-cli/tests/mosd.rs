@@ -60,7 +60,7 @@ fn accuracy_on_learn_does_not_fall() {
 #[test]
 fn the_ablation_on_learn_is_that_of_the_reference() {
     let Some(folder) = folder_with_data() else { return };
-    let run = folder.run("eval mosd --split learn --ablation --json figures.json", 0);
+    let run = folder.run("eval mosd --split learn --method paper --ablation --json figures.json", 0);
     let figures: serde_json::Value = serde_json::from_slice(&folder.files("")["figures.json"]).unwrap();
     let reference = [
         ("color, curvature off", 49, 71.8),

@@ -154,12 +154,12 @@ fn a_full_stdout_is_an_error() {
 fn a_method_is_named_by_flag_or_file() {
     let folder = Folder::new();
     folder.write("a.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
-    folder.write("method.toml", b"method = \"context\"\n");
+    folder.write("method.toml", b"method = \"paper\"\n");
     for (settings, method) in [
-        ("", "paper"),
-        ("--method context", "context"),
-        ("--config method.toml", "context"),
-        ("--config method.toml --method paper", "paper"),
+        ("", "context"),
+        ("--method paper", "paper"),
+        ("--config method.toml", "paper"),
+        ("--config method.toml --method context", "context"),
     ] {
         folder.run(&format!("segment a.pcd --out out {settings} --write json,structure"), 0);
         let scene: serde_json::Value = serde_json::from_slice(&folder.files("out")["a.json"]).unwrap();

@@ -258,6 +258,12 @@ pub enum JoinEvidence {
         #[schemars(with = "f64", range(min = 0))]
         rim_residual_m: Option<f64>,
     },
+    /// The bottom of a plate or bowl, which lies as low as the table.
+    VesselBottom {
+        /// Share of its border that touches, without a step in depth.
+        #[schemars(range(min = 0, max = 1))]
+        contact_share: f64,
+    },
     /// A small part that touches hardly anything but a vessel.
     VesselRemainder {
         /// Share of its contacts that are with the vessel.
@@ -467,6 +473,7 @@ impl From<join::JoinEvidence> for JoinEvidence {
                 rim_radius_m: rim.map(|rim| rim.radius_m),
                 rim_residual_m: rim.map(|rim| rim.residual_m),
             },
+            join::JoinEvidence::VesselBottom { contact_share } => Self::VesselBottom { contact_share },
             join::JoinEvidence::VesselRemainder { contact_share } => Self::VesselRemainder { contact_share },
         }
     }

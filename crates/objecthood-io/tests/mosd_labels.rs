@@ -6,10 +6,10 @@ mod common;
 use std::fmt::Write;
 
 use common::{data_folder, decode, open};
-use objecthood::{Frame, Params, Raster, discover};
+use objecthood::{Frame, Method, Params, Raster, discover};
 
-fn labels(frame: &Frame) -> Raster<u16> {
-    discover(frame, &Params::default()).unwrap().labels
+fn labels(frame: &Frame, method: Method) -> Raster<u16> {
+    discover(frame, &Params { method, ..Params::default() }).unwrap().labels
 }
 
 /// FNV-1a over the labels, low byte first.
@@ -23,16 +23,34 @@ fn hash(labels: &Raster<u16>) -> u64 {
         })
 }
 
-/// When a change is meant to alter labels: `INSTA_UPDATE=always cargo test -p objecthood-io --test mosd_labels`.
-#[test]
-fn labels_of_learn_are_as_they_were() {
-    let Some(data) = data_folder() else { return };
+/// The hash of every scene's labels, a line each.
+fn hashes(method: Method) -> Option<String> {
+    let data = data_folder()?;
     let mut hashes = String::new();
     for k in 0..45 {
         let capture = open(&data.join(format!("mosd/learn/learn{k}.pcd")), None).unwrap();
-        writeln!(hashes, "learn{k} {:016x}", hash(&labels(&capture.frame))).unwrap();
+        writeln!(hashes, "learn{k} {:016x}", hash(&labels(&capture.frame, method))).unwrap();
     }
+    Some(hashes)
+}
+
+/// When a change is meant to alter labels: `INSTA_UPDATE=always cargo test -p objecthood-io --test mosd_labels`.
+#[test]
+fn labels_of_learn_are_as_they_were() {
+    let Some(hashes) = hashes(Method::Paper) else { return };
     insta::assert_snapshot!(hashes);
+}
+
+/// They are those of the reference (`objecthood-eval/tests/reference.rs`), on any number of threads.
+#[test]
+fn labels_of_learn_by_context_are_as_they_were() {
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| hashes(Method::Context))
+    };
+    let Some(one) = on(1) else { return };
+    assert!([2, 8].into_iter().all(|threads| on(threads).as_ref() == Some(&one)));
+    insta::assert_snapshot!(one);
 }
 
 /// A cloud that lost its grid, and with it the colours of pixels without depth, has the labels it had before.
@@ -47,6 +65,9 @@ fn a_flattened_scene_has_the_same_labels() {
         let list = [&file[..at], b"WIDTH 307200\nHEIGHT 1\n", &file[at + size.len()..]].concat();
         let (grid, again) = (decode(&file, None).unwrap(), decode(&list, Some(&kinect)).unwrap());
         assert_ne!(grid.frame.color(), again.frame.color(), "the file has colours without depth");
-        assert!(labels(&grid.frame) == labels(&again.frame), "learn{k}");
+        for method in [Method::Paper, Method::Context] {
+            let [grid, again] = [&grid, &again].map(|capture| labels(&capture.frame, method));
+            assert!(grid == again, "learn{k} by {method}");
+        }
     }
 }

@@ -123,7 +123,7 @@ fn the_values_are_those_of_the_discovery() {
     let value = example();
     assert_eq!(value["schema_version"], 1);
     assert_eq!(value["input"], "some/folder/a.pcd");
-    assert_eq!(value["method"], "paper");
+    assert_eq!(value["method"], "context");
     assert_eq!(value["parameters_fingerprint"], fingerprint(&Params::default()));
     assert_eq!(value["image"], json!({"width_px": 4, "height_px": 3}));
     assert_eq!(value["camera"]["fit_residual_px"], 1e-5);

@@ -1,6 +1,6 @@
 //! One frame in, a picture of every stage out.
 //!
-//! `cargo run --release -p objecthood-view --example 02_panels -- docs/pictures/boxes.panels.png`
+//! `cargo run --release -p objecthood-view --example 02_panels -- boxes.panels.png`
 
 #[path = "../../objecthood/examples/world/mod.rs"]
 mod world;

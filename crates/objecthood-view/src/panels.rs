@@ -18,7 +18,7 @@ const PAGE: Rgb<u8> = Rgb([255; 3]);
 const INK: Rgb<u8> = Rgb([30; 3]);
 
 /// Draws every stage of a frame: colour with the outlines of the objects, depth, normals, superpixels, facets, shapes,
-/// objectness, objects, and the support tree.
+/// objectness, objects, and the support tree. Structure (the table, walls) is grey.
 ///
 /// `recording` and `discovery` are what [`objecthood::discover_observed`] gave for `frame`. A stage that was not
 /// recorded is left out; black is where there is no depth or no label. Frames up to 960 px keep their pixels (small
@@ -27,7 +27,7 @@ const INK: Rgb<u8> = Rgb([30; 3]);
 /// for byte.
 ///
 /// In the support tree what carries stands below what it carries. Discs are the objects, beside them P(O); bars are the
-/// shapes that are none, beside them P(S), with the letters that they have in the picture of the objectness. A dark
+/// regions that are none, beside them P(S), with the letters that they have in the picture of the objectness. A dark
 /// line leads to what an object touches most, faint ones to what else carries it.
 pub fn panels(frame: &Frame, recording: &Recording, discovery: &Discovery) -> RgbImage {
     let view = View::new(frame, recording, discovery);

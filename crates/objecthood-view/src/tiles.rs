@@ -15,6 +15,8 @@ use crate::view::{NOTHING, View};
 
 const DEPTH: Gradient = colorous::VIRIDIS;
 const OBJECTNESS: Gradient = colorous::PLASMA;
+/// The greys of tables, walls and floors.
+const STRUCTURE: [u8; 4] = [150, 110, 185, 75];
 /// Around the letters of what carries objects.
 const CARRIER: Rgb<u8> = Rgb([225; 3]);
 
@@ -90,27 +92,27 @@ pub(crate) fn normals(view: &View<'_>) -> Option<Tile> {
 
 /// The regions of the first stage.
 pub(crate) fn superpixels(view: &View<'_>) -> Option<Tile> {
-    Some(regions(view, "superpixels", view.recording.superpixels.as_ref()?))
+    Some(regions(view, "superpixels", view.recording.superpixels.as_ref()?, view.recording.structure))
 }
 
 /// The regions of the second stage.
 pub(crate) fn facets(view: &View<'_>) -> Option<Tile> {
-    Some(regions(view, "facets", view.recording.facets.as_ref()?))
+    Some(regions(view, "facets", view.recording.facets.as_ref()?, view.recording.structure))
 }
 
 /// The regions of the third stage.
 pub(crate) fn shapes(view: &View<'_>) -> Option<Tile> {
-    Some(regions(view, "shapes", view.recording.shapes.as_ref()?))
+    Some(regions(view, "shapes", view.recording.shapes.as_ref()?, view.recording.structure.min(1)))
 }
 
-/// The objects by objectness; behind them, in grey, the shapes that are none, by what carries them: the lighter, the
+/// The objects by objectness; behind them, in grey, the regions that are none, by what carries them: the lighter, the
 /// larger P(O). Those that carry an object have the letters under which they stand in the support tree.
 pub(crate) fn objectness(view: &View<'_>) -> Tile {
-    let shapes = view.recording.shapes.as_ref().map(|segments| view.labels(segments));
+    let regions = view.recording.supports.as_ref().map(|segments| view.labels(segments));
     let nodes = &view.discovery.support.nodes;
     let surface = |u: usize, v: usize| {
-        let shape = *shapes.as_ref()?.get(u, v)?;
-        let p_o = nodes.get(usize::try_from(shape).ok()?)?.p_o;
+        let region = *regions.as_ref()?.get(u, v)?;
+        let p_o = nodes.get(usize::try_from(region).ok()?)?.p_o;
         Some(Rgb([(60.0 + 120.0 * p_o.clamp(0.0, 1.0)) as u8; 3]))
     };
     let mut image = view.paint(|u, v| match view.object(u, v) {
@@ -121,22 +123,22 @@ pub(crate) fn objectness(view: &View<'_>) -> Tile {
         }
         None => surface(u, v),
     });
-    if let Some(shapes) = &shapes {
-        name_carriers(&mut image, view, shapes);
+    if let Some(regions) = &regions {
+        name_carriers(&mut image, view, regions);
     }
     let scale = Scale { color: |share| shade(&OBJECTNESS, share), low: "0".to_owned(), high: "1".to_owned() };
     Tile { title: "objectness".to_owned(), image, scale: Some(scale) }
 }
 
-/// Writes the letters of the shapes that carry objects, of which shape k is node k of the support graph.
-fn name_carriers(image: &mut RgbImage, view: &View<'_>, shapes: &Raster<i32>) {
+/// Writes the letters of the regions that carry objects, of which region k is node k of the support graph.
+fn name_carriers(image: &mut RgbImage, view: &View<'_>, regions: &Raster<i32>) {
     let names = view.forest.surface_names(view.discovery);
     let mut name_of = vec![0_u16; view.discovery.support.nodes.len()];
     for ((node, name), number) in view.forest.nodes.iter().zip(&names).zip(1..=u16::MAX) {
         name_of[node.node] = if name.is_empty() { 0 } else { number };
     }
     let carriers =
-        shapes.map(|&s| usize::try_from(s).ok().and_then(|s| name_of.get(s)).copied().unwrap_or(0));
+        regions.map(|&r| usize::try_from(r).ok().and_then(|r| name_of.get(r)).copied().unwrap_or(0));
     let label = |anchor: Anchor| {
         let text = names[usize::from(anchor.id) - 1].clone();
         Label { text, color: CARRIER, anchor }
@@ -175,11 +177,15 @@ pub(crate) fn support(view: &View<'_>, size: (u32, u32)) -> Tile {
     Tile { title: title.to_owned(), image: tree.picture, scale: None }
 }
 
-fn regions(view: &View<'_>, name: &str, segments: &Segments) -> Tile {
+/// The regions of a stage in colours that differ; the first of them, which are `structure`, in greys.
+fn regions(view: &View<'_>, name: &str, segments: &Segments, structure: usize) -> Tile {
     let labels = view.labels(segments);
-    let colors = region_colors(&labels, segments.count());
+    let mut colors = region_colors(&labels, segments.count());
+    for (color, grey) in colors.iter_mut().take(structure).zip(STRUCTURE.iter().cycle()) {
+        *color = Some(Rgb([*grey; 3]));
+    }
     let image = view.paint(|u, v| colors[usize::try_from(*labels.get(u, v)?).ok()?]);
-    Tile { title: format!("{name} {}", view.count(segments)), image, scale: None }
+    Tile { title: format!("{name} {}", view.count(segments, structure)), image, scale: None }
 }
 
 fn shade(gradient: &Gradient, share: f32) -> Rgb<u8> {
@@ -230,6 +236,7 @@ mod tests {
         recording.observe(Stage::Facets(&testing::segments(4, 2, |_| -1)));
         recording.observe(Stage::Shapes(&shapes));
         discovery.support = SupportGraph { nodes, edges: vec![] };
+        recording.observe(Stage::Support { graph: &discovery.support, regions: &shapes });
         (frame, recording, discovery)
     }
 
@@ -286,6 +293,19 @@ mod tests {
         assert_eq!((at(&tile, 0, 0), at(&tile, 1, 1)), (object_color(1).0, object_color(2).0));
         assert_eq!(at(&tile, 1, 0), [4, 40, 80], "the rest is the image, dimmed");
         assert_eq!(tile.image.get_pixel(0, 0).0, [0; 3], "a dark line sets objects apart");
+    }
+
+    #[test]
+    fn structure_is_grey_and_not_counted() {
+        let (frame, mut recording, discovery) = small_scene();
+        recording.observe(Stage::Structure(&testing::segments(4, 2, |i| (i as i32) - 6)));
+        let view = View::new(&frame, &recording, &discovery);
+        let tile = superpixels(&view).unwrap();
+        assert_eq!(tile.title, "superpixels 4", "of the six with depth two are structure");
+        assert_eq!([at(&tile, 1, 0), at(&tile, 2, 0)], [[STRUCTURE[0]; 3], [STRUCTURE[1]; 3]]);
+        let tile = shapes(&view).unwrap();
+        assert_eq!((tile.title.as_str(), at(&tile, 0, 0)), ("shapes 2", [STRUCTURE[0]; 3]));
+        assert_ne!(at(&tile, 1, 0), [STRUCTURE[1]; 3], "all structure is the first shape");
     }
 
     #[test]

@@ -99,15 +99,15 @@ impl<'a> View<'a> {
         labels
     }
 
-    /// Number of segments that own a pixel with depth.
-    pub(crate) fn count(&self, segments: &Segments) -> usize {
+    /// Number of segments from `first` on that own a pixel with depth.
+    pub(crate) fn count(&self, segments: &Segments, first: usize) -> usize {
         let mut owns_depth = vec![false; segments.count()];
         for (&label, z) in segments.labels().as_slice().iter().zip(self.frame.depth_m().as_slice()) {
             if let (Ok(s), false) = (usize::try_from(label), z.is_nan()) {
                 owns_depth[s] = true;
             }
         }
-        owns_depth.iter().filter(|&&owns| owns).count()
+        owns_depth.iter().skip(first).filter(|&&owns| owns).count()
     }
 
     /// As [`Objects::at`].

@@ -49,6 +49,8 @@ pub mod raster;
 pub mod regions;
 pub mod shapes;
 pub mod surface;
+#[cfg(test)]
+mod testing;
 mod union_find;
 
 pub use camera::Camera;

@@ -12,7 +12,8 @@ use crate::objectness::gravity::{dominant_plane, on_plane, up};
 use crate::objectness::objects::objects;
 use crate::objectness::support::support;
 use crate::objectness::{
-    Clusters, Scene, absorb_fragments, drop_low, fill, join_behind_occluders, join_vessels, outcome,
+    Clusters, Scene, absorb_fragments, drop_low, fill, join_behind_occluders, join_bottoms, join_vessels,
+    outcome,
 };
 use crate::observe::{Observer, Stage};
 use crate::oversegment::absorb::absorb;
@@ -71,7 +72,7 @@ pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer)
     let described = descriptors(&shapes, &superpixels.core, &points, &normals);
     let touching = contacts(&shapes, &points, &params.contact);
     let mut support = support(&shapes, &described, &touching, &points, &up);
-    observer.observe(Stage::Support(&support));
+    observer.observe(Stage::Support { graph: &support, regions: &shapes });
     let hypotheses = decide(&shapes, &points, &support, &up, &params.objectness);
     let (objects, labels) = objects(hypotheses, &facets, &points, &support)?;
     support.mark(&objects);
@@ -138,6 +139,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     absorb_fragments(&mut clusters, &params.fragments);
     drop_low(&mut clusters, &params.height);
     join_vessels(&mut clusters, &params.vessels);
+    join_bottoms(&mut clusters, jump_quanta + 1.0, &params.vessels);
     join_behind_occluders(&mut clusters, &params.occlusion);
 
     let outcome = outcome(&clusters, structure.support, space.area_px(params.objectness.min_size_px));
@@ -148,7 +150,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     let touching = contacts(&outcome.regions, &points, &params.contact);
     let mut support = support(&outcome.regions, &described, &touching, &points, &up);
     support.mark_structure(planes.len());
-    observer.observe(Stage::Support(&support));
+    observer.observe(Stage::Support { graph: &support, regions: &outcome.regions });
     let (objects, labels) =
         objects(outcome.hypotheses(&clusters, &support, &up), &facets.segments, &points, &support)?;
     support.mark(&objects);

@@ -21,8 +21,13 @@ pub enum Stage<'a> {
     Facets(&'a Segments),
     /// Stage 3: facets joined across convex edges. In `context` shape 0 is all structure.
     Shapes(&'a Segments),
-    /// Stage 4, first half: which shape supports which; which of them are objects is not yet known.
-    Support(&'a SupportGraph),
+    /// Stage 4, first half: what supports what; which of it are objects is not yet known.
+    Support {
+        /// What stands on what.
+        graph: &'a SupportGraph,
+        /// Node k of the graph is region k. In `paper` the shapes, in `context` structure and clusters.
+        regions: &'a Segments,
+    },
     /// Stage 4: the outcome.
     Objects(&'a Discovery),
 }

@@ -119,7 +119,7 @@ macro_rules! parameters {
             }
         )+
 
-        /// All parameters, a group per algorithm. `Params::default()` is the published method.
+        /// All parameters, a group per algorithm. `Params::default()` is the method `context`.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         #[serde(default, deny_unknown_fields)]
         pub struct Params {
@@ -203,11 +203,11 @@ macro_rules! choice {
 choice! {
     /// A way of doing the four stages.
     Method {
-        /// The published method, equation by equation.
-        #[default]
-        Paper = "paper",
         /// Surfaces fitted in disparity, and what their borders and surroundings tell.
+        #[default]
         Context = "context",
+        /// The published method, equation by equation.
+        Paper = "paper",
     }
 }
 
@@ -344,6 +344,8 @@ parameters! {
         tolerance_quanta: f64 = 2.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.3)";
         /// Their normals differ by less than this from the surface's.
         angle_deg: f64 = 30.0, 0.0..=180.0, "degrees", "tuned on mOSD learn (METHOD 3.3)";
+        /// Or the slopes of their disparity do, by less than this; 0 = the normals alone decide.
+        slope_quanta_per_px: f64 = 0.4, 0.0..=1000.0, "quanta of disparity per px at a focal length of 525 px", "ours, because noise tilts a slope alike at any distance, a normal by more the farther it is; 30 degrees at 1 m";
     }
 
     /// Superpixels by watershed of the fit residual (`context`).
@@ -410,6 +412,8 @@ parameters! {
         rim_height_m: f64 = 0.015, 0.0..=1.0, "m", "tuned on mOSD learn (METHOD 3.12)";
         /// Whether the circle of the rim tells what belongs to a vessel.
         rim_circle: bool = true, OneOf("true | false"), "dimensionless: switch", "METHOD 3.12";
+        /// What lies as low as the table is the bottom of the object that encloses it when this share of its border touches; above 1 = never.
+        bottom_contact_share: f64 = 0.8, 0.0..=2.0, "dimensionless: share of the border", "ours, because a plate came out as a ring; the far half of a ring's border touches";
     }
 
     /// Parts of an object joined behind what hides its middle (`context`).

@@ -206,3 +206,179 @@ impl Forest<'_> {
 fn fit(moments: &Moments, basis: Basis, least_px: f64) -> Fit {
     moments.fit(if moments.count() < least_px { Basis::Plane } else { basis })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::regions::SegmentId;
+    use crate::surface::disparity::position;
+    use crate::testing::{kinect, raster};
+
+    /// A region of the twin: the superpixels in it and their moments.
+    struct Group {
+        superpixels: Vec<usize>,
+        moments: Moments,
+    }
+
+    /// The cost of METHOD 3.5, of two regions with these moments.
+    fn cost(a: &Moments, b: &Moments, basis: Basis) -> f32 {
+        let fit = |m: &Moments| m.fit(if m.count() < 12.0 { Basis::Plane } else { basis });
+        let (one, other, union) = (fit(a), fit(b), fit(&a.merged(b)));
+        let added = (union.squared_error - one.squared_error - other.squared_error).max(0.0);
+        let (n, m) = (a.count(), b.count());
+        let mut cost = (added * (n + m) / (n * m)).sqrt();
+        if n.min(m) < 20.0 {
+            cost *= 0.3 + (1.0 - 0.3) * n.min(m) / 20.0;
+        }
+        let sideways = 0.8 * one.model.steepness().min(other.model.steepness());
+        (cost / (1.0 + sideways * sideways).sqrt()) as f32
+    }
+
+    /// Computes the costs of all pairs, merges the cheapest, and begins anew. Group k stands at the index of its first
+    /// superpixel.
+    fn naive(
+        mut groups: BTreeMap<usize, Group>,
+        neighbours: &RegionGraph<u32>,
+        params: &params::Merging,
+    ) -> BTreeMap<usize, Group> {
+        let limits = [params.plane_tolerance_quanta, params.quadratic_tolerance_quanta];
+        for (basis, limit) in [Basis::Plane, Basis::Quadratic].into_iter().zip(limits) {
+            loop {
+                let home =
+                    |s: SegmentId| *groups.iter().find(|g| g.1.superpixels.contains(&s.index())).unwrap().0;
+                let touching =
+                    neighbours.edges().iter().filter(|e| e.evidence >= 2).map(|e| (home(e.a), home(e.b)));
+                let mut pairs: Vec<_> = touching
+                    .filter(|(a, b)| a != b)
+                    .map(|(a, b)| (a.min(b), a.max(b)))
+                    .map(|(a, b)| (cost(&groups[&a].moments, &groups[&b].moments, basis), a, b))
+                    .filter(|&(cost, ..)| cost < limit)
+                    .collect();
+                pairs.sort_by(|x, y| x.partial_cmp(y).unwrap());
+                let Some(&(_, a, b)) = pairs.first() else { break };
+                let from = groups.remove(&b).unwrap();
+                let into = groups.get_mut(&a).unwrap();
+                into.superpixels.extend(from.superpixels);
+                into.moments = into.moments.merged(&from.moments);
+            }
+        }
+        groups
+    }
+
+    /// Superpixels of 3 x 3 blocks, a part of each missing, on a few surfaces with noise of a quantum.
+    fn patchwork() -> impl Strategy<Value = (Segments, Raster<f32>)> {
+        (1_usize..7, 1_usize..7).prop_flat_map(|(across, down)| {
+            let size = (3 * across, 3 * down);
+            let kinds = prop::collection::vec(0_u8..3, across * down);
+            (raster(size, prop::bool::weighted(0.9)), raster(size, -0.7_f32..0.7), kinds).prop_map(
+                move |(present, noise, kinds)| {
+                    let block = |i: usize| i / size.0 / 3 * across + i % size.0 / 3;
+                    let label = |i: usize| if present[i] { block(i) as i32 } else { -1 };
+                    let surface = |i: usize| {
+                        let [u, v] = position(i, size.0).map(|x| x as f32);
+                        [200.0 + 0.5 * u, 203.0 - 0.3 * v, 200.0 + 0.05 * u * u][usize::from(kinds[block(i)])]
+                    };
+                    let labels = noise.with_data((0..noise.len()).map(label).collect());
+                    let disparity =
+                        noise.with_data((0..noise.len()).map(|i| surface(i) + noise[i]).collect());
+                    (Segments::from_labels(&labels), disparity)
+                },
+            )
+        })
+    }
+
+    /// How many pairs of 4-neighbours join any two regions.
+    fn adjacency(segments: &Segments) -> RegionGraph<u32> {
+        let (width, height) = segments.labels().size();
+        let right = (0..width * height).filter(|i| i % width + 1 < width).map(|i| (i, i + 1));
+        let down = (0..width * (height - 1)).map(|i| (i, i + width));
+        let pairs = right.chain(down).filter_map(|(i, j)| Some((segments.at(i)?, segments.at(j)?)));
+        RegionGraph::from_pairs(segments.count(), pairs)
+    }
+
+    fn no_structure(like: &Segments) -> Structure {
+        Structure { surfaces: Vec::new(), labels: like.labels().map(|_| -1), support: None }
+    }
+
+    proptest! {
+        #[test]
+        fn heap_merging_is_the_naive_one(
+            (superpixels, disparity) in patchwork(),
+            quadratic_tolerance_quanta in prop::sample::select(vec![0.0_f32, 0.8, 1.5]),
+            min_facet_px in 0_usize..30,
+        ) {
+            let params = params::Merging { quadratic_tolerance_quanta, min_facet_px, ..Default::default() };
+            let neighbours = adjacency(&superpixels);
+            let structure = no_structure(&superpixels);
+            let facets = merge_surfaces(&superpixels, &structure, &neighbours, &disparity, &kinect(), &params);
+
+            let single = |s: usize| {
+                let pixels: Vec<u32> = superpixels.members().filter(|m| m.1 == s).map(|m| m.0 as u32).collect();
+                (s, Group { superpixels: vec![s], moments: Moments::of(&pixels, &disparity) })
+            };
+            let mut groups = naive((0..superpixels.count()).map(single).collect(), &neighbours, &params);
+            groups.retain(|_, group| group.moments.count() >= min_facet_px as f64);
+            let facet_of = |&s: &i32| {
+                groups.values().position(|g| g.superpixels.contains(&(s as usize))).map_or(-1, |k| k as i32)
+            };
+            prop_assert_eq!(facets.segments.labels(), &superpixels.labels().map(facet_of));
+            let model = |group: &Group| {
+                let few = group.moments.count() < 40.0;
+                group.moments.fit(if few { Basis::Plane } else { Basis::Quadratic }).model
+            };
+            prop_assert_eq!(facets.models, groups.values().map(model).collect::<Vec<_>>());
+        }
+    }
+
+    /// Facets of a row of 4 x 8 blocks on these surfaces.
+    fn merged(surface: impl Fn(f64, f64) -> f64, params: &params::Merging) -> usize {
+        let at = |i: usize| position(i, 40);
+        let disparity = (0..320).map(|i| surface(at(i)[0], at(i)[1]) as f32).collect();
+        let disparity = Raster::from_vec(40, 8, disparity).unwrap();
+        let superpixels =
+            Segments::from_numbered(disparity.with_data((0..320).map(|i| i % 40 / 4).collect()), 10);
+        let structure = no_structure(&superpixels);
+        let neighbours = adjacency(&superpixels);
+        merge_surfaces(&superpixels, &structure, &neighbours, &disparity, &kinect(), params).segments.count()
+    }
+
+    #[test]
+    fn a_plane_is_one_facet_and_a_fold_or_a_step_are_two() {
+        let params = params::Merging::default();
+        assert_eq!(merged(|u, v| 300.0 + 0.5 * u - 0.2 * v, &params), 1);
+        assert_eq!(merged(|u, _| 300.0 + 0.6 * (u - 19.5).abs(), &params), 2);
+        assert_eq!(merged(|u, _| if u < 20.0 { 300.0 } else { 310.0 }, &params), 2);
+        assert_eq!(merged(|u, _| if u < 20.0 { 300.0 } else { 301.0 }, &params), 1, "within the tolerance");
+    }
+
+    #[test]
+    fn quadratics_join_the_stripes_of_a_curved_face() {
+        let curved = |u: f64, _: f64| 300.0 - 0.06 * (u - 19.5).powi(2);
+        let planes_only = params::Merging { quadratic_tolerance_quanta: 0.0, ..Default::default() };
+        assert!(merged(curved, &planes_only) > 1);
+        assert_eq!(merged(curved, &params::Merging::default()), 1);
+    }
+
+    #[test]
+    fn the_structure_comes_first() {
+        let disparity = Raster::from_vec(8, 8, vec![300.0; 64]).unwrap();
+        let labels = disparity.with_data((0..64).map(|i| if i < 32 { 0 } else { -1 }).collect());
+        let model = Moments::of(&[0, 1, 8], &disparity).fit(Basis::Plane).model;
+        let surface = crate::oversegment::structure::StructureSurface {
+            model,
+            normal: glam::DVec3::NEG_Z,
+            offset_m: 1.0,
+        };
+        let structure = Structure { surfaces: vec![surface], labels: labels.clone(), support: Some(0) };
+        let superpixels = Segments::from_numbered(labels.map(|l| -1 - l), 1);
+        let neighbours = adjacency(&superpixels);
+        let params = params::Merging::default();
+        let facets = merge_surfaces(&superpixels, &structure, &neighbours, &disparity, &kinect(), &params);
+        assert_eq!((facets.structure, facets.models.len(), facets.models[0]), (1, 2, model));
+        assert_eq!(facets.segments.labels(), &labels.map(|l| -l));
+    }
+}

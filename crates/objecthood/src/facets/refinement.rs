@@ -87,3 +87,107 @@ fn best(
     let scored = around[..candidates].iter().map(|&(label, votes)| (energy(label, votes), label));
     scored.min_by(|x, y| x.0.total_cmp(&y.0)).map_or(labels[i], |(_, label)| label)
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::surface::moments::{Basis, Model, Moments};
+    use crate::testing::{coarse_disparity, raster, small_size};
+
+    /// A surface of constant disparity.
+    fn level(quanta: f64) -> Model {
+        let mut moments = Moments::about([0.0; 2]);
+        moments.add([0.0; 2], quanta);
+        moments.fit(Basis::Plane).model
+    }
+
+    /// One pass, from the words of METHOD 3.6: of each pixel the new label.
+    fn naive_pass(
+        labels: &Raster<i32>,
+        disparity: &Raster<f32>,
+        models: &[Model],
+        agreement: f64,
+    ) -> Raster<i32> {
+        let (width, height) = labels.size();
+        let new_label = |i: usize| {
+            let (u, v) = (i % width, i / width);
+            let is_inside = u > 0 && v > 0 && u + 1 < width && v + 1 < height;
+            if !is_inside || disparity[i].is_nan() {
+                return labels[i];
+            }
+            // All pixels in scan order that are one column or row away.
+            let near: Vec<(usize, usize)> = (0..labels.len())
+                .map(|j| (j, (j % width).abs_diff(u).pow(2) + (j / width).abs_diff(v).pow(2)))
+                .filter(|&(_, squared)| squared == 1 || squared == 2)
+                .collect();
+            let meets_another =
+                near.iter().any(|&(j, squared)| squared == 1 && labels[j] >= 0 && labels[j] != labels[i]);
+            if labels[i] >= 0 && !meets_another {
+                return labels[i];
+            }
+            let voters: Vec<i32> = near
+                .iter()
+                .filter(|&&(j, _)| labels[j] >= 0 && (disparity[j] - disparity[i]).abs() <= 15.0)
+                .map(|&(j, _)| labels[j])
+                .collect();
+            let energy = |label: i32| {
+                let misfit = f64::from(disparity[i]) - models[label as usize].value([u as f64, v as f64]);
+                let votes = voters.iter().filter(|&&voter| voter == label).count();
+                let own = if label == labels[i] { 0.1 } else { 0.0 };
+                misfit.abs().min(6.0) - agreement * votes as f64 - own
+            };
+            let best =
+                voters.iter().reduce(|best, next| if energy(*next) < energy(*best) { next } else { best });
+            *best.unwrap_or(&labels[i])
+        };
+        labels.with_data((0..labels.len()).map(new_label).collect())
+    }
+
+    proptest! {
+        #[test]
+        fn borders_are_refined_as_naively(
+            (disparity, labels) in
+                small_size().prop_flat_map(|size| (raster(size, coarse_disparity()), raster(size, -1_i32..3))),
+            agreement_quanta in 0.0..2.0,
+        ) {
+            // Two alike, so that energies tie.
+            let models = [201.0, 204.0, 204.0].map(level).to_vec();
+            let mut expected = labels.clone();
+            for _ in 0..4 {
+                expected = naive_pass(&expected, &disparity, &models, agreement_quanta);
+            }
+            let segments = Segments::from_numbered(labels.clone(), 3);
+            let facets = Facets { segments, models: models.clone(), structure: 1 };
+            let refined = refine(facets, &disparity, &params::Refinement { agreement_quanta });
+            prop_assert_eq!(refined.segments.labels(), &expected);
+            prop_assert_eq!((refined.models, refined.structure, refined.segments.count()), (models, 1, 3));
+            for i in 0..labels.len() {
+                prop_assert!(labels[i] < 0 || expected[i] >= 0, "no pixel loses its facet");
+                prop_assert!(!disparity[i].is_nan() || labels[i] == expected[i], "what is not measured stays");
+            }
+        }
+    }
+
+    #[test]
+    fn a_ragged_border_becomes_straight() {
+        // Two levels that meet at column 6; in every other row the border is two pixels off.
+        let at = |i: usize| (i % 12, i / 12);
+        let disparity =
+            Raster::from_vec(12, 9, (0..108).map(|i| if at(i).0 < 6 { 200.0 } else { 204.0 }).collect());
+        let disparity = disparity.unwrap();
+        let ragged = disparity.with_data(
+            (0..108).map(|i| i32::from(at(i).0 >= 6 + 2 * usize::from(at(i).1 % 2 == 1))).collect(),
+        );
+        let facets = Facets {
+            segments: Segments::from_numbered(ragged, 2),
+            models: vec![level(200.0), level(204.0)],
+            structure: 0,
+        };
+        let refined = refine(facets, &disparity, &params::Refinement::default());
+        for i in (0..108).filter(|&i| (1..8).contains(&at(i).1)) {
+            assert_eq!(refined.segments.labels()[i], i32::from(at(i).0 >= 6), "{:?}", at(i));
+        }
+    }
+}

@@ -194,12 +194,13 @@ impl<'a> Clusters<'a> {
         };
         let cluster = &mut self.clusters[into.index()];
         cluster.neighbours.remove(&Some(from));
-        cluster.pixels.extend(pixels);
-        // Two sorted runs: linear.
-        cluster.pixels.sort();
         cluster.joins.extend(joins);
-        cluster.top_m = OnceLock::new();
-        cluster.concavity = OnceLock::new();
+        cluster.extend(&pixels);
+    }
+
+    /// Adds pixels of the background to a cluster. O(pixels of both).
+    pub(crate) fn extend(&mut self, id: SegmentId, pixels: &[u32]) {
+        self.clusters[id.index()].extend(pixels);
     }
 
     /// How high a cluster stands (m) above a surface: nearly its highest pixel. Single noisy pixels stand high anywhere.
@@ -218,6 +219,16 @@ impl<'a> Clusters<'a> {
     pub(crate) fn concavity(&self, id: SegmentId) -> f64 {
         let cluster = self.get(id);
         *cluster.concavity.get_or_init(|| self.scene.concavity(&cluster.pixels))
+    }
+}
+
+impl Cluster {
+    fn extend(&mut self, pixels: &[u32]) {
+        self.pixels.extend(pixels);
+        // Two sorted runs: linear.
+        self.pixels.sort();
+        self.top_m = OnceLock::new();
+        self.concavity = OnceLock::new();
     }
 }
 
@@ -290,4 +301,158 @@ fn lie_of_clusters(scene: &Scene<'_>, shapes: &Shapes, jump_quanta: f32) -> Regi
     (0..height).for_each(|v| walk(v * width, 1, width));
     (0..width).for_each(|u| walk(u, width, height));
     RegionGraph::gather(shapes.count + 1, samples, |sum: &mut Borders, borders| *sum += borders)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::objectness::testing::{Table, single};
+    use crate::testing::{coarse_disparity, raster, small_size};
+
+    /// A small image of up to four facets on a table, at heights that are level, a step or far apart; some pixels are missing.
+    fn scenery() -> impl Strategy<Value = Table> {
+        let pixel = (prop_oneof![1 => Just(None), 4 => (0_i32..5).prop_map(Some)], 0_u8..4);
+        small_size().prop_flat_map(move |size| raster(size, pixel.clone())).prop_map(|pixels| {
+            Table::new(pixels.size(), |u, v| {
+                let (facet, level) = pixels.get(u, v)?;
+                Some(((*facet)?, [0.0, 0.013, 0.016, 0.2][usize::from(*level)]))
+            })
+        })
+    }
+
+    /// The pixels of a cluster and how it lies to its neighbours.
+    type Counted = (Vec<u32>, BTreeMap<Option<SegmentId>, Borders>);
+
+    /// Pixels and neighbours of every cluster, from the cluster of every pixel: `None` = no facet, `Some(None)` = background.
+    fn counted(
+        cluster: &[Option<Option<SegmentId>>],
+        disparity: &Raster<f32>,
+    ) -> BTreeMap<SegmentId, Counted> {
+        let (width, height) = disparity.size();
+        let mut counted: BTreeMap<SegmentId, Counted> = BTreeMap::new();
+        for (i, id) in cluster.iter().enumerate() {
+            if let Some(Some(id)) = id {
+                counted.entry(*id).or_default().0.push(i as u32);
+            }
+        }
+        let rows = (0..height).map(|v| (0..width).map(|u| v * width + u).collect::<Vec<_>>());
+        let columns = (0..width).map(|u| (0..height).map(|v| v * width + u).collect());
+        for line in rows.chain(columns) {
+            // Neighbours, with nothing but holes between them.
+            let seen: Vec<usize> = (0..line.len()).filter(|&t| cluster[line[t]].is_some()).collect();
+            for pair in seen.windows(2) {
+                let [i, j] = [line[pair[0]], line[pair[1]]];
+                let (Some(a), Some(b)) = (cluster[i], cluster[j]) else { continue };
+                if a == b || pair[1] - pair[0] > 24 {
+                    continue;
+                }
+                for (own, other, rise) in
+                    [(a, b, disparity[i] - disparity[j]), (b, a, disparity[j] - disparity[i])]
+                {
+                    let Some(own) = own else { continue };
+                    let borders = counted.entry(own).or_default().1.entry(other).or_default();
+                    let is_next = pair[1] == pair[0] + 1;
+                    let count = match rise {
+                        rise if is_next && rise.abs() <= 6.0 => &mut borders.touch,
+                        rise if rise.abs() <= 5.0 => &mut borders.level,
+                        rise if rise > 0.0 => &mut borders.in_front,
+                        _ => &mut borders.behind,
+                    };
+                    *count += 1;
+                }
+            }
+        }
+        counted
+    }
+
+    proptest! {
+        #[test]
+        fn merging_keeps_clusters_in_step_with_their_pixels(
+            table in scenery(),
+            merges in prop::collection::vec((0_u32..5, 0_u32..5), 0..5),
+        ) {
+            let scene = table.scene();
+            let mut clusters = single(&scene);
+            let segments = &scene.facets.segments;
+            let mut cluster: Vec<_> = (0..scene.disparity.len())
+                .map(|i| segments.at(i).map(|facet| facet.0.checked_sub(1).map(SegmentId)))
+                .collect();
+            for (into, from) in merges {
+                // The last is the background.
+                let into = Some(SegmentId(into)).filter(|_| into < 4);
+                let from = SegmentId(from);
+                let alive = clusters.alive();
+                if alive.contains(&from) && into != Some(from) && into.is_none_or(|id| alive.contains(&id)) {
+                    clusters.merge(into, from);
+                    cluster.iter_mut().filter(|k| **k == Some(Some(from))).for_each(|k| *k = Some(into));
+                }
+                let expected = counted(&cluster, scene.disparity);
+                prop_assert_eq!(clusters.alive(), expected.keys().copied().collect::<Vec<_>>());
+                for (id, (pixels, neighbours)) in expected {
+                    prop_assert_eq!(&clusters.get(id).pixels, &pixels);
+                    prop_assert_eq!(&clusters.get(id).neighbours, &neighbours, "{:?}", id);
+                }
+                for (i, facet) in segments.members().filter(|m| m.1 > 0) {
+                    prop_assert_eq!(Some(clusters.of_facet(facet - 1)), cluster[i]);
+                }
+            }
+        }
+
+        #[test]
+        fn what_is_not_labelled_is_filled_from_its_neighbours(
+            (disparity, labels) in
+                small_size().prop_flat_map(|size| (raster(size, coarse_disparity()), raster(size, -1_i32..2))),
+        ) {
+            let labels = disparity.with_data(
+                (0..labels.len()).map(|i| if disparity[i].is_nan() { -1 } else { labels[i] }).collect(),
+            );
+            let facets = Facets { segments: Segments::from_numbered(labels.clone(), 2), models: Vec::new(), structure: 0 };
+            let filled = fill(facets, &disparity, 3.0).segments;
+            let (width, height) = labels.size();
+            for i in 0..labels.len() {
+                let own = filled.labels()[i];
+                let near = neighbours(i, width, height).map(|(j, _)| j);
+                let mut near = near.filter(|&j| (disparity[j] - disparity[i]).abs() <= 3.0);
+                if labels[i] >= 0 {
+                    prop_assert_eq!(own, labels[i], "a label stays");
+                } else if own >= 0 {
+                    prop_assert!(near.any(|j| filled.labels()[j] == own), "it comes from a neighbour");
+                } else {
+                    prop_assert!(near.all(|j| filled.labels()[j] < 0), "what can be reached is filled");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_lies_far_apart_is_no_neighbour() {
+        for (holes, is_near) in [(0, true), (23, true), (24, false)] {
+            let row = format!("a{}b", ".".repeat(holes));
+            let table = Table::drawn(&[&row], &[0.1, 0.1]);
+            let scene = table.scene();
+            let borders = single(&scene).borders(SegmentId(0), SegmentId(1));
+            assert_eq!(borders.touch + borders.level, u32::from(is_near), "{holes} holes");
+        }
+    }
+
+    #[test]
+    fn a_ball_is_convex_a_bowl_concave_and_a_board_neither() {
+        let round = |sign: f64| {
+            Table::new((90, 90), |u, v| {
+                let square = 1.0 - ((u as f64 - 45.0).powi(2) + (v as f64 - 45.0).powi(2)) / 1600.0;
+                // Half a ball of 7 cm; and half a bowl of that size.
+                Some(if square < 0.1 { (0, 0.0) } else { (1, 0.08 + sign * 0.07 * square.sqrt()) })
+            })
+        };
+        let board = Table::new((90, 90), |u, _| Some((1, 0.05 + 1e-4 * u as f64)));
+        let concavity = |table: &Table| {
+            let scene = table.scene();
+            single(&scene).concavity(SegmentId(0))
+        };
+        assert!(concavity(&round(1.0)) > 0.4, "{}", concavity(&round(1.0)));
+        assert!(concavity(&round(-1.0)) < -0.4, "{}", concavity(&round(-1.0)));
+        assert!(concavity(&board).abs() < 0.02, "{}", concavity(&board));
+    }
 }

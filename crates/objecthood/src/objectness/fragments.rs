@@ -44,3 +44,66 @@ pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fra
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::objectness::testing::{Table, named, single};
+
+    /// Which cluster each of the facets a, b, .. ends up in.
+    fn absorbed(rows: &[&str], heights_m: &[f64], max_size_px: usize) -> Vec<Option<u32>> {
+        let table = Table::drawn(rows, heights_m);
+        let scene = table.scene();
+        let mut clusters = single(&scene);
+        absorb_fragments(&mut clusters, &params::Fragments { max_size_px });
+        named(&clusters)
+    }
+
+    #[test]
+    fn a_fragment_goes_to_what_it_touches_most() {
+        let rows = [
+            "____________________", //
+            "_aaaaaaaacccccbbbb__",
+            "_aaaaaaaacccccbbbb__",
+            "_aaaaaaaacccccbbbb__",
+            "_aaaaaaaacccccbbbb__",
+            "_aaaaaaaacccccbbbb__",
+            "_aaaaaaaabbbbbbbbb__",
+            "_aaaaaaaabbbbbbbbb__",
+            "____________________",
+        ];
+        assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 30), [Some(0), Some(1), Some(1)]);
+        // With b on another level it touches only a.
+        assert_eq!(absorbed(&rows, &[0.1, 0.2, 0.1], 30), [Some(0), Some(1), Some(0)]);
+        // And alone on its level nothing.
+        assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.2], 30), [Some(0), Some(1), Some(2)]);
+        // What is large enough stays.
+        assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 25), [Some(0), Some(1), Some(2)]);
+    }
+
+    #[test]
+    fn ties_go_to_the_first() {
+        let rows = ["aaaaaaaaaa", "aaaaaaaaaa", "cccccccc..", "bbbbbbbbbb", "bbbbbbbbbb"];
+        assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 10), [Some(0), Some(1), Some(0)]);
+        // Of two of one size the first moves, and the second stays where it is.
+        assert_eq!(absorbed(&["aaaa", "bbbb"], &[0.1, 0.1], 10), [Some(1), Some(1)]);
+    }
+
+    #[test]
+    fn a_crumb_on_the_table_is_a_part_of_it() {
+        let rows = ["________", "__aaaa__", "__aaaa__", "________"];
+        assert_eq!(absorbed(&rows, &[0.002], 30), [None]);
+        // Four pairs are touch enough, three are not.
+        assert_eq!(absorbed(&["aaaa", "____"], &[0.002], 30), [None]);
+        assert_eq!(absorbed(&["aaa.", "____"], &[0.002], 30), [Some(0)]);
+    }
+
+    #[test]
+    fn no_fragment_goes_to_a_smaller_one_but_smaller_ones_may_come_along() {
+        // c touches b alone, b touches a and c.
+        let rows = ["aaaaaaaa", "aaaaaaaa", "bbbbbb..", "cccc...."];
+        assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 10), [Some(0), Some(0), Some(0)]);
+        let rows = ["aaaaaa", "aaaaaa", "bbbbb."];
+        assert_eq!(absorbed(&rows, &[0.1, 0.1], 100), [Some(0), Some(0)], "the larger one stays");
+    }
+}

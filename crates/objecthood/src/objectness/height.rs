@@ -13,3 +13,36 @@ pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::objectness::clusters::Scene;
+    use crate::objectness::testing::{Table, named, single};
+
+    #[test]
+    fn what_is_low_is_a_part_of_the_table() {
+        let rows = ["____________", "_aaaa__bbbb_", "_aaaa__bbbb_", "____________"];
+        let table = Table::drawn(&rows, &[0.009, 0.011]);
+        let dropped = |scene: &Scene<'_>| {
+            let mut clusters = single(scene);
+            drop_low(&mut clusters, &params::Height { min_top_m: 0.010 });
+            (named(&clusters), clusters.remains().len(), clusters.alive().len())
+        };
+        assert_eq!(dropped(&table.scene()), (vec![None, Some(1)], 8, 1));
+        let unsupported = Scene { support: None, ..table.scene() };
+        assert_eq!(dropped(&unsupported), (vec![Some(0), Some(1)], 0, 2));
+    }
+
+    #[test]
+    fn the_top_is_nearly_the_highest_pixel() {
+        // 400 pixels at 5 mm, of which a few are noise: 1 % does not count, 5 % do.
+        for (noisy, is_kept) in [(4, false), (20, true)] {
+            let table = Table::new((20, 20), |u, v| Some((1, if 20 * v + u < noisy { 0.05 } else { 0.005 })));
+            let scene = table.scene();
+            let mut clusters = single(&scene);
+            drop_low(&mut clusters, &params::Height { min_top_m: 0.010 });
+            assert_eq!(clusters.alive().len(), usize::from(is_kept), "{noisy}");
+        }
+    }
+}

@@ -42,6 +42,11 @@ pub enum JoinEvidence {
         /// The circle on which both rims lie, if that decided.
         rim: Option<RimCircle>,
     },
+    /// The bottom of a plate or bowl, which lies as low as the table (ours).
+    VesselBottom {
+        /// Share of its border that touches, without a step.
+        contact_share: f64,
+    },
     /// A small part that touches hardly anything but a vessel (METHOD 3.12 iii).
     VesselRemainder {
         /// Share of its contacts that are with the vessel.

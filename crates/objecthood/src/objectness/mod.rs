@@ -3,6 +3,7 @@
 //! `paper`: [`gravity`], [`support`], [`size`], [`decision`]. `context` first lets the surroundings of shapes tell what is one object:
 //! fragments, what hardly rises above the support, vessels, and surfaces that go on behind something nearer ([`join`]).
 
+mod bottoms;
 mod clusters;
 pub mod decision;
 mod fragments;
@@ -15,8 +16,11 @@ mod outcome;
 mod rim;
 pub mod size;
 pub mod support;
+#[cfg(test)]
+mod testing;
 mod vessels;
 
+pub(crate) use bottoms::join_bottoms;
 pub(crate) use clusters::{Clusters, Scene, fill};
 pub(crate) use fragments::absorb_fragments;
 pub(crate) use height::drop_low;

@@ -16,6 +16,8 @@ use crate::union_find::UnionFind;
 
 /// A facet is looked at when it has so many pixels (at a focal length of 525 px) ...
 const FACET_PX: usize = 80;
+/// ... in small images at least so many (px), because fewer determine no surface ...
+const LEAST_FACET_PX: usize = 12;
 /// ... and is this share of its cluster.
 const FACET_SHARE: f64 = 0.15;
 /// Something is in front of a cluster along so many pixel pairs (px at 525 px) before it counts as cut.
@@ -109,13 +111,14 @@ fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
         let real = clusters.get(id).neighbours.iter().filter(|(other, _)| other.is_some());
         real.map(|(_, borders)| borders.behind).sum::<u32>()
     };
+    let least_px = scene.space.area_px(FACET_PX).max(LEAST_FACET_PX);
     let least_hidden = scene.space.length_px(OCCLUDED_PX) as u32;
     let mut pixels: Vec<Vec<u32>> = vec![Vec::new(); facets.segments.count()];
     facets.segments.members().for_each(|(i, facet)| pixels[facet].push(i as u32));
     let judge = |(facet, pixels): (usize, Vec<u32>)| {
         let cluster = clusters.of_facet(facet.checked_sub(facets.structure)?)?;
         let share = pixels.len() as f64 / clusters.get(cluster).pixels.len() as f64;
-        let is_large = pixels.len() >= scene.space.area_px(FACET_PX).max(1) && share >= FACET_SHARE;
+        let is_large = pixels.len() >= least_px && share >= FACET_SHARE;
         if !is_large || hidden_along(cluster) < least_hidden {
             return None;
         }
@@ -281,7 +284,9 @@ impl Gap<'_> {
 
         let seen = self.look(a, b, |at| along.origin + joint.value(along.coordinates(at)));
         let common = |(x, y): (&f64, &f64)| x.min(*y);
-        let color_overlap = scene.color.map(|_| a.colors.iter().zip(&b.colors).map(common).sum::<f64>());
+        // Shares add up to 1 but for rounding.
+        let overlap = || a.colors.iter().zip(&b.colors).map(common).sum::<f64>().min(1.0);
+        let color_overlap = scene.color.map(|_| overlap());
         let is_horizontal =
             scene.support.is_some_and(|support| normals[0].dot(support.normal).abs() > HORIZONTAL);
         let (farthest_m, least_color) = if is_horizontal {
@@ -358,5 +363,118 @@ impl Gap<'_> {
         let share = |part: u32| f64::from(part) / f64::from((through + on + hidden).max(1));
         let most = before.into_iter().reduce(|most, next| if next.1 > most.1 { next } else { most });
         Seen { hidden: share(hidden), through: share(through), hider: most.map(|(facet, _)| facet) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::objectness::testing::{Table, named, single};
+
+    /// A plank, facets 1 and 2 at these heights (m), below a bar, facet 3, that cuts it: `bar_m` is the bar's height in a row,
+    /// if there is any of it.
+    struct Cut {
+        plank_m: [f64; 2],
+        bar_m: fn(usize) -> Option<f64>,
+    }
+
+    const CUT: Cut = Cut { plank_m: [0.05, 0.05], bar_m: |_| Some(0.15) };
+
+    impl Cut {
+        fn seen(&self) -> Table {
+            Table::new((120, 80), |u, v| {
+                let is_plank = (20..100).contains(&u) && (30..50).contains(&v);
+                let bar_m = (self.bar_m)(v).filter(|_| (50..65).contains(&u) && (10..70).contains(&v));
+                Some(match bar_m {
+                    Some(height_m) => (3, height_m),
+                    None if is_plank && u < 50 => (1, self.plank_m[0]),
+                    None if is_plank && u >= 65 => (2, self.plank_m[1]),
+                    None => (0, 0.0),
+                })
+            })
+        }
+    }
+
+    /// The clusters of the plank's two parts and of the bar, and the joins of the first, each with its hider.
+    struct Joined {
+        clusters: Vec<Option<u32>>,
+        joins: Vec<(Join, Option<SegmentId>)>,
+    }
+
+    fn joined(table: &Table, params: &params::Occlusion) -> Joined {
+        let scene = table.scene();
+        let mut clusters = single(&scene);
+        join_behind_occluders(&mut clusters, params);
+        Joined { clusters: named(&clusters), joins: clusters.get(SegmentId(0)).joins.clone() }
+    }
+
+    const PARTED: [Option<u32>; 3] = [Some(0), Some(1), Some(2)];
+
+    #[test]
+    fn a_plank_goes_on_below_a_bar() {
+        let Joined { clusters, joins } = joined(&CUT.seen(), &params::Occlusion::default());
+        assert_eq!(clusters, [Some(0), Some(0), Some(2)]);
+        let [(join, hider)] = &joins[..] else { panic!("one join: {joins:?}") };
+        assert_eq!(*hider, Some(SegmentId(3)));
+        assert_eq!(join.parts.map(|part| part.size_px), [600, 700]);
+        let JoinEvidence::Occlusion(continuation) = join.evidence else { panic!("{join:?}") };
+        assert!(
+            continuation.hidden_share == 1.0 && continuation.seen_through_share == 0.0,
+            "{continuation:?}"
+        );
+        // From the middle of the left part, column 34.5, to that of the right one, 82, at 0.95 m.
+        assert!((continuation.distance_m - 47.5 * 0.95 / 525.0).abs() < 1e-3, "{continuation:?}");
+        assert!(continuation.angle_deg < 0.1 && continuation.color_overlap.is_none(), "{continuation:?}");
+    }
+
+    #[test]
+    fn parts_on_two_levels_are_two() {
+        let cut = Cut { plank_m: [0.05, 0.08], ..CUT };
+        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).clusters, PARTED);
+    }
+
+    #[test]
+    fn what_is_seen_through_is_no_occluder() {
+        // A hole of a third of the plank's width, through which the table shows.
+        let cut = Cut { bar_m: |v| (!(36..43).contains(&v)).then_some(0.15), ..CUT };
+        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).clusters, PARTED);
+    }
+
+    #[test]
+    fn what_is_level_with_the_parts_hides_nothing() {
+        // In 11 of the plank's 20 rows the bar is no higher than the plank.
+        let cut = Cut { bar_m: |v| Some(if (34..45).contains(&v) { 0.05 } else { 0.15 }), ..CUT };
+        assert_eq!(joined(&cut.seen(), &params::Occlusion::default()).clusters, PARTED);
+    }
+
+    #[test]
+    fn parts_of_other_colour_are_two() {
+        let mut table = CUT.seen();
+        let painted = |left: [u8; 3], right: [u8; 3]| {
+            let pixels = (0..table.disparity.len()).map(|i| if i % 120 < 57 { left } else { right });
+            table.disparity.with_data(pixels.collect())
+        };
+        let [same, other] = [[200, 30, 30], [30, 30, 200]].map(|right| painted([200, 30, 30], right));
+        table.color = Some(same);
+        let Joined { clusters, joins } = joined(&table, &params::Occlusion::default());
+        assert_eq!(clusters, [Some(0), Some(0), Some(2)]);
+        let JoinEvidence::Occlusion(continuation) = joins[0].0.evidence else { panic!("{joins:?}") };
+        let overlap = continuation.color_overlap.unwrap();
+        assert!(overlap <= 1.0 && overlap > 0.999_999, "no share exceeds 1: {overlap}");
+        table.color = Some(other);
+        assert_eq!(joined(&table, &params::Occlusion::default()).clusters, PARTED);
+    }
+
+    #[test]
+    fn parameters_part_what_would_be_joined() {
+        let table = CUT.seen();
+        let default = params::Occlusion::default;
+        for params in [
+            params::Occlusion { enabled: false, ..default() },
+            params::Occlusion { max_distance_m: 0.09, ..default() },
+            params::Occlusion { disagreement_quanta: 0.0, ..default() },
+        ] {
+            assert_eq!(joined(&table, &params).clusters, PARTED, "{params:?}");
+        }
     }
 }

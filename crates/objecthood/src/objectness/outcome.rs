@@ -65,21 +65,105 @@ impl Outcome {
                 pixels,
                 objectness: p_o,
                 parts: ObjectnessParts::Context { p_s, p_o, top_m },
-                joins: clusters.get(id).joins.iter().map(|join| self.resolve(clusters, join)).collect(),
+                joins: clusters.get(id).joins.iter().map(|join| self.resolve(clusters, id, join)).collect(),
             }
         };
         self.found.iter().enumerate().map(judge).collect()
     }
 
-    /// Says of a join which node it is behind.
-    fn resolve(&self, clusters: &Clusters<'_>, (join, hider): &(Join, Option<SegmentId>)) -> Join {
+    /// Says of a join of a cluster which node it is behind: none when what hid the parts became a part of the cluster itself.
+    fn resolve(
+        &self,
+        clusters: &Clusters<'_>,
+        own: SegmentId,
+        (join, hider): &(Join, Option<SegmentId>),
+    ) -> Join {
         let node = |facet: SegmentId| match facet.index().checked_sub(self.structure) {
             None => Some(NodeId(facet.0)),
             Some(free) => {
-                let place = self.found.binary_search(&clusters.of_facet(free)?).ok()?;
+                let cluster = clusters.of_facet(free).filter(|&cluster| cluster != own)?;
+                let place = self.found.binary_search(&cluster).ok()?;
                 Some(NodeId((self.structure + place) as u32))
             }
         };
         Join { behind: hider.and_then(node), ..join.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::objectness::gravity::UpSource;
+    use crate::objectness::join::{JoinEvidence, JoinedPart};
+    use crate::objectness::support::{NodeKind, SupportEdge, SupportNode};
+    use crate::objectness::testing::{Table, single};
+
+    const UP: Up = Up { direction: [0.0, 0.0, -1.0], source: UpSource::Plane };
+
+    fn three_things() -> Table {
+        let rows = ["____________", "_aaa_bb_ccc_", "_aaa_bb_ccc_", "____________"];
+        Table::drawn(&rows, &[0.1, 0.05, 0.2])
+    }
+
+    /// The table, which carries all else.
+    fn graph(nodes: usize) -> SupportGraph {
+        let node = |k: usize| SupportNode {
+            kind: NodeKind::Surface,
+            p_s: if k == 0 { 0.9 } else { 0.1 },
+            p_o: if k == 0 { 0.0 } else { 0.9 },
+            height_m: 0.0,
+            size_px: 0,
+        };
+        let edges = (1..nodes as u32).map(|upper| SupportEdge {
+            lower: NodeId(0),
+            upper: NodeId(upper),
+            contacts: 1,
+        });
+        SupportGraph { nodes: (0..nodes).map(node).collect(), edges: edges.collect() }
+    }
+
+    #[test]
+    fn small_clusters_are_nothing_and_remains_are_structure() {
+        let table = three_things();
+        let scene = table.scene();
+        let mut clusters = single(&scene);
+        clusters.merge(None, SegmentId(0));
+        let outcome = outcome(&clusters, Some(0), 5);
+        let row: Vec<i32> = outcome.regions.labels().as_slice()[12..24].to_vec();
+        assert_eq!(row, [0, 0, 0, 0, 0, -1, -1, 0, 1, 1, 1, 0]);
+        assert_eq!(outcome.regions.count(), 2);
+        let structure: Vec<u16> = outcome.structure_labels().as_slice()[12..24].to_vec();
+        assert_eq!(structure, [1, 1, 1, 1, 1, 0, 0, 1, 0, 0, 0, 1]);
+        let [found] = &outcome.hypotheses(&clusters, &graph(2), &UP)[..] else { panic!("one object") };
+        assert_eq!((found.shape, found.pixels.len(), found.objectness), (SegmentId(1), 6, 0.9));
+        let ObjectnessParts::Context { p_s, p_o, top_m: Some(top_m) } = found.parts else {
+            panic!("{found:?}")
+        };
+        assert!(p_s == 0.9 && p_o == 0.9 && (top_m - 0.2).abs() < 1e-3, "{found:?}");
+    }
+
+    #[test]
+    fn an_object_is_not_behind_itself() {
+        let table = three_things();
+        let scene = table.scene();
+        let part = JoinedPart { box_px: crate::PixelBox { u: 0, v: 0, width: 1, height: 1 }, size_px: 1 };
+        let evidence = JoinEvidence::VesselRemainder { contact_share: 1.0 };
+        let join = Join { parts: [part; 2], evidence, behind: None };
+        // Facet 0 is the table, facet 2 is thing b; a small one is no node, nor is what became a part of the object.
+        let behind = |hider: u32, min_size_px: usize, merged: bool| {
+            let mut clusters = single(&scene);
+            clusters.merge(Some(SegmentId(0)), SegmentId(2));
+            clusters.note(SegmentId(0), join.clone(), Some(SegmentId(hider)));
+            if merged {
+                clusters.merge(Some(SegmentId(0)), SegmentId(1));
+            }
+            let outcome = outcome(&clusters, Some(0), min_size_px);
+            let hypotheses = outcome.hypotheses(&clusters, &graph(outcome.regions.count()), &UP);
+            hypotheses[0].joins[0].behind
+        };
+        assert_eq!(behind(0, 1, false), Some(NodeId(0)));
+        assert_eq!(behind(2, 1, false), Some(NodeId(2)));
+        assert_eq!(behind(2, 5, false), None);
+        assert_eq!(behind(2, 1, true), None);
     }
 }

@@ -110,3 +110,88 @@ pub(crate) fn share_within(
     }
     within as f64 / all.max(1) as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::objectness::testing::{Table, single};
+
+    /// Where the ring of the tests stands (m right of and below the camera), and how high.
+    const MIDDLE_M: [f64; 2] = [0.012, -0.007];
+    const TOP_M: f64 = 0.08;
+
+    /// What a camera sees of a ring whose part at angle `turn` (0 to 1) is there or not; within it stands something lower,
+    /// facet 2.
+    fn ring(radius_m: f64, is_there: impl Fn(f64) -> bool) -> Table {
+        Table::new((160, 140), |u, v| {
+            // Metres at the height of the rim.
+            let [x, y] = [u as f64 - 79.5, v as f64 - 69.5].map(|px| px * (1.0 - TOP_M) / 525.0);
+            let [x, y] = [x - MIDDLE_M[0], y - MIDDLE_M[1]];
+            let off_m = x.hypot(y) - radius_m;
+            let turn = libm::atan2(y, x) / std::f64::consts::TAU + 0.5;
+            match off_m {
+                off if off.abs() < 0.003 && is_there(turn) => Some((1, TOP_M)),
+                off if off < -0.01 => Some((2, 0.03)),
+                _ => Some((0, 0.0)),
+            }
+        })
+    }
+
+    fn circle(table: &Table) -> Option<RimCircle> {
+        let scene = table.scene();
+        rim_circle(&single(&scene), &[SegmentId(0)], TOP_M, scene.support.unwrap())
+    }
+
+    #[test]
+    fn the_circle_of_a_rim_is_recovered() {
+        for radius_m in [0.03, 0.05, 0.09] {
+            let table = ring(radius_m, |_| true);
+            let rim = circle(&table).unwrap();
+            assert!((rim.radius_m - radius_m).abs() < 0.001 && rim.residual_m < 0.003, "{radius_m}: {rim:?}");
+            assert_eq!(rim.covered, 1.0);
+            let scene = table.scene();
+            let middle =
+                tangents(scene.support.unwrap().normal).map(|t| t.x * MIDDLE_M[0] + t.y * MIDDLE_M[1]);
+            let off = [0, 1].map(|k| rim.center_m[k] - middle[k]);
+            assert!(off[0].hypot(off[1]) < 0.001, "{radius_m}: {rim:?}");
+        }
+    }
+
+    #[test]
+    fn an_arc_is_a_rim_when_it_is_long_enough() {
+        let arc = circle(&ring(0.06, |turn| turn < 0.66)).unwrap();
+        assert!((arc.radius_m - 0.06).abs() < 0.002, "{arc:?}");
+        assert!((0.6..0.8).contains(&arc.covered), "{arc:?}");
+        assert_eq!(circle(&ring(0.06, |turn| turn < 0.45)), None);
+        // The same length, but in two pieces, goes farther round.
+        assert!(circle(&ring(0.06, |turn| turn % 0.5 < 0.25)).is_none());
+        assert!(circle(&ring(0.06, |turn| turn % 0.25 < 0.17)).is_some());
+    }
+
+    #[test]
+    fn what_is_no_rim_has_no_circle() {
+        assert_eq!(circle(&ring(0.015, |_| true)), None, "too small for a vessel");
+        let bar = Table::new((160, 140), |u, v| Some((i32::from(v == 70 && u > 20 && u < 140), TOP_M)));
+        assert_eq!(circle(&bar), None, "points in a line");
+        let disc = Table::new((160, 140), |u, v| {
+            Some((i32::from((u as f64 - 80.0).hypot(v as f64 - 70.0) < 50.0), TOP_M))
+        });
+        assert_eq!(circle(&disc), None, "not a line but an area");
+    }
+
+    #[test]
+    fn what_stands_within_the_circle_is_told_from_what_does_not() {
+        let table = ring(0.05, |_| true);
+        let scene = table.scene();
+        let clusters = single(&scene);
+        let support = scene.support.unwrap();
+        let rim = circle(&table).unwrap();
+        let within = |rim: &RimCircle| [0, 1].map(|k| share_within(&clusters, SegmentId(k), rim, support));
+        assert_eq!(within(&rim), [1.0, 1.0]);
+        let elsewhere = RimCircle { center_m: rim.center_m.map(|x| x + 0.2), ..rim };
+        assert_eq!(within(&elsewhere), [0.0, 0.0]);
+        let half = RimCircle { radius_m: 0.03, ..rim };
+        let [ring, inner] = within(&half);
+        assert!(ring == 0.0 && inner > 0.9, "a bulge of 12 mm is allowed: {ring} {inner}");
+    }
+}

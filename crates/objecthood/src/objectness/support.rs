@@ -58,7 +58,7 @@ pub struct SupportEdge {
 /// What stands on what: directed, without cycles, because every edge leads to a node that ranks higher.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SupportGraph {
-    /// The nodes; shape k is node k.
+    /// The nodes; node k is region k of those whose support was asked for.
     pub nodes: Vec<SupportNode>,
     /// The edges, sorted by (lower, upper).
     pub edges: Vec<SupportEdge>,

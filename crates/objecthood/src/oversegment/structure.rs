@@ -13,7 +13,7 @@ use crate::random::Lcg;
 use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::disparity::{DisparitySpace, position};
-use crate::surface::moments::{Basis, Model, Moments};
+use crate::surface::moments::{Basis, Model, Moments, length};
 use crate::surface::plane_fit::PlaneFit;
 use crate::surface::window_choice::Orientation;
 
@@ -79,7 +79,38 @@ struct Sample {
     at: [f64; 2],
     disparity: f64,
     point_m: DVec3,
+    tilt: Tilt,
+}
+
+/// How a surface is turned at a pixel.
+struct Tilt {
+    /// Unit normal, towards the camera; zero where it is not known.
     normal: DVec3,
+    /// Change of disparity along u and v (quanta/px).
+    slope: [f64; 2],
+}
+
+impl Tilt {
+    fn at(i: usize, orientation: &Orientation) -> Self {
+        let normal = Vec3::from(orientation.normal[i]).as_dvec3();
+        Self { normal, slope: orientation.slope[i].map(f64::from) }
+    }
+}
+
+/// What passes for the same tilt.
+///
+/// The normal tells sides of low objects from the table they stand on. Where depth is coarse noise turns it at will, and a
+/// wall 2 m away came to pieces; but not the slope of the disparity, whose noise is the same at any distance.
+struct Alike {
+    least_cosine: f64,
+    slope_per_px: f64,
+}
+
+impl Alike {
+    fn are(&self, a: &Tilt, b: &Tilt) -> bool {
+        let between = [0, 1].map(|k| a.slope[k] - b.slope[k]);
+        a.normal.dot(b.normal) > self.least_cosine || length(between) < self.slope_per_px
+    }
 }
 
 /// Finds the structure of a scene.
@@ -97,7 +128,10 @@ pub fn structure(
     let (width, height) = disparity.size();
     let grid = space.length_px(GRID_PX);
     let center = [(width / 2) as f64, (height / 2) as f64];
-    let least_cosine = cosine(params.angle_deg);
+    let alike = Alike {
+        least_cosine: cosine(params.angle_deg),
+        slope_per_px: space.slope_per_px(params.slope_quanta_per_px),
+    };
     let rows = (grid / 3..height).step_by(grid);
     let on_grid = rows.flat_map(|v| (grid / 3..width).step_by(grid).map(move |u| v * width + u));
     let mut pool: Vec<Sample> = on_grid
@@ -106,7 +140,7 @@ pub fn structure(
             at: position(i, width),
             disparity: f64::from(disparity[i]),
             point_m: Vec3::from(points_m[i]).as_dvec3(),
-            normal: Vec3::from(orientation.normal[i]).as_dvec3(),
+            tilt: Tilt::at(i, orientation),
         })
         .collect();
     let everything = pool.len();
@@ -119,7 +153,7 @@ pub fn structure(
         }
         let Some(plane) = best_plane(&pool, &mut random, space) else { break };
         let normal = space.normal([0.0; 2], plane[2], [plane[0], plane[1]]);
-        let Some(model) = refit(&pool, plane, normal, center, least_cosine) else { continue };
+        let Some(model) = refit(&pool, plane, normal, center, &alike) else { continue };
         let is_inlier = |s: &Sample| (s.disparity - model.value(s.at)).abs() < INLIER_QUANTA;
         let (inliers, rest): (Vec<_>, Vec<_>) = pool.into_iter().partition(is_inlier);
         pool = rest;
@@ -138,11 +172,11 @@ pub fn structure(
 
     let support = surfaces.iter().position(|s| -s.normal.y > UPWARD).or((!surfaces.is_empty()).then_some(0));
     let label = |i: usize| {
-        let normal = Vec3::from(orientation.normal[i]).as_dvec3();
+        let (at, tilt) = (position(i, width), Tilt::at(i, orientation));
         let lies_on = |s: &StructureSurface| {
-            let near =
-                (f64::from(disparity[i]) - s.model.value(position(i, width))).abs() < params.tolerance_quanta;
-            near && (normal == DVec3::ZERO || s.normal.dot(normal) > least_cosine)
+            let near = (f64::from(disparity[i]) - s.model.value(at)).abs() < params.tolerance_quanta;
+            let surface = || Tilt { normal: s.normal, slope: s.model.slope(at) };
+            near && (tilt.normal == DVec3::ZERO || alike.are(&surface(), &tilt))
         };
         surfaces.iter().position(lies_on).map_or(-1, |s| s as i32)
     };
@@ -225,14 +259,15 @@ fn refit(
     [a, b, c]: [f64; 3],
     normal: DVec3,
     center: [f64; 2],
-    least_cosine: f64,
+    alike: &Alike,
 ) -> Option<Model> {
+    let plane = Tilt { normal, slope: [a, b] };
     let mut surface: Option<Model> = None;
     for tolerance in REFIT_QUANTA {
         let value = |at: [f64; 2]| surface.map_or(a * at[0] + b * at[1] + c, |model| model.value(at));
         let mut moments = Moments::about(center);
         for s in pool {
-            if (s.disparity - value(s.at)).abs() < tolerance && normal.dot(s.normal) > least_cosine {
+            if (s.disparity - value(s.at)).abs() < tolerance && alike.are(&plane, &s.tilt) {
                 moments.add(s.at, s.disparity);
             }
         }
@@ -283,4 +318,177 @@ pub(crate) fn percentile(values: &mut [f64], share: f64) -> f64 {
 /// Cosine of an angle in degrees, the same on every platform.
 fn cosine(degrees: f64) -> f64 {
     libm::cos(degrees.to_radians())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::surface::plane_fit::plane_fits;
+    use crate::surface::window_choice::orientation;
+    use crate::testing::space;
+
+    const SIZE: (usize, usize) = (320, 240);
+
+    /// A camera at half the resolution of a Kinect.
+    fn half() -> DisparitySpace {
+        space([262.5, 262.5], [159.5, 119.5])
+    }
+
+    /// The structure of what is seen at these depths (m), in whole quanta as a Kinect sees it.
+    fn seen(depth_m: impl Fn(usize) -> f64) -> Structure {
+        seen_with(&params::Structure::default(), depth_m)
+    }
+
+    fn seen_with(params: &params::Structure, depth_m: impl Fn(usize) -> f64) -> Structure {
+        let space = half();
+        let quantised = |i: usize| {
+            let depth = Raster::filled(1, 1, depth_m(i) as f32).unwrap();
+            space.depth_m(f64::from(space.disparity(&depth)[0]).round()) as f32
+        };
+        let depth = Raster::from_vec(SIZE.0, SIZE.1, (0..SIZE.0 * SIZE.1).map(quantised).collect()).unwrap();
+        let frame = Frame::new(depth.clone(), None, space.camera());
+        let points = frame.map_or_else(|_| depth.map(|_| [f32::NAN; 3]), |frame| frame.points_m());
+        let disparity = space.disparity(&depth);
+        let fits = plane_fits(&disparity, 2);
+        let orientation = orientation(&disparity, &fits, &space, &params::LocalFit::default());
+        structure(&disparity, &fits, &orientation, &points, &space, params)
+    }
+
+    /// The depth of the plane normal · X = -offset along the ray of a pixel.
+    fn plane(i: usize, normal: DVec3, offset_m: f64) -> f64 {
+        let [u, v] = position(i, SIZE.0);
+        -offset_m / normal.dot(DVec3::from(half().camera().ray(u, v)))
+    }
+
+    /// A table 0.6 m below a camera that looks down by 37 degrees, and a wall behind it.
+    fn table_normal() -> DVec3 {
+        DVec3::new(0.0, -0.8, -0.6)
+    }
+
+    const WALL: DVec3 = DVec3::new(0.0, 0.6, -0.8);
+
+    fn table_and_wall(i: usize) -> f64 {
+        let positive = |z: f64| if z > 0.0 { z } else { f64::INFINITY };
+        positive(plane(i, table_normal(), 0.6)).min(positive(plane(i, WALL, 1.0)))
+    }
+
+    #[test]
+    fn a_table_and_a_wall_are_found() {
+        let found = seen(table_and_wall);
+        let [first, second] = &found.surfaces[..] else { panic!("two surfaces: {:?}", found.surfaces) };
+        let is_table = |s: &StructureSurface| s.normal.dot(table_normal()) > 0.9;
+        let (table, wall) = if is_table(first) { (first, second) } else { (second, first) };
+        assert!(table.normal.dot(table_normal()) > 0.999 && (table.offset_m - 0.6).abs() < 0.01, "{table:?}");
+        assert!(wall.normal.dot(WALL) > 0.999 && (wall.offset_m - 1.0).abs() < 0.02, "{wall:?}");
+        assert_eq!(found.support, Some(usize::from(!is_table(first))), "the table faces up");
+        let labelled = found.labels.as_slice().iter().filter(|&&label| label >= 0).count();
+        assert!(labelled as f64 > 0.97 * found.labels.len() as f64, "{labelled}");
+        let top = found.labels[SIZE.0 / 2];
+        assert!(std::ptr::eq(&found.surfaces[top as usize], wall), "the wall is above the table");
+    }
+
+    /// A wall 3 m away, of which noise as wide as a window makes waves of 12 mm, came to pieces.
+    #[test]
+    fn a_far_wall_is_one_surface() {
+        let quantum_per_m = params::Sensor::default().disparity_quantum_per_m;
+        let waves = |i: usize| {
+            let [u, v] = position(i, SIZE.0);
+            1.0 / (1.0 / 3.0 + 0.5 * quantum_per_m * (libm::sin(0.9 * u) + libm::cos(0.8 * v)))
+        };
+        let share_on_it = |params| {
+            let found = seen_with(&params, waves);
+            let on_it = found.labels.as_slice().iter().filter(|&&label| label == 0).count();
+            on_it as f64 / found.labels.len() as f64
+        };
+        let by_normals_alone = params::Structure { slope_quanta_per_px: 0.0, ..Default::default() };
+        let (with_slopes, without) =
+            (share_on_it(params::Structure::default()), share_on_it(by_normals_alone));
+        assert!(with_slopes > 0.95 && without < 0.8, "{with_slopes} {without}");
+    }
+
+    #[test]
+    fn heights_are_above_the_surface_it_is_supported_by() {
+        let found = seen(|i| plane(i, table_normal(), 0.6));
+        let (space, table) = (half(), &found.surfaces[found.support.unwrap()]);
+        for i in [20_000, 40_000, 60_000] {
+            for height_m in [0.0, 0.02, 0.1] {
+                let z = plane(i, table_normal(), 0.6 - height_m);
+                let d = 1.0 / (z * params::Sensor::default().disparity_quantum_per_m);
+                let got = table.height_m(position(i, SIZE.0), d, &space);
+                assert!((got - height_m).abs() < 0.003, "{got} {height_m}");
+            }
+        }
+        let horizon = [160.0, -1e4];
+        assert_eq!(table.height_m(horizon, 300.0, &space), BEYOND_M);
+    }
+
+    #[test]
+    fn nothing_is_found_in_nothing_and_in_noise() {
+        let nothing = seen(|_| f64::NAN);
+        assert!(nothing.surfaces.is_empty() && nothing.support.is_none());
+        assert!(nothing.labels.as_slice().iter().all(|&label| label == -1));
+        let mut random = Lcg::new(5);
+        let noise: Vec<f64> = (0..SIZE.0 * SIZE.1).map(|_| 0.5 + random.below(1000) as f64 / 500.0).collect();
+        let found = seen(|i| noise[i]);
+        assert!(found.surfaces.is_empty(), "{:?}", found.surfaces);
+        // A plate of 10 cm is no structure of anything larger.
+        let plate = |i: usize| (i % SIZE.0).abs_diff(160) < 15 && (i / SIZE.0).abs_diff(120) < 15;
+        assert!(seen(|i| if plate(i) { 1.0 } else { noise[i] }).surfaces.is_empty());
+    }
+
+    #[test]
+    fn a_pixel_without_a_normal_may_lie_on_a_surface() {
+        // Alone in a hole of 9 x 9 pixels, which no window spans.
+        let far = |i: usize| (i % SIZE.0).abs_diff(100).max((i / SIZE.0).abs_diff(100));
+        let found = seen(|i| if (1..5).contains(&far(i)) { f64::NAN } else { plane(i, table_normal(), 0.6) });
+        assert_eq!([100, 101].map(|u| found.labels[100 * SIZE.0 + u]), [0, -1]);
+    }
+
+    #[test]
+    fn a_small_plane_is_structure_when_it_holds_most_of_what_is_seen() {
+        let plate = |half_px: usize| {
+            move |i: usize| {
+                let is_plate = (i % SIZE.0).abs_diff(160) < half_px && (i / SIZE.0).abs_diff(120) < half_px;
+                if is_plate { 1.0 } else { f64::NAN }
+            }
+        };
+        // At 1 m 60 pixels are 23 cm: 0.052 m^2; 40 pixels 15 cm: 0.023 m^2.
+        assert_eq!(seen(plate(30)).surfaces.len(), 1);
+        assert_eq!(seen(plate(20)).surfaces.len(), 0);
+    }
+
+    #[test]
+    fn the_structure_is_the_same_on_any_number_of_threads() {
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let found = pool.install(|| seen(table_and_wall));
+            (found.labels.clone(), format!("{:?} {:?}", found.surfaces, found.support))
+        };
+        assert!([2, 8].into_iter().all(|threads| on(threads) == on(1)));
+    }
+
+    proptest! {
+        #[test]
+        fn a_percentile_is_that_of_the_sorted_values(
+            mut values in prop::collection::vec(-5.0_f64..5.0, 0..30),
+            share in 0.0_f64..=1.0,
+        ) {
+            let mut sorted = values.clone();
+            sorted.sort_by(f64::total_cmp);
+            let place = (share * sorted.len() as f64).floor() as usize;
+            let expected = sorted.get(place).or(sorted.last()).copied().unwrap_or(0.0);
+            prop_assert_eq!(percentile(&mut values, share), expected);
+        }
+
+        #[test]
+        fn tangents_lie_in_the_plane(normal in prop::array::uniform3(-1.0_f64..1.0)) {
+            for normal in [DVec3::from(normal).normalize_or(DVec3::Z), DVec3::Z, DVec3::NEG_Y] {
+                let [s, t] = tangents(normal);
+                let dots = [s.dot(t), s.dot(normal), t.dot(normal), s.length() - 1.0, t.length() - 1.0];
+                prop_assert!(dots.iter().all(|dot| dot.abs() < 1e-9), "{normal}: {s} {t}");
+            }
+        }
+    }
 }

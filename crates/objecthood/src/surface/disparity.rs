@@ -108,6 +108,12 @@ impl DisparitySpace {
         ((at_525_px as f64 * self.scale).round() as usize).max(1)
     }
 
+    /// A slope in quanta/px at a focal length of 525 px, in quanta/px of this image.
+    #[inline]
+    pub fn slope_per_px(&self, at_525_px: f64) -> f64 {
+        at_525_px / self.scale
+    }
+
     /// An area in pixels at a focal length of 525 px, in pixels of this image.
     #[inline]
     pub fn area_px(&self, at_525_px: usize) -> usize {
@@ -119,4 +125,94 @@ impl DisparitySpace {
 #[inline]
 pub(crate) fn position(i: usize, width: usize) -> [f64; 2] {
     [(i % width) as f64, (i / width) as f64]
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::testing::{kinect, space};
+
+    proptest! {
+        #[test]
+        fn what_is_affine_in_disparity_is_a_plane_in_space(
+            focal_px in prop::array::uniform2(200.0..1200.0),
+            center_px in prop::array::uniform2(100.0..500.0),
+            at in prop::array::uniform2(0.0..640.0),
+            slope in prop::array::uniform2(-0.5..0.5),
+            pixels in prop::collection::vec(prop::array::uniform2(0.0..640.0), 20),
+        ) {
+            let space = space(focal_px, center_px);
+            // Nowhere in the image below 60 quanta: before the camera.
+            let value = 700.0;
+            let normal = space.normal(at, value, slope);
+            let distance_m = space.distance_m(at, value, slope);
+            prop_assert!((normal.length() - 1.0).abs() < 1e-12);
+            for pixel in pixels {
+                let d = value + slope[0] * (pixel[0] - at[0]) + slope[1] * (pixel[1] - at[1]);
+                let point = space.point_m(pixel, d);
+                prop_assert!((normal.dot(point) + distance_m).abs() < 1e-9, "{point} {normal} {distance_m}");
+                prop_assert!(normal.dot(point) < 0.0, "the normal points to the camera");
+                let (u, v) = space.camera().project(point.as_vec3().to_array());
+                prop_assert!((u - pixel[0]).abs() < 1e-3 && (v - pixel[1]).abs() < 1e-3);
+            }
+        }
+
+        #[test]
+        fn a_plane_in_space_is_affine_in_disparity(
+            focal_px in prop::array::uniform2(200.0..1200.0),
+            [nx, ny] in prop::array::uniform2(-0.4..0.4),
+            distance_m in 0.5_f64..3.0,
+        ) {
+            let space = space(focal_px, [4.5, 3.5]);
+            let normal = DVec3::new(nx, ny, -1.0).normalize();
+            let seen = |i: usize| {
+                let [u, v] = position(i, 10);
+                (-distance_m / normal.dot(DVec3::from(space.camera().ray(u, v)))) as f32
+            };
+            let depth_m = Raster::from_vec(10, 8, (0..80).map(seen).collect()).unwrap();
+            let d = space.disparity(&depth_m).map(|&d| f64::from(d));
+            let slope = [(d[9] - d[0]) / 9.0, (d[70] - d[0]) / 7.0];
+            for i in 0..80 {
+                let [u, v] = position(i, 10);
+                prop_assert!((d[i] - (d[0] + slope[0] * u + slope[1] * v)).abs() < 1e-3);
+                prop_assert!((space.depth_m(d[i]) - f64::from(depth_m[i])).abs() < 1e-6);
+            }
+            prop_assert!(space.normal([0.0; 2], d[0], slope).dot(normal) > 0.9999);
+            prop_assert!((space.distance_m([0.0; 2], d[0], slope) / distance_m - 1.0).abs() < 1e-2);
+        }
+    }
+
+    #[test]
+    fn depth_beyond_the_range_is_missing() {
+        let depth = vec![f32::NAN, 1e-3, 0.1, 0.11, 1.0, 19.9, 20.0, 1e13, f32::INFINITY, -1.0];
+        let disparity = kinect().disparity(&Raster::from_vec(10, 1, depth).unwrap());
+        let measured: Vec<usize> = (0..10).filter(|&i| !disparity[i].is_nan()).collect();
+        assert_eq!(measured, [3, 4, 5]);
+        assert!((disparity[4] - 1.0 / 0.00285).abs() < 1e-3);
+    }
+
+    #[test]
+    fn one_quantum_is_three_millimetres_at_a_metre() {
+        let space = kinect();
+        assert!((space.step_m(1.0, 1.0) - 0.00285).abs() < 1e-12);
+        let (d, z_m) = (175.0, space.depth_m(175.0));
+        let exact = space.depth_m(d - 0.5) - space.depth_m(d + 0.5);
+        assert!((space.step_m(1.0, z_m) / exact - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn pixels_scale_with_the_focal_length() {
+        let [half, same, double] = [262.5, 525.0, 1050.0].map(|f| space([f, f], [0.0; 2]));
+        assert_eq!([half, same, double].map(|space| space.length_px(7)), [4, 7, 14]);
+        assert_eq!([half, same, double].map(|space| space.area_px(100)), [25, 100, 400]);
+        assert_eq!((half.length_px(1), half.length_px(0), half.area_px(0)), (1, 1, 0));
+        // A surface twice as large in pixels is half as steep: its noise is the same.
+        let noise = [(half, 1.5), (same, 0.75), (double, 0.375)].map(|(space, g)| space.slope_noise(g));
+        assert!(noise.iter().all(|noise| (noise - (1.0_f64 + 0.36).sqrt()).abs() < 1e-12), "{noise:?}");
+        // Of two focal lengths their geometric mean counts.
+        let oblong = space([1050.0, 262.5], [0.0; 2]);
+        assert_eq!((oblong.length_px(7), oblong.area_px(100), oblong.lateral_noise_px()), (7, 100, 0.8));
+    }
 }

@@ -125,3 +125,88 @@ fn plane(&[n, x_sum, y_sum, xx, xy, yy, d, dx, dy, dd]: &Sums, x: f64, y: f64) -
         residual: variance.sqrt() as f32,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::testing::{raster, small_size};
+
+    /// The plane in the window around pixel `i`, from its pixels.
+    fn naive(disparity: &Raster<f32>, i: usize, radius: usize) -> PlaneFit {
+        let width = disparity.width();
+        let (u, v) = (i % width, i / width);
+        let window: Vec<[f64; 3]> = (0..disparity.len())
+            .filter(|&j| (j % width).abs_diff(u) <= radius && (j / width).abs_diff(v) <= radius)
+            .filter(|&j| !disparity[j].is_nan())
+            .map(|j| [(j % width) as f64 - u as f64, (j / width) as f64 - v as f64, f64::from(disparity[j])])
+            .collect();
+        let n = window.len() as f64;
+        if disparity[i].is_nan() || n < 0.4 * ((2 * radius + 1) * (2 * radius + 1)) as f64 {
+            return PlaneFit::NONE;
+        }
+        let mean = [0, 1, 2].map(|k| window.iter().map(|p| p[k]).sum::<f64>() / n);
+        let moment =
+            |j: usize, k: usize| window.iter().map(|p| (p[j] - mean[j]) * (p[k] - mean[k])).sum::<f64>();
+        // Cramer's rule.
+        let spread = moment(0, 0) * moment(1, 1) - moment(0, 1) * moment(0, 1);
+        let slope = [
+            (moment(0, 2) * moment(1, 1) - moment(1, 2) * moment(0, 1)) / spread,
+            (moment(1, 2) * moment(0, 0) - moment(0, 2) * moment(0, 1)) / spread,
+        ];
+        let at = |p: &[f64; 3]| mean[2] + slope[0] * (p[0] - mean[0]) + slope[1] * (p[1] - mean[1]);
+        let squared: f64 = window.iter().map(|p| (p[2] - at(p)).powi(2)).sum();
+        PlaneFit {
+            value: at(&[0.0; 3]) as f32,
+            slope: slope.map(|s| s as f32),
+            residual: (squared / (n - 3.0)).sqrt() as f32,
+        }
+    }
+
+    /// Narrow and low images, and such as are higher than a band of rows.
+    fn size() -> impl Strategy<Value = (usize, usize)> {
+        prop_oneof![3 => small_size(), 1 => (4_usize..9, BAND - 4..2 * BAND + 9)]
+    }
+
+    proptest! {
+        #[test]
+        fn sliding_sums_give_the_planes_of_single_windows(
+            disparity in size().prop_flat_map(|size| {
+                raster(size, prop_oneof![1 => Just(f32::NAN), 4 => 20.0_f32..700.0])
+            }),
+            radius in 1_usize..=5,
+        ) {
+            let fits = plane_fits(&disparity, radius);
+            for i in 0..disparity.len() {
+                let (got, expected) = (fits[i], naive(&disparity, i, radius));
+                prop_assert_eq!(got.is_some(), expected.is_some(), "{}", i);
+                if expected.is_some() {
+                    let off = [
+                        got.value - expected.value,
+                        got.slope[0] - expected.slope[0],
+                        got.slope[1] - expected.slope[1],
+                        got.residual - expected.residual,
+                    ];
+                    prop_assert!(off.iter().all(|off| off.abs() < 2e-3), "{}: {:?} {:?}", i, got, expected);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_plane_is_its_own_fit() {
+        let plane = |i: usize| 250.0 + 0.5 * (i % 20) as f32 - 0.25 * (i / 20) as f32;
+        let disparity = Raster::from_vec(20, 16, (0..320).map(plane).collect()).unwrap();
+        for (i, fit) in plane_fits(&disparity, 3).as_slice().iter().enumerate() {
+            // In a corner a window has 16 of its 49 pixels.
+            let near_corner = [i % 20, 19 - i % 20].iter().min() == Some(&0)
+                && [i / 20, 15 - i / 20].iter().min() == Some(&0);
+            assert_eq!(fit.is_some(), !near_corner, "{i}");
+            if fit.is_some() {
+                assert!((fit.value - plane(i)).abs() < 1e-4 && fit.residual < 1e-4, "{i}: {fit:?}");
+                assert!((fit.slope[0] - 0.5).abs() < 1e-5 && (fit.slope[1] + 0.25).abs() < 1e-5, "{i}");
+            }
+        }
+    }
+}

@@ -79,3 +79,64 @@ fn best_window(i: usize, disparity: &Raster<f32>, fits: &Raster<PlaneFit>, reach
     }
     best.map(|(_, j)| j)
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::testing::{coarse_disparity, kinect, raster, small_size};
+
+    /// Fits in coarse steps, so that scores tie; one in five is none.
+    fn fit() -> impl Strategy<Value = PlaneFit> {
+        let some =
+            (200_u8..=208, prop::array::uniform2(-1_i8..=1), 0_u8..4).prop_map(|(value, slope, rest)| {
+                PlaneFit {
+                    value: f32::from(value),
+                    slope: slope.map(f32::from),
+                    residual: f32::from(rest) / 2.0,
+                }
+            });
+        prop_oneof![1 => Just(PlaneFit::NONE), 4 => some]
+    }
+
+    proptest! {
+        #[test]
+        fn the_window_is_the_naive_one(
+            (disparity, fits) in
+                small_size().prop_flat_map(|size| (raster(size, coarse_disparity()), raster(size, fit()))),
+            radius_px in 1_usize..6,
+        ) {
+            let (space, width) = (kinect(), disparity.width());
+            let params = params::LocalFit { radius_px, own_window_residual_quanta: 0.8 };
+            let got = orientation(&disparity, &fits, &space, &params);
+            for i in 0..disparity.len() {
+                // All windows whose middle lies at one of the nine places, in scan order.
+                let place = |d: usize| d == 0 || d == radius_px - 1;
+                let mut windows = Vec::new();
+                for j in 0..disparity.len() {
+                    let [u, v] = position(i, width).map(|x| x as f32);
+                    let [x, y] = position(j, width).map(|x| x as f32);
+                    let near = place((u - x).abs() as usize) && place((v - y).abs() as usize);
+                    if near && fits[j].is_some() {
+                        let PlaneFit { value, slope, residual } = fits[j];
+                        let misfit = value + slope[0] * (u - x) + slope[1] * (v - y) - disparity[i];
+                        let score = residual + 0.5 * misfit.abs();
+                        windows.push((if i == j { 0.8 * score } else { score }, j));
+                    }
+                }
+                let best = windows.into_iter().reduce(|best, next| if next.0 < best.0 { next } else { best });
+                let chosen = if fits[i].residual < 0.8 { Some(i) } else { best.map(|(_, j)| j) };
+                let expected = match chosen.filter(|_| !disparity[i].is_nan()) {
+                    None => ([0.0; 2], [0.0; 3]),
+                    Some(j) => {
+                        let PlaneFit { value, slope, .. } = fits[j];
+                        let normal = space.normal(position(j, width), value.into(), slope.map(f64::from));
+                        (slope, normal.as_vec3().to_array())
+                    }
+                };
+                prop_assert_eq!((got.slope[i], got.normal[i]), expected, "{}", i);
+            }
+        }
+    }
+}
