@@ -57,7 +57,7 @@ fn our_own_label_images_get_the_same_score() {
 #[test]
 fn the_ablation_has_six_settings() {
     let folder = data_set();
-    let run = folder.run("eval root --ablation --json figures.json", 0);
+    let run = folder.run("eval root --method paper --ablation --json figures.json", 0);
     let figures = json(&folder, "figures.json");
     let settings: Vec<&str> =
         figures.as_array().unwrap().iter().map(|report| report["setting"].as_str().unwrap()).collect();
@@ -75,8 +75,8 @@ fn the_ablation_has_six_settings() {
         assert_eq!(run.stdout.matches(&format!("| {setting} ")).count(), 4, "{}", run.stdout);
     }
     assert_eq!(figures[5]["total"]["counts"]["correct"], 6);
-    // The last setting is the default.
-    folder.run("eval root --json default.json", 0);
+    // The last setting is that of the method alone.
+    folder.run("eval root --method paper --json default.json", 0);
     assert_eq!(figures[5]["scenes"], json(&folder, "default.json")["scenes"]);
 }
 
@@ -120,11 +120,11 @@ fn contradictions_are_mistakes_of_usage() {
         ("--labels labels --set curvature.threshold=0.1", "--labels"),
         ("--labels labels --config empty.toml", "--labels"),
         ("--suffix .png", "--labels"),
-        ("--ablation --set graph.channels=depth", "--ablation"),
+        ("--method paper --ablation --set graph.channels=depth", "leave out --set"),
         ("--set graph.chanels=depth", "`graph.channels`"),
         ("--json nowhere/figures.json", "nowhere"),
         ("--json root", "--json root is a folder: name a file"),
-        ("--ablation --method context", "which the method context does not read: say --method paper"),
+        ("--ablation", "which the method context does not read: say --method paper"),
         ("--ladder --method paper", "say --method context"),
         ("--ladder --ablation", "--ladder"),
         ("--sensitivity --labels labels", "--labels"),
@@ -172,9 +172,9 @@ fn the_ladder_ends_with_the_method_itself() {
     let figures = json(&folder, "figures.json");
     let settings: Vec<&str> =
         figures.as_array().unwrap().iter().map(|r| r["setting"].as_str().unwrap()).collect();
-    assert_eq!((settings[0], settings[10]), ("plane facets, convexity", "+ occlusion joins"));
-    assert_eq!((settings[11], settings.len()), ("without occlusion evidence", 20));
-    assert_eq!(run.stdout.lines().count(), 22, "{}", run.stdout);
+    assert_eq!((settings[0], settings[12]), ("plane facets, convexity", "+ bottoms of plates"));
+    assert_eq!((settings[13], settings.len()), ("without occlusion evidence", 24));
+    assert_eq!(run.stdout.lines().count(), 26, "{}", run.stdout);
     folder.run("eval root --split left --method context --composites 1 --json method.json", 0);
     let without_stages = |mut report: serde_json::Value| {
         report["scenes"]
@@ -184,7 +184,7 @@ fn the_ladder_ends_with_the_method_itself() {
             .for_each(|s| _ = s.as_object_mut().unwrap().remove("stages"));
         report["scenes"].clone()
     };
-    assert_eq!(figures[10]["scenes"], without_stages(json(&folder, "method.json")));
+    assert_eq!(figures[12]["scenes"], without_stages(json(&folder, "method.json")));
 }
 
 #[test]
