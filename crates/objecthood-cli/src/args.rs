@@ -157,9 +157,16 @@ pub(crate) struct EvalArgs {
     #[arg(long)]
     pub(crate) method: Option<MethodName>,
 
-    /// Compare colour, depth and both, each with and without curvature.
-    #[arg(long)]
-    pub(crate) ablation: bool,
+    #[command(flatten)]
+    pub(crate) comparison: ComparisonArgs,
+
+    /// Score N scenes besides that are composed of the tables and objects of these, more densely: the folder `composite`.
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true, conflicts_with = "labels")]
+    pub(crate) composites: u32,
+
+    /// The first composed scene; the others follow.
+    #[arg(long, value_name = "S", default_value_t = 0, requires = "composites")]
+    pub(crate) seed: u32,
 
     /// Score the label images DIR/<scene><suffix> instead of running a method.
     #[arg(long, value_name = "DIR")]
@@ -173,6 +180,12 @@ pub(crate) struct EvalArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
 
+    /// Draw the hardest scenes, one picture each: colour, what either method finds, truth.
+    ///
+    /// The 12 scenes with most objects that are not correct, of equals those with most objects; made if it is not there.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["labels", "ComparisonArgs"])]
+    pub(crate) pictures: Option<PathBuf>,
+
     /// Print a line for every scene.
     #[arg(long)]
     pub(crate) per_scene: bool,
@@ -183,6 +196,23 @@ pub(crate) struct EvalArgs {
 
     #[command(flatten)]
     pub(crate) settings: Settings,
+}
+
+/// What is compared instead of scoring one setting.
+#[derive(Clone, Copy, Debug, Args)]
+#[group(multiple = false, conflicts_with = "labels")]
+pub(crate) struct ComparisonArgs {
+    /// Compare colour, depth and both, each with and without curvature (`paper`).
+    #[arg(long)]
+    pub(crate) ablation: bool,
+
+    /// Switch the steps of the method on one after the other, then leave out each alone (`context`).
+    #[arg(long)]
+    pub(crate) ladder: bool,
+
+    /// Change every parameter that the method reads, each alone: numbers by 30 % down and up, choices to their other values.
+    #[arg(long)]
+    pub(crate) sensitivity: bool,
 }
 
 /// Print every parameter with default, range, unit, meaning and source.

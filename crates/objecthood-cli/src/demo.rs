@@ -39,7 +39,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     if args.check {
         return check::run(args, &params);
     }
-    refuse_file(&args.out)?;
+    refuse_file("--out", &args.out)?;
     let recipe = Recipe { family: FAMILY, seed: args.seed.unwrap_or(SEED).into(), sensor: SENSOR };
     let text = crew::pool(args.settings.threads())?.install(|| show(recipe, &params, &args.out))?;
     terminal::print(&text)?;

@@ -62,9 +62,9 @@ pub(crate) fn path_of(stem: &Path, kind: OutputKind) -> PathBuf {
 ///
 /// # Errors
 /// Of usage.
-pub(crate) fn refuse_file(out: &Path) -> Result<()> {
+pub(crate) fn refuse_file(option: &str, out: &Path) -> Result<()> {
     if out.exists() && !out.is_dir() {
-        return Err(usage(format!("--out {} is a file: name a folder", out.display())));
+        return Err(usage(format!("{option} {} is a file: name a folder", out.display())));
     }
     Ok(())
 }
@@ -75,7 +75,7 @@ pub(crate) fn refuse_file(out: &Path) -> Result<()> {
 /// When it cannot be made.
 pub(crate) fn make_folder(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder)
-        .map_err(|e| anyhow!("cannot make the folder {} ({e}): choose another --out", folder.display()))
+        .map_err(|e| anyhow!("cannot make the folder {} ({e}): choose another", folder.display()))
 }
 
 /// Makes the folders in which files are to be written, where they are not there.

@@ -91,7 +91,7 @@ impl<'a> Plan<'a> {
         let camera = args.camera.as_ref().map(CameraArg::read).transpose()?;
         let inputs = inputs::collect(args, camera.as_ref())?;
         let scope = args.scope.read(args.images.max_pixels)?;
-        refuse_file(&args.out)?;
+        refuse_file("--out", &args.out)?;
         let plan = Self { args, inputs, scope, params, kinds: args.write.iter().copied().collect() };
         plan.refuse_replacing_what_is_read()?;
         Ok(plan)

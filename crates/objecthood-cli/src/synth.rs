@@ -19,7 +19,7 @@ use crate::{crew, terminal};
 /// Of usage; when the folder or the camera's file cannot be written; when stdout cannot be written. A scene that fails
 /// is reported, which is no error.
 pub(crate) fn run(args: &SynthArgs) -> Result<Outcome> {
-    refuse_file(&args.out)?;
+    refuse_file("--out", &args.out)?;
     let recipes = recipes(args.family, args.sensor, args.seed, args.scenes);
     make_folder(&args.out)?;
     // One camera took all pictures; its file comes first, so that every scene that is there can be used.

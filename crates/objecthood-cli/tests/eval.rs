@@ -57,7 +57,7 @@ fn our_own_label_images_get_the_same_score() {
 #[test]
 fn the_ablation_has_six_settings() {
     let folder = data_set();
-    let run = folder.run("eval root --ablation --json figures.json", 0);
+    let run = folder.run("eval root --method paper --ablation --json figures.json", 0);
     let figures = json(&folder, "figures.json");
     let settings: Vec<&str> =
         figures.as_array().unwrap().iter().map(|report| report["setting"].as_str().unwrap()).collect();
@@ -75,8 +75,8 @@ fn the_ablation_has_six_settings() {
         assert_eq!(run.stdout.matches(&format!("| {setting} ")).count(), 4, "{}", run.stdout);
     }
     assert_eq!(figures[5]["total"]["counts"]["correct"], 6);
-    // The last setting is the default.
-    folder.run("eval root --json default.json", 0);
+    // The last setting is that of the method alone.
+    folder.run("eval root --method paper --json default.json", 0);
     assert_eq!(figures[5]["scenes"], json(&folder, "default.json")["scenes"]);
 }
 
@@ -120,10 +120,19 @@ fn contradictions_are_mistakes_of_usage() {
         ("--labels labels --set curvature.threshold=0.1", "--labels"),
         ("--labels labels --config empty.toml", "--labels"),
         ("--suffix .png", "--labels"),
-        ("--ablation --set graph.channels=depth", "--ablation"),
+        ("--method paper --ablation --set graph.channels=depth", "leave out --set"),
         ("--set graph.chanels=depth", "`graph.channels`"),
         ("--json nowhere/figures.json", "nowhere"),
         ("--json root", "--json root is a folder: name a file"),
+        ("--ablation", "which the method context does not read: say --method paper"),
+        ("--ladder --method paper", "say --method context"),
+        ("--ladder --ablation", "--ladder"),
+        ("--sensitivity --labels labels", "--labels"),
+        ("--composites 3 --labels labels", "--labels"),
+        ("--seed 3", "--composites"),
+        ("--pictures drawn --labels labels", "--labels"),
+        ("--pictures drawn --sensitivity", "--sensitivity"),
+        ("--pictures empty.toml", "--pictures empty.toml is a file: name a folder"),
     ] {
         let run = folder.run(&format!("eval root {arguments}"), 2);
         assert!(
@@ -133,4 +142,73 @@ fn contradictions_are_mistakes_of_usage() {
         );
         assert_eq!(run.stdout, "");
     }
+}
+
+#[test]
+fn composed_scenes_are_a_folder_of_their_own() {
+    let folder = data_set();
+    let run = folder.run("eval root --split left --method context --composites 3 --json figures.json", 0);
+    assert!(run.stdout.contains("\n| composite |"), "{}", run.stdout);
+    assert!(run.stdout.contains("\ncomposite: correct "), "{}", run.stdout);
+    let figures = json(&folder, "figures.json");
+    assert_eq!(figures["folders"]["left"]["objects"], 4);
+    assert_eq!(figures["folders"]["composite"]["scenes"], 3);
+    let names: Vec<&String> = figures["scenes"].as_object().unwrap().keys().collect();
+    assert_eq!(names, ["composite0", "composite1", "composite2", "scene1", "scene2"]);
+
+    // The first of them by another seed is the second; threads change nothing.
+    folder.run(
+        "eval root --split left --method context --composites 1 --seed 1 --threads 1 --json one.json",
+        0,
+    );
+    assert_eq!(json(&folder, "one.json")["scenes"]["composite1"], figures["scenes"]["composite1"]);
+}
+
+#[test]
+fn the_ladder_ends_with_the_method_itself() {
+    let folder = data_set();
+    let run =
+        folder.run("eval root --split left --method context --composites 1 --ladder --json figures.json", 0);
+    let figures = json(&folder, "figures.json");
+    let settings: Vec<&str> =
+        figures.as_array().unwrap().iter().map(|r| r["setting"].as_str().unwrap()).collect();
+    assert_eq!((settings[0], settings[12]), ("plane facets, convexity", "+ bottoms of plates"));
+    assert_eq!((settings[13], settings.len()), ("without occlusion evidence", 24));
+    assert_eq!(run.stdout.lines().count(), 26, "{}", run.stdout);
+    folder.run("eval root --split left --method context --composites 1 --json method.json", 0);
+    let without_stages = |mut report: serde_json::Value| {
+        report["scenes"]
+            .as_object_mut()
+            .unwrap()
+            .values_mut()
+            .for_each(|s| _ = s.as_object_mut().unwrap().remove("stages"));
+        report["scenes"].clone()
+    };
+    assert_eq!(figures[12]["scenes"], without_stages(json(&folder, "method.json")));
+}
+
+#[test]
+fn the_sensitivity_goes_through_what_the_method_reads() {
+    let folder = data_set();
+    for (method, reads, other) in [
+        ("paper", "curvature.threshold = 0.182", "border."),
+        ("context", "border.gap_quanta = 2.8", "curvature."),
+    ] {
+        let run = folder.run(&format!("eval root --split right --method {method} --sensitivity"), 0);
+        assert!(run.stdout.contains("\n| (nothing changed) "), "{}", run.stdout);
+        assert!(run.stdout.contains(&format!("\n| {reads} ")), "{}", run.stdout);
+        assert!(!run.stdout.contains(other), "{}", run.stdout);
+        assert!(run.stdout.lines().last().unwrap().starts_with("right: "), "{}", run.stdout);
+    }
+}
+
+#[test]
+fn hard_scenes_are_drawn() {
+    let folder = data_set();
+    folder.run("eval root --method context --composites 1 --pictures drawn", 0);
+    let pictures = folder.files("drawn");
+    let names: Vec<&String> = pictures.keys().collect();
+    assert_eq!(names, ["composite0.png", "scene1.png", "scene10.png", "scene2.png"]);
+    let picture = image::load_from_memory(&pictures["scene1.png"]).unwrap();
+    assert!(picture.width() > 4 * 320 && picture.height() > 240, "four tiles in a row");
 }

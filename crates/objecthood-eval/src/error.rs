@@ -109,11 +109,22 @@ pub enum Error {
     /// Nothing to measure.
     #[error("no scene has an object in its truth: there is nothing to measure")]
     NoObjects,
+    /// No scene to compose others from.
+    #[error(
+        "no scene has a table with an object on it that is seen whole, so there is nothing to compose: leave out --composites"
+    )]
+    NothingToCompose,
+    /// Parameters that cannot be changed by name.
+    #[error("the parameters cannot be varied ({0}): report this, with the parameters")]
+    Params(#[from] serde_json::Error),
+    /// A frame that cannot be.
+    #[error(transparent)]
+    Frame(#[from] objecthood::Error),
     /// What went wrong with one scene.
-    #[error("{}: {error}", path.display())]
+    #[error("{scene}: {error}")]
     InScene {
-        /// The scene.
-        path: PathBuf,
+        /// Its file, or its name if it has none.
+        scene: String,
         /// What it is.
         error: Box<Error>,
     },

@@ -1,17 +1,23 @@
 //! Running something over the scenes of a data set and scoring what comes out.
 
+use std::fmt::Display;
 use std::fs;
+use std::ops::Range;
 use std::path::PathBuf;
 
 use objecthood::Raster;
 use objecthood_io::{GridCamera, label_image};
 use rayon::prelude::*;
 
+use crate::composer::Composer;
 use crate::error::{Error, Result};
 use crate::mosd::{Scene, SceneRef};
 use crate::report::{Report, SceneReport};
 use crate::score::score;
 use crate::stages::Stages;
+
+/// The folder under which composed scenes are reported, and what their names begin with.
+pub const COMPOSITE: &str = "composite";
 
 /// What is said about a scene.
 #[derive(Clone, Debug)]
@@ -34,8 +40,9 @@ pub fn evaluate<E: From<Error> + Send>(
     camera: Option<&GridCamera>,
     predict: impl Fn(&Scene, &SceneRef) -> std::result::Result<Prediction, E> + Sync,
 ) -> std::result::Result<Report, E> {
-    let reports = for_each_scene(scenes, camera, |scene, reference| {
-        Ok::<_, E>(report(scene, reference, &predict(scene, reference)?)?)
+    let load = |reference: &SceneRef| reference.load(camera);
+    let reports = for_each_scene(scenes, load, |scene, reference| {
+        Ok::<_, E>(report_of(scene, reference, &predict(scene, reference)?)?)
     })?;
     Ok(Report::new(reports)?)
 }
@@ -50,11 +57,44 @@ pub fn evaluate_settings<S: Sync, E: From<Error> + Send>(
     settings: &[S],
     predict: impl Fn(&S, &Scene, &SceneRef) -> std::result::Result<Prediction, E> + Sync,
 ) -> std::result::Result<Vec<Report>, E> {
-    let by_scene = for_each_scene(scenes, camera, |scene, reference| {
-        let reports = settings.iter().map(|s| Ok(report(scene, reference, &predict(s, scene, reference)?)?));
-        reports.collect::<std::result::Result<Vec<SceneReport>, E>>()
+    let load = |reference: &SceneRef| reference.load(camera);
+    let by_scene = for_each_scene(scenes, load, |scene, reference| {
+        let report = |s| Ok(report_of(scene, reference, &predict(s, scene, reference)?)?);
+        settings.iter().map(report).collect::<std::result::Result<Vec<_>, E>>()
     })?;
-    let mut by_setting = vec![Vec::with_capacity(scenes.len()); settings.len()];
+    by_setting(by_scene, settings.len())
+}
+
+/// As [`evaluate_settings`] on the scenes that `composer` makes of `seeds`, in the folder [`COMPOSITE`]; `predict` gets the
+/// name of the scene.
+///
+/// # Errors
+/// As [`evaluate`], and as [`Composer::compose`].
+pub fn evaluate_composites<S: Sync, E: From<Error> + Send>(
+    composer: &Composer,
+    seeds: Range<u64>,
+    settings: &[S],
+    predict: impl Fn(&S, &Scene, &str) -> std::result::Result<Prediction, E> + Sync,
+) -> std::result::Result<Vec<Report>, E> {
+    let seeds: Vec<u64> = seeds.collect();
+    let by_scene = for_each_scene(
+        &seeds,
+        |&seed| composer.compose(seed),
+        |scene, seed| {
+            let name = format!("{COMPOSITE}{seed}");
+            let report = |s| Ok(report(scene, (&name, COMPOSITE), &name, &predict(s, scene, &name)?)?);
+            settings.iter().map(report).collect::<std::result::Result<Vec<_>, E>>()
+        },
+    )?;
+    by_setting(by_scene, settings.len())
+}
+
+/// One report a setting, from the reports of all settings a scene.
+fn by_setting<E: From<Error>>(
+    by_scene: Vec<Vec<SceneReport>>,
+    settings: usize,
+) -> std::result::Result<Vec<Report>, E> {
+    let mut by_setting = vec![Vec::with_capacity(by_scene.len()); settings];
     for reports in by_scene {
         for (of_setting, report) in by_setting.iter_mut().zip(reports) {
             of_setting.push(report);
@@ -63,23 +103,32 @@ pub fn evaluate_settings<S: Sync, E: From<Error> + Send>(
     by_setting.into_iter().map(|reports| Ok(Report::new(reports)?)).collect()
 }
 
-fn report(scene: &Scene, reference: &SceneRef, prediction: &Prediction) -> Result<SceneReport> {
+/// The figures of a scene, which an error calls `source`.
+fn report(
+    scene: &Scene,
+    (name, folder): (&str, &str),
+    source: &dyn Display,
+    prediction: &Prediction,
+) -> Result<SceneReport> {
     let score = score(&prediction.labels, &scene.truth)
-        .map_err(|error| Error::InScene { path: reference.path.clone(), error: Box::new(error) })?;
-    let SceneRef { name, folder, .. } = reference.clone();
-    Ok(SceneReport { name, folder, score, stages: prediction.stages })
+        .map_err(|error| Error::InScene { scene: source.to_string(), error: Box::new(error) })?;
+    Ok(SceneReport { name: name.to_owned(), folder: folder.to_owned(), score, stages: prediction.stages })
 }
 
-/// Loads the scenes and applies `work`, one scene a thread. A batch ends before the next begins, because a thread that
-/// waits within `work` would otherwise begin another scene meanwhile, and another within that.
-fn for_each_scene<T: Send, E: From<Error> + Send>(
-    scenes: &[SceneRef],
-    camera: Option<&GridCamera>,
-    work: impl Fn(&Scene, &SceneRef) -> std::result::Result<T, E> + Sync,
+fn report_of(scene: &Scene, reference: &SceneRef, prediction: &Prediction) -> Result<SceneReport> {
+    report(scene, (&reference.name, &reference.folder), &reference.path.display(), prediction)
+}
+
+/// Gets the scenes with `load` and applies `work`, one scene a thread. A batch ends before the next begins, because a
+/// thread that waits within `work` would otherwise begin another scene meanwhile, and another within that.
+fn for_each_scene<R: Sync, T: Send, E: From<Error> + Send>(
+    scenes: &[R],
+    load: impl Fn(&R) -> Result<Scene> + Sync,
+    work: impl Fn(&Scene, &R) -> std::result::Result<T, E> + Sync,
 ) -> std::result::Result<Vec<T>, E> {
     let mut done = Vec::with_capacity(scenes.len());
     for batch in scenes.chunks(rayon::current_num_threads()) {
-        let results: Vec<_> = batch.par_iter().map(|r| work(&r.load(camera)?, r)).collect();
+        let results: Vec<_> = batch.par_iter().map(|r| work(&load(r)?, r)).collect();
         for result in results {
             done.push(result?);
         }

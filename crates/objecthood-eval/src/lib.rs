@@ -8,6 +8,7 @@
 //!    and boundary; [`verdict`] judges every object strictly.
 //! 3. [`stages`]: how superpixels, facets and shapes fit the truth, watched by an observer while a method runs.
 //! 4. [`evaluate()`] does that over many scenes in parallel; [`report`] sums up and prints.
+//! 5. [`settings`] are what is compared, and [`composer`] makes harder scenes to compare on.
 //!
 //! The figures are those of METHOD chapter 4 and agree with the project's independent scorer, `tools/score.py`, to the
 //! last printed digit; tests hold them against it.
@@ -29,6 +30,7 @@
 
 mod assignment;
 mod boundary;
+pub mod composer;
 mod contingency;
 pub mod error;
 pub mod evaluate;
@@ -39,16 +41,21 @@ mod numpy;
 mod python;
 pub mod report;
 pub mod score;
+pub mod settings;
 pub mod stages;
 pub mod truth;
 pub mod verdict;
 
+pub use composer::Composer;
 pub use error::{Error, Result};
-pub use evaluate::{LabelFolder, Prediction, evaluate, evaluate_settings};
+pub use evaluate::{LabelFolder, Prediction, evaluate, evaluate_composites, evaluate_settings};
 pub use metrics::{ImageMetrics, Prf};
 pub use mosd::{Scene, SceneRef, Split};
-pub use report::{Report, SceneReport, SettingsTable, StagesTable, Totals, VerdictsTable};
-pub use score::{ImageScore, score};
+pub use report::{
+    FoldersTable, LossesList, Report, SceneReport, SettingsTable, StagesTable, Totals, VerdictsTable,
+};
+pub use score::{ImageScore, numbered_as_truth, object_map, score};
+pub use settings::{Setting, ablation, ladder, sensitivity};
 pub use stages::{StageMetrics, StageObserver, Stages};
 pub use truth::{Roles, Truth};
 pub use verdict::{ObjectScore, Verdict, VerdictCounts};

@@ -73,12 +73,7 @@ impl ImageMetrics {
         if hypotheses.len() == 0 {
             return Some(Self::default());
         }
-        let f = pairwise_f(objects, hypotheses, table);
-        let pairs: Vec<Pair> = maximize(&f, objects.len(), hypotheses.len())
-            .into_iter()
-            .map(|(g, c)| Pair { g, c, f: f[g * hypotheses.len() + c] })
-            .collect();
-
+        let pairs = matched(objects, hypotheses, table);
         let common: u64 = pairs.iter().map(|p| u64::from(table.row(p.g)[p.c])).sum();
         let share = |total: u64| common as f64 / total as f64;
         let close = pairs.iter().filter(|p| p.f > 0.75).count();
@@ -101,10 +96,20 @@ impl Serialize for ImageMetrics {
 }
 
 /// An object and the hypothesis assigned to it.
-struct Pair {
-    g: usize,
-    c: usize,
-    f: f64,
+pub(crate) struct Pair {
+    /// The object.
+    pub(crate) g: usize,
+    /// The hypothesis.
+    pub(crate) c: usize,
+    /// Harmonic mean of the shares that they have of each other.
+    pub(crate) f: f64,
+}
+
+/// Objects and hypotheses, at least one of each, paired so that the sum of the pairs' F is greatest.
+pub(crate) fn matched(objects: &Classes, hypotheses: &Classes, table: &Contingency) -> Vec<Pair> {
+    let f = pairwise_f(objects, hypotheses, table);
+    let pairs = maximize(&f, objects.len(), hypotheses.len()).into_iter();
+    pairs.map(|(g, c)| Pair { g, c, f: f[g * hypotheses.len() + c] }).collect()
 }
 
 /// F of every object (row) with every hypothesis (column); 0 where they have no pixel in common.

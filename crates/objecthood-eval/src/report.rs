@@ -12,7 +12,7 @@ use crate::score::ImageScore;
 use crate::stages::Stages;
 use crate::verdict::{ObjectScore, VerdictCounts};
 
-pub use tables::{SettingsTable, StagesTable, VerdictsTable};
+pub use tables::{FoldersTable, LossesList, SettingsTable, StagesTable, VerdictsTable};
 
 /// The figures of one scene. Displayed as the line of `tools/score.py --per-scene`.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,9 +73,9 @@ impl Totals {
         self.counts.correct as f64 / self.counts.total() as f64
     }
 
-    fn of(scenes: &[SceneReport]) -> Result<Self> {
+    fn of<'a>(scenes: impl IntoIterator<Item = &'a SceneReport>) -> Result<Self> {
         let scored: Vec<(&SceneReport, [f64; 7])> =
-            scenes.iter().filter_map(|s| Some((s, s.score.metrics?.values()))).collect();
+            scenes.into_iter().filter_map(|s| Some((s, s.score.metrics?.values()))).collect();
         let mut means = [0.0; ImageMetrics::KEYS.len()];
         for (k, mean) in means.iter_mut().enumerate() {
             let values: Vec<f64> = scored.iter().map(|(_, values)| values[k]).collect();
@@ -111,7 +111,7 @@ impl fmt::Display for Totals {
 /// The figures of a run over scenes.
 ///
 /// Serialized under the keys of `tools/score.py --json`: `total` holds `oP` .. `p75`, `WOv`, `objects`, `correct` (a
-/// share), `counts`, `scenes`; `scenes` maps each name, in the order of the scenes, to `oP` .. `p75`, `correct` and
+/// share), `counts`, `scenes`; `folders` maps each folder to the same of its scenes; `scenes` maps each name, in the order of the scenes, to `oP` .. `p75`, `correct` and
 /// `objects` (counts). Added are `hypotheses`, `hypotheses_off_objects`, `stages` where they were watched, and per
 /// scene `folder` and `verdicts`, one entry an object.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,6 +129,21 @@ impl Report {
     /// [`Error::NoObjects`] when no scene holds an object.
     pub fn new(scenes: Vec<SceneReport>) -> Result<Self> {
         Ok(Self { total: Totals::of(&scenes)?, scenes })
+    }
+
+    /// The scenes of both, summed up anew.
+    ///
+    /// # Errors
+    /// None: both hold an object.
+    pub fn joined(mut self, other: Self) -> Result<Self> {
+        self.scenes.extend(other.scenes);
+        Self::new(self.scenes)
+    }
+
+    /// The totals of each folder that holds an object, in the order of the scenes.
+    pub fn folders(&self) -> Vec<(&str, Totals)> {
+        let folders = self.scenes.chunk_by(|a, b| a.folder == b.folder);
+        folders.filter_map(|scenes| Some((scenes[0].folder.as_str(), Totals::of(scenes).ok()?))).collect()
     }
 }
 
@@ -166,6 +181,18 @@ mod tests {
 
     pub(super) fn report(names: &[&str]) -> Report {
         Report::new(names.iter().map(|name| scene(name)).collect()).unwrap()
+    }
+
+    #[test]
+    fn folders_are_summed_up_apart() {
+        let joined = report(&["a0", "a1"]).joined(report(&["b0"])).unwrap();
+        assert_eq!(joined.total, report(&["a0", "a1", "b0"]).total);
+        let folders: Vec<_> =
+            joined.folders().into_iter().map(|(name, totals)| (name, totals.counts.total())).collect();
+        assert_eq!(folders, [("a", 4), ("b", 2)]);
+        assert_eq!(joined.folders()[1].1, report(&["b0"]).total);
+        let with_bare = Report::new(vec![bare("a0"), scene("b0")]).unwrap();
+        assert_eq!(with_bare.folders().len(), 1, "a folder without objects has no figures");
     }
 
     pub(super) fn stages() -> Stages {

@@ -2,7 +2,9 @@
 
 mod common;
 
-use objecthood_eval::{LabelFolder, Report, Split, VerdictsTable, evaluate, mosd};
+use objecthood_eval::{
+    Error, LabelFolder, Prediction, Report, Split, VerdictsTable, evaluate, evaluate_settings, ladder, mosd,
+};
 use serde_json::Value;
 
 /// The recorded digits.
@@ -132,5 +134,25 @@ fn context_gives_the_reference_label_maps_pixel_for_pixel() {
             let again = pool.install(|| objecthood::discover(&scene.frame, &params)).unwrap();
             assert!(again.labels == found.labels, "{}: other labels on {threads} threads", reference.name);
         }
+    }
+}
+
+/// Some rungs of the ladder of METHOD 4.6; the last is the method itself, which is compared pixel for pixel above.
+#[test]
+fn the_ladder_climbs_as_that_of_the_reference() {
+    let Some(data) = common::data() else {
+        println!("skipped: no mOSD here (set OBJECTHOOD_DATA)");
+        return;
+    };
+    let scenes = mosd::scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
+    let params = objecthood::Params { method: objecthood::Method::Context, ..Default::default() };
+    let rungs = [(0, 91), (7, 94), (8, 104), (9, 105)];
+    let settings = rungs.map(|(rung, _)| ladder(&params)[rung].clone());
+    let reports = evaluate_settings(&scenes, None, &settings, |setting, scene, _| {
+        let labels = objecthood::discover(&scene.frame, &setting.params)?.labels;
+        Ok::<_, Error>(Prediction { labels, stages: None })
+    });
+    for ((rung, correct), report) in rungs.into_iter().zip(reports.unwrap()) {
+        assert_eq!(report.total.counts.correct, correct, "rung {rung}");
     }
 }

@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::render::Rendered;
 
 pub use json::{camera_json, scene_json};
-pub use mosd::{mosd_labels, pcd};
+pub use mosd::{mosd_labels, mosd_labels_of, pcd};
 
 /// Units per metre of the depth images: a tenth of a millimetre, so that no step of a sensor is rounded away.
 pub const DEPTH_SCALE: f64 = 10_000.0;

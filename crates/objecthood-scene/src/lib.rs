@@ -27,7 +27,7 @@ mod light;
 mod noise;
 mod place;
 mod pose;
-mod random;
+pub mod random;
 mod ray;
 mod render;
 mod sensor;

@@ -20,35 +20,39 @@ fn unit(bits: u64) -> f64 {
 }
 
 /// A sequence of random numbers.
-pub(crate) struct Rng {
+pub struct Rng {
     state: u64,
 }
 
 impl Rng {
     /// The sequence with this seed; `stream` tells apart sequences of one seed.
-    pub(crate) fn new(seed: u64, stream: u64) -> Self {
+    pub fn new(seed: u64, stream: u64) -> Self {
         Self { state: mix(seed ^ mix(stream.wrapping_add(GOLDEN))) }
     }
 
-    pub(crate) fn bits(&mut self) -> u64 {
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
         self.state = self.state.wrapping_add(GOLDEN);
         mix(self.state)
     }
 
-    pub(crate) fn range(&mut self, range: Range<f64>) -> f64 {
+    /// Uniform in the range.
+    pub fn range(&mut self, range: Range<f64>) -> f64 {
         range.start + (range.end - range.start) * unit(self.bits())
     }
 
-    pub(crate) fn chance(&mut self, probability: f64) -> bool {
+    /// True with this probability.
+    pub fn chance(&mut self, probability: f64) -> bool {
         unit(self.bits()) < probability
     }
 
     /// A number in 0..n; n must not be 0.
-    pub(crate) fn below(&mut self, n: usize) -> usize {
+    pub fn below(&mut self, n: usize) -> usize {
         (unit(self.bits()) * n as f64) as usize
     }
 
-    pub(crate) fn pick<T: Copy>(&mut self, from: &[T]) -> T {
+    /// One of these; there must be one.
+    pub fn pick<T: Copy>(&mut self, from: &[T]) -> T {
         from[self.below(from.len())]
     }
 }

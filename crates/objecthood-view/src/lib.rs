@@ -1,7 +1,8 @@
 //! Pictures of what objecthood sees in a frame.
 //!
 //! [`Recording`] watches [`objecthood::discover_observed`] and keeps what the picture needs of every stage;
-//! [`panels()`] draws them side by side; [`png`] makes a file of it.
+//! [`panels()`] draws them side by side; [`comparison()`] draws several label images of one frame; [`png`] makes a file of
+//! a picture.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -19,10 +20,12 @@
 //! # }
 //! ```
 
+mod comparison;
 mod distance;
 mod drawing;
 mod grid;
 mod labels;
+mod objects;
 mod palette;
 mod panels;
 mod recording;
@@ -35,6 +38,7 @@ mod tiles;
 mod view;
 mod vision;
 
+pub use comparison::comparison;
 pub use palette::object_color;
 pub use panels::{panels, png};
 pub use recording::Recording;

@@ -39,24 +39,25 @@ pub fn panels(frame: &Frame, recording: &Recording, discovery: &Discovery) -> Rg
     tiles.push(tiles::objectness(&view));
     tiles.push(tiles::objects(&view));
 
-    let page = Page::new(view.tile_size(), tiles.len() + 1);
+    let page = Page::new(view.tile_size(), tiles.len() + 1, COLUMNS);
     tiles.push(tiles::support(&view, page.rest_of_last_row()));
     page.compose(&tiles)
 }
 
 /// A white page with tiles side by side, each under its title. All have the size of the frame but the last, which
 /// takes the rest of its row.
-struct Page {
+pub(crate) struct Page {
     /// Columns and rows of a tile [px].
     tile: (u32, u32),
     tiles: usize,
+    columns: usize,
     letters_px: u32,
 }
 
 impl Page {
-    fn new((width, height): (u32, u32), tiles: usize) -> Self {
+    pub(crate) fn new((width, height): (u32, u32), tiles: usize, columns: usize) -> Self {
         let tile = (width.max(MIN_TILE_WIDTH_PX), height);
-        Self { tile, tiles, letters_px: (tile.0 / 28).clamp(15, 30) }
+        Self { tile, tiles, columns, letters_px: (tile.0 / 28).clamp(15, 30) }
     }
 
     fn gap(&self) -> u32 {
@@ -68,8 +69,8 @@ impl Page {
     }
 
     /// Where the image of tile `k` is.
-    fn corner(&self, k: usize) -> (u32, u32) {
-        let (column, row) = ((k % COLUMNS) as u32, (k / COLUMNS) as u32);
+    pub(crate) fn corner(&self, k: usize) -> (u32, u32) {
+        let (column, row) = ((k % self.columns) as u32, (k / self.columns) as u32);
         (
             self.gap() + column * (self.tile.0 + self.gap()),
             self.header() + row * (self.header() + self.tile.1),
@@ -78,12 +79,12 @@ impl Page {
 
     /// Columns and rows of the last tile [px].
     fn rest_of_last_row(&self) -> (u32, u32) {
-        let columns = (COLUMNS - (self.tiles - 1) % COLUMNS) as u32;
+        let columns = (self.columns - (self.tiles - 1) % self.columns) as u32;
         (columns * (self.tile.0 + self.gap()) - self.gap(), self.tile.1.max(MIN_TREE_HEIGHT_PX))
     }
 
-    fn compose(&self, tiles: &[Tile]) -> RgbImage {
-        let width = COLUMNS as u32 * (self.tile.0 + self.gap()) + self.gap();
+    pub(crate) fn compose(&self, tiles: &[Tile]) -> RgbImage {
+        let width = self.columns as u32 * (self.tile.0 + self.gap()) + self.gap();
         let height = self.corner(self.tiles - 1).1 + self.rest_of_last_row().1 + self.gap();
         let mut page = RgbImage::from_pixel(width, height, PAGE);
         for (k, tile) in tiles.iter().enumerate() {

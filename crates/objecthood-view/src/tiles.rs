@@ -6,6 +6,7 @@ use objecthood::{Raster, Segments};
 
 use crate::distance::{Anchor, anchors, to_border};
 use crate::labels::{self, Label};
+use crate::objects::Objects;
 use crate::palette::object_color;
 use crate::region_colors::region_colors;
 use crate::support::tree::tree;
@@ -148,15 +149,25 @@ fn name_carriers(image: &mut RgbImage, view: &View<'_>, regions: &Raster<i32>) {
 
 /// The objects with their numbers, on the dimmed image.
 pub(crate) fn objects(view: &View<'_>) -> Tile {
-    let mut image = view.paint(|u, v| match view.object(u, v) {
-        Some((_, depth)) if depth <= 1 => Some(NOTHING),
-        Some((id, _)) => Some(object_color(id)),
-        None => view.scenery(u, v).map(|color| mix(NOTHING, color, 0.4)),
+    let image = numbered(&view.objects, |u, v| view.scenery(u, v));
+    Tile { title: format!("objects {}", view.discovery.objects.len()), image, scale: None }
+}
+
+/// A map of objects at the size of a tile, each with its number, on the dimmed `scenery`.
+pub(crate) fn numbered(objects: &Objects, scenery: impl Fn(usize, usize) -> Option<Rgb<u8>>) -> RgbImage {
+    let (width, height) = objects.size();
+    let mut image = RgbImage::from_fn(width, height, |x, y| {
+        let (u, v) = (x as usize, y as usize);
+        match objects.at(u, v) {
+            Some((_, depth)) if depth <= 1 => NOTHING,
+            Some((id, _)) => object_color(id),
+            None => scenery(u, v).map_or(NOTHING, |color| mix(NOTHING, color, 0.4)),
+        }
     });
     let label =
         |anchor: Anchor| Label { text: anchor.id.to_string(), color: object_color(anchor.id), anchor };
-    labels::write(&mut image, view.anchors().into_iter().map(label).collect());
-    Tile { title: format!("objects {}", view.discovery.objects.len()), image, scale: None }
+    labels::write(&mut image, objects.anchors().into_iter().map(label).collect());
+    image
 }
 
 /// What stands on what, on `size` (columns, rows) pixels.

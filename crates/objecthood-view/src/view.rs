@@ -4,8 +4,8 @@ use image::imageops::{self, FilterType};
 use image::{ImageBuffer, Rgb, RgbImage};
 use objecthood::{Discovery, Frame, Raster, Segments};
 
-use crate::distance::{self, Anchor};
 use crate::grid::{sample, tile_size};
+use crate::objects::Objects;
 use crate::recording::Recording;
 use crate::support::forest::Forest;
 
@@ -18,12 +18,10 @@ pub(crate) struct View<'a> {
     color: Option<RgbImage>,
     depth_m: Raster<f32>,
     normals: Option<Raster<[f32; 3]>>,
-    /// The object of every pixel, 0 = none.
-    objects: Raster<u16>,
+    /// The objects that were found.
+    pub(crate) objects: Objects,
     /// What stands on what.
     pub(crate) forest: Forest,
-    /// From every pixel to the border of its object, in units of 1 / [`distance::SIDE`] px.
-    to_border: Vec<u32>,
     frame: &'a Frame,
     pub(crate) recording: &'a Recording,
     pub(crate) discovery: &'a Discovery,
@@ -31,13 +29,11 @@ pub(crate) struct View<'a> {
 
 impl<'a> View<'a> {
     pub(crate) fn new(frame: &'a Frame, recording: &'a Recording, discovery: &'a Discovery) -> Self {
-        let objects = sample(&discovery.labels);
         Self {
             size: tile_size(frame.size()),
             color: frame.color().and_then(resize),
             depth_m: sample(frame.depth_m()),
-            to_border: distance::to_border(&objects),
-            objects,
+            objects: Objects::new(&discovery.labels),
             forest: Forest::new(discovery),
             normals: recording.normals.as_ref().map(sample),
             frame,
@@ -114,20 +110,14 @@ impl<'a> View<'a> {
         owns_depth.iter().skip(first).filter(|&&owns| owns).count()
     }
 
-    /// The object at a pixel, and how many pixels it is from there to the object's border: 1 = on it.
+    /// As [`Objects::at`].
     pub(crate) fn object(&self, u: usize, v: usize) -> Option<(u16, u32)> {
-        let id = *self.objects.get(u, v).filter(|&&id| id > 0)?;
-        Some((id, self.to_border[v * self.objects.width() + u] / distance::SIDE))
-    }
-
-    /// Where to write the numbers of the objects.
-    pub(crate) fn anchors(&self) -> Vec<Anchor> {
-        distance::anchors(&self.objects, &self.to_border)
+        self.objects.at(u, v)
     }
 }
 
 /// Colour at the size of a tile; `None` never happens but for an image that claims a wrong size.
-fn resize(color: &Raster<[u8; 3]>) -> Option<RgbImage> {
+pub(crate) fn resize(color: &Raster<[u8; 3]>) -> Option<RgbImage> {
     let (width, height) = color.size();
     let (columns, rows) = tile_size(color.size());
     let bytes = color.as_slice().as_flattened();

@@ -24,7 +24,27 @@ pub struct ParameterInfo {
     pub meaning: String,
     /// Where the default comes from.
     pub source: &'static str,
+    /// The methods that read it.
+    pub methods: &'static [Method],
 }
+
+impl ParameterInfo {
+    /// The least and the greatest value allowed of a number; `None` of a choice.
+    pub fn limits(&self) -> Option<(f64, f64)> {
+        let (least, greatest) = self.range.split_once(TO)?;
+        Some((least.parse().ok()?, greatest.parse().ok()?))
+    }
+
+    /// The values allowed of a choice; none of a number.
+    pub fn choices(&self) -> Vec<&str> {
+        if self.limits().is_some() { Vec::new() } else { self.range.split(OR).collect() }
+    }
+}
+
+/// Between the limits of a range.
+const TO: &str = " ..= ";
+/// Between the values of a choice.
+const OR: &str = " | ";
 
 /// The values a parameter may take.
 trait Allowed<T> {
@@ -37,7 +57,7 @@ impl<T: PartialOrd + fmt::Display> Allowed<T> for std::ops::RangeInclusive<T> {
         self.contains(value)
     }
     fn in_words(&self) -> String {
-        format!("{} ..= {}", self.start(), self.end())
+        format!("{}{TO}{}", self.start(), self.end())
     }
 }
 
@@ -56,10 +76,11 @@ impl<T> Allowed<T> for OneOf {
 macro_rules! parameters {
     ($(
         $(#[doc = $group_doc:literal])+
-        $Group:ident $group:ident {
+        $Group:ident $group:ident, read by $readers:tt {
             $(
                 $(#[doc = $doc:literal])+
-                $name:ident: $ty:ty = $default:expr, $allowed:expr, $unit:literal, $source:literal;
+                $name:ident: $ty:ty = $default:expr, $allowed:expr, $unit:literal, $source:literal
+                    $(, only $only:ident)?;
             )+
         }
     )+) => {
@@ -92,6 +113,7 @@ macro_rules! parameters {
                     vec![$(describe(
                         concat!(stringify!($group), ".", stringify!($name)),
                         &defaults.$name, &$allowed, $unit, &[$($doc),+], $source,
+                        first_named(&[$(Method::$only)?], &$readers),
                     )),+]
                 }
             }
@@ -143,6 +165,7 @@ fn describe<T: fmt::Display>(
     unit: &'static str,
     meaning: &[&str],
     source: &'static str,
+    methods: &'static [Method],
 ) -> ParameterInfo {
     ParameterInfo {
         name: name.to_owned(),
@@ -151,7 +174,13 @@ fn describe<T: fmt::Display>(
         unit,
         meaning: meaning.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" "),
         source,
+        methods,
     }
+}
+
+/// The methods named for the parameter, else those named for its group.
+fn first_named(of_parameter: &'static [Method], of_group: &'static [Method]) -> &'static [Method] {
+    if of_parameter.is_empty() { of_group } else { of_parameter }
 }
 
 /// A choice between names that are the same in a file, on the command line and in the table.
@@ -208,22 +237,22 @@ choice! {
 
 parameters! {
     /// What is known of the depth sensor.
-    Sensor sensor {
+    Sensor sensor, read by [Method::Paper, Method::Context] {
         /// Step of inverse depth that the sensor resolves: the unit of disparity in eq. 1.
         disparity_quantum_per_m: f64 = 0.00285, 1e-6..=1.0, "1/m",
             "measured on mOSD learn, a Kinect v1; 1/348 by its disparity law (METHOD 0)";
         /// Sideways noise of points, which looks like noise of disparity on slopes (`context`).
-        lateral_noise_px: f64 = 0.8, 0.0..=100.0, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)";
+        lateral_noise_px: f64 = 0.8, 0.0..=100.0, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)", only Context;
     }
 
     /// Gaussian smoothing of the colour image before eq. 1.
-    Smoothing smoothing {
+    Smoothing smoothing, read by [Method::Paper] {
         /// Standard deviation of the Gaussian; 0 = none.
         sigma_px: f64 = 0.5, 0.0..=10.0, "px", "paper, III-A";
     }
 
     /// Normals from integral images.
-    Normals normals {
+    Normals normals, read by [Method::Paper] {
         /// Side of the window over which tangents are averaged; it shrinks near depth changes.
         window_px: f64 = 10.0, 2.0..=200.0, "px", "tuned on mOSD learn (METHOD 2.1)";
         /// Depth changes where neighbours differ by more than this times z^2.
@@ -231,7 +260,7 @@ parameters! {
     }
 
     /// Curvature of the surface, eq. 2.
-    Curvature curvature {
+    Curvature curvature, read by [Method::Paper] {
         /// Whether high curvature bounds superpixels (the paper's comparison).
         enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "paper, IV";
         /// Curvature above which a pixel is a border.
@@ -243,7 +272,7 @@ parameters! {
     }
 
     /// Graph over-segmentation on colour, depth and curvature, eq. 1.
-    Graph graph {
+    Graph graph, read by [Method::Paper] {
         /// What the edge weights are made of.
         channels: Channels = Channels::Both, OneOf("color | depth | both"), "dimensionless: switch", "paper, IV";
         /// Weight of colour against disparity (alpha).
@@ -255,13 +284,13 @@ parameters! {
     }
 
     /// High-curvature pixels go to the region reached over the cheapest path.
-    Absorption absorption {
+    Absorption absorption, read by [Method::Paper] {
         /// No path crosses a step in depth of more than this times z^2.
         depth_gate_per_m: f32 = 0.02, 0.0..=10.0, "1/m", "tuned on mOSD learn (METHOD 2.1)";
     }
 
     /// How superpixels look: histograms of colour and normals, eq. 3.
-    Appearance appearance {
+    Appearance appearance, read by [Method::Paper] {
         /// Weight of the colour histogram against the histogram of normals (omega).
         color_weight: f64 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-B (omega)";
         /// Bins per axis of the joint Lab histogram.
@@ -273,13 +302,13 @@ parameters! {
     }
 
     /// Superpixels that look alike grouped to facets.
-    Grouping grouping {
+    Grouping grouping, read by [Method::Paper] {
         /// Internal variation of a single superpixel: the difference in appearance it tolerates (c).
         initial_variation: f64 = 0.4, 0.0..=1.0, "dimensionless: histogram distance", "tuned on mOSD learn (METHOD 2.4)";
     }
 
     /// Which regions are close to each other in space.
-    Contact contact {
+    Contact contact, read by [Method::Paper, Method::Context] {
         /// How far to look for the neighbour across pixels that belong to no region.
         reach_px: usize = 4, 1..=100, "px", "tuned on mOSD learn (METHOD 2.1)";
         /// Points nearer than this are in contact.
@@ -287,22 +316,22 @@ parameters! {
     }
 
     /// The direction "up".
-    Gravity gravity {
+    Gravity gravity, read by [Method::Paper, Method::Context] {
         /// Where it comes from.
         up_from: UpFrom = UpFrom::Plane, OneOf("plane | camera"), "dimensionless: switch",
             "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (METHOD 4.4)";
         /// Points nearer to the plane than this belong to it.
-        inlier_distance_m: f64 = 0.008, 1e-4..=1.0, "m", "tuned on mOSD learn (METHOD 2.6)";
+        inlier_distance_m: f64 = 0.008, 1e-4..=1.0, "m", "tuned on mOSD learn (METHOD 2.6)", only Paper;
         /// A plane that holds a smaller share of the valid points is no ground to stand on.
-        min_inlier_share: f64 = 0.1, 0.0..=1.0, "dimensionless: share of valid points", "ours, because a scene without a plane has no up to read off";
+        min_inlier_share: f64 = 0.1, 0.0..=1.0, "dimensionless: share of valid points", "ours, because a scene without a plane has no up to read off", only Paper;
         /// Points looked at in the search for the plane.
-        samples: usize = 6000, 3..=1_000_000, "points", "ours, because more changes no plane (METHOD 2.6)";
+        samples: usize = 6000, 3..=1_000_000, "points", "ours, because more changes no plane (METHOD 2.6)", only Paper;
         /// Planes tried.
-        trials: usize = 300, 1..=100_000, "planes", "ours, because more changes no plane (METHOD 2.6)";
+        trials: usize = 300, 1..=100_000, "planes", "ours, because more changes no plane (METHOD 2.6)", only Paper;
     }
 
     /// Planes fitted to the window around every pixel (`context`).
-    LocalFit local_fit {
+    LocalFit local_fit, read by [Method::Context] {
         /// Half the side of the window, without its middle.
         radius_px: usize = 3, 1..=50, "px at a focal length of 525 px", "METHOD 3.1";
         /// A pixel keeps its own window below this residual; above, the best of nine windows speaks for it.
@@ -310,7 +339,7 @@ parameters! {
     }
 
     /// Large planes that carry or enclose the objects (`context`).
-    Structure structure {
+    Structure structure, read by [Method::Context] {
         /// Pixels nearer than this belong to the surface.
         tolerance_quanta: f64 = 2.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.3)";
         /// Their normals differ by less than this from the surface's.
@@ -320,7 +349,7 @@ parameters! {
     }
 
     /// Superpixels by watershed of the fit residual (`context`).
-    Watershed watershed {
+    Watershed watershed, read by [Method::Context] {
         /// Side of the blocks with one seed each.
         seed_block_px: usize = 8, 1..=1000, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)";
         /// Largest jump inside a surface, beyond what its slope explains.
@@ -328,7 +357,7 @@ parameters! {
     }
 
     /// Superpixels that lie on one surface merged to facets (`context`).
-    Merging merging {
+    Merging merging, read by [Method::Context] {
         /// Disagreement up to which planes are merged.
         plane_tolerance_quanta: f32 = 1.2, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.5)";
         /// Disagreement up to which quadratics are merged afterwards; 0 = planes only.
@@ -338,13 +367,13 @@ parameters! {
     }
 
     /// Borders of facets straightened (`context`).
-    Refinement refinement {
+    Refinement refinement, read by [Method::Context] {
         /// Misfit that one neighbour of the same facet makes up for.
         agreement_quanta: f64 = 0.35, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.6)";
     }
 
     /// What the common border of two facets tells (`context`).
-    Border border {
+    Border border, read by [Method::Context] {
         /// Half the side of the window in which a plane is fitted to either side, without its middle.
         radius_px: usize = 7, 1..=100, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.7)";
         /// A larger gap between both sides is a step.
@@ -354,7 +383,7 @@ parameters! {
     }
 
     /// Facets joined to shapes by the votes of their borders (`context`).
-    Contraction contraction {
+    Contraction contraction, read by [Method::Context] {
         /// Concavity at which a fold votes neither way.
         reflex_offset_deg: f64 = 12.0, -180.0..=180.0, "degrees", "tuned on mOSD learn (METHOD 3.8)";
         /// From there to a full vote.
@@ -364,19 +393,19 @@ parameters! {
     }
 
     /// Small clusters go to what they touch (`context`).
-    Fragments fragments {
+    Fragments fragments, read by [Method::Context] {
         /// Clusters with fewer pixels are given away.
         max_size_px: usize = 250, 0..=1_000_000, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.10)";
     }
 
     /// What hardly rises above the support is a part of it (`context`).
-    Height height {
+    Height height, read by [Method::Context] {
         /// Lowest top of an object.
         min_top_m: f64 = 0.010, -1.0..=10.0, "m", "tuned on mOSD learn (METHOD 3.11)";
     }
 
     /// Insides and walls of vessels joined (`context`).
-    Vessels vessels {
+    Vessels vessels, read by [Method::Context] {
         /// Concavity of a vessel's inside; 0 = vessels are not joined.
         concavity: f64 = 0.2, 0.0..=2.0, "dimensionless: mean turn of normals towards each other", "tuned on mOSD learn (METHOD 3.12)";
         /// Inside and wall have tops of equal height up to this.
@@ -388,7 +417,7 @@ parameters! {
     }
 
     /// Parts of an object joined behind what hides its middle (`context`).
-    Occlusion occlusion {
+    Occlusion occlusion, read by [Method::Context] {
         /// Whether they are.
         enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "METHOD 3.13";
         /// Both parts lie on one surface up to this.
@@ -402,15 +431,15 @@ parameters! {
     }
 
     /// What makes a shape an object: its size and the support it has, eq. 6 to 8.
-    Objectness objectness {
+    Objectness objectness, read by [Method::Paper, Method::Context] {
         /// Shortest length of the longest side of an object.
-        min_side_m: f32 = 0.02, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
+        min_side_m: f32 = 0.02, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)", only Paper;
         /// Greatest length of the longest side of an object.
-        max_side_m: f32 = 0.60, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
+        max_side_m: f32 = 0.60, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)", only Paper;
         /// Pixels with depth that an object has at least.
         min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)";
         /// P(O) that an object has at least.
-        threshold: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (METHOD 2.1)";
+        threshold: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (METHOD 2.1)", only Paper;
     }
 }
 
@@ -430,6 +459,9 @@ mod tests {
                 .all(|p| !p.unit.is_empty() && !p.source.is_empty() && p.meaning.ends_with(['.', ')']))
         );
         assert!(table.iter().all(|p| p.unit != "dimensionless"), "say what it means");
+        assert!(
+            table.iter().all(|p| !p.methods.is_empty() && p.limits().is_some() == (p.choices().len() < 2))
+        );
     }
 
     #[test]

@@ -72,21 +72,23 @@ impl Serialize for SceneReport {
 
 impl Serialize for Report {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut report = serializer.serialize_struct("Report", 2)?;
+        let mut report = serializer.serialize_struct("Report", 3)?;
         report.serialize_field("total", &self.total)?;
-        report.serialize_field("scenes", &ByName(&self.scenes))?;
+        report.serialize_field("folders", &ByName(self.folders()))?;
+        let by_name = self.scenes.iter().map(|scene| (scene.name.as_str(), scene));
+        report.serialize_field("scenes", &ByName(by_name.collect()))?;
         report.end()
     }
 }
 
-/// The scenes as a map, in their own order.
-struct ByName<'a>(&'a [SceneReport]);
+/// Figures as a map, in their own order.
+struct ByName<'a, T>(Vec<(&'a str, T)>);
 
-impl Serialize for ByName<'_> {
+impl<T: Serialize> Serialize for ByName<'_, T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for scene in self.0 {
-            map.serialize_entry(&scene.name, scene)?;
+        for (name, figures) in &self.0 {
+            map.serialize_entry(name, figures)?;
         }
         map.end()
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Report, SceneReport};
+use super::{Report, SceneReport, Totals};
 use crate::metrics::Prf;
 use crate::mosd;
 use crate::verdict::VerdictCounts;
@@ -82,6 +82,67 @@ impl fmt::Display for SettingsTable<'_> {
             "occl/over/under/bnd/missed",
         ];
         write_table(f, 1, &header, &rows.collect::<Vec<_>>())
+    }
+}
+
+/// One row a setting, and in it the figures of every folder: how two sets of scenes take the same change.
+pub struct FoldersTable<'a>(
+    /// The settings by name, all on the same scenes.
+    pub &'a [(String, Report)],
+);
+
+impl fmt::Display for FoldersTable<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let folders: Vec<_> = self.0.iter().map(|(name, report)| (name, report.folders())).collect();
+        let mut header = vec!["setting".to_owned()];
+        for (folder, totals) in folders.first().iter().flat_map(|(_, folders)| folders) {
+            header.push(format!("{folder}: correct of {}", totals.counts.total()));
+            header.extend(["overlap F", "boundary F", "occl/over/under"].map(str::to_owned));
+        }
+        let rows = folders.iter().map(|(name, folders)| {
+            let figures = folders.iter().flat_map(|(_, Totals { metrics, counts, .. })| {
+                let VerdictCounts { correct, occlusion, over, under, .. } = counts;
+                let percent = |share: f64| format!("{:.1}", 100.0 * share);
+                let [overlap, boundary] = [metrics.overlap.f, metrics.boundary.f].map(percent);
+                [correct.to_string(), overlap, boundary, format!("{occlusion}/{over}/{under}")]
+            });
+            std::iter::once((*name).clone()).chain(figures).collect()
+        });
+        let header: Vec<&str> = header.iter().map(String::as_str).collect();
+        write_table(f, 1, &header, &rows.collect::<Vec<_>>())
+    }
+}
+
+/// One line a folder: the setting in which most objects are lost against the first one.
+pub struct LossesList<'a>(
+    /// The settings by name, all on the same scenes.
+    pub &'a [(String, Report)],
+);
+
+impl fmt::Display for LossesList<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [(_, first), others @ ..] = self.0 else { return Ok(()) };
+        for (k, (folder, totals)) in first.folders().into_iter().enumerate() {
+            let lost = |report: &Report| {
+                let correct = report.folders().get(k).map_or(0, |(_, totals)| totals.counts.correct);
+                totals.counts.correct.saturating_sub(correct)
+            };
+            // The first of equals.
+            let worst = others.iter().rev().max_by_key(|(_, report)| lost(report));
+            let new_line = if k > 0 { "\n" } else { "" };
+            match worst.map(|(name, report)| (name, lost(report))) {
+                Some((name, lost)) if lost > 0 => {
+                    let objects = totals.counts.total();
+                    let percent = 100.0 * lost as f64 / objects as f64;
+                    write!(
+                        f,
+                        "{new_line}{folder}: at most {lost} of {objects} objects lost ({percent:.1} %), by {name}"
+                    )?;
+                }
+                _ => write!(f, "{new_line}{folder}: no object lost")?,
+            }
+        }
+        Ok(())
     }
 }
 
@@ -169,6 +230,7 @@ fn write_row(
 mod tests {
     use super::*;
     use crate::report::tests::{report, stages};
+    use crate::verdict::Verdict;
 
     #[test]
     fn verdicts_are_grouped_by_folder_and_category() {
@@ -193,6 +255,34 @@ mod tests {
 | both        |     1/2 | 80.0 / 40.0 / 53.3 | 50.0 / 25.0 / 33.3 | 50.0 | 0.675 |                  0/0/0/0/1 |
 | colour, off |     1/2 | 80.0 / 40.0 / 53.3 | 50.0 / 25.0 / 33.3 | 50.0 | 0.675 |                  0/0/0/0/1 |";
         assert_eq!(SettingsTable(&reports).to_string(), expected);
+    }
+
+    #[test]
+    fn folders_stand_side_by_side() {
+        let reports = [("all".to_owned(), report(&["a0", "b1"])), ("less".to_owned(), report(&["a0", "b1"]))];
+        let expected = "\
+| setting | a: correct of 2 | overlap F | boundary F | occl/over/under | b: correct of 2 | overlap F | boundary F | occl/over/under |
+| ------- | --------------: | --------: | ---------: | --------------: | --------------: | --------: | ---------: | --------------: |
+| all     |               1 |      53.3 |       33.3 |           0/0/0 |               1 |      53.3 |       33.3 |           0/0/0 |
+| less    |               1 |      53.3 |       33.3 |           0/0/0 |               1 |      53.3 |       33.3 |           0/0/0 |";
+        assert_eq!(FoldersTable(&reports).to_string(), expected);
+    }
+
+    #[test]
+    fn the_greatest_loss_of_every_folder_is_named() {
+        let lose = |names: &[&str]| {
+            let mut scenes = report(&["a0", "b1", "b2"]).scenes;
+            for scene in scenes.iter_mut().filter(|scene| names.contains(&scene.name.as_str())) {
+                scene.score.objects[0].verdict = Verdict::Over;
+            }
+            Report::new(scenes).unwrap()
+        };
+        let reports =
+            [("as is", vec![]), ("x", vec!["b1"]), ("y", vec!["b1", "b2"]), ("z", vec!["b1", "b2"])]
+                .map(|(name, lost)| (name.to_owned(), lose(&lost)));
+        let expected = "a: no object lost\nb: at most 2 of 4 objects lost (50.0 %), by y";
+        assert_eq!(LossesList(&reports).to_string(), expected);
+        assert_eq!(LossesList(&[]).to_string(), "");
     }
 
     #[test]

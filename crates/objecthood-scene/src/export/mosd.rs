@@ -54,11 +54,20 @@ pub fn pcd(world: &World, rendered: &Rendered, crop: bool) -> Vec<u8> {
 /// 0 = no depth; 1 = whatever is no object; 10 (k + 1) and up = the k-th object, k >= 1, one number for each of its disjoint
 /// visible parts. With `crop` the room (floor and walls) is 0 too, as in mOSD.
 pub fn mosd_labels(world: &World, rendered: &Rendered, crop: bool) -> Raster<u32> {
-    let instances = &rendered.truth.instance;
     let is_kept =
         |instance: u16| world.solid(instance).is_some_and(|solid| !crop || solid.role() != Role::Room);
+    mosd_labels_of(&rendered.truth.instance, is_kept, world.objects())
+}
+
+/// As [`mosd_labels`] for any map of instances: those in `objects` are the objects in this order, the others that
+/// `is_kept` names are no object, the rest is not there.
+pub fn mosd_labels_of(
+    instances: &Raster<u16>,
+    is_kept: impl Fn(u16) -> bool,
+    objects: impl Iterator<Item = u16>,
+) -> Raster<u32> {
     let mut labels = instances.map(|&k| u32::from(is_kept(k)));
-    for (k, object) in world.objects().enumerate() {
+    for (k, object) in objects.enumerate() {
         let mut parts = parts(instances, object);
         parts.sort_by_key(|part| std::cmp::Reverse(part.len()));
         for (number, part) in parts.iter().enumerate() {

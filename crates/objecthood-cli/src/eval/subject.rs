@@ -1,0 +1,119 @@
+//! What is scored.
+
+use anyhow::{Context, Result};
+use indicatif::ProgressBar;
+use objecthood::{Observer, Params};
+use objecthood_eval::{LabelFolder, Prediction, Report, Scene, Setting, StageObserver};
+
+use super::comparison::Comparison;
+use super::stock::Stock;
+use crate::args::EvalArgs;
+use crate::failure::usage;
+use crate::watch::{Laps, Watch};
+use crate::{config, terminal};
+
+/// What is to be scored.
+pub(crate) enum Subject {
+    /// Label images that are there already.
+    Labels(LabelFolder),
+    /// A method.
+    Method(Params),
+    /// A method with several settings of its parameters.
+    Comparison { base: Params, comparison: Comparison, settings: Vec<Setting> },
+}
+
+impl Subject {
+    /// What the command line names.
+    ///
+    /// # Errors
+    /// Of usage.
+    pub(crate) fn new(args: &EvalArgs) -> Result<Self> {
+        let settings = &args.settings;
+        if let Some(path) = &args.labels {
+            if args.method.is_some() || settings.config.is_some() || !settings.set.is_empty() {
+                return Err(usage(
+                    "--labels scores images that are there already, so no method runs that --method, --config or \
+                     --set could act on: leave out one or the other",
+                ));
+            }
+            return Ok(Self::Labels(LabelFolder { path: path.clone(), suffix: args.suffix.clone() }));
+        }
+        let base = config::params(settings, args.method)?;
+        Ok(match Comparison::asked(args.comparison) {
+            None => Self::Method(base),
+            Some(comparison) => {
+                let settings = comparison.settings(&base, &settings.set)?;
+                Self::Comparison { base, comparison, settings }
+            }
+        })
+    }
+
+    /// What is compared, if anything is.
+    pub(crate) fn comparison(&self) -> Option<Comparison> {
+        match self {
+            Self::Comparison { comparison, .. } => Some(*comparison),
+            Self::Labels(_) | Self::Method(_) => None,
+        }
+    }
+
+    /// The parameters in force, of whatever is compared; the data set's own sensor among them.
+    pub(crate) fn params(&self) -> Option<&Params> {
+        match self {
+            Self::Labels(_) => None,
+            Self::Method(params) | Self::Comparison { base: params, .. } => Some(params),
+        }
+    }
+
+    /// One report for every setting, by name.
+    ///
+    /// # Errors
+    /// Of the scenes that fail, what the first one fails with.
+    pub(crate) fn score(&self, stock: &Stock, verbose: bool) -> Result<Vec<(String, Report)>> {
+        let with_stages = !matches!(self.comparison(), Some(Comparison::Ladder | Comparison::Sensitivity));
+        let alone;
+        let settings: &[Setting] = match self {
+            Self::Labels(folder) => {
+                let bar = terminal::progress_bar(stock.len(), verbose);
+                let report = stock.evaluate_labels(|reference| {
+                    bar.inc(1);
+                    folder.read(reference)
+                })?;
+                bar.finish_and_clear();
+                return Ok(vec![(folder.path.display().to_string(), report)]);
+            }
+            Self::Method(params) => {
+                alone = [Setting { name: params.method.to_string(), params: params.clone() }];
+                &alone
+            }
+            Self::Comparison { settings, .. } => settings,
+        };
+        let bar = terminal::progress_bar(settings.len() * stock.len(), verbose);
+        // The stages take time, and only the paper's comparison is about them.
+        let reports = stock.evaluate(settings, |setting, scene, source| {
+            predict(setting, scene, source, with_stages, &bar)
+        })?;
+        bar.finish_and_clear();
+        Ok(settings.iter().map(|setting| setting.name.clone()).zip(reports).collect())
+    }
+}
+
+/// Runs a method on one scene, which is `source` to the user.
+fn predict(
+    setting: &Setting,
+    scene: &Scene,
+    source: &str,
+    with_stages: bool,
+    bar: &ProgressBar,
+) -> Result<Prediction> {
+    let (mut laps, mut stages) = (Laps::start(), StageObserver::new(&scene.truth));
+    let next: &mut dyn Observer = if with_stages { &mut stages } else { &mut () };
+    let mut watch = Watch { laps: &mut laps, next };
+    let discovery = objecthood::discover_observed(&scene.frame, &setting.params, &mut watch)
+        .with_context(|| source.to_owned())?;
+    tracing::info!("{source}, {}: {laps}", setting.name);
+    bar.inc(1);
+    Ok(Prediction {
+        labels: discovery.labels,
+        stages: if with_stages { Some(stages.into_stages()?) } else { None },
+    })
+}
