@@ -67,8 +67,8 @@ pub use regions::{RegionEdge, RegionGraph, SegmentId, Segments};
 /// Looks at a frame and says what in it can be grasped and moved.
 ///
 /// Lengths are metres in the camera frame, see [`Frame`]; the labels have the size of the frame. A frame in which
-/// nothing is found is no error: the discovery is empty. For a frame of n pixels O(n log n) time and O(n) memory;
-/// parameters that are radii or window sizes multiply the time.
+/// nothing is found is no error: the discovery is empty. For a frame of n pixels O(n log n) time and O(n) memory, as
+/// long as regions stay few beside pixels; parameters that are radii or window sizes multiply the time.
 ///
 /// # Errors
 /// [`Error::BadParameter`] when a parameter is outside its range, [`Error::TooManyObjects`] beyond 65535 objects.

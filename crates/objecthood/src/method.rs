@@ -12,8 +12,8 @@ use crate::objectness::gravity::{dominant_plane, on_plane, up};
 use crate::objectness::objects::objects;
 use crate::objectness::support::support;
 use crate::objectness::{
-    Clusters, Scene, absorb_fragments, drop_low, fill, join_behind_occluders, join_bottoms, join_vessels,
-    outcome,
+    Clusters, Scene, Steps, absorb_fragments, drop_low, fill, join_behind_occluders, join_bottoms,
+    join_vessels, outcome,
 };
 use crate::observe::{Observer, Stage};
 use crate::oversegment::absorb::absorb;
@@ -22,7 +22,7 @@ use crate::oversegment::graph::{PixelGraph, Unmeasured};
 use crate::oversegment::smoothing::smooth;
 use crate::oversegment::structure::structure;
 use crate::oversegment::watershed::{Links, linked_pairs, watershed};
-use crate::params::{Channels, Params, UpFrom};
+use crate::params::{self, Channels, Params, UpFrom};
 use crate::raster::Raster;
 use crate::shapes::border::borders;
 use crate::shapes::contact::contacts;
@@ -124,8 +124,8 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     observer.observe(Stage::Shapes(&shapes.with_structure(&facets)));
 
     // 4. Objectness: what the surroundings of a shape tell, and support against gravity.
-    let jump_quanta = params.watershed.link_jump_quanta;
-    let facets = fill(facets, &disparity, jump_quanta + 1.0);
+    let steps = Steps::of(&params.watershed);
+    let facets = fill(facets, &disparity, steps);
     let scene = Scene {
         facets: &facets,
         disparity: &disparity,
@@ -134,12 +134,13 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
         color: frame.color(),
         space,
         support: structure.support.map(|s| &structure.surfaces[s]),
+        steps,
     };
-    let mut clusters = Clusters::new(&scene, &shapes, jump_quanta);
+    let mut clusters = Clusters::new(&scene, &shapes);
     absorb_fragments(&mut clusters, &params.fragments);
     drop_low(&mut clusters, &params.height);
     join_vessels(&mut clusters, &params.vessels);
-    join_bottoms(&mut clusters, structure.support, jump_quanta + 1.0, &params.vessels);
+    join_bottoms(&mut clusters, structure.support, &params.vessels);
     join_behind_occluders(&mut clusters, &params.occlusion);
 
     let outcome = outcome(&clusters, structure.support, space.area_px(params.objectness.min_size_px));
@@ -147,7 +148,8 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
     let described =
         descriptors(&outcome.regions, &outcome.regions.labels().map(|_| true), &points, &orientation.normal);
-    let touching = contacts(&outcome.regions, &points, &params.contact);
+    let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };
+    let touching = contacts(&outcome.regions, &points, &contact);
     let mut support = support(&outcome.regions, &described, &touching, &points, &up);
     support.mark_structure(planes.len());
     observer.observe(Stage::Support { graph: &support, regions: &outcome.regions });

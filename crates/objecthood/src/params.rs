@@ -310,7 +310,7 @@ parameters! {
     /// Which regions are close to each other in space.
     Contact contact, read by [Method::Paper, Method::Context] {
         /// How far to look for the neighbour across pixels that belong to no region.
-        reach_px: usize = 4, 1..=100, "px", "tuned on mOSD learn (METHOD 2.1)";
+        reach_px: usize = 4, 1..=100, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)";
         /// Points nearer than this are in contact.
         distance_m: f32 = 0.02, 0.0..=1.0, "m", "tuned on mOSD learn (METHOD 2.1)";
     }

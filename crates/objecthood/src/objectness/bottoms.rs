@@ -41,18 +41,12 @@ const STEP_M: f64 = 0.01;
 /// Smaller patches (px at a focal length of 525 px) are holes in a surface: they are filled without a word.
 const BOTTOM_PX: usize = 100;
 
-/// Gives patches of the support, and of what was found to be a part of it, to the object that encloses them. Pixels whose
-/// disparities differ by more than `jump_quanta`, or depths by more than 1 cm, do not touch. Without a support surface
-/// nothing is done. O(pixels + patches · clusters).
-pub(crate) fn join_bottoms(
-    clusters: &mut Clusters<'_>,
-    support: Option<usize>,
-    jump_quanta: f32,
-    params: &params::Vessels,
-) {
+/// Gives patches of the support, and of what was found to be a part of it, to the object that encloses them. Beyond a step,
+/// or when depths differ by more than 1 cm, nothing touches. Without a support surface nothing is done.
+/// O(pixels + patches · clusters).
+pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, support: Option<usize>, params: &params::Vessels) {
     let Some(support) = support else { return };
     let scene = clusters.scene;
-    let touching = Touching { scene, jump_quanta };
     let least_px = scene.space.area_px(BOTTOM_PX);
     let mut owners = owners(clusters, support);
     let mut gains: BTreeMap<SegmentId, Vec<u32>> = BTreeMap::new();
@@ -60,7 +54,7 @@ pub(crate) fn join_bottoms(
         if owners[start] != Owner::Background {
             continue;
         }
-        let Patch { pixels, border, touch } = touching.patch(start, &mut owners);
+        let Patch { pixels, border, touch } = scene.patch(start, &mut owners);
         // The first of those touched most.
         let Some((&id, &most)) = touch.iter().rev().max_by_key(|(_, touch)| **touch) else { continue };
         let contact_share = f64::from(touch.values().sum::<u32>()) / f64::from(border);
@@ -90,17 +84,11 @@ fn owners(clusters: &Clusters<'_>, support: usize) -> Raster<Owner> {
     segments.labels().map(|&facet| usize::try_from(facet).map_or(Owner::Nobody, owner))
 }
 
-/// What is next to each other without a step.
-struct Touching<'a> {
-    scene: &'a Scene<'a>,
-    jump_quanta: f32,
-}
-
-impl Touching<'_> {
+impl Scene<'_> {
     fn touch(&self, i: usize, j: usize) -> bool {
-        let [d_i, d_j] = [i, j].map(|i| self.scene.disparity[i]);
-        let [z_i, z_j] = [d_i, d_j].map(|d| self.scene.space.depth_m(d.into()));
-        (d_i - d_j).abs() <= self.jump_quanta && (z_i - z_j).abs() <= STEP_M
+        let [d_i, d_j] = [i, j].map(|i| self.disparity[i]);
+        let [z_i, z_j] = [d_i, d_j].map(|d| self.space.depth_m(d.into()));
+        (d_i - d_j).abs() <= self.steps.touch_quanta && (z_i - z_j).abs() <= STEP_M
     }
 
     /// The patch that holds `start`, which is marked as visited.
@@ -137,9 +125,6 @@ mod tests {
     use super::*;
     use crate::objectness::testing::{Table, single};
 
-    /// 17 mm at the table, more than the step that is none.
-    const JUMP_QUANTA: f32 = 6.0;
-
     /// How many pixels of the table each of the facets a, b, .. gets.
     fn gained(rows: &[&str], heights_m: &[f64]) -> Vec<usize> {
         let table = Table::drawn(rows, heights_m);
@@ -149,7 +134,7 @@ mod tests {
             clusters.alive().iter().map(|&id| clusters.get(id).pixels.len()).collect()
         };
         let before = sizes(&clusters);
-        join_bottoms(&mut clusters, Some(0), JUMP_QUANTA, &params::Vessels::default());
+        join_bottoms(&mut clusters, Some(0), &params::Vessels::default());
         for id in clusters.alive() {
             let pixels = &clusters.get(id).pixels;
             assert!(
@@ -192,7 +177,7 @@ mod tests {
         let scene = table.scene();
         let mut clusters = single(&scene);
         for support in [None, Some(7)] {
-            join_bottoms(&mut clusters, support, JUMP_QUANTA, &params::Vessels::default());
+            join_bottoms(&mut clusters, support, &params::Vessels::default());
             assert_eq!(clusters.get(SegmentId(0)).pixels.len(), 10);
         }
     }
@@ -208,7 +193,7 @@ mod tests {
         let table = plate(3);
         let scene = table.scene();
         let mut clusters = single(&scene);
-        join_bottoms(&mut clusters, Some(0), JUMP_QUANTA, &params::Vessels::default());
+        join_bottoms(&mut clusters, Some(0), &params::Vessels::default());
         assert_eq!(
             (clusters.get(SegmentId(0)).pixels.len(), clusters.get(SegmentId(0)).joins.len()),
             (400, 0)
@@ -217,14 +202,14 @@ mod tests {
         let table = plate(10);
         let scene = table.scene();
         let mut clusters = single(&scene);
-        join_bottoms(&mut clusters, Some(0), JUMP_QUANTA, &params::Vessels::default());
+        join_bottoms(&mut clusters, Some(0), &params::Vessels::default());
         let (join, _) = &clusters.get(SegmentId(0)).joins[0];
         assert_eq!(join.evidence, JoinEvidence::VesselBottom { contact_share: 1.0 });
         assert_eq!(join.parts.map(|part| part.size_px), [300, 100]);
         // Above 1 it never is.
         let mut clusters = single(&scene);
         let never = params::Vessels { bottom_contact_share: 1.1, ..Default::default() };
-        join_bottoms(&mut clusters, Some(0), JUMP_QUANTA, &never);
+        join_bottoms(&mut clusters, Some(0), &never);
         assert!(clusters.get(SegmentId(0)).joins.is_empty());
     }
 }

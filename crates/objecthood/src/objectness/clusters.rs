@@ -9,8 +9,9 @@ use glam::{DVec3, Vec3};
 use crate::facets::Facets;
 use crate::objectness::join::{Join, JoinedPart};
 use crate::objectness::objects::pixel_box;
-use crate::oversegment::structure::{StructureSurface, percentile};
+use crate::oversegment::structure::{StructureSurface, element_at};
 use crate::oversegment::watershed::neighbours;
+use crate::params;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::shapes::contraction::Shapes;
@@ -27,6 +28,23 @@ pub(crate) struct Scene<'a> {
     pub space: &'a DisparitySpace,
     /// What objects stand on.
     pub support: Option<&'a StructureSurface>,
+    pub steps: Steps,
+}
+
+/// Largest differences in disparity (quanta) that are no step in depth.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Steps {
+    /// Between pixels side by side.
+    pub touch_quanta: f32,
+    /// Across a gap.
+    pub level_quanta: f32,
+}
+
+impl Steps {
+    /// What a link of the watershed allows; side by side one quantum more, as much as rounding makes.
+    pub(crate) fn of(params: &params::Watershed) -> Self {
+        Self { touch_quanta: params.link_jump_quanta + 1.0, level_quanta: params.link_jump_quanta }
+    }
 }
 
 /// How two clusters lie to each other in the image: pairs of neighbouring pixels, also across a gap.
@@ -76,9 +94,8 @@ const CONVEXITY_SAMPLES: usize = 48;
 /// ... and at pairs of them whose squared distance (m^2) is at least this.
 const CONVEXITY_APART_M2: f64 = 1e-5;
 
-/// Gives measured pixels without a facet to the facet of a neighbour, breadth first, across steps of at most `jump_quanta`.
-/// O(pixels).
-pub(crate) fn fill(facets: Facets, disparity: &Raster<f32>, jump_quanta: f32) -> Facets {
+/// Gives measured pixels without a facet to the facet of a neighbour that they touch, breadth first. O(pixels).
+pub(crate) fn fill(facets: Facets, disparity: &Raster<f32>, steps: Steps) -> Facets {
     let count = facets.segments.count();
     let mut labels = facets.segments.labels().clone();
     let (width, height) = labels.size();
@@ -86,7 +103,7 @@ pub(crate) fn fill(facets: Facets, disparity: &Raster<f32>, jump_quanta: f32) ->
     let mut open: VecDeque<usize> = (0..slice.len()).filter(|&i| slice[i] >= 0).collect();
     while let Some(i) = open.pop_front() {
         for (j, _) in neighbours(i, width, height) {
-            if slice[j] < 0 && (disparity[j] - disparity[i]).abs() <= jump_quanta {
+            if slice[j] < 0 && (disparity[j] - disparity[i]).abs() <= steps.touch_quanta {
                 slice[j] = slice[i];
                 open.push_back(j);
             }
@@ -112,8 +129,8 @@ impl Borders {
 }
 
 impl<'a> Clusters<'a> {
-    /// The shapes. Neighbours differ by at most `jump_quanta` where no step parts them. O(pixels).
-    pub(crate) fn new(scene: &'a Scene<'a>, shapes: &Shapes, jump_quanta: f32) -> Self {
+    /// The shapes. O(pixels).
+    pub(crate) fn new(scene: &'a Scene<'a>, shapes: &Shapes) -> Self {
         let Shapes { of_facet: shape_of, count } = shapes;
         let of_facet: Vec<_> = shape_of.iter().map(|&shape| Some(SegmentId(shape))).collect();
         let mut clusters = vec![Cluster::default(); *count];
@@ -123,7 +140,7 @@ impl<'a> Clusters<'a> {
                 clusters[shape_of[shape] as usize].pixels.push(i as u32);
             }
         }
-        for edge in lie_of_clusters(scene, shapes, jump_quanta).edges() {
+        for edge in lie_of_clusters(scene, shapes).edges() {
             // Region 0 is the background.
             let [a, b] = [edge.a, edge.b].map(|k| k.0.checked_sub(1).map(SegmentId));
             for (own, other, borders) in [(a, b, edge.evidence), (b, a, edge.evidence.mirrored())] {
@@ -210,7 +227,7 @@ impl<'a> Clusters<'a> {
             let every_other = cluster.pixels.iter().step_by(2);
             let mut heights: Vec<f64> =
                 every_other.map(|&i| self.scene.height_m(i as usize, support)).collect();
-            percentile(&mut heights, TOP_SHARE)
+            element_at(&mut heights, TOP_SHARE)
         })
     }
 
@@ -267,9 +284,10 @@ impl Scene<'_> {
 }
 
 /// How any two clusters lie to each other; region 0 is the background, region k + 1 is cluster k.
-fn lie_of_clusters(scene: &Scene<'_>, shapes: &Shapes, jump_quanta: f32) -> RegionGraph<Borders> {
+fn lie_of_clusters(scene: &Scene<'_>, shapes: &Shapes) -> RegionGraph<Borders> {
     let Facets { segments, structure, .. } = scene.facets;
     let (width, height) = segments.labels().size();
+    let Steps { touch_quanta, level_quanta } = scene.steps;
     let reach = scene.space.length_px(REACH_PX);
     let region = |i: usize| {
         let facet = segments.at(i)?.index();
@@ -288,8 +306,8 @@ fn lie_of_clusters(scene: &Scene<'_>, shapes: &Shapes, jump_quanta: f32) -> Regi
                 let [d_a, d_b] = [s, t].map(|t| scene.disparity[start + t * stride]);
                 let rise = if a < b { d_a - d_b } else { d_b - d_a };
                 let borders = match (rise.abs(), t - s) {
-                    (step, 1) if step <= jump_quanta + 1.0 => Borders { touch: 1, ..Default::default() },
-                    (step, _) if step <= jump_quanta => Borders { level: 1, ..Default::default() },
+                    (step, 1) if step <= touch_quanta => Borders { touch: 1, ..Default::default() },
+                    (step, _) if step <= level_quanta => Borders { level: 1, ..Default::default() },
                     _ if rise > 0.0 => Borders { in_front: 1, ..Default::default() },
                     _ => Borders { behind: 1, ..Default::default() },
                 };
@@ -409,7 +427,8 @@ mod tests {
                 (0..labels.len()).map(|i| if disparity[i].is_nan() { -1 } else { labels[i] }).collect(),
             );
             let facets = Facets { segments: Segments::from_numbered(labels.clone(), 2), models: Vec::new(), structure: 0 };
-            let filled = fill(facets, &disparity, 3.0).segments;
+            let steps = Steps { touch_quanta: 3.0, level_quanta: 2.0 };
+            let filled = fill(facets, &disparity, steps).segments;
             let (width, height) = labels.size();
             for i in 0..labels.len() {
                 let own = filled.labels()[i];

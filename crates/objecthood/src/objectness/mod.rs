@@ -21,7 +21,7 @@ mod testing;
 mod vessels;
 
 pub(crate) use bottoms::join_bottoms;
-pub(crate) use clusters::{Clusters, Scene, fill};
+pub(crate) use clusters::{Clusters, Scene, Steps, fill};
 pub(crate) use fragments::absorb_fragments;
 pub(crate) use height::drop_low;
 pub(crate) use occlusion::join_behind_occluders;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::facets::Facets;
-use crate::objectness::clusters::{Clusters, Scene};
+use crate::objectness::clusters::{Clusters, Scene, Steps};
 use crate::oversegment::structure::StructureSurface;
 use crate::params;
 use crate::raster::Raster;
@@ -89,6 +89,7 @@ impl Table {
             color: self.color.as_ref(),
             space: &self.space,
             support: Some(&self.support),
+            steps: Steps::of(&params::Watershed::default()),
         }
     }
 }
@@ -97,7 +98,7 @@ impl Table {
 pub(crate) fn single<'a>(scene: &'a Scene<'a>) -> Clusters<'a> {
     let count = scene.facets.segments.count() - 1;
     let shapes = Shapes { of_facet: (0..count as u32).collect(), count };
-    Clusters::new(scene, &shapes, params::Watershed::default().link_jump_quanta)
+    Clusters::new(scene, &shapes)
 }
 
 /// The cluster of every facet but the table, as the number of the facet that it is named after; `None` = background.

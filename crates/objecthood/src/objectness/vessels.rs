@@ -40,7 +40,7 @@ const REMAINDER_SHARE: f64 = 0.8;
 const REMAINDER_SIZE: f64 = 0.3;
 
 /// Joins the parts of vessels. Without a support surface, or with `concavity` 0, nothing is done.
-/// O(merges · clusters · neighbours + pixels of what is merged).
+/// O(merges · clusters · neighbours + the pixels of every inside and its walls that are tried, up to 12 times).
 pub(crate) fn join_vessels(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let Some(support) = clusters.scene.support.filter(|_| params.concavity > 0.0) else { return };
     let rules = Rules { support, params };

@@ -322,7 +322,7 @@ impl Extent {
         });
         let width_m = |axis: DVec3| {
             let mut along: Vec<f64> = inliers.iter().map(|s| s.point_m.dot(axis)).collect();
-            percentile(&mut along, 0.95) - percentile(&mut along, 0.05)
+            element_at(&mut along, 0.95) - element_at(&mut along, 0.05)
         };
         let [t1, t2] = tangents(normal);
         Self { area_m2: area_m2.sum(), longest_m: width_m(t1).max(width_m(t2)) }
@@ -336,7 +336,7 @@ pub(crate) fn tangents(normal: DVec3) -> [DVec3; 2] {
 }
 
 /// The element that this share of the values lie below; reorders them. 0 of no values. O(n).
-pub(crate) fn percentile(values: &mut [f64], share: f64) -> f64 {
+pub(crate) fn element_at(values: &mut [f64], share: f64) -> f64 {
     let Some(last) = values.len().checked_sub(1) else { return 0.0 };
     let place = ((share * values.len() as f64) as usize).min(last);
     *values.select_nth_unstable_by(place, f64::total_cmp).1
@@ -512,7 +512,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_percentile_is_that_of_the_sorted_values(
+        fn an_element_is_that_of_the_sorted_values(
             mut values in prop::collection::vec(-5.0_f64..5.0, 0..30),
             share in 0.0_f64..=1.0,
         ) {
@@ -520,7 +520,7 @@ mod tests {
             sorted.sort_by(f64::total_cmp);
             let place = (share * sorted.len() as f64).floor() as usize;
             let expected = sorted.get(place).or(sorted.last()).copied().unwrap_or(0.0);
-            prop_assert_eq!(percentile(&mut values, share), expected);
+            prop_assert_eq!(element_at(&mut values, share), expected);
         }
 
         #[test]

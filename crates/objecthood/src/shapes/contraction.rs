@@ -63,7 +63,8 @@ pub fn votes(
 /// Groups regions so that what is joined agrees and what is parted disagrees: greedy additive edge contraction (Keuper et
 /// al., ICCV 2015). The edge of greatest weight is contracted, parallel edges add up, until no weight is above 0.
 ///
-/// The weights are metres of border, so a long valley outvotes a short ridge. O(E log E).
+/// The weights are metres of border, so a long valley outvotes a short ridge. O(E log E), as long as no region has very many
+/// neighbours.
 pub fn contract(weights: &RegionGraph<f64>) -> Shapes {
     let mut neighbours: Vec<BTreeMap<u32, f64>> = vec![BTreeMap::new(); weights.regions()];
     let mut heap = BinaryHeap::new();
