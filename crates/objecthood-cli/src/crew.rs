@@ -5,7 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::{sync::mpsc, thread};
 
 use anyhow::{Result, anyhow};
+use indicatif::ProgressBar;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::terminal;
 
 /// Calls `work` on every item and `report` with the results, in the order of the items.
 ///
@@ -56,6 +59,46 @@ pub(crate) fn in_order<T: Sync, R: Send>(
         }
         Ok(())
     })
+}
+
+/// What became of many items.
+pub(crate) struct Reported {
+    /// How many failed; each was named on stderr.
+    pub(crate) failed: usize,
+    /// Whether all that was to be said of the others was printed. Work goes on when it was not.
+    pub(crate) printed: Result<()>,
+}
+
+/// Does `work` on every item as [`in_order`] does, prints what `text` says of what was done and names what failed, below
+/// a bar that moves on.
+///
+/// # Errors
+/// When the threads cannot be had.
+pub(crate) fn report_in_order<T: Sync, D: Send>(
+    items: &[T],
+    threads: usize,
+    bar: &ProgressBar,
+    work: impl Fn(&T) -> Result<D> + Sync,
+    mut text: impl FnMut(&T, D) -> String,
+) -> Result<Reported> {
+    let mut reported = Reported { failed: 0, printed: Ok(()) };
+    in_order(items, threads, work, |item, result| {
+        bar.suspend(|| match result {
+            Ok(done) => {
+                let text = text(item, done);
+                if reported.printed.is_ok() {
+                    reported.printed = terminal::print(&text);
+                }
+            }
+            Err(e) => {
+                reported.failed += 1;
+                terminal::error(&e);
+            }
+        });
+        bar.inc(1);
+    })?;
+    bar.finish_and_clear();
+    Ok(reported)
 }
 
 /// A pool of threads.

@@ -48,40 +48,22 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     notices.iter().for_each(|notice| terminal::complain(&format!("note: {notice}")));
     unreadable.iter().for_each(terminal::error);
     let total = frames.len() + unreadable.len();
-    let mut failed = unreadable.len();
 
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
-    let mut printed = Ok(());
-    crew::in_order(
-        frames,
-        args.settings.threads(),
-        |input| plan.segment(input),
-        |input, result| {
-            bar.suspend(|| match result {
-                Ok(done) => {
-                    for notice in &done.notices {
-                        terminal::complain(&format!("note: {}: {notice}", input.path.display()));
-                    }
-                    let text = if total == 1 { in_full(input, &done) } else { in_short(input, &done) };
-                    if printed.is_ok() {
-                        printed = terminal::print(&text);
-                    }
-                }
-                Err(e) => {
-                    failed += 1;
-                    terminal::error(&e);
-                }
-            });
-            bar.inc(1);
-        },
-    )?;
-    bar.finish_and_clear();
+    let work = |input: &Input| plan.segment(input);
+    let reported = crew::report_in_order(frames, args.settings.threads(), &bar, work, |input, done| {
+        for notice in &done.notices {
+            terminal::complain(&format!("note: {}: {notice}", input.path.display()));
+        }
+        if total == 1 { in_full(input, &done) } else { in_short(input, &done) }
+    })?;
 
+    let failed = unreadable.len() + reported.failed;
     if total > 1 || failed > 0 {
         let sum = if failed == 0 { String::new() } else { format!(", {failed} failed") };
         terminal::complain(&format!("{} of {total} frames done{sum}", total - failed));
     }
-    printed?;
+    reported.printed?;
     Ok(if failed == 0 { Outcome::AllDone } else { Outcome::SomeFailed })
 }
 

@@ -7,6 +7,7 @@ use objecthood_io::output;
 use objecthood_scene::generate;
 
 use crate::args::SynthArgs;
+use crate::crew::Reported;
 use crate::failure::Outcome;
 use crate::outputs::{make_folder, make_folders_of, refuse_file};
 use crate::shell::word;
@@ -29,25 +30,9 @@ pub(crate) fn run(args: &SynthArgs) -> Result<Outcome> {
     }
 
     let bar = terminal::progress_bar(recipes.len(), false);
-    let mut failed = 0;
-    let mut printed = Ok(());
-    crew::in_order(
-        &recipes,
-        args.threads.count(),
-        |recipe| write(recipe, &args.out),
-        |_, result| {
-            bar.suspend(|| match result {
-                Ok(text) if printed.is_ok() => printed = terminal::print(&text),
-                Ok(_) => {}
-                Err(e) => {
-                    failed += 1;
-                    terminal::error(&e);
-                }
-            });
-            bar.inc(1);
-        },
-    )?;
-    bar.finish_and_clear();
+    let work = |recipe: &Recipe| write(recipe, &args.out);
+    let Reported { failed, printed } =
+        crew::report_in_order(&recipes, args.threads.count(), &bar, work, |_, text| text)?;
     printed?;
     let total = recipes.len();
     if failed > 0 {

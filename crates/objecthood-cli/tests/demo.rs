@@ -101,13 +101,7 @@ fn mistakes_are_explained_and_nothing_is_done() {
         ("--set curvature.thresold=0.1", "`curvature.threshold`"),
         ("--method magic", "paper"),
     ] {
-        let run = folder.run(&format!("demo {arguments}"), 2);
-        assert!(
-            run.stderr.starts_with("error: ") && run.stderr.contains(said),
-            "{arguments}: {}",
-            run.stderr
-        );
-        assert_eq!(run.stdout, "");
+        folder.refuses(&format!("demo {arguments}"), said);
     }
     std::fs::create_dir_all(folder.path().join("out/tabletop34.json")).unwrap();
     let run = folder.run("demo --out out", 1);

@@ -134,13 +134,7 @@ fn contradictions_are_mistakes_of_usage() {
         ("--pictures drawn --sensitivity", "--sensitivity"),
         ("--pictures empty.toml", "--pictures empty.toml is a file: name a folder"),
     ] {
-        let run = folder.run(&format!("eval root {arguments}"), 2);
-        assert!(
-            run.stderr.starts_with("error: ") && run.stderr.contains(said),
-            "{arguments}: {}",
-            run.stderr
-        );
-        assert_eq!(run.stdout, "");
+        folder.refuses(&format!("eval root {arguments}"), said);
     }
 }
 

@@ -151,13 +151,7 @@ fn mistakes_are_explained_and_nothing_is_done() {
         ("--out file --scenes 1", "--out file is a file: name a folder"),
         ("--out out --scenes 1 --threads 0", "--threads"),
     ] {
-        let run = folder.run(&format!("synth {arguments}"), 2);
-        assert!(
-            run.stderr.starts_with("error: ") && run.stderr.contains(said),
-            "{arguments}: {}",
-            run.stderr
-        );
-        assert_eq!(run.stdout, "");
+        folder.refuses(&format!("synth {arguments}"), said);
     }
     let run = folder.run("synth --out file/below --scenes 1", 1);
     assert!(run.errors()[0].contains("cannot make the folder file/below"), "{}", run.stderr);

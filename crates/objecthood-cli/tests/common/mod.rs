@@ -71,6 +71,18 @@ impl Folder {
         run_in(self.path(), arguments, code)
     }
 
+    /// The arguments are refused as wrong usage, in words that name the mistake, and nothing is printed.
+    #[track_caller]
+    pub(crate) fn refuses(&self, arguments: &str, said: &str) {
+        let run = self.run(arguments, 2);
+        assert!(
+            run.stderr.starts_with("error: ") && run.stderr.contains(said),
+            "{arguments}: {}",
+            run.stderr
+        );
+        assert_eq!(run.stdout, "");
+    }
+
     /// All files in a folder and below: name with `/` -> bytes.
     pub(crate) fn files(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
         let top = self.path().join(folder);
