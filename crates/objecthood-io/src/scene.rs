@@ -133,8 +133,7 @@ pub struct SceneObject {
     #[schemars(range(min = 0, max = 1))]
     pub objectness: f32,
     /// What the objectness is made of.
-    #[serde(with = "ObjectnessParts")]
-    pub parts: objecthood::ObjectnessParts,
+    pub parts: ObjectnessParts,
     /// Its pixels in the label image (px).
     #[schemars(range(min = 1))]
     pub size_px: usize,
@@ -144,6 +143,10 @@ pub struct SceneObject {
     pub centroid_m: [f32; 3],
     /// Oriented box around its points, one axis along up.
     pub box_m: OrientedBox,
+    /// How high it stands above the support plane (m); absent where that is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f32")]
+    pub top_m: Option<f32>,
     /// Number of facets it is made of.
     pub facets: usize,
     /// Its node: index into the nodes of the support graph.
@@ -154,40 +157,25 @@ pub struct SceneObject {
     pub joins: Vec<Join>,
 }
 
-/// The evidence behind an objectness, by method.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[serde(
-    remote = "objecthood::ObjectnessParts",
-    tag = "method",
-    rename_all = "snake_case",
-    deny_unknown_fields
-)]
-#[non_exhaustive]
-pub enum ObjectnessParts {
-    /// Of the method `paper`.
-    Paper {
-        /// Whether its longest side has the size of something graspable.
-        size_ok: bool,
-        /// P(S) of its best parent: how well that can carry something; 0 without a parent.
-        #[schemars(range(min = 0, max = 1))]
-        p_s: f32,
-        /// P(O): the probability that it is an object by what carries it.
-        #[schemars(range(min = 0, max = 1))]
-        p_o: f32,
-    },
-    /// Of the method `context`.
-    Context {
-        /// P(S) of its best parent: how well that can carry something; 0 without a parent.
-        #[schemars(range(min = 0, max = 1))]
-        p_s: f32,
-        /// P(O): the probability that it is an object by what carries it.
-        #[schemars(range(min = 0, max = 1))]
-        p_o: f32,
-        /// How high it stands above the support plane (m); absent without such a plane.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f32")]
-        top_m: Option<f32>,
-    },
+/// What an objectness is made of: 1 speaks for an object, or at least not against one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectnessParts {
+    /// Whether its longest side has the size of something graspable.
+    #[schemars(range(min = 0, max = 1))]
+    pub size: f32,
+    /// P(O): whether something carries it.
+    #[schemars(range(min = 0, max = 1))]
+    pub support: f32,
+    /// How much of its hull in the image it fills, as far as nothing hides it.
+    #[schemars(range(min = 0, max = 1))]
+    pub compactness: f32,
+    /// How clear its borders are: steps in depth and valleys, not flat or convex folds.
+    #[schemars(range(min = 0, max = 1))]
+    pub separation: f32,
+    /// How much of its outline is its own, and neither something nearer's nor the border of the image.
+    #[schemars(range(min = 0, max = 1))]
+    pub visibility: f32,
 }
 
 /// Two parts of one object, and why they belong together.
@@ -431,14 +419,16 @@ impl From<&gravity::StructurePlane> for StructurePlane {
 impl From<&objecthood::Object> for SceneObject {
     fn from(object: &objecthood::Object) -> Self {
         let objecthood::OrientedBox { center_m, rotation_xyzw, extents_m } = object.box_m;
+        let objecthood::ObjectnessParts { size, support, compactness, separation, visibility } = object.parts;
         Self {
             id: object.id.0,
             objectness: object.objectness,
-            parts: object.parts,
+            parts: ObjectnessParts { size, support, compactness, separation, visibility },
             size_px: object.size_px,
             box_px: object.box_px.into(),
             centroid_m: object.centroid_m,
             box_m: OrientedBox { center_m, rotation_xyzw, extents_m },
+            top_m: object.top_m,
             facets: object.facets,
             node: object.node.0,
             parents: object.parents.iter().map(|node| node.0).collect(),

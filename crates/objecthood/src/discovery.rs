@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::objectness::gravity::{StructurePlane, Up};
 use crate::objectness::join::Join;
+pub use crate::objectness::parts::ObjectnessParts;
 use crate::objectness::support::{NodeId, SupportGraph};
 use crate::raster::Raster;
 
@@ -47,6 +48,8 @@ pub struct Object {
     pub centroid_m: [f32; 3],
     /// Oriented box, one axis along up.
     pub box_m: OrientedBox,
+    /// How high it stands above the support plane (m), where that is known (`context`).
+    pub top_m: Option<f32>,
     /// Number of facets it is made of.
     pub facets: usize,
     /// Which of its parts were joined although they do not touch as one surface. None in `paper`.
@@ -55,30 +58,6 @@ pub struct Object {
     pub node: NodeId,
     /// The nodes that it stands on or leans against.
     pub parents: Vec<NodeId>,
-}
-
-/// The evidence behind an objectness, by method.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum ObjectnessParts {
-    /// Of the method `paper`.
-    Paper {
-        /// Whether the longest side has the size of something graspable.
-        size_ok: bool,
-        /// P(S) of its best parent, eq. 7: how horizontal the parent is. 0 without a parent.
-        p_s: f32,
-        /// P(O), eq. 8: what the parents make it.
-        p_o: f32,
-    },
-    /// Of the method `context`.
-    Context {
-        /// P(S) of its best parent, eq. 7: how horizontal the parent is. 0 without a parent.
-        p_s: f32,
-        /// P(O), eq. 8: what the parents make it.
-        p_o: f32,
-        /// How high it stands above the support plane (m), if there is one.
-        top_m: Option<f32>,
-    },
 }
 
 /// An upright rectangle of pixels.

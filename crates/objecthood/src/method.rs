@@ -7,8 +7,9 @@ use crate::facets::grouping::facets;
 use crate::facets::merging::merge_surfaces;
 use crate::facets::refinement::refine;
 use crate::frame::Frame;
-use crate::objectness::decision::decide;
+use crate::objectness::decision::decided;
 use crate::objectness::gravity::{dominant_plane, on_plane, up};
+use crate::objectness::hypotheses::{Evidence, hypotheses};
 use crate::objectness::objects::objects;
 use crate::objectness::support::support;
 use crate::objectness::{
@@ -73,8 +74,12 @@ pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer)
     let touching = contacts(&shapes, &points, &params.contact);
     let mut support = support(&shapes, &described, &touching, &points, &up);
     observer.observe(Stage::Support { graph: &support, regions: &shapes });
-    let hypotheses = decide(&shapes, &points, &support, &up, &params.objectness);
-    let (objects, labels) = objects(hypotheses, &facets, &points, &support)?;
+    let space = &DisparitySpace::new(frame.camera(), &params.sensor);
+    let evidence =
+        Evidence { regions: &shapes, points_m: &points, normals: &normals, support: &support, up: &up, space };
+    let hypotheses = hypotheses(&evidence, 0, params.objectness.min_size_px, params);
+    observer.observe(Stage::Hypotheses(&hypotheses));
+    let (objects, labels) = objects(decided(hypotheses, params), &facets, &points, &support)?;
     support.mark(&objects);
 
     let missing_plane = plane.is_none() && params.gravity.up_from == UpFrom::Plane;
@@ -153,8 +158,18 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     let mut support = support(&outcome.regions, &described, &touching, &points, &up);
     support.mark_structure(planes.len());
     observer.observe(Stage::Support { graph: &support, regions: &outcome.regions });
-    let (objects, labels) =
-        objects(outcome.hypotheses(&clusters, &support, &up), &facets.segments, &points, &support)?;
+    let evidence = Evidence {
+        regions: &outcome.regions,
+        points_m: &points,
+        normals: &orientation.normal,
+        support: &support,
+        up: &up,
+        space,
+    };
+    let mut hypotheses = hypotheses(&evidence, planes.len(), 1, params);
+    outcome.describe(&mut hypotheses, &clusters);
+    observer.observe(Stage::Hypotheses(&hypotheses));
+    let (objects, labels) = objects(decided(hypotheses, params), &facets.segments, &points, &support)?;
     support.mark(&objects);
 
     let missing_plane = structure.support.is_none() && params.gravity.up_from == UpFrom::Plane;

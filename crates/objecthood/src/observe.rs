@@ -1,6 +1,7 @@
 //! The one hook through which pictures, timings and tests see intermediate results.
 
 use crate::discovery::Discovery;
+use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::support::SupportGraph;
 use crate::raster::Raster;
 use crate::regions::Segments;
@@ -28,6 +29,8 @@ pub enum Stage<'a> {
         /// Node k of the graph is region k. In `paper` the shapes, in `context` structure and clusters.
         regions: &'a Segments,
     },
+    /// Stage 4: what may be an object, with the score that decides.
+    Hypotheses(&'a [Hypothesis]),
     /// Stage 4: the outcome.
     Objects(&'a Discovery),
 }

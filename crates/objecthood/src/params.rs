@@ -382,14 +382,14 @@ parameters! {
         step_depth_m: f64 = 0.013, 0.0..=10.0, "m", "tuned on mOSD learn (METHOD 3.7)";
     }
 
-    /// Facets joined to shapes by the votes of their borders (`context`).
-    Contraction contraction, read by [Method::Context] {
+    /// Facets joined to shapes by the votes of their borders (`context`); and which folds are clear as the border of an object.
+    Contraction contraction, read by [Method::Paper, Method::Context] {
         /// Concavity at which a fold votes neither way.
         reflex_offset_deg: f64 = 12.0, -180.0..=180.0, "degrees", "tuned on mOSD learn (METHOD 3.8)";
         /// From there to a full vote.
         full_vote_deg: f64 = 15.0, 1e-3..=360.0, "degrees", "tuned on mOSD learn (METHOD 3.8)";
         /// How much a step speaks against one shape.
-        occlusion_weight: f64 = 0.15, 0.0..=100.0, "dimensionless: vote per metre of step", "tuned on mOSD learn (METHOD 3.8)";
+        occlusion_weight: f64 = 0.15, 0.0..=100.0, "dimensionless: vote per metre of step", "tuned on mOSD learn (METHOD 3.8)", only Context;
     }
 
     /// Small clusters go to what they touch (`context`).
@@ -430,16 +430,30 @@ parameters! {
         max_distance_m: f64 = 0.35, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 3.13)";
     }
 
-    /// What makes a shape an object: its size and the support it has, eq. 6 to 8.
+    /// How much speaks for an object, and how much must: eq. 6 to 8, and what the paper leaves open.
     Objectness objectness, read by [Method::Paper, Method::Context] {
-        /// Shortest length of the longest side of an object.
-        min_side_m: f32 = 0.02, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)", only Paper;
-        /// Greatest length of the longest side of an object.
-        max_side_m: f32 = 0.60, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)", only Paper;
+        /// Shortest longest side of something graspable.
+        min_side_m: f32 = 0.02, 1e-3..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
+        /// Greatest longest side of something graspable.
+        max_side_m: f32 = 0.60, 1e-3..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
         /// Pixels with depth that an object has at least.
         min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)";
-        /// P(O) that an object has at least.
-        threshold: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (METHOD 2.1)", only Paper;
+        /// P(O) that an object of `paper` has at least.
+        min_p_o: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (METHOD 2.1)", only Paper;
+        /// What a size that cannot be grasped takes from objectness.
+        size_weight: f32 = 1.0, 0.0..=1.0, "dimensionless: share", "ours, because what is too large cannot be moved";
+        /// What a lack of support takes from objectness.
+        support_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "ours, because";
+        /// What an empty hull takes from objectness.
+        compactness_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "ours, because";
+        /// What unclear borders take from objectness.
+        separation_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "ours, because";
+        /// What an outline that is not its own takes from objectness.
+        visibility_weight: f32 = 0.3, 0.0..=1.0, "dimensionless: share", "ours, because";
+        /// Objectness that an object of `context` has at least.
+        threshold: f32 = 0.0, 0.0..=1.0, "dimensionless: objectness", "ours", only Context;
+        /// Whether hypotheses that are no objects are written as well (`--all`).
+        every_hypothesis: bool = false, OneOf("true | false"), "dimensionless: switch", "ours, because the score tells more than a verdict";
     }
 }
 

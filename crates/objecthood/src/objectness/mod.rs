@@ -5,14 +5,18 @@
 
 mod bottoms;
 mod clusters;
+pub mod compactness;
 pub mod decision;
 mod fragments;
 pub mod gravity;
 mod height;
+pub mod hypotheses;
 pub mod join;
 pub mod objects;
 mod occlusion;
 mod outcome;
+pub mod outline;
+pub mod parts;
 mod rim;
 pub mod size;
 pub mod support;

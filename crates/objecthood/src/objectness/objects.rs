@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::discovery::{Object, ObjectId, PixelBox};
 use crate::error::{Error, Result};
-use crate::objectness::decision::Hypothesis;
+use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::support::{NodeId, SupportGraph};
 use crate::raster::Raster;
 use crate::regions::Segments;
@@ -30,9 +30,8 @@ pub fn objects(
     let parents = support.parents();
     let mut labels = vec![0; points_m.len()];
     let mut objects = Vec::with_capacity(hypotheses.len());
-    for (number, Hypothesis { shape, pixels, box_m, objectness, parts, joins }) in
-        (1..=u16::MAX).zip(hypotheses)
-    {
+    for (number, hypothesis) in (1..=u16::MAX).zip(hypotheses) {
+        let Hypothesis { region, pixels, box_m, objectness, parts, top_m, joins } = hypothesis;
         pixels.iter().for_each(|&i| labels[i] = number);
         objects.push(Object {
             id: ObjectId(number),
@@ -43,9 +42,10 @@ pub fn objects(
             centroid_m: centroid_m(&pixels, points_m),
             box_m,
             facets: facets_among(&pixels, facets),
+            top_m,
             joins,
-            node: NodeId(shape.0),
-            parents: parents.get(shape.index()).cloned().unwrap_or_default(),
+            node: NodeId(region.0),
+            parents: parents.get(region.index()).cloned().unwrap_or_default(),
         });
     }
     Ok((objects, points_m.with_data(labels)))
@@ -88,7 +88,7 @@ mod tests {
     fn hypothesis(shape: u32, pixels: &[usize], p_o: f32) -> Hypothesis {
         let parts = ObjectnessParts::Paper { size_ok: true, p_s: p_o, p_o };
         Hypothesis {
-            shape: SegmentId(shape),
+            region: SegmentId(shape),
             pixels: pixels.to_vec(),
             box_m: BOX,
             objectness: p_o,

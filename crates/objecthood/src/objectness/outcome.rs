@@ -1,12 +1,9 @@
 //! What has become of the clusters: regions for the support graph, and hypotheses (METHOD 3.14).
 
-use crate::discovery::ObjectnessParts;
 use crate::objectness::clusters::Clusters;
-use crate::objectness::decision::Hypothesis;
-use crate::objectness::gravity::Up;
+use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::join::Join;
-use crate::objectness::size::oriented_box;
-use crate::objectness::support::{NodeId, SupportGraph};
+use crate::objectness::support::NodeId;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
 
@@ -43,32 +40,15 @@ impl Outcome {
         self.regions.labels().map(|label| if structure.contains(label) { *label as u16 + 1 } else { 0 })
     }
 
-    /// Every found cluster is an object; `support` has the regions as nodes.
-    pub(crate) fn hypotheses(
-        &self,
-        clusters: &Clusters<'_>,
-        support: &SupportGraph,
-        up: &Up,
-    ) -> Vec<Hypothesis> {
-        let scene = clusters.scene;
-        let parents = support.parents();
-        let judge = |(k, &id): (usize, &SegmentId)| {
-            let node = self.structure + k;
-            let pixels: Vec<usize> = clusters.get(id).pixels.iter().map(|&i| i as usize).collect();
-            let points: Vec<[f32; 3]> = pixels.iter().map(|&i| scene.points_m[i]).collect();
-            let p_o = support.nodes[node].p_o;
-            let p_s = parents[node].iter().map(|p| support.nodes[p.0 as usize].p_s).fold(0.0, f32::max);
-            let top_m = scene.support.map(|surface| clusters.top_m(id, surface) as f32);
-            Hypothesis {
-                shape: SegmentId(node as u32),
-                box_m: oriented_box(&points, up.direction),
-                pixels,
-                objectness: p_o,
-                parts: ObjectnessParts::Context { p_s, p_o, top_m },
-                joins: clusters.get(id).joins.iter().map(|join| self.resolve(clusters, id, join)).collect(),
-            }
-        };
-        self.found.iter().enumerate().map(judge).collect()
+    /// Adds what is known of clusters only: how high they stand, and why their parts are one.
+    pub(crate) fn describe(&self, hypotheses: &mut [Hypothesis], clusters: &Clusters<'_>) {
+        for hypothesis in hypotheses {
+            let id = self.found[hypothesis.region.index() - self.structure];
+            let top_m = |surface| clusters.top_m(id, surface) as f32;
+            hypothesis.top_m = clusters.scene.support.map(top_m);
+            let joins = clusters.get(id).joins.iter();
+            hypothesis.joins = joins.map(|join| self.resolve(clusters, id, join)).collect();
+        }
     }
 
     /// Says of a join of a cluster which node it is behind: none when what hid the parts became a part of the cluster itself.

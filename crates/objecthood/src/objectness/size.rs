@@ -3,6 +3,7 @@
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use crate::discovery::OrientedBox;
+use crate::params;
 
 /// The share of the points that lies beyond each face of the box: sensors have outliers.
 const OUTLIERS: f64 = 0.01;
@@ -53,6 +54,14 @@ pub fn oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
 /// The longest side of the box (m).
 pub fn longest_side_m(box_m: &OrientedBox) -> f32 {
     box_m.extents_m.into_iter().fold(0.0, f32::max)
+}
+
+/// Whether something with this longest side (m) can be grasped and moved, in [0, 1]: 1 within `min_side_m..=max_side_m`, falling to 0
+/// within an octave on either side, linearly in the logarithm.
+pub fn graspable(longest_m: f32, params: &params::Objectness) -> f32 {
+    let octaves = |ratio: f32| libm::log2f(ratio).max(0.0);
+    let beyond = octaves(params.min_side_m / longest_m).max(octaves(longest_m / params.max_side_m));
+    1.0 - beyond.min(1.0)
 }
 
 /// The value below which a share of `values` lies, between two values by linear interpolation; reorders them.

@@ -178,21 +178,32 @@ impl Border<'_> {
             let at = [middle[0] + side.mean[0], middle[1] + side.mean[1]];
             self.space.point_m(at, side.mean_disparity)
         };
-        let turn: DVec3 = normal(a) - normal(b);
-        let angle = libm::acos(normal(a).dot(normal(b)).clamp(-1.0, 1.0)).to_degrees();
-        if turn.dot(point(a) - point(b)) < 0.0 { -angle } else { angle }
+        fold_angle_deg((point(a), normal(a)), (point(b), normal(b)))
+    }
+}
+
+/// Angle (degrees) between two surfaces, each given by a point and the normal there, below 0 when they lean towards each other.
+pub(crate) fn fold_angle_deg((point_a, normal_a): (DVec3, DVec3), (point_b, normal_b): (DVec3, DVec3)) -> f64 {
+    let turn = normal_a - normal_b;
+    let angle = libm::acos(normal_a.dot(normal_b).clamp(-1.0, 1.0)).to_degrees();
+    if turn.dot(point_a - point_b) < 0.0 { -angle } else { angle }
+}
+
+impl Fold {
+    /// Its signed vote (m): the whole length for one shape or against, from `full_vote_deg` on either side of the valley of
+    /// `reflex_offset_deg`.
+    pub fn vote_m(&self, params: &params::Contraction) -> f64 {
+        let signed = (self.angle_deg + params.reflex_offset_deg) / params.full_vote_deg;
+        self.length_m * signed.clamp(-1.0, 1.0)
     }
 }
 
 impl BorderEvidence {
-    /// The signed vote of a border (m): above 0 for one shape, below 0 for two. A fold gives its whole length for or against from
-    /// `full_vote_deg` on either side of the valley of `reflex_offset_deg`; a step speaks against by `occlusion_weight`.
+    /// The signed vote of a border (m): above 0 for one shape, below 0 for two. Its folds vote; a step speaks against by
+    /// `occlusion_weight`.
     pub fn vote_m(&self, params: &params::Contraction) -> f64 {
-        let vote = |fold: &Fold| {
-            let signed = (fold.angle_deg + params.reflex_offset_deg) / params.full_vote_deg;
-            fold.length_m * signed.clamp(-1.0, 1.0)
-        };
-        self.folds.iter().map(vote).sum::<f64>() - params.occlusion_weight * self.step_m
+        let folds = self.folds.iter().map(|fold| fold.vote_m(params)).sum::<f64>();
+        folds - params.occlusion_weight * self.step_m
     }
 }
 

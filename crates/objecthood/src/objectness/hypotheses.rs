@@ -1,0 +1,81 @@
+//! Hypotheses: what may be an object, and how much speaks for it.
+
+use rayon::prelude::*;
+
+use crate::discovery::{ObjectnessParts, OrientedBox};
+use crate::objectness::compactness::compactness;
+use crate::objectness::gravity::Up;
+use crate::objectness::join::Join;
+use crate::objectness::outline::outlines;
+use crate::objectness::size::{graspable, longest_side_m, oriented_box};
+use crate::objectness::support::SupportGraph;
+use crate::params::Params;
+use crate::raster::Raster;
+use crate::regions::{SegmentId, Segments};
+use crate::surface::disparity::DisparitySpace;
+
+/// What may be an object, and how much speaks for it.
+#[derive(Clone, Debug)]
+pub struct Hypothesis {
+    /// The region that it is.
+    pub region: SegmentId,
+    /// Its pixels with depth, in scan order; at least one.
+    pub pixels: Vec<usize>,
+    /// Its box.
+    pub box_m: OrientedBox,
+    /// How sure it is, in [0, 1].
+    pub objectness: f32,
+    /// What the objectness is made of.
+    pub parts: ObjectnessParts,
+    /// How high it stands above the support plane (m), where that is known.
+    pub top_m: Option<f32>,
+    /// Which of its parts were joined although they do not touch as one surface.
+    pub joins: Vec<Join>,
+}
+
+/// What hypotheses are judged by.
+#[derive(Clone, Copy, Debug)]
+pub struct Evidence<'a> {
+    /// What may be an object, among other things.
+    pub regions: &'a Segments,
+    /// Points (m); `NaN` without depth.
+    pub points_m: &'a Raster<[f32; 3]>,
+    /// Unit normals; zero where there is none.
+    pub normals: &'a Raster<[f32; 3]>,
+    /// What carries what: node k is region k.
+    pub support: &'a SupportGraph,
+    /// The direction against gravity.
+    pub up: &'a Up,
+    /// The camera and its noise.
+    pub space: &'a DisparitySpace,
+}
+
+/// The regions from number `first` on that have `min_size_px` points, with their objectness, in the order of the regions.
+/// O(pixels + area of the hulls); parallel over rows and regions.
+pub fn hypotheses(evidence: &Evidence<'_>, first: usize, min_size_px: usize, params: &Params) -> Vec<Hypothesis> {
+    let Evidence { regions, points_m, normals, support, up, space } = *evidence;
+    let outlines = outlines(regions, points_m, normals, space, &params.contraction);
+    let compactness = compactness(regions, points_m, space);
+    let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); regions.count()];
+    for (i, region) in regions.members().filter(|&(i, _)| !points_m[i][2].is_nan()) {
+        pixels[region].push(i);
+    }
+    let judge = |(region, pixels): (usize, Vec<usize>)| {
+        if region < first || pixels.len() < min_size_px {
+            return None;
+        }
+        let points: Vec<[f32; 3]> = pixels.iter().map(|&i| points_m[i]).collect();
+        let box_m = oriented_box(&points, up.direction);
+        let parts = ObjectnessParts {
+            size: graspable(longest_side_m(&box_m), &params.objectness),
+            support: support.nodes[region].p_o,
+            compactness: compactness[region],
+            separation: outlines[region].separation(),
+            visibility: outlines[region].visibility(),
+        };
+        let objectness = parts.objectness(&params.objectness);
+        let region = SegmentId(region as u32);
+        Some(Hypothesis { region, pixels, box_m, objectness, parts, top_m: None, joins: Vec::new() })
+    };
+    pixels.into_par_iter().enumerate().filter_map(judge).collect()
+}
