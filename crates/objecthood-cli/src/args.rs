@@ -67,6 +67,10 @@ pub(crate) struct Settings {
     #[arg(long, value_name = "STAGE.PARAMETER=VALUE")]
     pub(crate) set: Vec<String>,
 
+    /// Keep every hypothesis with its objectness, also what is no object.
+    #[arg(long)]
+    pub(crate) all: bool,
+
     #[command(flatten)]
     threads: Threads,
 

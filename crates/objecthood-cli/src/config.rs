@@ -1,4 +1,4 @@
-//! Defaults, then `--config FILE`, then every `--set`, then `--method` -> [`Params`].
+//! Defaults, then `--config FILE`, then every `--set`, then `--method` and `--all` -> [`Params`].
 
 use std::path::Path;
 
@@ -29,6 +29,7 @@ pub(crate) fn params(settings: &Settings, method: Option<MethodName>) -> Result<
         Some(MethodName::Paper) => Method::Paper,
         Some(MethodName::Context) => Method::Context,
     };
+    params.objectness.every_hypothesis |= settings.all;
     params.validate().map_err(|e| usage(e.to_string()))?;
     Ok(params)
 }

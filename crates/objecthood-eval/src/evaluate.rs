@@ -5,7 +5,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::PathBuf;
 
-use objecthood::Raster;
+use objecthood::{Object, Raster};
 use objecthood_io::{GridCamera, label_image};
 use rayon::prelude::*;
 
@@ -13,7 +13,6 @@ use crate::composer::Composer;
 use crate::error::{Error, Result};
 use crate::mosd::{Scene, SceneRef};
 use crate::report::{Report, SceneReport};
-use crate::score::score;
 use crate::stages::Stages;
 
 /// The folder under which composed scenes are reported, and what their names begin with.
@@ -24,6 +23,8 @@ pub const COMPOSITE: &str = "composite";
 pub struct Prediction {
     /// The object of every pixel: 0 = none, other values = one object each.
     pub labels: Raster<u16>,
+    /// The objects of the label image, if more is known of them than their pixels.
+    pub objects: Option<Vec<Object>>,
     /// The diagnostics of the stages before it, if they were watched.
     pub stages: Option<Stages>,
 }
@@ -110,9 +111,9 @@ fn report(
     source: &dyn Display,
     prediction: &Prediction,
 ) -> Result<SceneReport> {
-    let score = score(&prediction.labels, &scene.truth)
-        .map_err(|error| Error::InScene { scene: source.to_string(), error: Box::new(error) })?;
-    Ok(SceneReport { name: name.to_owned(), folder: folder.to_owned(), score, stages: prediction.stages })
+    let (name, folder) = (name.to_owned(), folder.to_owned());
+    SceneReport::of(name, folder, &scene.truth, prediction)
+        .map_err(|error| Error::InScene { scene: source.to_string(), error: Box::new(error) })
 }
 
 fn report_of(scene: &Scene, reference: &SceneRef, prediction: &Prediction) -> Result<SceneReport> {
@@ -157,6 +158,6 @@ impl LabelFolder {
             Error::ReadLabels { scene, path: path.clone(), reason }
         })?;
         let labels = label_image::decode(&bytes).map_err(|error| error.at(&path))?;
-        Ok(Prediction { labels, stages: None })
+        Ok(Prediction { labels, objects: None, stages: None })
     }
 }

@@ -39,6 +39,7 @@ pub mod mosd;
 mod numpy;
 #[cfg(test)]
 mod python;
+pub mod ranking;
 pub mod report;
 pub mod score;
 pub mod settings;
@@ -51,6 +52,7 @@ pub use error::{Error, Result};
 pub use evaluate::{LabelFolder, Prediction, evaluate, evaluate_composites, evaluate_settings};
 pub use metrics::{ImageMetrics, Prf};
 pub use mosd::{Scene, SceneRef, Split};
+pub use ranking::{Ranked, Ranking, ranked};
 pub use report::{
     FoldersTable, LossesList, Report, SceneReport, SettingsTable, StagesTable, Totals, VerdictsTable,
 };

@@ -6,10 +6,13 @@ mod tables;
 use std::fmt;
 
 use crate::error::{Error, Result};
+use crate::evaluate::Prediction;
 use crate::metrics::ImageMetrics;
 use crate::numpy;
-use crate::score::ImageScore;
+use crate::ranking::{Ranked, Ranking, ranked};
+use crate::score::{ImageScore, score};
 use crate::stages::Stages;
+use crate::truth::Truth;
 use crate::verdict::{ObjectScore, VerdictCounts};
 
 pub use tables::{FoldersTable, LossesList, SettingsTable, StagesTable, VerdictsTable};
@@ -23,11 +26,23 @@ pub struct SceneReport {
     pub folder: String,
     /// How the label image fits the truth.
     pub score: ImageScore,
+    /// The hypotheses by rank, if more is known of them than their pixels.
+    pub ranked: Option<Vec<Ranked>>,
     /// How the stages before it fit the truth, if they were watched.
     pub stages: Option<Stages>,
 }
 
 impl SceneReport {
+    /// Holds what is said about a scene against its truth.
+    ///
+    /// # Errors
+    /// As [`score`].
+    pub fn of(name: String, folder: String, truth: &Truth, prediction: &Prediction) -> Result<Self> {
+        let Prediction { labels, objects, stages } = prediction;
+        let ranked = objects.as_ref().map(|objects| ranked(labels, objects, truth)).transpose()?;
+        Ok(Self { name, folder, score: score(labels, truth)?, ranked, stages: *stages })
+    }
+
     /// How often each verdict was given.
     pub fn counts(&self) -> VerdictCounts {
         self.score.objects.iter().map(|o| o.verdict).collect()
@@ -63,6 +78,8 @@ pub struct Totals {
     pub hypotheses_off_objects: usize,
     /// Scenes that hold an object.
     pub scenes: usize,
+    /// How well objectness ranks, over the scenes of which it is known.
+    pub ranking: Option<Ranking>,
     /// Means over the scenes whose stages were watched.
     pub stages: Option<Stages>,
 }
@@ -92,8 +109,18 @@ impl Totals {
             hypotheses: scores().map(|s| s.hypotheses).sum(),
             hypotheses_off_objects: scores().map(|s| s.hypotheses_off_objects).sum(),
             scenes: scored.len(),
+            ranking: Self::ranking(scored.iter().map(|(scene, _)| *scene)),
             stages: Stages::mean(scored.iter().filter_map(|(scene, _)| scene.stages.as_ref())),
         })
+    }
+
+    fn ranking<'a>(scenes: impl Iterator<Item = &'a SceneReport>) -> Option<Ranking> {
+        let (mut all, mut objects) = (Vec::new(), 0);
+        for (scene, ranked) in scenes.filter_map(|scene| Some((scene, scene.ranked.as_ref()?))) {
+            all.extend(ranked);
+            objects += scene.score.objects.len();
+        }
+        Ranking::of(&all, objects)
     }
 }
 
@@ -112,7 +139,7 @@ impl fmt::Display for Totals {
 ///
 /// Serialized under the keys of `tools/score.py --json`: `total` holds `oP` .. `p75`, `WOv`, `objects`, `correct` (a
 /// share), `counts`, `scenes`; `folders` maps each folder to the same of its scenes; `scenes` maps each name, in the order of the scenes, to `oP` .. `p75`, `correct` and
-/// `objects` (counts). Added are `hypotheses`, `hypotheses_off_objects`, `stages` where they were watched, and per
+/// `objects` (counts). Added are `hypotheses`, `hypotheses_off_objects`, `ranking` where objectness is known, `stages` where they were watched, and per
 /// scene `folder` and `verdicts`, one entry an object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
@@ -169,7 +196,7 @@ mod tests {
             hypotheses_off_objects: 1,
         };
         let folder = name.trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
-        SceneReport { name: name.to_owned(), folder, score, stages: None }
+        SceneReport { name: name.to_owned(), folder, score, ranked: None, stages: None }
     }
 
     /// A scene in whose truth there is no object.

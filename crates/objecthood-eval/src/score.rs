@@ -76,7 +76,7 @@ pub fn object_map(truth: &Truth) -> Result<Raster<u16>> {
 }
 
 /// The objects, the hypotheses where they count, and their pixels in common.
-fn compared(labels: &Raster<u16>, truth: &Truth) -> Result<(Classes, Classes, Contingency)> {
+pub(crate) fn compared(labels: &Raster<u16>, truth: &Truth) -> Result<(Classes, Classes, Contingency)> {
     if labels.size() != truth.size() {
         return Err(Error::PredictionSize { labels: labels.size(), truth: truth.size() });
     }

@@ -40,7 +40,7 @@ fn data_set() -> (tempfile::TempDir, Vec<SceneRef>) {
 /// The truth itself.
 fn perfect(scene: &Scene) -> Prediction {
     let labels = scene.truth.labels().map(|&l| if l > 1 { l as u16 } else { 0 });
-    Prediction { labels, stages: None }
+    Prediction { labels, objects: None, stages: None }
 }
 
 #[test]

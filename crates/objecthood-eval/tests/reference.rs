@@ -123,6 +123,7 @@ fn context_gives_the_reference_label_maps_pixel_for_pixel() {
     let mut params = objecthood::Params { method: objecthood::Method::Context, ..Default::default() };
     params.structure.slope_quanta_per_px = 0.0;
     params.vessels.bottom_contact_share = 2.0;
+    params.objectness.every_hypothesis = true;
     let scenes = mosd::scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
     for reference in &scenes {
         let scene = reference.load(None).unwrap();
@@ -150,7 +151,7 @@ fn the_ladder_climbs_as_that_of_the_reference() {
     let settings = rungs.map(|(rung, _)| ladder(&params)[rung].clone());
     let reports = evaluate_settings(&scenes, None, &settings, |setting, scene, _| {
         let labels = objecthood::discover(&scene.frame, &setting.params)?.labels;
-        Ok::<_, Error>(Prediction { labels, stages: None })
+        Ok::<_, Error>(Prediction { labels, objects: None, stages: None })
     });
     for ((rung, correct), report) in rungs.into_iter().zip(reports.unwrap()) {
         assert_eq!(report.total.counts.correct, correct, "rung {rung}");

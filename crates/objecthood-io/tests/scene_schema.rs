@@ -26,7 +26,14 @@ fn discovery() -> Discovery {
         objects: vec![Object {
             id: ObjectId(1),
             objectness: 0.9,
-            parts: ObjectnessParts::Paper { size_ok: true, p_s: 1.0, p_o: 0.9 },
+            parts: ObjectnessParts {
+                size: 1.0,
+                support: 0.9,
+                compactness: 0.8,
+                separation: 1.0,
+                visibility: 0.7,
+            },
+            top_m: Some(0.1),
             size_px: 4,
             box_px: PixelBox { u: 1, v: 0, width: 2, height: 2 },
             centroid_m: [0.1, -0.2, 1.0],
@@ -197,7 +204,7 @@ fn the_values_are_those_of_the_discovery() {
     assert_eq!(value["camera"]["fit_residual_px"], 1e-5);
     assert_eq!(value["up"], json!({"direction": [0.0, -1.0, 0.0], "source": "plane"}));
     assert_eq!(value["objects"][0]["box_px"], json!({"u": 1, "v": 0, "width": 2, "height": 2}));
-    assert_eq!(value["objects"][0]["parts"]["size_ok"], true);
+    assert_eq!(value["objects"][0]["parts"]["size"], 1.0);
     assert_eq!(value["objects"][0]["parents"], json!([0]));
     assert!(value["support"]["nodes"][0].get("object").is_none());
     assert_eq!(value["support"]["nodes"][1]["object"], 1);
@@ -264,7 +271,7 @@ fn values_out_of_range_are_refused() {
         ("/objects/0/id", json!(0)),
         ("/objects/0/id", json!(65536)),
         ("/objects/0/objectness", json!(1.01)),
-        ("/objects/0/parts/p_o", json!(-0.01)),
+        ("/objects/0/parts/support", json!(-0.01)),
         ("/objects/0/size_px", json!(0)),
         ("/objects/0/box_px/width", json!(0)),
         ("/objects/0/box_m/extents_m", json!([0.1, -0.1, 0.1])),

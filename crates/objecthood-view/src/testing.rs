@@ -40,7 +40,14 @@ fn object(id: u16) -> Object {
     Object {
         id: ObjectId(id),
         objectness: 1.0 / f32::from(id),
-        parts: ObjectnessParts::Paper { size_ok: true, p_s: 1.0, p_o: 1.0 },
+        parts: ObjectnessParts {
+            size: 1.0,
+            support: 1.0,
+            compactness: 1.0,
+            separation: 1.0,
+            visibility: 1.0,
+        },
+        top_m: None,
         size_px: 1,
         box_px: PixelBox { u: 0, v: 0, width: 1, height: 1 },
         centroid_m: [0.0; 3],

@@ -75,8 +75,14 @@ pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer)
     let mut support = support(&shapes, &described, &touching, &points, &up);
     observer.observe(Stage::Support { graph: &support, regions: &shapes });
     let space = &DisparitySpace::new(frame.camera(), &params.sensor);
-    let evidence =
-        Evidence { regions: &shapes, points_m: &points, normals: &normals, support: &support, up: &up, space };
+    let evidence = Evidence {
+        regions: &shapes,
+        points_m: &points,
+        normals: &normals,
+        support: &support,
+        up: &up,
+        space,
+    };
     let hypotheses = hypotheses(&evidence, 0, params.objectness.min_size_px, params);
     observer.observe(Stage::Hypotheses(&hypotheses));
     let (objects, labels) = objects(decided(hypotheses, params), &facets, &points, &support)?;

@@ -438,20 +438,20 @@ parameters! {
         max_side_m: f32 = 0.60, 1e-3..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
         /// Pixels with depth that an object has at least.
         min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)";
-        /// P(O) that an object of `paper` has at least.
+        /// P(O) that an object has at least.
         min_p_o: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (METHOD 2.1)", only Paper;
-        /// What a size that cannot be grasped takes from objectness.
-        size_weight: f32 = 1.0, 0.0..=1.0, "dimensionless: share", "ours, because what is too large cannot be moved";
-        /// What a lack of support takes from objectness.
-        support_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "ours, because";
-        /// What an empty hull takes from objectness.
-        compactness_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "ours, because";
-        /// What unclear borders take from objectness.
-        separation_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "ours, because";
-        /// What an outline that is not its own takes from objectness.
-        visibility_weight: f32 = 0.3, 0.0..=1.0, "dimensionless: share", "ours, because";
-        /// Objectness that an object of `context` has at least.
-        threshold: f32 = 0.0, 0.0..=1.0, "dimensionless: objectness", "ours", only Context;
+        /// What objectness loses when the size is not graspable.
+        size_weight: f32 = 1.0, 0.0..=1.0, "dimensionless: share", "ours, because what is too large cannot be moved, whatever else it is";
+        /// What objectness loses when nothing carries it.
+        support_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "ours, because what carries it may be hidden";
+        /// What objectness loses when it fills nothing of its hull.
+        compactness_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "ours, because handles and rings are no less things";
+        /// What objectness loses when no border of it is clear.
+        separation_weight: f32 = 1.0, 0.0..=1.0, "dimensionless: share", "ours, because what has no border of its own is a part of something";
+        /// What objectness loses when nothing of its outline is its own.
+        visibility_weight: f32 = 0.1, 0.0..=1.0, "dimensionless: share", "ours, because what is half hidden is there all the same";
+        /// Objectness that an object has at least.
+        threshold: f32 = 0.65, 0.0..=1.0, "dimensionless: objectness", "ours, because on mOSD learn and synthetic scenes hardly any object has less", only Context;
         /// Whether hypotheses that are no objects are written as well (`--all`).
         every_hypothesis: bool = false, OneOf("true | false"), "dimensionless: switch", "ours, because the score tells more than a verdict";
     }

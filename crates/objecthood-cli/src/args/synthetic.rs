@@ -23,9 +23,18 @@ pub(crate) struct DemoArgs {
     #[arg(long, value_name = "DIR", default_value = "objecthood-demo")]
     pub(crate) out: PathBuf,
 
-    /// Score the method on 20 scenes of all families instead, and write nothing.
+    /// Score the method on many scenes instead, and write nothing.
     #[arg(long, conflicts_with = "out")]
     pub(crate) check: bool,
+
+    /// How many scenes to score.
+    #[arg(long, value_name = "N", default_value_t = 20, requires = "check")]
+    #[arg(value_parser = RangedU64ValueParser::<u32>::new().range(1..=1_000_000))]
+    pub(crate) scenes: u32,
+
+    /// Kind of scenes to score: single, tabletop, stacked, occluded, vessels or clutter [default: each in turn].
+    #[arg(long, value_name = "NAME", requires = "check")]
+    pub(crate) family: Option<Family>,
 
     /// Way of finding objects [default: that of `segment`].
     #[arg(long)]

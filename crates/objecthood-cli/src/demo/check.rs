@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use objecthood::Params;
-use objecthood_eval::{Report, SceneReport, VerdictsTable, score};
+use objecthood_eval::{Prediction, Report, SceneReport, VerdictsTable};
 
 use super::{SENSOR, Shot};
 use crate::args::DemoArgs;
@@ -11,16 +11,13 @@ use crate::synthetic::{Recipe, recipes};
 use crate::watch::{Laps, Watch};
 use crate::{crew, terminal};
 
-/// Enough that each family has three at least.
-const SCENES: u32 = 20;
-
 /// Prints what became of the objects of all scenes.
 ///
 /// # Errors
 /// When a scene cannot be scored; when stdout cannot be written.
 pub(super) fn run(args: &DemoArgs, params: &Params) -> Result<Outcome> {
     let first = args.seed.unwrap_or(0);
-    let mut recipes = recipes(None, SENSOR, first, SCENES);
+    let mut recipes = recipes(args.family, SENSOR, first, args.scenes);
     // As a data set has its folders; within a family they keep their order.
     recipes.sort_by_key(|recipe| recipe.family.name());
     let bar = terminal::progress_bar(recipes.len(), args.settings.verbose);
@@ -37,9 +34,12 @@ pub(super) fn run(args: &DemoArgs, params: &Params) -> Result<Outcome> {
     bar.finish_and_clear();
     let report = Report::new(scenes.into_iter().collect::<Result<_>>()?)?;
 
-    let (method, last) = (params.method, u64::from(first) + u64::from(SCENES - 1));
+    let (method, last) = (params.method, u64::from(first) + u64::from(args.scenes - 1));
     let (total, table) = (&report.total, VerdictsTable(&report));
-    terminal::print(&format!("method {method}, synthetic scenes {first} to {last}\n{total}\n\n{table}\n"))?;
+    let ranking = total.ranking.map(|ranking| format!("{ranking}\n")).unwrap_or_default();
+    terminal::print(&format!(
+        "method {method}, synthetic scenes {first} to {last}\n{total}\n{ranking}\n{table}\n"
+    ))?;
     Ok(Outcome::AllDone)
 }
 
@@ -49,6 +49,6 @@ fn judge(recipe: &Recipe, params: &Params) -> Result<SceneReport> {
     let mut watch = Watch { laps: &mut laps, next: &mut () };
     let discovery = objecthood::discover_observed(&shot.capture.frame, params, &mut watch)?;
     tracing::info!("{}: {laps}", recipe.name());
-    let score = score(&discovery.labels, &shot.truth)?;
-    Ok(SceneReport { name: recipe.name(), folder: recipe.family.name().to_owned(), score, stages: None })
+    let prediction = Prediction { labels: discovery.labels, objects: Some(discovery.objects), stages: None };
+    Ok(SceneReport::of(recipe.name(), recipe.family.name().to_owned(), &shot.truth, &prediction)?)
 }

@@ -30,10 +30,11 @@ impl Subject {
     pub(crate) fn new(args: &EvalArgs) -> Result<Self> {
         let settings = &args.settings;
         if let Some(path) = &args.labels {
-            if args.method.is_some() || settings.config.is_some() || !settings.set.is_empty() {
+            if args.method.is_some() || settings.config.is_some() || !settings.set.is_empty() || settings.all
+            {
                 return Err(usage(
-                    "--labels scores images that are there already, so no method runs that --method, --config or \
-                     --set could act on: leave out one or the other",
+                    "--labels scores images that are there already, so no method runs that --method, --config, --set \
+                     or --all could act on: leave out one or the other",
                 ));
             }
             return Ok(Self::Labels(LabelFolder { path: path.clone(), suffix: args.suffix.clone() }));
@@ -114,6 +115,7 @@ fn predict(
     bar.inc(1);
     Ok(Prediction {
         labels: discovery.labels,
+        objects: Some(discovery.objects),
         stages: if with_stages { Some(stages.into_stages()?) } else { None },
     })
 }

@@ -44,6 +44,9 @@ fn one(text: &mut String, reports: &[(String, Report)], report: &Report) -> std:
     for (folder, totals) in folders.iter().filter(|_| has_composites) {
         writeln!(text, "{folder}: {totals}")?;
     }
+    if let Some(ranking) = &report.total.ranking {
+        writeln!(text, "{ranking}")?;
+    }
     writeln!(text, "\n{}", VerdictsTable(report))?;
     if report.total.stages.is_some() {
         writeln!(text, "\n{}", StagesTable(reports))?;

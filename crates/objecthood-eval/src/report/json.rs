@@ -4,6 +4,7 @@ use serde::ser::{Serialize, SerializeMap, SerializeStruct, Serializer};
 
 use super::{Report, SceneReport, Totals};
 use crate::metrics::ImageMetrics;
+use crate::ranking::Ranking;
 use crate::stages::Stages;
 use crate::verdict::{ObjectScore, VerdictCounts};
 
@@ -20,6 +21,8 @@ struct TotalsJson<'a> {
     hypotheses: usize,
     hypotheses_off_objects: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
+    ranking: Option<&'a Ranking>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     stages: Option<&'a Stages>,
 }
 
@@ -34,6 +37,7 @@ impl Serialize for Totals {
             scenes: self.scenes,
             hypotheses: self.hypotheses,
             hypotheses_off_objects: self.hypotheses_off_objects,
+            ranking: self.ranking.as_ref(),
             stages: self.stages.as_ref(),
         };
         json.serialize(serializer)

@@ -14,7 +14,7 @@ struct Step {
 }
 
 /// In the order in which they are switched on: that of METHOD 4.6, then what came later.
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 13] = [
     Step { name: "occlusion evidence", switch_off: |p| p.contraction.occlusion_weight = 0.0 },
     Step { name: "straight borders", switch_off: |p| p.refinement.agreement_quanta = 0.0 },
     Step { name: "fragments", switch_off: |p| p.fragments.max_size_px = 0 },
@@ -27,6 +27,7 @@ const STEPS: [Step; 12] = [
     Step { name: "occlusion joins", switch_off: |p| p.occlusion.enabled = false },
     Step { name: "far walls by slope", switch_off: |p| p.structure.slope_quanta_per_px = 0.0 },
     Step { name: "bottoms of plates", switch_off: |p| p.vessels.bottom_contact_share = 2.0 },
+    Step { name: "objectness", switch_off: |p| p.objectness.every_hypothesis = true },
 ];
 
 /// A setting a rung, the first without any step, the last `params` itself; then one setting for each step left out alone.

@@ -51,7 +51,8 @@ pub fn compactness(regions: &Segments, points_m: &Raster<[f32; 3]>, space: &Disp
             let z_m = f64::from(points_m[i][2]);
             regions.labels()[i] != region as i32 && z_m >= nearer_m
         };
-        let inside = hull(runs).into_iter().flat_map(|Run { v, first, last }| first + v * width..=last + v * width);
+        let inside =
+            hull(runs).into_iter().flat_map(|Run { v, first, last }| first + v * width..=last + v * width);
         let empty = inside.filter(is_empty).count();
         own as f32 / (own + empty) as f32
     };
@@ -98,4 +99,66 @@ fn crossing(corners: &[[i64; 2]], at: &mut usize, v: i64, sign: i64) -> i64 {
     let [a, b] = corners[*at];
     let Some([c, d]) = corners.get(*at + 1) else { return sign * a };
     (sign * (a * (d - v) + c * (v - b))).div_euclid(d - b)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::testing::{raster, small_size, space};
+
+    type Point = [i64; 2];
+
+    /// Twice the area of a triangle, with its sign.
+    fn area([a, b, c]: [Point; 3]) -> i64 {
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    }
+
+    /// Whether a point lies in any triangle of three points, which may be a line or a point.
+    fn is_inside(p: Point, points: &[Point]) -> bool {
+        let holds = |[a, b, c]: [Point; 3]| {
+            let parts = [area([a, b, p]), area([b, c, p]), area([c, a, p])];
+            let is_flat = area([a, b, c]) == 0;
+            let within = (0..2).all(|k| {
+                let [a, b, c] = [a[k], b[k], c[k]];
+                (a.min(b).min(c)..=a.max(b).max(c)).contains(&p[k])
+            });
+            let same_side = parts.iter().all(|&s| s >= 0) || parts.iter().all(|&s| s <= 0);
+            same_side && within && (!is_flat || parts == [0; 3])
+        };
+        points.iter().any(|&a| points.iter().any(|&b| points.iter().any(|&c| holds([a, b, c]))))
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_empty_in_the_hull_is_counted(
+            pixels in small_size().prop_flat_map(|size| raster(size, (-1_i32..3, 0_u8..3))),
+        ) {
+            let space = space([525.0; 2], [0.0; 2]);
+            let (width, height) = pixels.size();
+            // Near, far and not measured.
+            let z = |level: u8| [0.8, 1.0, f32::NAN][usize::from(level)];
+            let points = pixels.map(|&(_, level)| [0.0, 0.0, z(level)]);
+            let regions = Segments::from_numbered(pixels.map(|&(region, _)| region), 3);
+            let got = compactness(&regions, &points, &space);
+            for (region, got) in got.into_iter().enumerate() {
+                let is_measured = |i: &usize| !points[*i][2].is_nan();
+                let own: Vec<usize> = (0..width * height)
+                    .filter(|&i| regions.labels()[i] == region as i32)
+                    .filter(is_measured)
+                    .collect();
+                let mean_m = own.iter().map(|&i| f64::from(points[i][2])).sum::<f64>() / own.len() as f64;
+                let at = |i: usize| [(i % width) as i64, (i / width) as i64];
+                let corners: Vec<Point> = own.iter().map(|&i| at(i)).collect();
+                let is_empty = |i: &usize| {
+                    let hides = f64::from(points[*i][2]) < mean_m - space.step_m(HIDDEN_QUANTA, mean_m);
+                    regions.labels()[*i] != region as i32 && !hides && is_inside(at(*i), &corners)
+                };
+                let empty = (0..width * height).filter(is_measured).filter(is_empty).count();
+                let expected = if own.is_empty() { 0.0 } else { own.len() as f32 / (own.len() + empty) as f32 };
+                prop_assert_eq!(got, expected, "region {}", region);
+            }
+        }
+    }
 }

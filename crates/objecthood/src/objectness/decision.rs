@@ -27,3 +27,50 @@ pub(crate) fn decided(mut hypotheses: Vec<Hypothesis>, params: &Params) -> Vec<H
     }
     hypotheses
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discovery::{ObjectnessParts, OrientedBox};
+    use crate::regions::SegmentId;
+
+    fn hypothesis(longest_m: f32, p_o: f32, objectness: f32) -> Hypothesis {
+        let box_m = OrientedBox {
+            center_m: [0.0; 3],
+            rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
+            extents_m: [0.01, longest_m, 0.01],
+        };
+        let parts =
+            ObjectnessParts { size: 1.0, support: p_o, compactness: 1.0, separation: 1.0, visibility: 1.0 };
+        let pixels = vec![0];
+        Hypothesis { region: SegmentId(0), pixels, box_m, objectness, parts, top_m: None, joins: Vec::new() }
+    }
+
+    #[test]
+    fn in_paper_size_and_support_decide_and_limits_are_included() {
+        let params = params::Objectness::default();
+        let is_object = |longest_m, p_o| hypothesis(longest_m, p_o, 0.0).is_object(Method::Paper, &params);
+        let cases =
+            [(0.3, 0.9, true), (0.6, 0.9, true), (0.61, 0.9, false), (0.02, 0.9, true), (0.019, 0.9, false)];
+        for (longest_m, p_o, expected) in cases.into_iter().chain([(0.3, 0.7, true), (0.3, 0.69, false)]) {
+            assert_eq!(is_object(longest_m, p_o), expected, "{longest_m} m, P(O) {p_o}");
+        }
+    }
+
+    #[test]
+    fn in_context_objectness_decides() {
+        let params = params::Objectness::default();
+        let is_object = |objectness| hypothesis(9.0, 0.0, objectness).is_object(Method::Context, &params);
+        assert!(is_object(params.threshold) && !is_object(params.threshold - 0.01));
+    }
+
+    #[test]
+    fn every_hypothesis_is_kept_when_asked_for() {
+        let kept = |every_hypothesis| {
+            let mut params = Params::default();
+            params.objectness.every_hypothesis = every_hypothesis;
+            decided(vec![hypothesis(0.1, 1.0, 0.0), hypothesis(0.1, 1.0, 0.9)], &params).len()
+        };
+        assert_eq!((kept(false), kept(true)), (1, 2));
+    }
+}

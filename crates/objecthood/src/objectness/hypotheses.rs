@@ -52,7 +52,12 @@ pub struct Evidence<'a> {
 
 /// The regions from number `first` on that have `min_size_px` points, with their objectness, in the order of the regions.
 /// O(pixels + area of the hulls); parallel over rows and regions.
-pub fn hypotheses(evidence: &Evidence<'_>, first: usize, min_size_px: usize, params: &Params) -> Vec<Hypothesis> {
+pub fn hypotheses(
+    evidence: &Evidence<'_>,
+    first: usize,
+    min_size_px: usize,
+    params: &Params,
+) -> Vec<Hypothesis> {
     let Evidence { regions, points_m, normals, support, up, space } = *evidence;
     let outlines = outlines(regions, points_m, normals, space, &params.contraction);
     let compactness = compactness(regions, points_m, space);

@@ -85,14 +85,16 @@ mod tests {
     const BOX: OrientedBox =
         OrientedBox { center_m: [0.0; 3], rotation_xyzw: [0.0, 0.0, 0.0, 1.0], extents_m: [0.1; 3] };
 
-    fn hypothesis(shape: u32, pixels: &[usize], p_o: f32) -> Hypothesis {
-        let parts = ObjectnessParts::Paper { size_ok: true, p_s: p_o, p_o };
+    fn hypothesis(region: u32, pixels: &[usize], objectness: f32) -> Hypothesis {
+        let parts =
+            ObjectnessParts { size: 1.0, support: 1.0, compactness: 1.0, separation: 1.0, visibility: 1.0 };
         Hypothesis {
-            region: SegmentId(shape),
+            region: SegmentId(region),
             pixels: pixels.to_vec(),
             box_m: BOX,
-            objectness: p_o,
+            objectness,
             parts,
+            top_m: None,
             joins: vec![],
         }
     }

@@ -73,33 +73,33 @@ impl Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::objectness::gravity::UpSource;
+    use crate::discovery::{ObjectnessParts, OrientedBox};
     use crate::objectness::join::{JoinEvidence, JoinedPart};
-    use crate::objectness::support::{NodeKind, SupportEdge, SupportNode};
     use crate::objectness::testing::{Table, single};
-
-    const UP: Up = Up { direction: [0.0, 0.0, -1.0], source: UpSource::Plane };
 
     fn three_things() -> Table {
         let rows = ["____________", "_aaa_bb_ccc_", "_aaa_bb_ccc_", "____________"];
         Table::drawn(&rows, &[0.1, 0.05, 0.2])
     }
 
-    /// The table, which carries all else.
-    fn graph(nodes: usize) -> SupportGraph {
-        let node = |k: usize| SupportNode {
-            kind: NodeKind::Surface,
-            p_s: if k == 0 { 0.9 } else { 0.1 },
-            p_o: if k == 0 { 0.0 } else { 0.9 },
-            height_m: 0.0,
-            size_px: 0,
+    /// What the regions of an outcome are described as, in their order.
+    fn described(outcome: &Outcome, clusters: &Clusters<'_>) -> Vec<Hypothesis> {
+        let parts =
+            ObjectnessParts { size: 1.0, support: 1.0, compactness: 1.0, separation: 1.0, visibility: 1.0 };
+        let box_m =
+            OrientedBox { center_m: [0.0; 3], rotation_xyzw: [0.0, 0.0, 0.0, 1.0], extents_m: [0.1; 3] };
+        let hypothesis = |region| Hypothesis {
+            region: SegmentId(region as u32),
+            pixels: vec![0],
+            box_m,
+            objectness: 1.0,
+            parts,
+            top_m: None,
+            joins: Vec::new(),
         };
-        let edges = (1..nodes as u32).map(|upper| SupportEdge {
-            lower: NodeId(0),
-            upper: NodeId(upper),
-            contacts: 1,
-        });
-        SupportGraph { nodes: (0..nodes).map(node).collect(), edges: edges.collect() }
+        let mut hypotheses: Vec<_> = (outcome.structure..outcome.regions.count()).map(hypothesis).collect();
+        outcome.describe(&mut hypotheses, clusters);
+        hypotheses
     }
 
     #[test]
@@ -114,12 +114,8 @@ mod tests {
         assert_eq!(outcome.regions.count(), 2);
         let structure: Vec<u16> = outcome.structure_labels().as_slice()[12..24].to_vec();
         assert_eq!(structure, [1, 1, 1, 1, 1, 0, 0, 1, 0, 0, 0, 1]);
-        let [found] = &outcome.hypotheses(&clusters, &graph(2), &UP)[..] else { panic!("one object") };
-        assert_eq!((found.shape, found.pixels.len(), found.objectness), (SegmentId(1), 6, 0.9));
-        let ObjectnessParts::Context { p_s, p_o, top_m: Some(top_m) } = found.parts else {
-            panic!("{found:?}")
-        };
-        assert!(p_s == 0.9 && p_o == 0.9 && (top_m - 0.2).abs() < 1e-3, "{found:?}");
+        let [found] = &described(&outcome, &clusters)[..] else { panic!("one hypothesis") };
+        assert!(found.top_m.is_some_and(|top_m| (top_m - 0.2).abs() < 1e-3), "{found:?}");
     }
 
     #[test]
@@ -138,8 +134,7 @@ mod tests {
                 clusters.merge(Some(SegmentId(0)), SegmentId(1));
             }
             let outcome = outcome(&clusters, Some(0), min_size_px);
-            let hypotheses = outcome.hypotheses(&clusters, &graph(outcome.regions.count()), &UP);
-            hypotheses[0].joins[0].behind
+            described(&outcome, &clusters)[0].joins[0].behind
         };
         assert_eq!(behind(0, 1, false), Some(NodeId(0)));
         assert_eq!(behind(2, 1, false), Some(NodeId(2)));

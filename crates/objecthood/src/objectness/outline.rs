@@ -35,9 +35,13 @@ pub struct Outline {
 enum Beyond {
     Image,
     /// Something at another depth.
-    Step { is_nearer: bool },
+    Step {
+        is_nearer: bool,
+    },
     /// Something else at the same depth, at the pixel with this index.
-    Touching { pixel: usize },
+    Touching {
+        pixel: usize,
+    },
 }
 
 struct View<'a> {
@@ -136,7 +140,11 @@ impl View<'_> {
             Beyond::Image => Outline { cut_m: length_m, ..Outline::default() },
             Beyond::Step { is_nearer } => {
                 let seen = Outline { clear_m: length_m, judged_m: length_m, ..Outline::default() };
-                if is_nearer { Outline { hidden_m: length_m, ..seen } } else { Outline { own_m: length_m, ..seen } }
+                if is_nearer {
+                    Outline { hidden_m: length_m, ..seen }
+                } else {
+                    Outline { own_m: length_m, ..seen }
+                }
             }
             Beyond::Touching { pixel } => {
                 let own = Outline { own_m: length_m, ..Outline::default() };
@@ -180,5 +188,90 @@ impl Outline {
         self.cut_m += other.cut_m;
         self.clear_m += other.clear_m;
         self.judged_m += other.judged_m;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::objectness::testing::Table;
+
+    /// The outlines of the table and the things of a drawing, in sides of pixels at the depth of the table.
+    fn drawn(rows: &[&str], heights_m: &[f64]) -> Vec<Outline> {
+        let table = Table::drawn(rows, heights_m);
+        let scene = table.scene();
+        let params = params::Contraction::default();
+        outlines(&scene.facets.segments, scene.points_m, scene.normals, scene.space, &params)
+    }
+
+    fn sides(length_m: f64, height_m: f64) -> f64 {
+        length_m * 525.0 / (1.0 - height_m)
+    }
+
+    #[test]
+    fn what_stands_before_the_table_has_an_outline_of_its_own() {
+        let found = drawn(&["________", "__aaa___", "__aaa___", "________"], &[0.2]);
+        let thing = found[1];
+        assert!(
+            (sides(thing.own_m, 0.2) - 10.0).abs() < 1e-3 && thing.hidden_m + thing.cut_m == 0.0,
+            "{thing:?}"
+        );
+        assert_eq!((thing.separation(), thing.visibility()), (1.0, 1.0));
+        let table = found[0];
+        assert!((sides(table.hidden_m, 0.0) - 10.0).abs() < 1e-3, "{table:?}");
+        assert!((sides(table.cut_m, 0.0) - 24.0).abs() < 1e-3, "the border of the image: {table:?}");
+        assert_eq!((table.own_m, table.separation()), (0.0, 1.0));
+    }
+
+    #[test]
+    fn what_lies_behind_a_hole_is_looked_for() {
+        let wide = ["a......b"; 3];
+        let [_, a, b] = drawn(&wide, &[0.3, 0.1])[..] else { panic!("three regions") };
+        assert!((sides(a.own_m, 0.3) - 3.0).abs() < 1e-3 && a.hidden_m == 0.0, "{a:?}");
+        assert!((sides(b.hidden_m, 0.1) - 3.0).abs() < 1e-3 && b.own_m == 0.0, "{b:?}");
+        // Farther than 24 px nothing is known; a hole in a thing is none of its outline.
+        let apart = format!("a{}b", ".".repeat(24));
+        let [_, a, _] = drawn(&[apart.as_str(); 2], &[0.3, 0.1])[..] else { panic!("three regions") };
+        assert_eq!((a.own_m, a.hidden_m, a.judged_m, a.separation()), (0.0, 0.0, 0.0, 1.0));
+        let [_, ring] = drawn(&["aaaa", "a..a", "aaaa"], &[0.3])[..] else { panic!("two regions") };
+        assert_eq!((ring.own_m, ring.visibility()), (0.0, 0.0), "only the border of the image cuts it");
+    }
+
+    #[test]
+    fn two_halves_of_one_surface_are_not_parted() {
+        let rows = ["aaaaaaaaabbbbbbbbb"; 12];
+        let [_, a, b] = drawn(&rows, &[0.2, 0.2])[..] else { panic!("three regions") };
+        for half in [a, b] {
+            assert!((sides(half.own_m, 0.2) - 12.0).abs() < 1e-2, "{half:?}");
+            // A flat border is 12 degrees from the valley that is neutral, of 15 to a full vote.
+            let expected = (1.0 - 12.0 / 15.0) / 2.0;
+            assert!((f64::from(half.separation()) - expected).abs() < 0.02, "{half:?}");
+        }
+    }
+
+    #[test]
+    fn a_valley_parts_and_a_ridge_does_not() {
+        // A roof seen from above, and the same as a trough: 0.4 m wide at 1 m, with sides of 45 degrees.
+        let bent = |sign: f64| {
+            let table = Table::new((210, 60), |u, _| {
+                let x = (u as f64 - 104.5).abs() / 525.0;
+                Some((if u < 105 { 1 } else { 2 }, 0.25 - sign * x))
+            });
+            let scene = table.scene();
+            let params = params::Contraction::default();
+            outlines(&scene.facets.segments, scene.points_m, scene.normals, scene.space, &params)[1]
+                .separation()
+        };
+        assert!(bent(1.0) < 0.05 && bent(-1.0) > 0.95, "{} {}", bent(1.0), bent(-1.0));
+    }
+
+    #[test]
+    fn outlines_are_the_same_on_any_number_of_threads() {
+        let rows = ["__aaa___bb", "__aa_.._bb", "cccc....bb", "cccc______"];
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| drawn(&rows, &[0.1, 0.3, 0.1]))
+        };
+        assert!([2, 8].into_iter().all(|threads| on(threads) == on(1)));
     }
 }

@@ -31,3 +31,54 @@ impl ObjectnessParts {
         weighted.into_iter().map(|(weight, part)| 1.0 - weight * (1.0 - part)).product()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn parts([size, support, compactness, separation, visibility]: [f32; 5]) -> ObjectnessParts {
+        ObjectnessParts { size, support, compactness, separation, visibility }
+    }
+
+    proptest! {
+        /// Whatever the weights, a better part never makes a worse object.
+        #[test]
+        fn objectness_is_a_share_and_grows_with_every_part(
+            values in prop::array::uniform5(0.0_f32..=1.0),
+            weights in prop::array::uniform5(0.0_f32..=1.0),
+            better in 0_usize..5,
+            gain in 0.0_f32..=1.0,
+        ) {
+            let [size_weight, support_weight, compactness_weight, separation_weight, visibility_weight] = weights;
+            let params = params::Objectness {
+                size_weight, support_weight, compactness_weight, separation_weight, visibility_weight,
+                ..Default::default()
+            };
+            let before = parts(values).objectness(&params);
+            prop_assert!((0.0..=1.0).contains(&before));
+            let mut improved = values;
+            improved[better] += gain * (1.0 - values[better]);
+            prop_assert!(parts(improved).objectness(&params) >= before - 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_part_takes_away_its_weight_at_most() {
+        let params = params::Objectness::default();
+        assert_eq!(parts([1.0; 5]).objectness(&params), 1.0);
+        let weights = [
+            params.size_weight,
+            params.support_weight,
+            params.compactness_weight,
+            params.separation_weight,
+            params.visibility_weight,
+        ];
+        for (k, weight) in weights.into_iter().enumerate() {
+            let mut values = [1.0; 5];
+            values[k] = 0.0;
+            assert_eq!(parts(values).objectness(&params), 1.0 - weight);
+        }
+    }
+}

@@ -56,12 +56,13 @@ pub fn longest_side_m(box_m: &OrientedBox) -> f32 {
     box_m.extents_m.into_iter().fold(0.0, f32::max)
 }
 
-/// Whether something with this longest side (m) can be grasped and moved, in [0, 1]: 1 within `min_side_m..=max_side_m`, falling to 0
-/// within an octave on either side, linearly in the logarithm.
+/// Whether something with this longest side (m) can be grasped and moved, in [0, 1]. The limits `min_side_m` and `max_side_m` are soft:
+/// on them it is 1/2, half an octave inside 1, half an octave outside 0, linear in the logarithm (ours, because the paper's hard
+/// limits make a verdict of a measurement).
 pub fn graspable(longest_m: f32, params: &params::Objectness) -> f32 {
-    let octaves = |ratio: f32| libm::log2f(ratio).max(0.0);
-    let beyond = octaves(params.min_side_m / longest_m).max(octaves(longest_m / params.max_side_m));
-    1.0 - beyond.min(1.0)
+    let beyond = |ratio: f32| (libm::log2f(ratio) + 0.5).max(0.0);
+    let octaves = beyond(params.min_side_m / longest_m).max(beyond(longest_m / params.max_side_m));
+    1.0 - octaves.min(1.0)
 }
 
 /// The value below which a share of `values` lies, between two values by linear interpolation; reorders them.
@@ -120,6 +121,28 @@ mod tests {
         let found = oriented_box(&points, [0.0, -1.0, 0.0]);
         assert!((longest_side_m(&found) - 0.98).abs() < 0.01, "{found:?}");
         assert_eq!(longest_side_m(&oriented_box(&[], [0.0, -1.0, 0.0])), 0.0);
+    }
+
+    #[test]
+    fn limits_of_size_are_soft() {
+        let params = params::Objectness::default();
+        let (min_m, max_m) = (params.min_side_m, params.max_side_m);
+        let half_octave = std::f32::consts::SQRT_2;
+        let expected = [
+            (0.0, 0.0),
+            (min_m / half_octave, 0.0),
+            (min_m, 0.5),
+            (min_m * half_octave, 1.0),
+            (0.1, 1.0),
+            (max_m / half_octave, 1.0),
+            (max_m, 0.5),
+            (max_m * half_octave, 0.0),
+            (100.0, 0.0),
+        ];
+        for (longest_m, part) in expected {
+            let got = graspable(longest_m, &params);
+            assert!((got - part).abs() < 1e-3 && (0.0..=1.0).contains(&got), "{longest_m} m: {got}");
+        }
     }
 
     #[test]

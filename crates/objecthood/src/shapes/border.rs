@@ -183,7 +183,10 @@ impl Border<'_> {
 }
 
 /// Angle (degrees) between two surfaces, each given by a point and the normal there, below 0 when they lean towards each other.
-pub(crate) fn fold_angle_deg((point_a, normal_a): (DVec3, DVec3), (point_b, normal_b): (DVec3, DVec3)) -> f64 {
+pub(crate) fn fold_angle_deg(
+    (point_a, normal_a): (DVec3, DVec3),
+    (point_b, normal_b): (DVec3, DVec3),
+) -> f64 {
     let turn = normal_a - normal_b;
     let angle = libm::acos(normal_a.dot(normal_b).clamp(-1.0, 1.0)).to_degrees();
     if turn.dot(point_a - point_b) < 0.0 { -angle } else { angle }

@@ -1,7 +1,7 @@
 //! What holds for every discovery of either method, whatever the frame.
 
 use objecthood::objectness::support::NodeKind;
-use objecthood::{Discovery, Frame, PixelBox};
+use objecthood::{Discovery, Frame, ObjectnessParts, PixelBox};
 
 /// Up and the structure planes.
 pub(crate) fn check_scene(found: &Discovery) {
@@ -42,7 +42,11 @@ pub(crate) fn check_descriptions(frame: &Frame, found: &Discovery) {
         assert_eq!(usize::from(object.id.0), k + 1);
         let node = &nodes[object.node.0 as usize];
         assert_eq!(node.kind, NodeKind::Object { object: object.id });
-        assert_eq!((node.size_px, node.p_o), (object.size_px, object.objectness));
+        assert_eq!((node.size_px, node.p_o), (object.size_px, object.parts.support));
+        let ObjectnessParts { size, support, compactness, separation, visibility } = object.parts;
+        for part in [size, support, compactness, separation, visibility, object.objectness] {
+            assert!((0.0..=1.0).contains(&part), "{object:?}");
+        }
         let rank = (object.objectness, object.size_px);
         assert!(rank.0 < last.0 || rank.0 == last.0 && rank.1 <= last.1, "objects are sorted");
         last = rank;
