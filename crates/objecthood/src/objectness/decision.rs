@@ -73,7 +73,7 @@ mod tests {
         let shapes = Segments::from_labels(&Raster::from_vec(labels.len(), 1, labels).unwrap());
         let points = shapes.labels().with_data(points);
         let node = |p_s, p_o| SupportNode { kind: NodeKind::Surface, p_s, p_o, height_m: 0.0, size_px: 1 };
-        let edge = |upper| SupportEdge { lower: NodeId(0), upper: NodeId(upper), contacts: 1 };
+        let edge = |upper| SupportEdge::seen(NodeId(0), NodeId(upper), 1);
         let support = SupportGraph {
             nodes: vec![node(0.9, 0.0), node(0.2, p_o), node(0.3, p_o)],
             edges: vec![edge(1), edge(2)],

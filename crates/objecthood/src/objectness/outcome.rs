@@ -114,11 +114,7 @@ mod tests {
             height_m: 0.0,
             size_px: 0,
         };
-        let edges = (1..nodes as u32).map(|upper| SupportEdge {
-            lower: NodeId(0),
-            upper: NodeId(upper),
-            contacts: 1,
-        });
+        let edges = (1..nodes as u32).map(|upper| SupportEdge::seen(NodeId(0), NodeId(upper), 1));
         SupportGraph { nodes: (0..nodes).map(node).collect(), edges: edges.collect() }
     }
 
