@@ -44,6 +44,7 @@ pub mod report;
 pub mod score;
 pub mod settings;
 pub mod stages;
+pub mod support;
 pub mod truth;
 pub mod verdict;
 

@@ -8,6 +8,7 @@ use crate::facets::merging::merge_surfaces;
 use crate::facets::refinement::refine;
 use crate::frame::Frame;
 use crate::objectness::decision::decided;
+use crate::objectness::forest::forest;
 use crate::objectness::gravity::{dominant_plane, on_plane, up};
 use crate::objectness::hypotheses::{Evidence, hypotheses};
 use crate::objectness::objects::objects;
@@ -157,12 +158,8 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     let outcome = outcome(&clusters, structure.support, space.area_px(params.objectness.min_size_px));
     let planes = structure.planes(&outcome.regions, frame);
     let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
-    let described =
-        descriptors(&outcome.regions, &outcome.regions.labels().map(|_| true), &points, &orientation.normal);
     let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };
-    let touching = contacts(&outcome.regions, &points, &contact);
-    let mut support = support(&outcome.regions, &described, &touching, &points, &up);
-    support.mark_structure(planes.len());
+    let mut support = forest(&outcome.regions, &points, &orientation.normal, &planes, &up, &contact);
     observer.observe(Stage::Support { graph: &support, regions: &outcome.regions });
     let evidence = Evidence {
         regions: &outcome.regions,

@@ -72,6 +72,17 @@ pub fn dominant_plane(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> 
     })
 }
 
+/// The plane that fits points best (total least squares), with `inlier_share` 0; `None` of fewer than three.
+pub fn fitted_plane<'a>(points_m: impl Iterator<Item = &'a [f32; 3]>) -> Option<StructurePlane> {
+    let points: Vec<DVec3> = points_m.map(|&p| Vec3::from(p).as_dvec3()).collect();
+    let plane = Plane::fitted(points.iter())?;
+    Some(StructurePlane {
+        normal: plane.normal.as_vec3().to_array(),
+        offset_m: plane.offset_m as f32,
+        inlier_share: 0.0,
+    })
+}
+
 /// The points of the plane that belong to no object: 1 on the plane, 0 elsewhere.
 pub(crate) fn on_plane(
     plane: Option<&StructurePlane>,

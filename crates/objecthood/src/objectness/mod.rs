@@ -3,10 +3,13 @@
 //! `paper`: [`gravity`], [`support`], [`size`], [`decision`]. `context` first lets the surroundings of shapes tell what is one object:
 //! fragments, what hardly rises above the support, vessels, and surfaces that go on behind something nearer ([`join`]).
 
+mod body;
 mod bottoms;
 mod clusters;
 pub mod compactness;
 pub mod decision;
+mod feet;
+pub mod forest;
 mod fragments;
 pub mod gravity;
 mod height;

@@ -103,10 +103,8 @@ mod tests {
     fn found(hypotheses: Vec<Hypothesis>) -> (Vec<Object>, Raster<u16>) {
         let columns = Raster::from_vec(4, 3, (0..12).map(|i| i % 4).collect()).unwrap();
         let points = columns.with_data((0..12).map(|i| [(i % 4) as f32, (i / 4) as f32, 1.0]).collect());
-        let support = SupportGraph {
-            nodes: Vec::new(),
-            edges: vec![SupportEdge { lower: NodeId(0), upper: NodeId(7), contacts: 1 }],
-        };
+        let support =
+            SupportGraph { nodes: Vec::new(), edges: vec![SupportEdge::seen(NodeId(0), NodeId(7), 1)] };
         objects(hypotheses, &Segments::from_labels(&columns), &points, &support).unwrap()
     }
 

@@ -44,18 +44,43 @@ pub struct SupportNode {
     pub size_px: usize,
 }
 
-/// The lower one of two shapes in contact carries the upper one (eq. 6).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How one thing carries another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SupportKind {
+    /// The upper stands on it. All edges of `paper` are taken for this.
+    On,
+    /// The upper stands or lies in it, below its rim.
+    In,
+    /// The upper is tilted and held by it from the side.
+    Leans,
+}
+
+/// One node carries another (eq. 6).
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupportEdge {
     /// The carrier.
     pub lower: NodeId,
     /// What it carries.
     pub upper: NodeId,
-    /// Pairs of neighbouring points in contact.
+    /// How.
+    pub kind: SupportKind,
+    /// How sure it is that this carries it, in [0, 1]; 1 in `paper`, in `context` see
+    /// [`forest`](crate::objectness::forest::forest).
+    pub confidence: f32,
+    /// Whether the contact itself is not seen.
+    pub hidden: bool,
+    /// Pairs of neighbouring points in contact there; 0 when it is hidden.
     pub contacts: u32,
 }
 
-/// What stands on what: directed, without cycles, because every edge leads to a node that ranks higher.
+impl SupportEdge {
+    /// `upper` stands on `lower`, which so many pairs of points show.
+    pub fn seen(lower: NodeId, upper: NodeId, contacts: u32) -> Self {
+        Self { lower, upper, kind: SupportKind::On, confidence: 1.0, hidden: false, contacts }
+    }
+}
+
+/// What stands on what: directed, without cycles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SupportGraph {
     /// The nodes; node k is region k of those whose support was asked for.
@@ -73,13 +98,6 @@ impl SupportGraph {
         parents
     }
 
-    /// Marks the first nodes as the structure planes.
-    pub(crate) fn mark_structure(&mut self, planes: usize) {
-        for (plane, node) in self.nodes.iter_mut().take(planes).enumerate() {
-            node.kind = NodeKind::Structure { plane };
-        }
-    }
-
     /// Marks the nodes that have turned out to be objects.
     pub(crate) fn mark(&mut self, objects: &[Object]) {
         for object in objects {
@@ -93,7 +111,8 @@ const MIN_POINTS: usize = 3;
 
 /// Builds the support graph of the shapes in contact and carries P(O) up through it.
 ///
-/// * eq. 6: of two shapes in contact the one of greater mean height stands on the other (equal: the greater number);
+/// * eq. 6: of two shapes in contact the one of greater mean height stands on the other (equal: the greater number), so
+///   that there are no cycles;
 /// * eq. 7: P(S) = the part of the mean normal along up, clamped to [0, 1];
 /// * eq. 8: P(O) = the greatest P(S) or P(O) of any parent, 0 without parents, in ascending height.
 ///
@@ -128,7 +147,7 @@ pub fn support(
         .iter()
         .map(|e| {
             let (lower, upper) = if rank[e.a.index()] < rank[e.b.index()] { (e.a, e.b) } else { (e.b, e.a) };
-            SupportEdge { lower: NodeId(lower.0), upper: NodeId(upper.0), contacts: e.evidence }
+            SupportEdge::seen(NodeId(lower.0), NodeId(upper.0), e.evidence)
         })
         .collect();
     edges.sort_by_key(|e| (e.lower, e.upper));

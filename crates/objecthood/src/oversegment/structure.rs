@@ -74,7 +74,7 @@ const DOMINANT_M2: f64 = 0.03;
 /// A pixel seen more glancingly than this cosine counts as if it were seen so.
 const LEAST_COSINE: f64 = 0.15;
 /// A surface whose normal has more than this upwards in the image is one to stand on.
-const UPWARD: f64 = 0.3;
+pub(crate) const UPWARD: f64 = 0.3;
 /// What lies in front of a surface that is behind the horizon stands as high as this (m).
 const BEYOND_M: f64 = 10.0;
 

@@ -6,37 +6,42 @@ use crate::params;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 
-/// The number of point pairs in contact between any two regions.
-///
-/// From every pixel with depth the four directions right, down, down-right and down-left are walked for at most
-/// `reach_px`, across pixels without depth or region and of the same region, to the first pixel of another region;
-/// the pair counts when its points are nearer than `distance_m`. O(pixels · `reach_px`).
+/// The number of point pairs in contact between any two regions, see [`touching_pairs`].
 pub fn contacts(
     segments: &Segments,
     points_m: &Raster<[f32; 3]>,
     params: &params::Contact,
 ) -> RegionGraph<u32> {
+    let regions = touching_pairs(segments, points_m, params)
+        .filter_map(|(p, q)| Some((segments.at(p)?, segments.at(q)?)));
+    RegionGraph::from_pairs(segments.count(), regions)
+}
+
+/// The pairs of pixels of different regions whose points are in contact.
+///
+/// From every pixel with depth the four directions right, down, down-right and down-left are walked for at most
+/// `reach_px`, across pixels without depth or region and of the same region, to the first pixel of another region;
+/// the pair counts when its points are nearer than `distance_m`. O(pixels · `reach_px`).
+pub(crate) fn touching_pairs<'a>(
+    segments: &'a Segments,
+    points_m: &'a Raster<[f32; 3]>,
+    params: &'a params::Contact,
+) -> impl Iterator<Item = (usize, usize)> + 'a {
     let labels = segments.labels();
     let (width, height) = labels.size();
-    let region = |i: usize| segments.at(i).filter(|_| !points_m[i][2].is_nan());
-    let mut pairs = Vec::new();
-    for (p, own) in (0..labels.len()).filter_map(|p| Some((p, region(p)?))) {
+    let region = move |i: usize| segments.at(i).filter(|_| !points_m[i][2].is_nan());
+    let owned = (0..labels.len()).filter_map(move |p| Some((p, region(p)?)));
+    owned.flat_map(move |(p, own)| {
         let (u, v) = (p % width, p / width);
         let (right, down, left) = (width - 1 - u, height - 1 - v, u);
-        for (room, step) in
-            [(right, 1), (down, width), (down.min(right), width + 1), (down.min(left), width - 1)]
-        {
-            let other = (1..=room.min(params.reach_px))
-                .map(|t| p + t * step)
-                .find_map(|q| region(q).filter(|&other| other != own).map(|other| (q, other)));
-            if let Some((q, other)) = other
-                && Vec3::from(points_m[p]).distance(Vec3::from(points_m[q])) < params.distance_m
-            {
-                pairs.push((own, other));
-            }
-        }
-    }
-    RegionGraph::from_pairs(segments.count(), pairs)
+        let ways = [(right, 1), (down, width), (down.min(right), width + 1), (down.min(left), width - 1)];
+        ways.into_iter().filter_map(move |(room, step)| {
+            let mut way = (1..=room.min(params.reach_px)).map(|t| p + t * step);
+            let other = way.find(|&q| region(q).is_some_and(|other| other != own))?;
+            let apart_m = Vec3::from(points_m[p]).distance(Vec3::from(points_m[other]));
+            (apart_m < params.distance_m).then_some((p, other))
+        })
+    })
 }
 
 #[cfg(test)]
