@@ -272,8 +272,21 @@ pub fn explain(graph: &SupportGraph, regions: &Segments, truth: &SupportTruth) -
         if let (Some(&l), Some(&u)) = (matched.get(&e.lower.0), matched.get(&e.upper.0)) {
             found.insert((l, u));
             match there.get(&(l, u)) {
-                None => out.push(["WRONG".into(), u.to_string(), l.to_string(), format!("{:?} {:.2} hidden {} contacts {}", e.kind, e.confidence, e.hidden, e.contacts)]),
-                Some(k) if *k != e.kind => out.push(["KIND".into(), u.to_string(), l.to_string(), format!("true {k:?} {:?} {:.2} hidden {} contacts {}", e.kind, e.confidence, e.hidden, e.contacts)]),
+                None => out.push([
+                    "WRONG".into(),
+                    u.to_string(),
+                    l.to_string(),
+                    format!("{:?} {:.2} hidden {} contacts {}", e.kind, e.confidence, e.hidden, e.contacts),
+                ]),
+                Some(k) if *k != e.kind => out.push([
+                    "KIND".into(),
+                    u.to_string(),
+                    l.to_string(),
+                    format!(
+                        "true {k:?} {:?} {:.2} hidden {} contacts {}",
+                        e.kind, e.confidence, e.hidden, e.contacts
+                    ),
+                ]),
                 _ => {}
             }
         }
@@ -282,7 +295,19 @@ pub fn explain(graph: &SupportGraph, regions: &Segments, truth: &SupportTruth) -
     for (p, k) in &there {
         if names.contains(&p.0) && names.contains(&p.1) && !found.contains(p) {
             let node = matched.iter().find(|(_, i)| **i == p.1).unwrap().0;
-            let have: Vec<_> = graph.edges.iter().filter(|e| e.upper.0 == *node).map(|e| format!("{}:{:?} {:.2}", matched.get(&e.lower.0).map_or("?".into(), |i| i.to_string()), e.kind, e.confidence)).collect();
+            let have: Vec<_> = graph
+                .edges
+                .iter()
+                .filter(|e| e.upper.0 == *node)
+                .map(|e| {
+                    format!(
+                        "{}:{:?} {:.2}",
+                        matched.get(&e.lower.0).map_or("?".into(), |i| i.to_string()),
+                        e.kind,
+                        e.confidence
+                    )
+                })
+                .collect();
             out.push(["MISSED".into(), p.1.to_string(), p.0.to_string(), format!("{k:?} has {have:?}")]);
         }
     }

@@ -161,7 +161,7 @@ pub struct SceneObject {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectnessParts {
-    /// Whether its longest side has the size of something graspable.
+    /// Whether it has the size of something graspable: not too long, and not thin in two directions.
     #[schemars(range(min = 0, max = 1))]
     pub size: f32,
     /// P(O): whether something carries it.

@@ -432,9 +432,9 @@ parameters! {
 
     /// How much speaks for an object, and how much must: eq. 6 to 8, and what the paper leaves open.
     Objectness objectness, read by [Method::Paper, Method::Context] {
-        /// Shortest longest side of something graspable.
+        /// Least longest side of an object of `paper`; in objectness the soft limit of the second-longest side.
         min_side_m: f32 = 0.02, 1e-3..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
-        /// Greatest longest side of something graspable.
+        /// Greatest longest side of an object of `paper`; in objectness the limit is soft.
         max_side_m: f32 = 0.60, 1e-3..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
         /// Pixels with depth that an object has at least.
         min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)";
@@ -451,7 +451,7 @@ parameters! {
         /// What objectness loses when nothing of its outline is its own.
         visibility_weight: f32 = 0.1, 0.0..=1.0, "dimensionless: share", "ours, because what is half hidden is there all the same";
         /// Objectness that an object has at least.
-        threshold: f32 = 0.65, 0.0..=1.0, "dimensionless: objectness", "ours, because on mOSD learn and synthetic scenes hardly any object has less", only Context;
+        threshold: f32 = 0.6, 0.0..=1.0, "dimensionless: objectness", "ours, because no object of mOSD learn has less than 0.75 and hardly one of the synthetic scenes less than 0.6", only Context;
         /// Whether hypotheses that are no objects are written as well (`--all`).
         every_hypothesis: bool = false, OneOf("true | false"), "dimensionless: switch", "ours, because the score tells more than a verdict";
     }

@@ -7,7 +7,7 @@ use crate::objectness::compactness::compactness;
 use crate::objectness::gravity::Up;
 use crate::objectness::join::Join;
 use crate::objectness::outline::outlines;
-use crate::objectness::size::{graspable, longest_side_m, oriented_box};
+use crate::objectness::size::{graspable, oriented_box};
 use crate::objectness::support::SupportGraph;
 use crate::params::Params;
 use crate::raster::Raster;
@@ -71,12 +71,13 @@ pub fn hypotheses(
         }
         let points: Vec<[f32; 3]> = pixels.iter().map(|&i| points_m[i]).collect();
         let box_m = oriented_box(&points, up.direction);
+        let visibility = outlines[region].visibility();
         let parts = ObjectnessParts {
-            size: graspable(longest_side_m(&box_m), &params.objectness),
+            size: graspable(&box_m, visibility, &params.objectness),
             support: support.nodes[region].p_o,
             compactness: compactness[region],
             separation: outlines[region].separation(),
-            visibility: outlines[region].visibility(),
+            visibility,
         };
         let objectness = parts.objectness(&params.objectness);
         let region = SegmentId(region as u32);

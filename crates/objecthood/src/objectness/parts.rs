@@ -5,7 +5,7 @@ use crate::params;
 /// What an objectness is made of; each in [0, 1], 1 = speaks for an object, or at least not against one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectnessParts {
-    /// Whether its longest side has the size of something graspable.
+    /// Whether it has the size of something graspable: not too long, and not thin in two directions.
     pub size: f32,
     /// P(O), eq. 8: whether something carries it.
     pub support: f32,

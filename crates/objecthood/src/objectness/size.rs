@@ -53,16 +53,27 @@ pub fn oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
 
 /// The longest side of the box (m).
 pub fn longest_side_m(box_m: &OrientedBox) -> f32 {
-    box_m.extents_m.into_iter().fold(0.0, f32::max)
+    sorted(box_m)[2]
 }
 
-/// Whether something with this longest side (m) can be grasped and moved, in [0, 1]. The limits `min_side_m` and `max_side_m` are soft:
-/// on them it is 1/2, half an octave inside 1, half an octave outside 0, linear in the logarithm (ours, because the paper's hard
-/// limits make a verdict of a measurement).
-pub fn graspable(longest_m: f32, params: &params::Objectness) -> f32 {
-    let beyond = |ratio: f32| (libm::log2f(ratio) + 0.5).max(0.0);
-    let octaves = beyond(params.min_side_m / longest_m).max(beyond(longest_m / params.max_side_m));
-    1.0 - octaves.min(1.0)
+/// The sides of the box (m), the shortest first.
+fn sorted(box_m: &OrientedBox) -> [f32; 3] {
+    let mut sides_m = box_m.extents_m;
+    sides_m.sort_by(f32::total_cmp);
+    sides_m
+}
+
+/// Whether something with this box can be grasped and moved, in [0, 1] (ours, because the paper's hard limits make a verdict
+/// of a measurement, and what is thin in two directions is a sliver of something, however long).
+///
+/// The longest side has the upper limit `max_side_m`, the second-longest the lower limit `min_side_m`. Limits are soft: on them it is
+/// 1/2, an octave inside 1, an octave outside 0, linear in the logarithm. What is seen is the least that a thing can be, so
+/// the lower limit counts by the share of its outline that is its own (`visibility`).
+pub fn graspable(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
+    let [_, second_m, longest_m] = sorted(box_m);
+    let within = |excess: f32| 0.5 - 0.5 * libm::log2f(excess).clamp(-1.0, 1.0);
+    let thin = 1.0 - within(params.min_side_m / second_m);
+    (1.0 - visibility * thin).min(within(longest_m / params.max_side_m))
 }
 
 /// The value below which a share of `values` lies, between two values by linear interpolation; reorders them.
@@ -124,24 +135,27 @@ mod tests {
     }
 
     #[test]
-    fn limits_of_size_are_soft() {
+    fn limits_of_size_are_soft_and_what_is_hidden_may_be_larger() {
         let params = params::Objectness::default();
         let (min_m, max_m) = (params.min_side_m, params.max_side_m);
-        let half_octave = std::f32::consts::SQRT_2;
+        let part = |extents_m, visibility| {
+            let of_origin = oriented_box(&[], [0.0, -1.0, 0.0]);
+            graspable(&OrientedBox { extents_m, ..of_origin }, visibility, &params)
+        };
         let expected = [
-            (0.0, 0.0),
-            (min_m / half_octave, 0.0),
-            (min_m, 0.5),
-            (min_m * half_octave, 1.0),
-            (0.1, 1.0),
-            (max_m / half_octave, 1.0),
-            (max_m, 0.5),
-            (max_m * half_octave, 0.0),
-            (100.0, 0.0),
+            ([0.0, 0.0, 0.0], 1.0, 0.0),
+            ([0.0, min_m / 2.0, 0.1], 1.0, 0.0),
+            ([min_m, 0.1, 0.0], 1.0, 0.5),
+            ([0.0, 2.0 * min_m, 0.2], 1.0, 1.0),
+            ([0.0, 0.0, 0.1], 0.25, 0.75),
+            ([0.1, max_m / 2.0, 0.1], 1.0, 1.0),
+            ([0.1, max_m, 0.1], 1.0, 0.5),
+            ([0.1, 0.1, 2.0 * max_m], 0.0, 0.0),
+            ([0.0, min_m, max_m], 1.0, 0.5),
         ];
-        for (longest_m, part) in expected {
-            let got = graspable(longest_m, &params);
-            assert!((got - part).abs() < 1e-3 && (0.0..=1.0).contains(&got), "{longest_m} m: {got}");
+        for (extents_m, visibility, expected) in expected {
+            let got = part(extents_m, visibility);
+            assert!((got - expected).abs() < 1e-6, "{extents_m:?}, {visibility}: {got}");
         }
     }
 
