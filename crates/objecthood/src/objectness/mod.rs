@@ -13,6 +13,7 @@ mod fragments;
 pub mod gravity;
 mod height;
 pub mod join;
+mod meeting;
 pub mod objects;
 mod occlusion;
 mod outcome;
