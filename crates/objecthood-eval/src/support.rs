@@ -76,7 +76,7 @@ impl SupportTruth {
             points.entry(label(i)).or_default().push(points_m[i]);
         }
         points.retain(|_, points| points.len() >= LEAST_SEEN_PX as usize);
-        let planes = points.range(..OBJECTS).filter_map(|(_, points)| fitted_plane(points.iter())).collect();
+        let planes = points.range(..OBJECTS).filter_map(|(_, points)| fitted_plane(points)).collect();
         let kept = |i: usize| if points.contains_key(&label(i)) { label(i) } else { -1 };
         let labels = (0..points_m.len()).map(kept).collect();
         let labels = Raster::from_vec(points_m.width(), points_m.height(), labels)?;
@@ -125,7 +125,7 @@ pub struct KindCounts {
     pub called_leans: u32,
 }
 
-/// Objects that stand on, lie in or lean on other objects, and how many of them something carries.
+/// Objects that stand on or lie in other objects, and how many of them something carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RecursionCounts {
     /// Those that were found.
@@ -194,8 +194,10 @@ pub fn support_score(graph: &SupportGraph, regions: &Segments, truth: &SupportTr
 
     let parents = graph.parents();
     for (&node, &upper) in &matched {
-        let on_object = |pair: &&(u16, u16)| pair.1 == upper && truth.objects.contains(&pair.0);
-        if there.keys().any(|pair| on_object(&pair)) {
+        let on_object = |(pair, kind): (&(u16, u16), &SupportKind)| {
+            pair.1 == upper && truth.objects.contains(&pair.0) && *kind != SupportKind::Leans
+        };
+        if there.iter().any(on_object) {
             let planes = parents[node as usize].iter().map(|p| &graph.nodes[p.0 as usize]);
             let planes = planes.filter(|p| matches!(p.kind, NodeKind::Structure { .. }));
             score.recursion.stacked += 1;
@@ -308,7 +310,13 @@ pub fn explain(graph: &SupportGraph, regions: &Segments, truth: &SupportTruth) -
                     )
                 })
                 .collect();
-            out.push(["MISSED".into(), p.1.to_string(), p.0.to_string(), format!("{k:?} has {have:?}")]);
+            let lo = matched.iter().find(|(_, i)| **i == p.0).unwrap().0;
+            out.push([
+                "MISSED".into(),
+                p.1.to_string(),
+                p.0.to_string(),
+                format!("{k:?} has {have:?} nodes u{node} l{lo}"),
+            ]);
         }
     }
     out

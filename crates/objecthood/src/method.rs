@@ -9,7 +9,7 @@ use crate::facets::refinement::refine;
 use crate::frame::Frame;
 use crate::objectness::decision::decided;
 use crate::objectness::forest::forest;
-use crate::objectness::gravity::{dominant_plane, on_plane, up};
+use crate::objectness::gravity::{camera_up, dominant_plane, on_plane, up};
 use crate::objectness::hypotheses::{Evidence, hypotheses};
 use crate::objectness::objects::objects;
 use crate::objectness::support::support;
@@ -118,7 +118,15 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     observer.observe(Stage::Normals(&orientation.normal));
 
     // 1. Over-segmentation: large planes, then a watershed of how badly a plane fits.
-    let structure = structure(&disparity, &fits, &orientation, &points, space, &params.structure);
+    let structure = structure(
+        &disparity,
+        &fits,
+        &orientation,
+        &points,
+        space,
+        camera_up(&params.gravity),
+        &params.structure,
+    );
     observer.observe(Stage::Structure(&structure.segments()));
     let links = Links::new(&disparity, &orientation.slope, space, &params.watershed);
     let superpixels = watershed(&disparity, &fits, &structure.labels, &links, space, &params.watershed);
@@ -156,7 +164,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     join_behind_occluders(&mut clusters, &params.occlusion);
 
     let outcome = outcome(&clusters, structure.support, space.area_px(params.objectness.min_size_px));
-    let planes = structure.planes(&outcome.regions, frame);
+    let planes = structure.planes(&outcome.regions, frame, &points);
     let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
     let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };
     let mut support = forest(&outcome.regions, &points, &orientation.normal, &planes, &up, &contact);

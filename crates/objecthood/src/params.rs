@@ -230,7 +230,7 @@ choice! {
         /// The normal of the dominant plane.
         #[default]
         Plane = "plane",
-        /// The camera is held horizontally: up is against its y axis.
+        /// The camera's own up, by its tilt and roll; held horizontally against its y axis.
         Camera = "camera",
     }
 }
@@ -320,6 +320,10 @@ parameters! {
         /// Where it comes from.
         up_from: UpFrom = UpFrom::Plane, OneOf("plane | camera"), "dimensionless: switch",
             "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (METHOD 4.4)";
+        /// How far the camera looks down from the horizon.
+        tilt_deg: f64 = 0.0, -90.0..=90.0, "degrees", "paper, III-D: the camera is held horizontally";
+        /// How far it is turned clockwise about the direction in which it looks.
+        roll_deg: f64 = 0.0, -180.0..=180.0, "degrees", "paper, III-D: the camera is held horizontally";
         /// Points nearer to the plane than this belong to it.
         inlier_distance_m: f64 = 0.008, 1e-4..=1.0, "m", "tuned on mOSD learn (METHOD 2.6)", only Paper;
         /// A plane that holds a smaller share of the valid points is no ground to stand on.

@@ -4,11 +4,16 @@ use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::objectness::gravity::Up;
-use crate::oversegment::structure::{element_at, tangents};
+use crate::objectness::gravity::{StructurePlane, Up};
+use crate::oversegment::structure::{UPWARD, element_at, tangents};
 use crate::raster::Raster;
 use crate::regions::Segments;
 
+/// Heights that differ by less (m) are the same: what rises less above its surroundings is not told from them either
+/// (`height.min_top_m`).
+pub(crate) const LEVEL_M: f64 = 0.01;
+/// In so many directions one looks for what is around a place.
+pub(crate) const SECTORS: usize = 12;
 /// The foot of a region is this share of its heights from below: single noisy pixels lie low anywhere.
 const FOOT_SHARE: f64 = 0.02;
 /// Its top is this share from below.
@@ -25,8 +30,10 @@ const TOP_FACE: f64 = 0.9;
 const ALIKE: f64 = 0.15;
 /// What is tilted by less (sine; 8 degrees) stands upright.
 const LEAST_TILT: f64 = 0.14;
-/// This share of the sides of something that leans is tilted alike: a board is, a ball is not.
+/// This share of what is tilted in something that leans is tilted alike: a board is, a ball or a rounded edge is not.
 const LEAST_ALIKE: f64 = 0.6;
+/// And it is this share of all that is seen of it.
+const LEAST_TILTED: f64 = 0.2;
 
 /// Where the way along gravity is shorter than this in the image (sine; 6 degrees) its direction means nothing.
 const FORESHORTENED: f64 = 0.1;
@@ -35,12 +42,18 @@ const FORESHORTENED: f64 = 0.1;
 pub(crate) struct Plan {
     up: DVec3,
     across: [DVec3; 2],
+    /// In which the outline of a region is known.
+    directions: [DVec2; DIRECTIONS],
 }
 
 impl Plan {
     pub(crate) fn new(up: &Up) -> Self {
         let up = Vec3::from(up.direction).as_dvec3();
-        Self { up, across: tangents(up) }
+        let directions = std::array::from_fn(|k| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * k as f64 / DIRECTIONS as f64);
+            DVec2::new(cos, sin)
+        });
+        Self { up, across: tangents(up), directions }
     }
 
     /// Height along up, relative to the camera (m).
@@ -61,17 +74,12 @@ impl Plan {
 
     /// The step to one of the eight neighbouring pixels that leads most nearly along gravity at a point, for square
     /// pixels; `None` where one looks along gravity (within about 6 degrees).
-    pub(crate) fn step_down(&self, point_m: [f32; 3]) -> Option<[i32; 2]> {
+    pub(crate) fn step_down(&self, point_m: [f32; 3]) -> Option<[i64; 2]> {
         let [x, y, z] = point_m.map(f64::from);
         let down = DVec2::new(-self.up.x + x / z * self.up.z, -self.up.y + y / z * self.up.z);
         let down = (down.length() > FORESHORTENED).then(|| down.normalize())?;
         // sin 22.5 degrees: nearer to an axis than to a diagonal.
-        Some(down.to_array().map(|along| if along.abs() > 0.38 { along.signum() as i32 } else { 0 }))
-    }
-
-    /// The point at a height above a place.
-    pub(crate) fn point_m(&self, place_m: DVec2, height_m: f64) -> DVec3 {
-        self.across[0] * place_m.x + self.across[1] * place_m.y + self.up * height_m
+        Some(down.to_array().map(|along| if along.abs() > 0.38 { along.signum() as i64 } else { 0 }))
     }
 }
 
@@ -105,70 +113,125 @@ pub(crate) struct Tilt {
     pub(crate) alike: f64,
 }
 
-/// The unit vectors in which the outline of a region is known.
-fn directions() -> [DVec2; DIRECTIONS] {
-    std::array::from_fn(|k| {
-        let (sin, cos) = libm::sincos(std::f64::consts::TAU * k as f64 / DIRECTIONS as f64);
-        DVec2::new(cos, sin)
-    })
+/// The regions of a scene against gravity.
+pub(crate) struct Bodies<'a> {
+    pub(crate) plan: Plan,
+    /// One a region.
+    pub(crate) all: Vec<Body>,
+    /// The first regions are these; the others stand about.
+    pub(crate) planes: &'a [StructurePlane],
+    relief: Relief,
 }
 
-/// All regions as bodies. Pixels without depth do not count. O(pixels).
-pub(crate) fn bodies(
-    regions: &Segments,
-    points_m: &Raster<[f32; 3]>,
-    normals: &Raster<[f32; 3]>,
-    plan: &Plan,
-) -> Vec<Body> {
-    let mut bodies =
-        vec![Body { reach_m: [f64::NEG_INFINITY; DIRECTIONS], ..Body::default() }; regions.count()];
-    let mut heights_m: Vec<Vec<f64>> = vec![Vec::new(); regions.count()];
-    let mut sides: Vec<Vec<(f64, [f32; 3])>> = vec![Vec::new(); regions.count()];
-    let directions = directions();
-    for (i, region) in regions.members().filter(|&(i, _)| !points_m[i][2].is_nan()) {
-        let (body, height_m, place_m) =
-            (&mut bodies[region], plan.height_m(points_m[i]), plan.place_m(points_m[i]));
-        if body.size_px == 0 {
-            body.first = i;
+impl<'a> Bodies<'a> {
+    /// Pixels without depth do not count. O(pixels log pixels).
+    pub(crate) fn new(
+        regions: &Segments,
+        points_m: &Raster<[f32; 3]>,
+        normals: &Raster<[f32; 3]>,
+        planes: &'a [StructurePlane],
+        up: &Up,
+    ) -> Self {
+        let plan = Plan::new(up);
+        let mut all = vec![Body::default(); regions.count()];
+        let mut heights_m: Vec<Vec<f64>> = vec![Vec::new(); regions.count()];
+        let mut sides: Vec<Vec<(f64, [f32; 3])>> = vec![Vec::new(); regions.count()];
+        for (i, region) in regions.members().filter(|&(i, _)| !points_m[i][2].is_nan()) {
+            let height_m = plan.height_m(points_m[i]);
+            all[region].add(i, height_m, plan.place_m(points_m[i]), &plan.directions);
+            heights_m[region].push(height_m);
+            let upward = plan.upward(normals[i]);
+            if normals[i] != [0.0; 3] && upward < TOP_FACE {
+                sides[region].push((upward, normals[i]));
+            }
         }
-        body.size_px += 1;
-        body.mean_m += height_m;
-        body.middle_m += place_m;
-        for (reach_m, direction) in body.reach_m.iter_mut().zip(directions) {
-            *reach_m = reach_m.max(place_m.dot(direction));
+        for ((body, mut heights_m), sides) in all.iter_mut().zip(heights_m).zip(sides) {
+            let count = body.size_px.max(1) as f64;
+            body.mean_m /= count;
+            body.middle_m /= count;
+            body.foot_m = element_at(&mut heights_m, FOOT_SHARE);
+            body.top_m = element_at(&mut heights_m, TOP_SHARE);
+            body.tilt = Tilt::of(&sides, body.size_px, &plan);
         }
-        heights_m[region].push(height_m);
-        let upward = plan.upward(normals[i]);
-        if normals[i] != [0.0; 3] && upward < TOP_FACE {
-            sides[region].push((upward, normals[i]));
+        let relief = Relief::new(regions, points_m, &plan, planes.len());
+        Self { plan, all, planes, relief }
+    }
+
+    /// The regions that are no planes and have points.
+    pub(crate) fn things(&self) -> impl Iterator<Item = usize> + '_ {
+        (self.planes.len()..self.all.len()).filter(|&region| self.all[region].size_px > 0)
+    }
+
+    /// Whether something can stand on a plane.
+    pub(crate) fn faces_up(&self, plane: &StructurePlane) -> bool {
+        self.plan.upward(plane.normal) > UPWARD
+    }
+
+    /// Whether a region ends upwards near a point, and is something to stand on there.
+    pub(crate) fn ends_at(&self, region: usize, point_m: [f32; 3]) -> bool {
+        match self.planes.get(region) {
+            Some(plane) => self.faces_up(plane),
+            None => {
+                let top_m = self.relief.top_near_m(region, self.plan.place_m(point_m));
+                top_m.is_none_or(|top_m| top_m <= self.plan.height_m(point_m) + LEVEL_M)
+            }
         }
     }
-    for ((body, mut heights_m), sides) in bodies.iter_mut().zip(heights_m).zip(sides) {
-        let count = body.size_px.max(1) as f64;
-        body.mean_m /= count;
-        body.middle_m /= count;
-        body.foot_m = element_at(&mut heights_m, FOOT_SHARE);
-        body.top_m = element_at(&mut heights_m, TOP_SHARE);
-        body.tilt = Tilt::of(&sides, plan);
+
+    /// Whether the outline of a region holds a place in the plan view.
+    pub(crate) fn holds(&self, region: usize, place_m: DVec2) -> bool {
+        let reach_m = self.all[region].reach_m.iter();
+        self.plan
+            .directions
+            .iter()
+            .zip(reach_m)
+            .all(|(direction, reach_m)| place_m.dot(*direction) <= *reach_m)
     }
-    bodies
+
+    /// Height of a plane at a place (m).
+    pub(crate) fn height_of_m(&self, plane: &StructurePlane, place_m: DVec2) -> f64 {
+        let [x, y] = self.plan.across.map(|axis| axis.as_vec3());
+        let at_zero = x * place_m.x as f32 + y * place_m.y as f32;
+        let distance_m = Vec3::from(plane.normal).dot(at_zero) + plane.offset_m;
+        -f64::from(distance_m) / self.plan.upward(plane.normal)
+    }
+
+    /// Around a place, in how many of [`SECTORS`] directions a region is seen above a height.
+    pub(crate) fn sectors_above(&self, region: usize, place_m: DVec2, height_m: f64) -> usize {
+        let mut seen = [false; SECTORS];
+        for (at_m, _) in self.relief.of(region).filter(|cell| cell.1 > height_m) {
+            let way = at_m - place_m;
+            let turn = libm::atan2(way.y, way.x) / std::f64::consts::TAU + 0.5;
+            seen[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
+        }
+        seen.into_iter().filter(|&seen| seen).count()
+    }
 }
 
 impl Body {
-    /// Whether a place lies within the outline, or farther out by at most `beyond_m`.
-    pub(crate) fn contains(&self, place_m: DVec2, beyond_m: f64) -> bool {
-        directions().iter().zip(self.reach_m).all(|(d, reach_m)| place_m.dot(*d) <= reach_m + beyond_m)
+    fn add(&mut self, i: usize, height_m: f64, place_m: DVec2, directions: &[DVec2; DIRECTIONS]) {
+        if self.size_px == 0 {
+            self.first = i;
+            self.reach_m = [f64::NEG_INFINITY; DIRECTIONS];
+        }
+        self.size_px += 1;
+        self.mean_m += height_m;
+        self.middle_m += place_m;
+        for (reach_m, direction) in self.reach_m.iter_mut().zip(directions) {
+            *reach_m = reach_m.max(place_m.dot(*direction));
+        }
     }
 }
 
 impl Tilt {
     /// Of faces that are no tops, each with what of its normal is upwards.
-    fn of(sides: &[(f64, [f32; 3])], plan: &Plan) -> Option<Self> {
-        let mut upward: Vec<f64> = sides.iter().map(|side| side.0).collect();
+    fn of(sides: &[(f64, [f32; 3])], normals: usize, plan: &Plan) -> Option<Self> {
+        let tilted = || sides.iter().filter(|side| side.0.abs() > LEAST_TILT);
+        let mut upward: Vec<f64> = tilted().map(|side| side.0).collect();
         let middle = element_at(&mut upward, 0.5);
-        let alike: Vec<_> = sides.iter().filter(|side| (side.0 - middle).abs() <= ALIKE).collect();
-        let share = alike.len() as f64 / sides.len().max(1) as f64;
-        if middle.abs() < LEAST_TILT || share < LEAST_ALIKE {
+        let alike: Vec<_> = tilted().filter(|side| (side.0 - middle).abs() <= ALIKE).collect();
+        let share = alike.len() as f64 / upward.len().max(1) as f64;
+        if share < LEAST_ALIKE || (alike.len() as f64) < LEAST_TILTED * normals as f64 {
             return None;
         }
         let outward: DVec2 = alike.iter().map(|side| plan.place_m(side.1)).sum();
@@ -178,14 +241,14 @@ impl Tilt {
 }
 
 /// How high regions are, place by place.
-pub(crate) struct Relief {
+struct Relief {
     /// By region, then by cell; in each the height (m).
     cells: BTreeMap<(u32, [i32; 2]), f64>,
 }
 
 impl Relief {
     /// Of the regions from number `from` on. O(pixels log pixels).
-    pub(crate) fn new(regions: &Segments, points_m: &Raster<[f32; 3]>, plan: &Plan, from: usize) -> Self {
+    fn new(regions: &Segments, points_m: &Raster<[f32; 3]>, plan: &Plan, from: usize) -> Self {
         let members = regions.members().filter(|&(i, region)| region >= from && !points_m[i][2].is_nan());
         let keyed = members.map(|(i, region)| {
             ((region as u32, cell(plan.place_m(points_m[i]))), plan.height_m(points_m[i]))
@@ -198,7 +261,7 @@ impl Relief {
     }
 
     /// How high a region is at a place and in the eight cells around it (m).
-    pub(crate) fn top_near_m(&self, region: usize, place_m: DVec2) -> Option<f64> {
+    fn top_near_m(&self, region: usize, place_m: DVec2) -> Option<f64> {
         let [x, y] = cell(place_m);
         let around =
             (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [x.saturating_add(dx), y.saturating_add(dy)]));
@@ -206,7 +269,7 @@ impl Relief {
     }
 
     /// The cells of a region: middle and height (m).
-    pub(crate) fn of(&self, region: usize) -> impl Iterator<Item = (DVec2, f64)> + '_ {
+    fn of(&self, region: usize) -> impl Iterator<Item = (DVec2, f64)> + '_ {
         let all = (region as u32, [i32::MIN; 2])..=(region as u32, [i32::MAX; 2]);
         self.cells.range(all).map(|(&(_, [x, y]), &height_m)| {
             (DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) * CELL_M, height_m)

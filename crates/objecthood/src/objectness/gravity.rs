@@ -72,14 +72,14 @@ pub fn dominant_plane(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> 
     })
 }
 
-/// The plane that fits points best (total least squares), with `inlier_share` 0; `None` of fewer than three.
-pub fn fitted_plane<'a>(points_m: impl Iterator<Item = &'a [f32; 3]>) -> Option<StructurePlane> {
-    let points: Vec<DVec3> = points_m.map(|&p| Vec3::from(p).as_dvec3()).collect();
+/// The plane that fits points best (total least squares); all of them lie on it. `None` of fewer than three. O(points).
+pub fn fitted_plane(points_m: &[[f32; 3]]) -> Option<StructurePlane> {
+    let points: Vec<DVec3> = points_m.iter().map(|&p| Vec3::from(p).as_dvec3()).collect();
     let plane = Plane::fitted(points.iter())?;
     Some(StructurePlane {
         normal: plane.normal.as_vec3().to_array(),
         offset_m: plane.offset_m as f32,
-        inlier_share: 0.0,
+        inlier_share: 1.0,
     })
 }
 
@@ -99,13 +99,22 @@ pub(crate) fn on_plane(
     labels.with_data(pixels.map(|(p, &object)| u16::from(object == 0 && is_near(p))).collect())
 }
 
-/// The direction up: the normal of `plane`, or the camera's -y when there is none or `up_from` says so.
+/// The camera's own up: a unit vector in its frame, as it is tilted and rolled (`tilt_deg`, `roll_deg`); held
+/// horizontally -y.
+pub fn camera_up(params: &params::Gravity) -> [f32; 3] {
+    let (sin_tilt, cos_tilt) = libm::sincos(params.tilt_deg.to_radians());
+    let (sin_roll, cos_roll) = libm::sincos(params.roll_deg.to_radians());
+    // The sum takes the sign from a negative zero.
+    [-sin_roll * cos_tilt, -cos_roll * cos_tilt, -sin_tilt].map(|x| (x + 0.0) as f32)
+}
+
+/// The direction up: the normal of `plane`, or the camera's own up when there is none or `up_from` says so.
 ///
-/// *Differs from the paper:* it holds the camera horizontally (`up_from = camera`).
+/// *Differs from the paper:* it holds the camera horizontally (`up_from = camera`, and neither tilt nor roll).
 pub fn up(plane: Option<&StructurePlane>, params: &params::Gravity) -> Up {
     match (params.up_from, plane) {
         (UpFrom::Plane, Some(plane)) => Up { direction: plane.normal, source: UpSource::Plane },
-        _ => Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera },
+        _ => Up { direction: camera_up(params), source: UpSource::Camera },
     }
 }
 

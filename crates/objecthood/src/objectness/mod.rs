@@ -15,6 +15,7 @@ pub mod gravity;
 mod height;
 pub mod hypotheses;
 pub mod join;
+mod meeting;
 pub mod objects;
 mod occlusion;
 mod outcome;

@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::frame::Frame;
-use crate::objectness::gravity::StructurePlane;
+use crate::objectness::gravity::{StructurePlane, fitted_plane};
 use crate::params;
 use crate::random::Lcg;
 use crate::raster::Raster;
@@ -37,7 +37,7 @@ pub struct Structure {
     pub surfaces: Vec<StructureSurface>,
     /// The surface of every pixel; -1 = none.
     pub labels: Raster<i32>,
-    /// The surface on which objects stand: the first that faces up in the image, else the first of all.
+    /// The surface on which objects stand: the first that faces up as the camera is held, else the first of all.
     pub support: Option<usize>,
 }
 
@@ -73,7 +73,7 @@ const DOMINANT_SHARE: f64 = 0.2;
 const DOMINANT_M2: f64 = 0.03;
 /// A pixel seen more glancingly than this cosine counts as if it were seen so.
 const LEAST_COSINE: f64 = 0.15;
-/// A surface whose normal has more than this upwards in the image is one to stand on.
+/// A surface whose normal has more than this upwards is one to stand on.
 pub(crate) const UPWARD: f64 = 0.3;
 /// What lies in front of a surface that is behind the horizon stands as high as this (m).
 const BEYOND_M: f64 = 10.0;
@@ -120,13 +120,14 @@ impl Alike {
 /// Finds the structure of a scene.
 ///
 /// RANSAC (Fischler and Bolles 1981) with fixed random numbers over a grid of pixels; the best plane is refitted as a
-/// quadratic and kept when it is large. O(rounds · trials · pixels / 36).
+/// quadratic and kept when it is large. `camera_up`: the camera's own up, see [`camera_up`](crate::objectness::gravity::camera_up). O(rounds · trials · pixels / 36).
 pub fn structure(
     disparity: &Raster<f32>,
     fits: &Raster<PlaneFit>,
     orientation: &Orientation,
     points_m: &Raster<[f32; 3]>,
     space: &DisparitySpace,
+    camera_up: [f32; 3],
     params: &params::Structure,
 ) -> Structure {
     let (width, height) = disparity.size();
@@ -172,7 +173,11 @@ pub fn structure(
         }
     }
 
-    let support = surfaces.iter().position(|s| -s.normal.y > UPWARD).or((!surfaces.is_empty()).then_some(0));
+    let camera_up = Vec3::from(camera_up).as_dvec3();
+    let support = surfaces
+        .iter()
+        .position(|s| s.normal.dot(camera_up) > UPWARD)
+        .or((!surfaces.is_empty()).then_some(0));
     let label = |i: usize| {
         let (at, tilt) = (position(i, width), Tilt::at(i, orientation));
         let lies_on = |s: &StructureSurface| {
@@ -192,17 +197,29 @@ impl Structure {
         Segments::from_numbered(self.labels.clone(), self.surfaces.len())
     }
 
-    /// The surfaces as planes, of which `regions` says where they are in the end: its first regions are the surfaces.
-    pub(crate) fn planes(&self, regions: &Segments, frame: &Frame) -> Vec<StructurePlane> {
-        let mut size_px = vec![0_usize; regions.count()];
-        regions.members().for_each(|(_, region)| size_px[region] += 1);
+    /// The surfaces as planes, each fitted to the pixels that it has in the end: the first regions are the surfaces.
+    pub(crate) fn planes(
+        &self,
+        regions: &Segments,
+        frame: &Frame,
+        points_m: &Raster<[f32; 3]>,
+    ) -> Vec<StructurePlane> {
+        let count = self.surfaces.len();
+        let mut own: Vec<Vec<[f32; 3]>> = vec![Vec::new(); count];
+        for (i, region) in regions.members().filter(|&(i, region)| region < count && frame.is_valid(i)) {
+            own[region].push(points_m[i]);
+        }
         let measured = (0..regions.labels().len()).filter(|&i| frame.is_valid(i)).count();
-        let plane = |(surface, size): (&StructureSurface, usize)| StructurePlane {
-            normal: surface.normal.as_vec3().to_array(),
-            offset_m: surface.offset_m as f32,
-            inlier_share: (size as f64 / measured as f64) as f32,
+        let plane = |(surface, own): (&StructureSurface, Vec<[f32; 3]>)| {
+            let started = StructurePlane {
+                normal: surface.normal.as_vec3().to_array(),
+                offset_m: surface.offset_m as f32,
+                inlier_share: 0.0,
+            };
+            let inlier_share = (own.len() as f64 / measured as f64) as f32;
+            StructurePlane { inlier_share, ..fitted_plane(&own).unwrap_or(started) }
         };
-        self.surfaces.iter().zip(size_px).map(plane).collect()
+        self.surfaces.iter().zip(own).map(plane).collect()
     }
 
     /// One label map of both: first the surfaces, then the segments, which lie where no surface is.
@@ -380,7 +397,7 @@ mod tests {
         let disparity = space.disparity(&depth);
         let fits = plane_fits(&disparity, 2);
         let orientation = orientation(&disparity, &fits, &space, &params::LocalFit::default());
-        structure(&disparity, &fits, &orientation, &points, &space, params)
+        structure(&disparity, &fits, &orientation, &points, &space, [0.0, -1.0, 0.0], params)
     }
 
     /// The depth of the plane normal · X = -offset along the ray of a pixel.

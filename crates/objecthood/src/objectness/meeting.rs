@@ -1,0 +1,67 @@
+//! How things meet: where on either the contact lies, against gravity.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use crate::objectness::body::{Bodies, LEVEL_M};
+use crate::params;
+use crate::raster::Raster;
+use crate::regions::Segments;
+use crate::shapes::contact::touching_pairs;
+
+/// What carries goes on below what it carries: so far (m) behind the line of contact, which is all that is seen of a foot.
+const UNDER_M: f64 = 0.03;
+
+/// How one region touches another that may carry it, in pairs of points in contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Meeting {
+    /// Its foot is on a top of the other, level with it.
+    pub(crate) on: u32,
+    /// Of these, those behind which the other goes on below it.
+    pub(crate) under: u32,
+    /// Its foot touches the other, on a top or not.
+    pub(crate) foot: u32,
+    /// It touches the other above its foot.
+    pub(crate) side: u32,
+    /// Sum of the ways from its middle to the other there, in the plan view (m).
+    pub(crate) side_way_m: DVec2,
+}
+
+/// How every two regions that touch meet, by (lower, upper), either way; planes are never the upper one.
+///
+/// The foot is what is level with the lowest visible part. O(pixels · `reach_px`).
+pub(crate) fn meetings(
+    regions: &Segments,
+    points_m: &Raster<[f32; 3]>,
+    bodies: &Bodies<'_>,
+    params: &params::Contact,
+) -> BTreeMap<(usize, usize), Meeting> {
+    let plan = &bodies.plan;
+    let mut meetings: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
+    for (i, j) in touching_pairs(regions, points_m, params) {
+        for (upper, lower) in [(i, j), (j, i)] {
+            let (Some(of_upper), Some(of_lower)) = (regions.at(upper), regions.at(lower)) else { continue };
+            let (of_upper, of_lower) = (of_upper.index(), of_lower.index());
+            if of_upper < bodies.planes.len() {
+                continue;
+            }
+            let meeting = meetings.entry((of_lower, of_upper)).or_default();
+            let [at_m, below_m] = [upper, lower].map(|k| points_m[k]);
+            let height_m = plan.height_m(at_m);
+            if height_m > bodies.all[of_upper].foot_m + LEVEL_M {
+                meeting.side += 1;
+                meeting.side_way_m += plan.place_m(below_m) - bodies.all[of_upper].middle_m;
+                continue;
+            }
+            meeting.foot += 1;
+            if (height_m - plan.height_m(below_m)).abs() <= LEVEL_M && bodies.ends_at(of_lower, below_m) {
+                meeting.on += 1;
+                let place_m = plan.place_m(at_m);
+                let behind_m = place_m + UNDER_M * place_m.normalize_or_zero();
+                meeting.under += u32::from(bodies.holds(of_lower, behind_m));
+            }
+        }
+    }
+    meetings
+}
