@@ -9,6 +9,7 @@ use crate::facets::refinement::refine;
 use crate::frame::Frame;
 use crate::objectness::decision::decide;
 use crate::objectness::gravity::{dominant_plane, on_plane, up};
+use crate::objectness::history::History;
 use crate::objectness::objects::objects;
 use crate::objectness::support::support;
 use crate::objectness::{
@@ -120,6 +121,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
 
     // 3. Shapes: facets whose borders vote for one shape.
     let borders = borders(&facets, &disparity, space, &params.border);
+    observer.observe(Stage::Borders { facets: &facets, evidence: &borders });
     let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
     observer.observe(Stage::Shapes(&shapes.with_structure(&facets)));
 
@@ -142,6 +144,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     join_vessels(&mut clusters, &params.vessels);
     join_bottoms(&mut clusters, structure.support, &params.vessels);
     join_behind_occluders(&mut clusters, &params.occlusion);
+    observer.observe(Stage::Clusters { facets: &facets, history: History::of(&clusters) });
 
     let outcome = outcome(&clusters, structure.support, space.area_px(params.objectness.min_size_px));
     let planes = structure.planes(&outcome.regions, frame);

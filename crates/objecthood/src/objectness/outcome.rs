@@ -65,7 +65,7 @@ impl Outcome {
                 pixels,
                 objectness: p_o,
                 parts: ObjectnessParts::Context { p_s, p_o, top_m },
-                joins: clusters.get(id).joins.iter().map(|join| self.resolve(clusters, id, join)).collect(),
+                joins: clusters.joins(id).map(|join| self.resolve(clusters, id, join)).collect(),
             }
         };
         self.found.iter().enumerate().map(judge).collect()
@@ -94,9 +94,10 @@ impl Outcome {
 mod tests {
     use super::*;
     use crate::objectness::gravity::UpSource;
+    use crate::objectness::history::{Event, Rule};
     use crate::objectness::join::{JoinEvidence, JoinedPart};
     use crate::objectness::support::{NodeKind, SupportEdge, SupportNode};
-    use crate::objectness::testing::{Table, single};
+    use crate::objectness::testing::{Table, merge, single};
 
     const UP: Up = Up { direction: [0.0, 0.0, -1.0], source: UpSource::Plane };
 
@@ -127,7 +128,7 @@ mod tests {
         let table = three_things();
         let scene = table.scene();
         let mut clusters = single(&scene);
-        clusters.merge(None, SegmentId(0));
+        merge(&mut clusters, None, SegmentId(0));
         let outcome = outcome(&clusters, Some(0), 5);
         let row: Vec<i32> = outcome.regions.labels().as_slice()[12..24].to_vec();
         assert_eq!(row, [0, 0, 0, 0, 0, -1, -1, 0, 1, 1, 1, 0]);
@@ -152,10 +153,15 @@ mod tests {
         // Facet 0 is the table, facet 2 is thing b; a small one is no node, nor is what became a part of the object.
         let behind = |hider: u32, min_size_px: usize, merged: bool| {
             let mut clusters = single(&scene);
-            clusters.merge(Some(SegmentId(0)), SegmentId(2));
-            clusters.note(SegmentId(0), join.clone(), Some(SegmentId(hider)));
+            clusters.give(Event {
+                rule: Rule::Occlusion,
+                from: Some(SegmentId(2)),
+                into: Some(SegmentId(0)),
+                checks: Vec::new(),
+                join: Some((join.clone(), Some(SegmentId(hider)))),
+            });
             if merged {
-                clusters.merge(Some(SegmentId(0)), SegmentId(1));
+                merge(&mut clusters, Some(SegmentId(0)), SegmentId(1));
             }
             let outcome = outcome(&clusters, Some(0), min_size_px);
             let hypotheses = outcome.hypotheses(&clusters, &graph(outcome.regions.count()), &UP);
