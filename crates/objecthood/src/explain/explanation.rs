@@ -11,12 +11,15 @@ pub struct Explanation {
     /// The pixel: column and row.
     pub pixel: [usize; 2],
     /// Its depth (m), if it was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_m: Option<f32>,
     /// What it is.
     pub outcome: Outcome,
     /// Its facet, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub facet: Option<FacetReport>,
     /// Whether the thing that the facet belongs to is an object. `None` of structure.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub kept: Option<Decision>,
     /// The borders of the facet, the longest first.
     pub borders: Vec<BorderReport>,
@@ -25,6 +28,7 @@ pub struct Explanation {
     /// What rules nearly did with it.
     pub near_misses: Vec<Decision>,
     /// The object, if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub object: Option<ObjectReport>,
 }
 
@@ -67,6 +71,7 @@ pub struct FacetReport {
     /// How far its pixels are from the surface, root mean square (quanta).
     pub mean_residual_quanta: f64,
     /// Which structure plane it is, if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub structure_plane: Option<u32>,
 }
 
@@ -76,8 +81,10 @@ pub struct BorderReport {
     /// The other facet.
     pub facet: u32,
     /// Which structure plane that is, if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub structure_plane: Option<u32>,
     /// Mean angle of the folds (degrees): above 0 = ridge, convex; below 0 = valley, concave. `None` without folds.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_angle_deg: Option<f64>,
     /// How far this facet is before the other one where they meet, on average (quanta of disparity).
     pub gap_quanta: f64,
@@ -88,8 +95,10 @@ pub struct BorderReport {
     /// How much of it is a step in depth (mm).
     pub stepped_mm: f64,
     /// Its vote (mm of border): above 0 for one shape, below 0 for two. `None` with structure, which is not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub vote_mm: Option<f64>,
     /// Whether both are one thing. `None` with structure.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub decision: Option<Decision>,
 }
 

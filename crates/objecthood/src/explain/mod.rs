@@ -24,7 +24,7 @@ use crate::objectness::check::{Bound, Check};
 use crate::objectness::history::{Event, Miss, Rule};
 use crate::objectness::join::JoinEvidence;
 use crate::objectness::small;
-use crate::params::{Method, Params};
+use crate::params::Params;
 use crate::raster::Raster;
 use crate::regions::{RegionEdge, SegmentId, Segments};
 use crate::shapes::border::BorderEvidence;
@@ -48,9 +48,6 @@ impl<'a> Explainer<'a> {
     /// # Errors
     /// As [`discover`](crate::discover); [`Error::OnlyContext`] with another method.
     pub fn new(frame: &'a Frame, params: &'a Params) -> Result<Self> {
-        if params.method != Method::Context {
-            return Err(Error::OnlyContext { method: params.method });
-        }
         let run = Run::new(frame, params)?;
         let space = DisparitySpace::new(frame.camera(), &params.sensor);
         Ok(Self { frame, params, disparity: space.disparity(frame.depth_m()), space, run })
@@ -71,7 +68,8 @@ impl<'a> Explainer<'a> {
         let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); self.facets().count()];
         let labels = &self.discovery().labels;
         self.facets().members().filter(|&(i, _)| labels[i] == id.0).for_each(|(i, f)| pixels[f].push(i));
-        let largest = pixels.iter().rev().max_by_key(|pixels| pixels.len()).filter(|pixels| !pixels.is_empty())?;
+        let largest =
+            pixels.iter().rev().max_by_key(|pixels| pixels.len()).filter(|pixels| !pixels.is_empty())?;
         let at = |i: usize| position(i, labels.width());
         let middle = [0, 1].map(|k| largest.iter().map(|&i| at(i)[k]).sum::<f64>() / largest.len() as f64);
         let off = |i: usize| [0, 1].map(|k| (at(i)[k] - middle[k]).powi(2)).iter().sum::<f64>();
@@ -107,7 +105,8 @@ impl<'a> Explainer<'a> {
 
         let label = self.discovery().labels[i];
         explanation.facet = Some(self.facet(facet, i));
-        explanation.object = self.discovery().objects.get(usize::from(label).wrapping_sub(1)).map(|o| self.object(o));
+        explanation.object =
+            self.discovery().objects.get(usize::from(label).wrapping_sub(1)).map(|o| self.object(o));
         explanation.outcome = self.outcome(facet, i);
         // What became of the thing comes first, because the number of runs is limited.
         let mut search = Search::new(self.frame, self.params, &self.run);
@@ -117,7 +116,7 @@ impl<'a> Explainer<'a> {
                 explanation.way = self.way(facet, &mut search);
                 explanation.near_misses = self.near_misses(facet, &mut search);
             }
-            None => explanation.way = self.bottom(i),
+            None => explanation.way = self.bottom(i, &mut search),
         }
         explanation.borders = self.borders(facet, &mut search);
         Ok(explanation)
@@ -126,8 +125,7 @@ impl<'a> Explainer<'a> {
     fn facet(&self, facet: SegmentId, pixel: usize) -> FacetReport {
         let width = self.disparity.width();
         let model = &self.run.filled.models[facet.index()];
-        let residual =
-            |i: usize| f64::from(self.disparity[i]) - model.value(position(i, width));
+        let residual = |i: usize| f64::from(self.disparity[i]) - model.value(position(i, width));
         let own = self.facets().members().filter(|&(_, f)| f == facet.index());
         let (mut squared, mut size_px) = (0.0, 0);
         for (i, _) in own {
@@ -183,13 +181,16 @@ impl<'a> Explainer<'a> {
             // The last event of its way gave it to the background.
             None => {
                 let last = self.run.chain(facet).pop();
-                last.map_or((Reason::Passed, Vec::new()), |event| (Reason::Rule(event.rule), event.checks.clone()))
+                last.map_or((Reason::Passed, Vec::new()), |event| {
+                    (Reason::Rule(event.rule), event.checks.clone())
+                })
             }
             Some(cluster) => {
                 let size_px = self.run.size_px(cluster);
                 let fragment = small(size_px, &self.space, &self.params.fragments);
                 let too_small = self.too_small(size_px);
-                let is_low = |miss: &&Miss| miss.rule == Rule::Low && self.run.owner(miss.from) == Some(cluster);
+                let is_low =
+                    |miss: &&Miss| miss.rule == Rule::Low && self.run.owner(miss.from) == Some(cluster);
                 // A thing is as high as the highest of what it was made of.
                 let low = self.run.misses.iter().filter(is_low).flat_map(|miss| &miss.checks).copied();
                 let low = low.reduce(|a, b| if b.measured > a.measured { b } else { a });
@@ -235,13 +236,13 @@ impl<'a> Explainer<'a> {
             None => {
                 let facet = self.run.largest_facet(event.into?)?;
                 let question = Question::Bottom { facet: facet.0 };
-                Some(search.stated(question, reason, event.checks.clone()))
+                Some(search.decision(question, reason, event.checks.clone()))
             }
         }
     }
 
     /// Why a pixel of the structure is the bottom of an object, if it is.
-    fn bottom(&self, pixel: usize) -> Vec<Decision> {
+    fn bottom(&self, pixel: usize, search: &mut Search<'_>) -> Vec<Decision> {
         let (u, v) = (pixel % self.disparity.width(), pixel / self.disparity.width());
         let holds = |event: &&Event| {
             let Some((join, _)) = &event.join else { return false };
@@ -250,28 +251,25 @@ impl<'a> Explainer<'a> {
                 bottom.box_px.u..bottom.box_px.u + bottom.box_px.width,
                 bottom.box_px.v..bottom.box_px.v + bottom.box_px.height,
             );
-            matches!(join.evidence, JoinEvidence::VesselBottom { .. }) && columns.contains(&u) && rows.contains(&v)
+            matches!(join.evidence, JoinEvidence::VesselBottom { .. })
+                && columns.contains(&u)
+                && rows.contains(&v)
         };
         let label = self.discovery().labels[pixel];
-        let event = self.run.events.iter().filter(holds).find_map(|event| {
-            let facet = self.run.largest_facet(event.into?)?;
-            (label > 0 && self.run.object(facet) == label).then_some((facet, event))
-        });
-        let state = |(facet, event): (SegmentId, &Event)| Decision {
-            question: Question::Bottom { facet: facet.0 },
-            yes: true,
-            reason: Reason::Rule(Rule::VesselBottom),
-            checks: event.checks.clone(),
-            flip: Flip::NotSought,
+        let is_own = |event: &&Event| {
+            let facet = event.into.and_then(|into| self.run.largest_facet(into));
+            label > 0 && facet.is_some_and(|facet| self.run.object(facet) == label)
         };
-        event.map(state).into_iter().collect()
+        let event = self.run.events.iter().filter(holds).find(is_own);
+        event.and_then(|event| self.joined(event, search)).into_iter().collect()
     }
 
     /// What rules nearly joined to the thing of a facet: of vessels and of occluded parts the one that failed the fewest checks, by
     /// the least.
     fn near_misses(&self, facet: SegmentId, search: &mut Search<'_>) -> Vec<Decision> {
         let Some(cluster) = self.run.cluster(facet) else { return Vec::new() };
-        let owners = |miss: &Miss| [Some(miss.from), miss.into].map(|id| id.and_then(|id| self.run.owner(id)));
+        let owners =
+            |miss: &Miss| [Some(miss.from), miss.into].map(|id| id.and_then(|id| self.run.owner(id)));
         let mut found = Vec::new();
         for is_kind in [
             |rule| rule == Rule::Occlusion,
@@ -343,13 +341,16 @@ impl<'a> Explainer<'a> {
         let question = Question::OneThing { facets: [a.0, b.0] };
         let one_shape = self.run.shape(a) == self.run.shape(b);
         let event = || self.run.uniting(a, b);
-        if !one_shape && self.run.one_thing(a, b) && let Some(event) = event() {
+        if !one_shape
+            && self.run.one_thing(a, b)
+            && let Some(event) = event()
+        {
             return search.decision(question, Reason::Rule(event.rule), event.checks.clone());
         }
         let steps_m = self.params.contraction.occlusion_weight * evidence.step_m;
         let reason = match (one_shape, vote_m > 0.0) {
             (true, true) => Reason::Folds,
-            (false, false) if steps_m >= steps_m - vote_m - steps_m && evidence.step_m > 0.0 => Reason::Steps,
+            (false, false) if evidence.step_m > 0.0 && steps_m >= -(vote_m + steps_m) => Reason::Steps,
             (false, false) => Reason::Folds,
             _ => Reason::OtherBorders,
         };

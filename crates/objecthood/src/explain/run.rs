@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use crate::discovery::Discovery;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::facets::Facets;
 use crate::frame::Frame;
-use crate::objectness::history::{Event, Miss};
+use crate::objectness::history::{Event, Miss, Rule};
 use crate::observe::{Observer, Stage};
 use crate::params::Params;
 use crate::regions::{RegionGraph, SegmentId};
@@ -63,9 +63,9 @@ impl Run {
         let mut record = Record::default();
         let discovery = crate::discover_observed(frame, params, &mut record)?;
         let Record { borders, filled, events, misses, sizes_px } = record;
-        let none = || (Facets { segments: filled_none(&discovery), models: Vec::new(), structure: 0 }, RegionGraph::from_pairs(0, []).map(|_| BorderEvidence::default()));
-        let (facets, borders) = borders.unwrap_or_else(none);
-        let filled = filled.unwrap_or_else(|| facets.clone());
+        let (Some((facets, borders)), Some(filled)) = (borders, filled) else {
+            return Err(Error::OnlyContext { method: params.method });
+        };
         let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
         let given = events.iter().enumerate().filter_map(|(k, event)| Some((event.from?, k))).collect();
         let mut run = Self {
@@ -153,6 +153,13 @@ impl Run {
         self.shape(a) == self.shape(b) || of_a.is_some() && of_a == of_b
     }
 
+    /// Whether a bottom was given to the thing of a facet.
+    pub(super) fn has_bottom(&self, facet: SegmentId) -> bool {
+        let cluster = self.cluster(facet);
+        let mut bottoms = self.events.iter().filter(|event| event.rule == Rule::VesselBottom);
+        cluster.is_some() && bottoms.any(|event| event.into.and_then(|into| self.owner(into)) == cluster)
+    }
+
     /// What gave the shape of a facet on, one after the other.
     pub(super) fn chain(&self, facet: SegmentId) -> Vec<&Event> {
         let mut chain = Vec::new();
@@ -176,7 +183,9 @@ impl Run {
         };
         // That of a, unless b was given to what a already was.
         match first(&of_a, &of_b, self.shape(b)) {
-            Some(k) if self.shape(a).is_none_or(|shape| of_b.iter().all(|event| event.into != Some(shape))) => {
+            Some(k)
+                if self.shape(a).is_none_or(|shape| of_b.iter().all(|event| event.into != Some(shape))) =>
+            {
                 of_a.get(k).copied()
             }
             _ => first(&of_b, &of_a, self.shape(a)).and_then(|k| of_b.get(k).copied()),

@@ -32,6 +32,7 @@ pub struct Check {
     /// The limit.
     pub limit: f64,
     /// The parameter that the limit is proportional to; `None` = it is fixed.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub parameter: Option<&'static str>,
 }
 
