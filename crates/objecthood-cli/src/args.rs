@@ -36,6 +36,7 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     Demo(DemoArgs),
     Segment(SegmentArgs),
+    Explain(ExplainArgs),
     Eval(EvalArgs),
     Synth(SynthArgs),
     Params(ParamsArgs),
@@ -48,6 +49,7 @@ impl Command {
         match self {
             Self::Demo(args) => args.settings.verbose,
             Self::Segment(args) => args.settings.verbose,
+            Self::Explain(args) => args.settings.verbose,
             Self::Eval(args) => args.settings.verbose,
             Self::Params(args) => args.settings.verbose,
             Self::Synth(_) | Self::Completions(_) => false,
@@ -100,6 +102,25 @@ impl Threads {
     }
 }
 
+/// Which frames, and what of them is looked at.
+#[derive(Debug, Args)]
+pub(crate) struct FrameArgs {
+    /// Point clouds (.pcd), folders that are searched for them, folders in the layout of TUM (rgb.txt, depth.txt).
+    #[arg(required_unless_present = "depth", conflicts_with = "depth", value_name = "INPUT")]
+    pub(crate) inputs: Vec<PathBuf>,
+
+    /// Camera of the frames: its numbers in pixels, or a JSON file with fx, fy, cx, cy and perhaps width, height and
+    /// the depth scale. Depth images and unorganized clouds need it; organized clouds and TUM folders may have their own.
+    #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]|FILE", value_parser = CameraArg::parse)]
+    pub(crate) camera: Option<CameraArg>,
+
+    #[command(flatten)]
+    pub(crate) images: ImageArgs,
+
+    #[command(flatten)]
+    pub(crate) scope: ScopeArgs,
+}
+
 /// Find the objects in frames and write them as label images, scene files and pictures.
 ///
 /// For every frame: DIR/<stem>.labels.png, a 16-bit image with 0 = none and 1.. = objects; DIR/<stem>.json, the scene;
@@ -108,10 +129,6 @@ impl Threads {
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct SegmentArgs {
-    /// Point clouds (.pcd), folders that are searched for them, folders in the layout of TUM (rgb.txt, depth.txt).
-    #[arg(required_unless_present = "depth", conflicts_with = "depth", value_name = "INPUT")]
-    pub(crate) inputs: Vec<PathBuf>,
-
     /// Folder to write to; made if it is not there.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
@@ -128,19 +145,52 @@ pub(crate) struct SegmentArgs {
     #[arg(long)]
     pub(crate) keep_tree: bool,
 
-    /// Camera of the frames: its numbers in pixels, or a JSON file with fx, fy, cx, cy and perhaps width, height and
-    /// the depth scale. Depth images and unorganized clouds need it; organized clouds and TUM folders may have their own.
-    #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]|FILE", value_parser = CameraArg::parse)]
-    pub(crate) camera: Option<CameraArg>,
-
     #[command(flatten)]
-    pub(crate) images: ImageArgs,
-
-    #[command(flatten)]
-    pub(crate) scope: ScopeArgs,
+    pub(crate) frames: FrameArgs,
 
     #[command(flatten)]
     pub(crate) settings: Settings,
+}
+
+/// Say why a pixel, or an object, is what it is: its facet, the votes of its borders, what each rule measured, and which
+/// single parameter, changed how far, would decide otherwise.
+///
+/// Everything that is said of a parameter was tried. With --out a picture too: DIR/<stem>.explain.png.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(crate) struct ExplainArgs {
+    /// The pixel: its column and row.
+    #[arg(long, value_name = "X,Y", value_parser = pixel, required_unless_present = "object", conflicts_with = "object")]
+    pub(crate) at: Option<[usize; 2]>,
+
+    /// The object with this number in the label image, at the middle of its largest facet.
+    #[arg(long, value_name = "ID", value_parser = RangedU64ValueParser::<u16>::new().range(1..=65535))]
+    pub(crate) object: Option<u16>,
+
+    /// As JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// Folder to write a picture to; made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Way of finding objects; only that of `context` can be explained [default: context].
+    #[arg(long)]
+    pub(crate) method: Option<MethodName>,
+
+    #[command(flatten)]
+    pub(crate) frames: FrameArgs,
+
+    #[command(flatten)]
+    pub(crate) settings: Settings,
+}
+
+/// A column and a row.
+fn pixel(text: &str) -> Result<[usize; 2], String> {
+    let parse = |part: &str| part.trim().parse::<usize>().ok();
+    let pixel = text.split_once(',').and_then(|(u, v)| Some([parse(u)?, parse(v)?]));
+    pixel.ok_or_else(|| "give a column and a row, counted from 0, as in 320,240".to_owned())
 }
 
 /// Score a method, or existing label images, on a data set with truth.

@@ -12,7 +12,7 @@ use objecthood_io::camera_file::{self, CameraFile};
 use objecthood_io::images::{self, ImageSetup};
 use objecthood_io::{Capture, GridCamera, tum};
 
-use crate::args::SegmentArgs;
+use crate::args::FrameArgs;
 use crate::failure::usage;
 use crate::natural;
 
@@ -91,7 +91,7 @@ struct Found {
 ///
 /// # Errors
 /// Of usage, when two files would have the same outputs, and when it is not said how depth images are to be read.
-pub(crate) fn collect(args: &SegmentArgs, camera: Option<&CameraFile>) -> Result<Inputs> {
+pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraFile>) -> Result<Inputs> {
     let mut found = Vec::new();
     let mut unreadable = Vec::new();
     let mut notices = Vec::new();
@@ -147,11 +147,11 @@ pub(crate) fn collect(args: &SegmentArgs, camera: Option<&CameraFile>) -> Result
     let frames: Vec<Input> = found
         .into_iter()
         .map(|Found { path, folder, stem, source }| {
-            let place = if args.keep_tree { below(&root, &folder) } else { PathBuf::new() };
+            let place = if keep_tree { below(&root, &folder) } else { PathBuf::new() };
             Input { name: place.join(stem), path, source }
         })
         .collect();
-    refuse_equal_names(&frames, args.keep_tree)?;
+    refuse_equal_names(&frames, keep_tree)?;
     Ok(Inputs { frames, unreadable, notices, cameras })
 }
 
@@ -171,7 +171,7 @@ impl Found {
 ///
 /// # Errors
 /// Of usage, when camera or unit is missing.
-fn image_setup(args: &SegmentArgs, camera: Option<&CameraFile>, pairs: &[pairs::Pair]) -> Result<ImageSetup> {
+fn image_setup(args: &FrameArgs, camera: Option<&CameraFile>, pairs: &[pairs::Pair]) -> Result<ImageSetup> {
     let Some(&CameraFile { camera, depth_scale }) = camera else {
         return Err(usage(
             "depth images do not say which camera saw them: give it by --camera fx,fy,cx,cy or --camera camera.json",
@@ -190,7 +190,7 @@ fn image_setup(args: &SegmentArgs, camera: Option<&CameraFile>, pairs: &[pairs::
 /// `camera.json`.
 fn tum_frames(
     folder: &Path,
-    args: &SegmentArgs,
+    args: &FrameArgs,
     camera: Option<&CameraFile>,
     notices: &mut Vec<String>,
 ) -> Result<Vec<Found>> {

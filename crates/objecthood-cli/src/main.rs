@@ -9,6 +9,7 @@ mod config;
 mod crew;
 mod demo;
 mod eval;
+mod explain;
 mod failure;
 mod inputs;
 mod natural;
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Demo(args) => demo::run(args),
         Command::Segment(args) => segment::run(args),
+        Command::Explain(args) => explain::run(args),
         Command::Eval(args) => eval::run(args),
         Command::Synth(args) => synth::run(args),
         Command::Params(args) => params::run(args),

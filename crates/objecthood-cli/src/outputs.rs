@@ -51,10 +51,15 @@ impl Found<'_> {
     }
 }
 
-/// Where an output goes: `a.b` -> `a.b.json`; `Path::with_extension` would make `a.json` of it.
+/// Where an output goes.
 pub(crate) fn path_of(stem: &Path, kind: OutputKind) -> PathBuf {
+    with_suffix(stem, kind.suffix())
+}
+
+/// A stem with what follows it: `a.b` -> `a.b.json`; `Path::with_extension` would make `a.json` of it.
+pub(crate) fn with_suffix(stem: &Path, suffix: &str) -> PathBuf {
     let mut name = OsString::from(stem);
-    name.push(kind.suffix());
+    name.push(suffix);
     name.into()
 }
 

@@ -70,9 +70,9 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
 impl<'a> Plan<'a> {
     fn new(args: &'a SegmentArgs) -> Result<Self> {
         let params = config::params(&args.settings, args.method)?;
-        let camera = args.camera.as_ref().map(CameraArg::read).transpose()?;
-        let inputs = inputs::collect(args, camera.as_ref())?;
-        let scope = args.scope.read(args.images.max_pixels)?;
+        let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
+        let inputs = inputs::collect(&args.frames, args.keep_tree, camera.as_ref())?;
+        let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
         refuse_file("--out", &args.out)?;
         let plan = Self { args, inputs, scope, params, kinds: args.write.iter().copied().collect() };
         plan.refuse_replacing_what_is_read()?;
@@ -121,8 +121,8 @@ impl<'a> Plan<'a> {
     /// Refuses outputs in the place of files that are read: `camera.json` is the scene file of `camera-depth.png`.
     fn refuse_replacing_what_is_read(&self) -> Result<()> {
         let Inputs { frames, cameras, .. } = &self.inputs;
-        let camera = self.args.camera.as_ref().and_then(CameraArg::file);
-        let given = [camera, self.args.scope.mask(), self.args.settings.config.as_deref()];
+        let camera = self.args.frames.camera.as_ref().and_then(CameraArg::file);
+        let given = [camera, self.args.frames.scope.mask(), self.args.settings.config.as_deref()];
         let beside = cameras.iter().map(PathBuf::as_path).chain(given.into_iter().flatten());
         let read = frames.iter().flat_map(Input::files).chain(beside);
         let read: BTreeSet<PathBuf> = read.filter_map(|path| fs::canonicalize(path).ok()).collect();

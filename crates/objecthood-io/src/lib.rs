@@ -5,7 +5,7 @@
 //! colour image with the camera of a [`camera_file`]; [`tum`] lists the pairs of a folder. [`scope`] limits what is
 //! looked at.
 //!
-//! Out: [`label_image`] (16-bit PNG) and [`scene`] (JSON, with its schema); [`output`] puts the bytes
+//! Out: [`label_image`] (16-bit PNG), [`scene`] (JSON, with its schema) and [`explanation`] (JSON); [`output`] puts the bytes
 //! on the disk, whole or not at all.
 //!
 //! Only [`output`] and functions called `open..` touch files; everything else goes from bytes to values and back, and
@@ -27,6 +27,7 @@
 
 pub mod camera_file;
 mod error;
+pub mod explanation;
 mod formats;
 pub mod images;
 pub mod label_image;

@@ -387,8 +387,8 @@ pub fn notices(capture: &Capture, discovery: &Discovery) -> Vec<String> {
     of_reading.into_iter().chain(discovery.notices.iter().map(ToString::to_string)).collect()
 }
 
-/// Where in a scene the first null stands. A number that is not finite becomes one, and nothing else does.
-fn first_null(value: &Value) -> Option<String> {
+/// Where in a scene or an explanation the first null stands. A number that is not finite becomes one, and nothing else does.
+pub(crate) fn first_null(value: &Value) -> Option<String> {
     let inside = |place: String, value: &Value| first_null(value).map(|rest| place + &rest);
     match value {
         Value::Null => Some(String::new()),

@@ -1,7 +1,8 @@
 //! Pictures of what objecthood sees in a frame.
 //!
 //! [`Recording`] watches [`objecthood::discover_observed`] and keeps what the picture needs of every stage;
-//! [`panels()`] draws them side by side; [`comparison()`] draws several label images of one frame; [`png`] makes a file of
+//! [`panels()`] draws them side by side; [`comparison()`] draws several label images of one frame; [`explanation()`] draws why a
+//! pixel is what it is; [`png`] makes a file of
 //! a picture.
 //!
 //! ```
@@ -23,6 +24,7 @@
 mod comparison;
 mod distance;
 mod drawing;
+mod explanation;
 mod grid;
 mod labels;
 mod objects;
@@ -39,6 +41,7 @@ mod view;
 mod vision;
 
 pub use comparison::comparison;
+pub use explanation::explanation;
 pub use palette::object_color;
 pub use panels::{panels, png};
 pub use recording::Recording;

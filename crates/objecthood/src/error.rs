@@ -1,6 +1,7 @@
 //! What can be wrong with what the caller gave. Bad pixels are data, not errors.
 
 use crate::camera::Camera;
+use crate::params::Method;
 
 /// Result with this crate's [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
@@ -53,6 +54,25 @@ pub enum Error {
         value: String,
         /// What is allowed.
         range: String,
+    },
+    /// A pixel that is not in the image.
+    #[error(
+        "pixel {},{} lies outside the image of {} x {} pixels: give a column up to {} and a row up to {}",
+        pixel[0], pixel[1], size.0, size.1, size.0 - 1, size.1 - 1
+    )]
+    OutsideImage {
+        /// Column and row that were given.
+        pixel: [usize; 2],
+        /// Columns and rows of the image; never zero.
+        size: (usize, usize),
+    },
+    /// A method whose decisions cannot be explained.
+    #[error(
+        "the method `{method}` cannot be explained: only the decisions of `context` can, leave --method out"
+    )]
+    OnlyContext {
+        /// The method.
+        method: Method,
     },
     /// More objects than a 16-bit label image can number.
     #[error(

@@ -10,6 +10,7 @@ use crate::frame::Frame;
 use crate::objectness::decision::decided;
 use crate::objectness::forest::forest;
 use crate::objectness::gravity::{camera_up, dominant_plane, on_plane, up};
+use crate::objectness::history::History;
 use crate::objectness::hypotheses::{Evidence, hypotheses};
 use crate::objectness::objects::objects;
 use crate::objectness::support::support;
@@ -140,6 +141,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
 
     // 3. Shapes: facets whose borders vote for one shape.
     let borders = borders(&facets, &disparity, space, &params.border);
+    observer.observe(Stage::Borders { facets: &facets, evidence: &borders });
     let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
     observer.observe(Stage::Shapes(&shapes.with_structure(&facets)));
 
@@ -162,6 +164,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     join_vessels(&mut clusters, &params.vessels);
     join_bottoms(&mut clusters, structure.support, &params.vessels);
     join_behind_occluders(&mut clusters, &params.occlusion);
+    observer.observe(Stage::Clusters { facets: &facets, history: History::of(&clusters) });
 
     let outcome = outcome(&clusters, structure.support, space.area_px(params.objectness.min_size_px));
     let planes = structure.planes(&outcome.regions, frame, &points);

@@ -1,10 +1,13 @@
 //! The one hook through which pictures, timings and tests see intermediate results.
 
 use crate::discovery::Discovery;
+use crate::facets::Facets;
+use crate::objectness::history::History;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::support::SupportGraph;
 use crate::raster::Raster;
-use crate::regions::Segments;
+use crate::regions::{RegionGraph, Segments};
+use crate::shapes::border::BorderEvidence;
 
 /// What a stage has just produced. Each is announced at most once a frame, in this order.
 #[derive(Clone, Copy, Debug)]
@@ -20,8 +23,22 @@ pub enum Stage<'a> {
     Superpixels(&'a Segments),
     /// Stage 2: one face each of a convex shape.
     Facets(&'a Segments),
+    /// What the common borders of facets tell (`context`), before stage 3 and all that comes after it.
+    Borders {
+        /// The facets of stage 2, with their surfaces.
+        facets: &'a Facets,
+        /// What is seen between any two of them that are not both structure.
+        evidence: &'a RegionGraph<BorderEvidence>,
+    },
     /// Stage 3: facets joined across convex edges. In `context` shape 0 is all structure.
     Shapes(&'a Segments),
+    /// What the surroundings made of the shapes (`context`).
+    Clusters {
+        /// The facets, and what was missing between them filled.
+        facets: &'a Facets,
+        /// What was given to what, and what was left alone.
+        history: History<'a>,
+    },
     /// Stage 4, first half: what supports what; which of it are objects is not yet known.
     Support {
         /// What stands on what.

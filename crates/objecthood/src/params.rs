@@ -73,6 +73,45 @@ impl<T> Allowed<T> for OneOf {
     }
 }
 
+/// A value that may be a number.
+trait Number: Sized {
+    /// The number, as it is written: a 32-bit 0.14 is 0.14.
+    fn number(&self) -> Option<f64>;
+    /// The value that a number is, if it is one.
+    fn from_number(number: f64) -> Option<Self>;
+}
+
+macro_rules! numbers {
+    ($($Type:ty),+) => {
+        $(impl Number for $Type {
+            fn number(&self) -> Option<f64> {
+                self.to_string().parse().ok()
+            }
+            fn from_number(number: f64) -> Option<Self> {
+                number.to_string().parse().ok()
+            }
+        })+
+    };
+}
+
+numbers!(f64, f32, usize, u32);
+
+/// A choice is none.
+macro_rules! no_numbers {
+    ($($Type:ty),+) => {
+        $(impl Number for $Type {
+            fn number(&self) -> Option<f64> {
+                None
+            }
+            fn from_number(_: f64) -> Option<Self> {
+                None
+            }
+        })+
+    };
+}
+
+no_numbers!(bool, Channels, UpFrom);
+
 macro_rules! parameters {
     ($(
         $(#[doc = $group_doc:literal])+
@@ -108,6 +147,21 @@ macro_rules! parameters {
                     Ok(())
                 }
 
+                fn number(&self, name: &str) -> Option<f64> {
+                    match name {
+                        $(stringify!($name) => self.$name.number(),)+
+                        _ => None,
+                    }
+                }
+
+                fn set_number(&mut self, name: &str, number: f64) -> Option<()> {
+                    match name {
+                        $(stringify!($name) => self.$name = Number::from_number(number)?,)+
+                        _ => return None,
+                    }
+                    Some(())
+                }
+
                 fn table() -> Vec<ParameterInfo> {
                     let defaults = Self::default();
                     vec![$(describe(
@@ -136,6 +190,26 @@ macro_rules! parameters {
             pub fn validate(&self) -> Result<()> {
                 $(self.$group.validate()?;)+
                 Ok(())
+            }
+
+            /// The value of the parameter `group.name`; `None` when it is no number.
+            pub fn number(&self, name: &str) -> Option<f64> {
+                let (group, name) = name.split_once('.')?;
+                match group {
+                    $(stringify!($group) => self.$group.number(name),)+
+                    _ => None,
+                }
+            }
+
+            /// The same parameters with another value of the parameter `group.name`; `None` when it does not take that number.
+            pub fn with_number(&self, name: &str, number: f64) -> Option<Self> {
+                let (group, name) = name.split_once('.')?;
+                let mut params = self.clone();
+                match group {
+                    $(stringify!($group) => params.$group.set_number(name, number)?,)+
+                    _ => return None,
+                }
+                params.validate().is_ok().then_some(params)
             }
 
             /// The table of all parameters, in the order in which the method uses them.
@@ -480,6 +554,28 @@ mod tests {
         assert!(
             table.iter().all(|p| !p.methods.is_empty() && p.limits().is_some() == (p.choices().len() < 2))
         );
+    }
+
+    #[test]
+    fn numbers_are_read_and_set_by_name() {
+        let default = Params::default();
+        for info in Params::table() {
+            let Some((least, greatest)) = info.limits() else {
+                assert_eq!(default.number(&info.name), None, "{}", info.name);
+                assert!(default.with_number(&info.name, 1.0).is_none(), "{}", info.name);
+                continue;
+            };
+            assert_eq!(default.number(&info.name), info.default.parse().ok(), "{}", info.name);
+            for limit in [least, greatest] {
+                let other = default.with_number(&info.name, limit).unwrap();
+                assert_eq!(other.number(&info.name), Some(limit), "{}", info.name);
+            }
+            assert!(default.with_number(&info.name, greatest + 1.0).is_none(), "{}", info.name);
+        }
+        assert_eq!(default.with_number("fragments.max_size_px", 9.0).unwrap().fragments.max_size_px, 9);
+        assert!(default.with_number("fragments.max_size_px", 9.5).is_none());
+        assert!(default.with_number("fragments.nothing", 9.0).is_none());
+        assert_eq!((default.number("nothing"), default.number("a.b")), (None, None));
     }
 
     #[test]

@@ -7,7 +7,9 @@
 use std::collections::BTreeMap;
 
 use crate::facets::Facets;
+use crate::objectness::check::{Bound, Check, Checks};
 use crate::objectness::clusters::{Clusters, Scene};
+use crate::objectness::history::{Event, Rule};
 use crate::objectness::join::{Join, JoinEvidence, JoinedPart};
 use crate::objectness::objects::pixel_box;
 use crate::oversegment::watershed::neighbours;
@@ -58,14 +60,34 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, support: Option<usize>, 
         // The first of those touched most.
         let Some((&id, &most)) = touch.iter().rev().max_by_key(|(_, touch)| **touch) else { continue };
         let contact_share = f64::from(touch.values().sum::<u32>()) / f64::from(border);
-        if contact_share < params.bottom_contact_share || 2 * most <= border {
+        let mut checks = Checks::default();
+        let share = |of: u32| f64::from(of) / f64::from(border);
+        let is_bottom = checks.that(
+            Check::new(
+                "share of its border without a step",
+                "",
+                contact_share,
+                Bound::AtLeast,
+                params.bottom_contact_share,
+            )
+            .set_by("vessels.bottom_contact_share"),
+        ) && checks.that(Check::new(
+            "share of its border with the vessel",
+            "",
+            share(most),
+            Bound::Above,
+            0.5,
+        ));
+        if !is_bottom {
             continue;
         }
         if pixels.len() >= least_px {
             let box_px = pixel_box(pixels.iter().map(|&i| i as usize), scene.disparity.width());
             let parts = [clusters.part(id), JoinedPart { size_px: pixels.len(), box_px }];
             let join = Join { parts, evidence: JoinEvidence::VesselBottom { contact_share }, behind: None };
-            clusters.note(id, join, None);
+            let checks = checks.0;
+            let (rule, join) = (Rule::VesselBottom, Some((join, None)));
+            clusters.give(Event { rule, from: None, into: Some(id), checks, join });
         }
         gains.entry(id).or_default().extend(pixels);
     }
@@ -194,22 +216,19 @@ mod tests {
         let scene = table.scene();
         let mut clusters = single(&scene);
         join_bottoms(&mut clusters, Some(0), &params::Vessels::default());
-        assert_eq!(
-            (clusters.get(SegmentId(0)).pixels.len(), clusters.get(SegmentId(0)).joins.len()),
-            (400, 0)
-        );
+        assert_eq!((clusters.get(SegmentId(0)).pixels.len(), clusters.joins(SegmentId(0)).count()), (400, 0));
 
         let table = plate(10);
         let scene = table.scene();
         let mut clusters = single(&scene);
         join_bottoms(&mut clusters, Some(0), &params::Vessels::default());
-        let (join, _) = &clusters.get(SegmentId(0)).joins[0];
+        let [(join, _)] = clusters.joins(SegmentId(0)).collect::<Vec<_>>()[..] else { panic!("one bottom") };
         assert_eq!(join.evidence, JoinEvidence::VesselBottom { contact_share: 1.0 });
         assert_eq!(join.parts.map(|part| part.size_px), [300, 100]);
         // Above 1 it never is.
         let mut clusters = single(&scene);
         let never = params::Vessels { bottom_contact_share: 1.1, ..Default::default() };
         join_bottoms(&mut clusters, Some(0), &never);
-        assert!(clusters.get(SegmentId(0)).joins.is_empty());
+        assert_eq!(clusters.joins(SegmentId(0)).count(), 0);
     }
 }

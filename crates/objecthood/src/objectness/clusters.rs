@@ -7,6 +7,7 @@ use std::sync::OnceLock;
 use glam::{DVec3, Vec3};
 
 use crate::facets::Facets;
+use crate::objectness::history::{Event, Miss};
 use crate::objectness::join::{Join, JoinedPart};
 use crate::objectness::objects::pixel_box;
 use crate::oversegment::structure::{StructureSurface, element_at};
@@ -67,8 +68,8 @@ pub(crate) struct Cluster {
     pub pixels: Vec<u32>,
     /// How it lies to others; `None` = the background, which is all structure.
     pub neighbours: BTreeMap<Option<SegmentId>, Borders>,
-    /// Which of its parts were joined although they do not touch as one surface, each with the facet that hides what is between.
-    pub joins: Vec<(Join, Option<SegmentId>)>,
+    /// What was given to it, and before that to what was given to it.
+    history: Vec<Event>,
     top_m: OnceLock<f64>,
     convexity: OnceLock<f64>,
 }
@@ -79,8 +80,11 @@ pub(crate) struct Clusters<'a> {
     clusters: Vec<Cluster>,
     /// Cluster of each facet that is no structure; `None` = background.
     of_facet: Vec<Option<SegmentId>>,
-    /// Pixels of clusters that turned out to be background.
+    /// Pixels of clusters that turned out to be background, and how that came.
     remains: Vec<u32>,
+    remains_history: Vec<Event>,
+    /// What rules looked at and left alone.
+    misses: Vec<Miss>,
 }
 
 /// Pixels farther apart in a row or column (px at a focal length of 525 px) are no neighbours.
@@ -149,7 +153,14 @@ impl<'a> Clusters<'a> {
                 }
             }
         }
-        Self { scene, clusters, of_facet, remains: Vec::new() }
+        Self {
+            scene,
+            clusters,
+            of_facet,
+            remains: Vec::new(),
+            remains_history: Vec::new(),
+            misses: Vec::new(),
+        }
     }
 
     /// The clusters that have pixels, in ascending order.
@@ -179,9 +190,25 @@ impl<'a> Clusters<'a> {
         self.get(a).neighbours.get(&Some(b)).copied().unwrap_or_default()
     }
 
-    /// Notes why a cluster is one although its parts do not touch as one surface, and the facet that hides what is between.
-    pub(crate) fn note(&mut self, id: SegmentId, join: Join, hider: Option<SegmentId>) {
-        self.clusters[id.index()].joins.push((join, hider));
+    /// Which parts of a cluster were joined although they do not touch as one surface, each with the facet that hides what is
+    /// between.
+    pub(crate) fn joins(&self, id: SegmentId) -> impl Iterator<Item = &(Join, Option<SegmentId>)> {
+        self.get(id).history.iter().filter_map(|event| event.join.as_ref())
+    }
+
+    /// Notes what a rule looked at and left alone.
+    pub(crate) fn note_misses(&mut self, misses: impl IntoIterator<Item = Miss>) {
+        self.misses.extend(misses);
+    }
+
+    /// All that was noted of what was given to what.
+    pub(crate) fn events(&self) -> impl Iterator<Item = &Event> {
+        self.clusters.iter().flat_map(|cluster| &cluster.history).chain(&self.remains_history)
+    }
+
+    /// All that was noted of what was left alone.
+    pub(crate) fn misses(&self) -> &[Miss] {
+        &self.misses
     }
 
     /// Pixels of clusters that were merged into the background.
@@ -189,9 +216,20 @@ impl<'a> Clusters<'a> {
         &self.remains
     }
 
-    /// Merges a cluster into another, or into the background. O(pixels of both + neighbours).
-    pub(crate) fn merge(&mut self, into: Option<SegmentId>, from: SegmentId) {
-        let Cluster { pixels, neighbours, joins, .. } = std::mem::take(&mut self.clusters[from.index()]);
+    /// Gives a cluster to where the event says, and notes the event. Of a patch of the background the event is only noted: see
+    /// [`Self::extend`]. O(pixels of both + neighbours).
+    pub(crate) fn give(&mut self, event: Event) {
+        if let Some(from) = event.from {
+            self.merge(event.into, from);
+        }
+        match event.into {
+            Some(into) => self.clusters[into.index()].history.push(event),
+            None => self.remains_history.push(event),
+        }
+    }
+
+    fn merge(&mut self, into: Option<SegmentId>, from: SegmentId) {
+        let Cluster { pixels, neighbours, history, .. } = std::mem::take(&mut self.clusters[from.index()]);
         for cluster in self.of_facet.iter_mut().filter(|cluster| **cluster == Some(from)) {
             *cluster = into;
         }
@@ -207,11 +245,12 @@ impl<'a> Clusters<'a> {
         }
         let Some(into) = into else {
             self.remains.extend(pixels);
+            self.remains_history.extend(history);
             return;
         };
         let cluster = &mut self.clusters[into.index()];
         cluster.neighbours.remove(&Some(from));
-        cluster.joins.extend(joins);
+        cluster.history.extend(history);
         cluster.extend(&pixels);
     }
 
@@ -326,7 +365,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::objectness::testing::{Table, single};
+    use crate::objectness::testing::{Table, merge, single};
     use crate::testing::{coarse_disparity, raster, small_size};
 
     /// A small image of up to four facets on a table, at heights that are level, a step or far apart; some pixels are missing.
@@ -403,7 +442,7 @@ mod tests {
                 let from = SegmentId(from);
                 let alive = clusters.alive();
                 if alive.contains(&from) && into != Some(from) && into.is_none_or(|id| alive.contains(&id)) {
-                    clusters.merge(into, from);
+                    merge(&mut clusters, into, from);
                     cluster.iter_mut().filter(|k| **k == Some(Some(from))).for_each(|k| *k = Some(into));
                 }
                 let expected = counted(&cluster, scene.disparity);

@@ -2,9 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use crate::objectness::check::{Bound, Check, Checks};
 use crate::objectness::clusters::Clusters;
+use crate::objectness::history::{Event, Miss, Rule};
 use crate::params;
 use crate::regions::SegmentId;
+use crate::surface::disparity::DisparitySpace;
 
 /// Rounds; a fragment may lie on a fragment.
 const ROUNDS: usize = 3;
@@ -16,33 +19,45 @@ const LEAST_TOUCH_PX: usize = 4;
 /// O(rounds · clusters · neighbours).
 pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fragments) {
     let space = clusters.scene.space;
-    let max_size = space.area_px(params.max_size_px);
-    let least_touch = space.length_px(LEAST_TOUCH_PX) as u32;
-    for _ in 0..ROUNDS {
+    let least_touch = space.length_px(LEAST_TOUCH_PX) as f64;
+    for round in 1..=ROUNDS {
         let size = |id: SegmentId| clusters.get(id).pixels.len();
-        let mut fragments: Vec<SegmentId> =
-            clusters.alive().into_iter().filter(|&id| size(id) < max_size).collect();
+        let is_small = |id: SegmentId| small(size(id), space, params).holds();
+        let mut fragments: Vec<SegmentId> = clusters.alive().into_iter().filter(|&id| is_small(id)).collect();
         fragments.sort_by_key(|&id| (size(id), id));
-        let mut moves: BTreeMap<SegmentId, Option<SegmentId>> = BTreeMap::new();
+        let mut moves: BTreeMap<SegmentId, Event> = BTreeMap::new();
+        let mut stays = Vec::new();
         for id in fragments {
             let not_smaller = |other: &Option<SegmentId>| other.is_none_or(|other| size(other) >= size(id));
             let neighbours = clusters.get(id).neighbours.iter().filter(|(other, _)| not_smaller(other));
             // The first of those touched most; the background comes first of all.
             let target = neighbours.rev().max_by_key(|(_, borders)| borders.touch);
-            if let Some((&target, borders)) = target
-                && borders.touch >= least_touch
-                && !target.is_some_and(|target| moves.contains_key(&target))
-            {
-                moves.insert(id, target);
+            let Some((&into, borders)) = target else { continue };
+            let mut checks = Checks::default();
+            let touch = f64::from(borders.touch);
+            let goes = checks.that(small(size(id), space, params))
+                && checks.that(Check::new("touches it along", "px", touch, Bound::AtLeast, least_touch))
+                && !into.is_some_and(|into| moves.contains_key(&into));
+            let (rule, checks) = (Rule::Fragment, checks.0);
+            if goes {
+                moves.insert(id, Event { rule, from: Some(id), into, checks, join: None });
+            } else {
+                stays.push(Miss { rule, from: id, into, checks });
             }
         }
-        if moves.is_empty() {
+        let is_last = moves.is_empty() || round == ROUNDS;
+        moves.into_values().for_each(|event| clusters.give(event));
+        if is_last {
+            clusters.note_misses(stays);
             break;
         }
-        for (id, target) in moves {
-            clusters.merge(target, id);
-        }
     }
+}
+
+/// Whether a cluster of so many pixels is small enough to be a fragment.
+pub(crate) fn small(size_px: usize, space: &DisparitySpace, params: &params::Fragments) -> Check {
+    let limit = space.area_px(params.max_size_px) as f64;
+    Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("fragments.max_size_px")
 }
 
 #[cfg(test)]

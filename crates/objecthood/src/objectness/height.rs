@@ -1,6 +1,8 @@
 //! What hardly rises above the support is a part of it (METHOD 3.11).
 
+use crate::objectness::check::{Bound, Check};
 use crate::objectness::clusters::Clusters;
+use crate::objectness::history::{Event, Miss, Rule};
 use crate::params;
 
 /// Gives clusters whose top is lower than `min_top_m` above the support surface to the background: remains of the table and
@@ -8,8 +10,14 @@ use crate::params;
 pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
     let Some(support) = clusters.scene.support else { return };
     for id in clusters.alive() {
-        if clusters.top_m(id, support) < params.min_top_m {
-            clusters.merge(None, id);
+        let top_m = clusters.top_m(id, support);
+        let low = Check::new("its top above the support", "m", top_m, Bound::Below, params.min_top_m)
+            .set_by("height.min_top_m");
+        let checks = vec![low];
+        if low.holds() {
+            clusters.give(Event { rule: Rule::Low, from: Some(id), into: None, checks, join: None });
+        } else {
+            clusters.note_misses([Miss { rule: Rule::Low, from: id, into: None, checks }]);
         }
     }
 }

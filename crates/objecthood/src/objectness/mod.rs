@@ -2,9 +2,11 @@
 //!
 //! `paper`: [`gravity`], [`support`], [`size`], [`decision`]. `context` first lets the surroundings of shapes tell what is one object:
 //! fragments, what hardly rises above the support, vessels, and surfaces that go on behind something nearer ([`join`]).
+//! Each rule is a list of [`check`]s, and what it did is the [`history`] of the clusters.
 
 mod body;
 mod bottoms;
+pub mod check;
 mod clusters;
 pub mod compactness;
 pub mod decision;
@@ -13,6 +15,7 @@ pub mod forest;
 mod fragments;
 pub mod gravity;
 mod height;
+pub mod history;
 pub mod hypotheses;
 pub mod join;
 mod meeting;
@@ -30,7 +33,7 @@ mod vessels;
 
 pub(crate) use bottoms::join_bottoms;
 pub(crate) use clusters::{Clusters, Scene, Steps, fill};
-pub(crate) use fragments::absorb_fragments;
+pub(crate) use fragments::{absorb_fragments, small};
 pub(crate) use height::drop_low;
 pub(crate) use occlusion::join_behind_occluders;
 pub(crate) use outcome::outcome;

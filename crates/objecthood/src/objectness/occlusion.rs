@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::objectness::check::{Bound, Check, Checks};
 use crate::objectness::clusters::Clusters;
+use crate::objectness::history::{Event, Miss, Rule};
 use crate::objectness::join::{Continuation, Join, JoinEvidence};
 use crate::params;
 use crate::random::Lcg;
@@ -61,34 +63,37 @@ pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params
     }
     let pieces = pieces(clusters);
     let gap = Gap { clusters, params };
-    let join = |a: &Piece, b: &Piece| {
-        let (continuation, hider) = gap.continuation(a, b)?;
-        let parts = [a, b].map(|piece| clusters.part(piece.cluster));
-        let evidence = JoinEvidence::Occlusion(continuation);
-        Some(([a.cluster, b.cluster], hider, Join { parts, evidence, behind: None }))
-    };
-    let mut joins: Vec<([SegmentId; 2], Option<SegmentId>, Join)> = pieces
+    let looks: Vec<Look> = pieces
         .par_iter()
         .enumerate()
-        .flat_map_iter(|(k, a)| pieces[k + 1..].iter().filter_map(move |b| join(a, b)))
+        .flat_map_iter(|(k, a)| pieces[k + 1..].iter().filter_map(|b| gap.compare(a, b)))
         .collect();
-    let disagreement = |join: &Join| match join.evidence {
-        JoinEvidence::Occlusion(continuation) => continuation.disagreement_quanta,
-        _ => 0.0,
-    };
-    joins.sort_by(|x, y| disagreement(&x.2).total_cmp(&disagreement(&y.2)));
+    let (mut joins, misses): (Vec<Look>, Vec<Look>) = looks.into_iter().partition(Look::is_join);
+    let disagreement = |look: &Look| look.continuation.disagreement_quanta;
+    joins.sort_by(|x, y| disagreement(x).total_cmp(&disagreement(y)));
+    // As the parts are before the first of them is joined.
+    let parts: Vec<_> =
+        joins.iter().map(|look| look.clusters.map(|cluster| clusters.part(cluster))).collect();
 
-    let highest = joins.iter().map(|([a, b], ..)| a.index().max(b.index()) + 1).max().unwrap_or(0);
-    let mut sets = UnionFind::new(highest);
-    for (pair, hider, join) in joins {
+    let rule = Rule::Occlusion;
+    let highest = joins.iter().flat_map(|look| look.clusters).map(|id| id.index() + 1).max();
+    let mut sets = UnionFind::new(highest.unwrap_or(0));
+    for (Look { clusters: pair, checks, continuation, hider }, parts) in joins.into_iter().zip(parts) {
         let [a, b] = pair.map(|cluster| sets.find(cluster.index()));
         if a != b {
             let (into, from) = (SegmentId(a.min(b) as u32), SegmentId(a.max(b) as u32));
             sets.link(into.index(), from.index());
-            clusters.merge(Some(into), from);
-            clusters.note(into, join, hider);
+            let evidence = JoinEvidence::Occlusion(continuation);
+            let join = Some((Join { parts, evidence, behind: None }, hider));
+            clusters.give(Event { rule, from: Some(from), into: Some(into), checks, join });
         }
     }
+    clusters.note_misses(misses.into_iter().map(|Look { clusters: [into, from], checks, .. }| Miss {
+        rule,
+        from,
+        into: Some(into),
+        checks,
+    }));
 }
 
 /// A facet that something may cut.
@@ -226,14 +231,30 @@ struct Seen {
     hider: Option<SegmentId>,
 }
 
+/// What was found out about two pieces of different clusters.
+struct Look {
+    clusters: [SegmentId; 2],
+    checks: Vec<Check>,
+    /// How one continues the other.
+    continuation: Continuation,
+    /// The facet that hides most of what is between them.
+    hider: Option<SegmentId>,
+}
+
+impl Look {
+    fn is_join(&self) -> bool {
+        self.checks.iter().all(Check::holds)
+    }
+}
+
 struct Gap<'a> {
     clusters: &'a Clusters<'a>,
     params: &'a params::Occlusion,
 }
 
 impl Gap<'_> {
-    /// How piece `b` continues piece `a`, if it does, and the facet that hides most of what is between them.
-    fn continuation(&self, a: &Piece, b: &Piece) -> Option<(Continuation, Option<SegmentId>)> {
+    /// How piece `b` continues piece `a`: `None` when they are of one cluster, touch, are too far apart or hopelessly unlike.
+    fn compare(&self, a: &Piece, b: &Piece) -> Option<Look> {
         let scene = self.clusters.scene;
         let space = scene.space;
         let touch = || self.clusters.borders(a.cluster, b.cluster).touch as usize;
@@ -250,7 +271,14 @@ impl Gap<'_> {
             space.point_m(piece.centroid, model.value(piece.centroid).max(1.0))
         });
         let distance_m = point_a.distance(point_b);
-        if distance_m > self.params.max_distance_m {
+        let clusters = [a.cluster, b.cluster];
+        let mut checks = Checks::default();
+        let no_farther = |share: f64| {
+            let limit_m = share * self.params.max_distance_m;
+            Check::new("distance of the parts", "m", distance_m, Bound::AtMost, limit_m)
+                .set_by("occlusion.max_distance_m")
+        };
+        if !checks.that(no_farther(1.0)) {
             return None;
         }
 
@@ -279,9 +307,27 @@ impl Gap<'_> {
         let normals: [DVec3; 2] =
             [0, 1].map(|k| space.normal(along.middle, along.origin + flat[k].weights[0], slopes[k]));
         let angle_deg = libm::acos(normals[0].dot(normals[1]).clamp(-1.0, 1.0)).to_degrees();
-        if disagreement_quanta > HOPELESS * self.params.disagreement_quanta
-            || angle_deg > HOPELESS * self.params.angle_deg
-        {
+        let params::Occlusion {
+            disagreement_quanta: most_quanta,
+            angle_deg: most_deg,
+            color_overlap: least_overlap,
+            ..
+        } = *self.params;
+        checks.that(
+            Check::new(
+                "disagreement of the surfaces",
+                "quanta",
+                disagreement_quanta,
+                Bound::Below,
+                most_quanta,
+            )
+            .set_by("occlusion.disagreement_quanta"),
+        );
+        checks.that(
+            Check::new("angle between the surfaces", "degrees", angle_deg, Bound::Below, most_deg)
+                .set_by("occlusion.angle_deg"),
+        );
+        if disagreement_quanta > HOPELESS * most_quanta || angle_deg > HOPELESS * most_deg {
             return None;
         }
 
@@ -292,18 +338,19 @@ impl Gap<'_> {
         let color_overlap = scene.color.map(|_| overlap());
         let is_horizontal =
             scene.support.is_some_and(|support| normals[0].dot(support.normal).abs() > HORIZONTAL);
-        let (farthest_m, least_color) = if is_horizontal {
-            (HORIZONTAL_DISTANCE * self.params.max_distance_m, HORIZONTAL_COLOR)
-        } else {
-            (self.params.max_distance_m, f64::NEG_INFINITY)
-        };
-        let is_one = disagreement_quanta < self.params.disagreement_quanta
-            && angle_deg < self.params.angle_deg
-            && seen.through < SEEN_THROUGH_SHARE
-            && seen.hidden > HIDDEN_SHARE
-            && distance_m <= farthest_m
-            && color_overlap
-                .is_none_or(|overlap| overlap > self.params.color_overlap && overlap >= least_color);
+        let share = |what, share, bound, limit| Check::new(what, "", share, bound, limit);
+        checks.that(share("share of the gap seen through", seen.through, Bound::Below, SEEN_THROUGH_SHARE));
+        checks.that(share("share of the gap that is hidden", seen.hidden, Bound::Above, HIDDEN_SHARE));
+        if let Some(overlap) = color_overlap {
+            let alike = share("overlap of their colours", overlap, Bound::Above, least_overlap);
+            checks.that(alike.set_by("occlusion.color_overlap"));
+        }
+        if is_horizontal {
+            checks.that(no_farther(HORIZONTAL_DISTANCE));
+            if let Some(overlap) = color_overlap {
+                checks.that(share("overlap of their colours", overlap, Bound::AtLeast, HORIZONTAL_COLOR));
+            }
+        }
         let continuation = Continuation {
             disagreement_quanta,
             angle_deg,
@@ -312,7 +359,7 @@ impl Gap<'_> {
             seen_through_share: seen.through,
             color_overlap,
         };
-        is_one.then_some((continuation, seen.hider))
+        Some(Look { clusters, checks: checks.0, continuation, hider: seen.hider })
     }
 
     /// Evenly spaced pixels of a piece, with their disparities.
@@ -408,7 +455,7 @@ mod tests {
         let scene = table.scene();
         let mut clusters = single(&scene);
         join_behind_occluders(&mut clusters, params);
-        Joined { clusters: named(&clusters), joins: clusters.get(SegmentId(0)).joins.clone() }
+        Joined { clusters: named(&clusters), joins: clusters.joins(SegmentId(0)).cloned().collect() }
     }
 
     const PARTED: [Option<u32>; 3] = [Some(0), Some(1), Some(2)];

@@ -46,7 +46,7 @@ impl Outcome {
             let id = self.found[hypothesis.region.index() - self.structure];
             let top_m = |surface| clusters.top_m(id, surface) as f32;
             hypothesis.top_m = clusters.scene.support.map(top_m);
-            let joins = clusters.get(id).joins.iter();
+            let joins = clusters.joins(id);
             hypothesis.joins = joins.map(|join| self.resolve(clusters, id, join)).collect();
         }
     }
@@ -74,8 +74,9 @@ impl Outcome {
 mod tests {
     use super::*;
     use crate::discovery::{ObjectnessParts, OrientedBox};
+    use crate::objectness::history::{Event, Rule};
     use crate::objectness::join::{JoinEvidence, JoinedPart};
-    use crate::objectness::testing::{Table, single};
+    use crate::objectness::testing::{Table, merge, single};
 
     fn three_things() -> Table {
         let rows = ["____________", "_aaa_bb_ccc_", "_aaa_bb_ccc_", "____________"];
@@ -107,7 +108,7 @@ mod tests {
         let table = three_things();
         let scene = table.scene();
         let mut clusters = single(&scene);
-        clusters.merge(None, SegmentId(0));
+        merge(&mut clusters, None, SegmentId(0));
         let outcome = outcome(&clusters, Some(0), 5);
         let row: Vec<i32> = outcome.regions.labels().as_slice()[12..24].to_vec();
         assert_eq!(row, [0, 0, 0, 0, 0, -1, -1, 0, 1, 1, 1, 0]);
@@ -128,10 +129,15 @@ mod tests {
         // Facet 0 is the table, facet 2 is thing b; a small one is no node, nor is what became a part of the object.
         let behind = |hider: u32, min_size_px: usize, merged: bool| {
             let mut clusters = single(&scene);
-            clusters.merge(Some(SegmentId(0)), SegmentId(2));
-            clusters.note(SegmentId(0), join.clone(), Some(SegmentId(hider)));
+            clusters.give(Event {
+                rule: Rule::Occlusion,
+                from: Some(SegmentId(2)),
+                into: Some(SegmentId(0)),
+                checks: Vec::new(),
+                join: Some((join.clone(), Some(SegmentId(hider)))),
+            });
             if merged {
-                clusters.merge(Some(SegmentId(0)), SegmentId(1));
+                merge(&mut clusters, Some(SegmentId(0)), SegmentId(1));
             }
             let outcome = outcome(&clusters, Some(0), min_size_px);
             described(&outcome, &clusters)[0].joins[0].behind

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::objectness::check::{Bound, Check};
 use crate::objectness::clusters::{Clusters, Scene};
 use crate::objectness::join::RimCircle;
 use crate::oversegment::structure::{StructureSurface, tangents};
@@ -82,15 +83,27 @@ pub(crate) fn rim_circle(
     let residual_m = (squared_error / n).sqrt();
     let least_hold = LEAST_HOLD.max(feet.len() / POINTS_PER_HOLD);
     let covered = held.iter().filter(|&&points| points >= least_hold).count();
-    let is_rim = RADIUS_M.contains(&radius_m)
-        && residual_m < RESIDUAL_M.max(RESIDUAL_SHARE * radius_m)
-        && covered >= LEAST_SECTORS;
-    is_rim.then(|| RimCircle {
+    let circle = RimCircle {
         center_m: [mean[0] + x_center, mean[1] + y_center],
         radius_m,
         residual_m,
         covered: covered as f64 / SECTORS as f64,
-    })
+    };
+    circle_checks(&circle).iter().all(Check::holds).then_some(circle)
+}
+
+/// What makes a circle the rim of a vessel.
+pub(crate) fn circle_checks(circle: &RimCircle) -> [Check; 4] {
+    let &RimCircle { radius_m, residual_m, covered, .. } = circle;
+    let radius = |bound, limit_m| Check::new("radius of the rim", "m", radius_m, bound, limit_m);
+    let residual_limit_m = RESIDUAL_M.max(RESIDUAL_SHARE * radius_m);
+    let least_covered = LEAST_SECTORS as f64 / SECTORS as f64;
+    [
+        radius(Bound::AtLeast, RADIUS_M.start),
+        radius(Bound::Below, RADIUS_M.end),
+        Check::new("distance of the rim from a circle", "m", residual_m, Bound::Below, residual_limit_m),
+        Check::new("share of the circle that is seen", "", covered, Bound::AtLeast, least_covered),
+    ]
 }
 
 /// The share of a cluster, of every third pixel, that stands within the circle or hardly outside.

@@ -4,10 +4,11 @@ use glam::DVec3;
 
 use crate::facets::Facets;
 use crate::objectness::clusters::{Clusters, Scene, Steps};
+use crate::objectness::history::{Event, Rule};
 use crate::oversegment::structure::StructureSurface;
 use crate::params;
 use crate::raster::Raster;
-use crate::regions::Segments;
+use crate::regions::{SegmentId, Segments};
 use crate::shapes::contraction::Shapes;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::moments::{Basis, Model, Moments};
@@ -99,6 +100,12 @@ pub(crate) fn single<'a>(scene: &'a Scene<'a>) -> Clusters<'a> {
     let count = scene.facets.segments.count() - 1;
     let shapes = Shapes { of_facet: (0..count as u32).collect(), count };
     Clusters::new(scene, &shapes)
+}
+
+/// Merges a cluster into another or into the background, whatever the reason.
+pub(crate) fn merge(clusters: &mut Clusters<'_>, into: Option<SegmentId>, from: SegmentId) {
+    let event = Event { rule: Rule::Fragment, from: Some(from), into, checks: Vec::new(), join: None };
+    clusters.give(event);
 }
 
 /// The cluster of every facet but the table, as the number of the facet that it is named after; `None` = background.

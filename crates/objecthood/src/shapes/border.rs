@@ -17,6 +17,19 @@ pub struct BorderEvidence {
     pub folds: Vec<Fold>,
     /// How much of the border (m) is a step in depth: one facet hides what lies behind it.
     pub step_m: f64,
+    /// How far the first facet is before the second where they meet, summed over all that was looked at.
+    pub gaps: Gaps,
+}
+
+/// Gaps between two surfaces along their border, weighted by its length.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gaps {
+    /// Border that was looked at (m).
+    pub length_m: f64,
+    /// Gap in disparity times length (quanta · m).
+    pub quanta_m: f64,
+    /// Gap in depth times length (m^2).
+    pub depth_m2: f64,
 }
 
 /// The fold between two facets at one place.
@@ -44,7 +57,12 @@ const TORN_RIDGE_SHARE: f64 = 0.5;
 const PAIRS_PER_SAMPLE: f64 = 2.0;
 
 /// One look at a border.
-enum Sample {
+struct Sample {
+    look: Look,
+    gaps: Gaps,
+}
+
+enum Look {
     Fold(Fold),
     Step { length_m: f64 },
 }
@@ -70,9 +88,14 @@ pub fn borders(
         pairs.filter_map(|(i, j)| border.sample(i, j)).collect::<Vec<_>>()
     };
     let rows: Vec<Vec<_>> = (0..height).into_par_iter().map(look).collect();
-    let add = |evidence: &mut BorderEvidence, sample| match sample {
-        Sample::Fold(fold) => evidence.folds.push(fold),
-        Sample::Step { length_m } => evidence.step_m += length_m,
+    let add = |evidence: &mut BorderEvidence, Sample { look, gaps }| {
+        match look {
+            Look::Fold(fold) => evidence.folds.push(fold),
+            Look::Step { length_m } => evidence.step_m += length_m,
+        }
+        evidence.gaps.length_m += gaps.length_m;
+        evidence.gaps.quanta_m += gaps.quanta_m;
+        evidence.gaps.depth_m2 += gaps.depth_m2;
     };
     RegionGraph::gather(facets.segments.count(), rows.into_iter().flatten(), add)
 }
@@ -119,7 +142,13 @@ impl Border<'_> {
         let focal_px = if i.abs_diff(j) == 1 { camera.fy_px } else { camera.fx_px };
         let length_m = PAIRS_PER_SAMPLE * z_m / focal_px;
 
-        let gap = (side_a.value - side_b.value).abs();
+        let before = side_a.value - side_b.value;
+        let gaps = Gaps {
+            length_m,
+            quanta_m: before * length_m,
+            depth_m2: self.space.step_m(before, z_m) * length_m,
+        };
+        let gap = before.abs();
         let raw = (di - dj).abs();
         let (slope_a, slope_b) = (side_a.slope, side_b.slope);
         let turn = length([slope_a[0] - slope_b[0], slope_a[1] - slope_b[1]]);
@@ -129,15 +158,15 @@ impl Border<'_> {
         let hides = self.space.step_m(gap, z_m) > self.params.step_depth_m
             || self.space.step_m(raw, z_m) > RAW_DEPTHS * self.params.step_depth_m;
         if is_step && hides {
-            return Some((a, b, Sample::Step { length_m }));
+            return Some((a, b, Sample { look: Look::Step { length_m }, gaps }));
         }
         let angle_deg = self.angle_deg(&side_a, &side_b, middle);
-        let sample = match is_step {
-            true if angle_deg < TORN_RIDGE_DEG => Sample::Step { length_m },
-            true => Sample::Fold(Fold { angle_deg, length_m: TORN_RIDGE_SHARE * length_m }),
-            false => Sample::Fold(Fold { angle_deg, length_m }),
+        let look = match is_step {
+            true if angle_deg < TORN_RIDGE_DEG => Look::Step { length_m },
+            true => Look::Fold(Fold { angle_deg, length_m: TORN_RIDGE_SHARE * length_m }),
+            false => Look::Fold(Fold { angle_deg, length_m }),
         };
-        Some((a, b, sample))
+        Some((a, b, Sample { look, gaps }))
     }
 
     /// The plane through the pixels of one facet around `middle`; `None` when they are few.
@@ -202,6 +231,11 @@ impl Fold {
 }
 
 impl BorderEvidence {
+    /// How much of the border (m) is a fold.
+    pub fn fold_m(&self) -> f64 {
+        self.folds.iter().map(|fold| fold.length_m).sum()
+    }
+
     /// The signed vote of a border (m): above 0 for one shape, below 0 for two. Its folds vote; a step speaks against by
     /// `occlusion_weight`.
     pub fn vote_m(&self, params: &params::Contraction) -> f64 {
@@ -346,7 +380,7 @@ mod tests {
             params::Contraction { reflex_offset_deg: 12.0, full_vote_deg: 15.0, occlusion_weight: 0.15 };
         let vote = |folds: &[(f64, f64)], step_m: f64| {
             let folds = folds.iter().map(|&(angle_deg, length_m)| Fold { angle_deg, length_m }).collect();
-            BorderEvidence { folds, step_m }.vote_m(&params)
+            BorderEvidence { folds, step_m, ..Default::default() }.vote_m(&params)
         };
         for (angle_deg, share) in
             [(90.0, 1.0), (3.0, 1.0), (0.0, 0.8), (-12.0, 0.0), (-19.5, -0.5), (-90.0, -1.0)]

@@ -194,8 +194,10 @@ mod tests {
 
     #[test]
     fn votes_leave_the_structure_out() {
-        let fold =
-            |angle_deg: f64| BorderEvidence { folds: vec![Fold { angle_deg, length_m: 0.1 }], step_m: 0.0 };
+        let fold = |angle_deg: f64| BorderEvidence {
+            folds: vec![Fold { angle_deg, length_m: 0.1 }],
+            ..Default::default()
+        };
         let pairs = [(0, 2, 90.0), (1, 3, 90.0), (2, 3, 90.0), (3, 4, -90.0)];
         let pairs = pairs.map(|(a, b, angle)| (SegmentId(a), SegmentId(b), fold(angle)));
         let borders = RegionGraph::gather(5, pairs, |evidence: &mut BorderEvidence, next| *evidence = next);

@@ -1,0 +1,102 @@
+//! `objecthood explain`: why a pixel or an object is what it is.
+
+mod text;
+
+use anyhow::{Context, Result};
+use objecthood::explain::Explainer;
+use objecthood::{Error, ObjectId, Params};
+use objecthood_io::explanation::ExplanationFile;
+use objecthood_io::scope::Scope;
+use objecthood_io::{Capture, output};
+
+use crate::args::{CameraArg, ExplainArgs};
+use crate::failure::{Outcome, usage};
+use crate::inputs::{Input, Inputs};
+use crate::outputs::{make_folder, refuse_file, with_suffix};
+use crate::{config, crew, inputs, terminal};
+
+/// What is to be done, and nothing left to doubt.
+struct Plan<'a> {
+    args: &'a ExplainArgs,
+    input: Input,
+    scope: Scope,
+    params: Params,
+}
+
+/// Explains one pixel of one frame.
+///
+/// # Errors
+/// Of usage; when the frame cannot be read or looked at; when stdout or the picture cannot be written.
+pub(crate) fn run(args: &ExplainArgs) -> Result<Outcome> {
+    let plan = Plan::new(args)?;
+    let name = plan.input.path.display().to_string();
+    let capture = plan.input.open()?;
+    let capture = plan.scope.limit(capture).with_context(|| name.clone())?;
+    let explained = crew::pool(args.settings.threads())?.install(|| plan.explain(&name, &capture));
+    terminal::print(&explained?)?;
+    Ok(Outcome::AllDone)
+}
+
+impl<'a> Plan<'a> {
+    fn new(args: &'a ExplainArgs) -> Result<Self> {
+        let params = config::params(&args.settings, args.method)?;
+        let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
+        let Inputs { mut frames, unreadable, .. } = inputs::collect(&args.frames, false, camera.as_ref())?;
+        let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
+        if let Some(out) = &args.out {
+            refuse_file("--out", out)?;
+        }
+        if let Some(error) = unreadable.into_iter().next() {
+            return Err(error);
+        }
+        match (frames.pop(), frames.len()) {
+            (Some(input), 0) => Ok(Self { args, input, scope, params }),
+            (_, others) => Err(usage(format!("{} frames are named: explain looks at one", others + 1))),
+        }
+    }
+
+    /// What is to be printed; writes the picture.
+    fn explain(&self, name: &str, capture: &Capture) -> Result<String> {
+        let explainer = Explainer::new(&capture.frame, &self.params).map_err(said_of_usage)?;
+        let pixel = self.pixel(&explainer)?;
+        let explanation = explainer.explain(pixel).map_err(said_of_usage)?;
+        let mut text = if self.args.json {
+            ExplanationFile::new(name, &self.params, &explanation).to_json()?
+        } else {
+            text::of(name, &explanation)
+        };
+        if let Some(folder) = &self.args.out {
+            make_folder(folder)?;
+            let labels = &explainer.discovery().labels;
+            let picture =
+                objecthood_view::explanation(&capture.frame, explainer.facets(), labels, &explanation);
+            let path = with_suffix(&folder.join(&self.input.name), ".explain.png");
+            output::write_together(&[(path.clone(), objecthood_view::png(&picture)?)])?;
+            if !self.args.json {
+                text.push_str(&format!("\n{}\n", path.display()));
+            }
+        }
+        Ok(text)
+    }
+
+    /// The pixel that is asked for.
+    fn pixel(&self, explainer: &Explainer<'_>) -> Result<[usize; 2]> {
+        let Some(id) = self.args.object else { return Ok(self.args.at.unwrap_or_default()) };
+        explainer.pixel_of(ObjectId(id)).ok_or_else(|| {
+            let count = explainer.discovery().objects.len();
+            usage(match count {
+                0 => "no object was found in this frame: ask for a pixel by --at".to_owned(),
+                _ => format!("there is no object {id}: the objects of this frame are 1 to {count}"),
+            })
+        })
+    }
+}
+
+/// A question that cannot be answered is a mistake on the command line; anything else failed.
+fn said_of_usage(error: Error) -> anyhow::Error {
+    match error {
+        Error::OutsideImage { .. } => usage(format!("--at: {error}")),
+        Error::OnlyContext { .. } => usage(error.to_string()),
+        _ => error.into(),
+    }
+}

@@ -1,0 +1,52 @@
+//! The explanation file: why a pixel is what it is, as JSON.
+
+use objecthood::Params;
+use objecthood::explain::Explanation;
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+use crate::scene::{fingerprint, first_null};
+
+/// Version of the form that is written.
+pub const VERSION: u32 = 1;
+
+/// An [`Explanation`] with what it is of. What does not apply is left out.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ExplanationFile<'a> {
+    /// Version of this form: 1.
+    pub explanation_version: u32,
+    /// Version of objecthood that wrote it.
+    pub objecthood_version: &'static str,
+    /// Path of the input, as it was given.
+    pub input: &'a str,
+    /// SHA-256 of all parameters, in hexadecimal, as in the scene file.
+    pub parameters_fingerprint: String,
+    /// The explanation.
+    #[serde(flatten)]
+    pub explanation: &'a Explanation,
+}
+
+impl<'a> ExplanationFile<'a> {
+    /// Of a frame, named as the user would.
+    pub fn new(input: &'a str, params: &Params, explanation: &'a Explanation) -> Self {
+        Self {
+            explanation_version: VERSION,
+            objecthood_version: env!("CARGO_PKG_VERSION"),
+            input,
+            parameters_fingerprint: fingerprint(params),
+            explanation,
+        }
+    }
+
+    /// As JSON that ends with a line end.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] names the place of a value that JSON cannot hold.
+    pub fn to_json(&self) -> Result<String> {
+        let no_json = |reason| Error::NoJson { reason };
+        if let Some(place) = first_null(&serde_json::to_value(self).map_err(no_json)?) {
+            return Err(Error::NotFinite { place });
+        }
+        Ok(serde_json::to_string_pretty(self).map_err(no_json)? + "\n")
+    }
+}

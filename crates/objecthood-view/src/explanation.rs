@@ -1,0 +1,205 @@
+//! The picture of an explanation: the facet in question, the votes along its borders, and whom they join it with.
+
+use image::{Rgb, RgbImage};
+use objecthood::explain::{BorderReport, Explanation, Outcome};
+use objecthood::{Frame, Raster, Segments};
+
+use crate::distance::{Anchor, anchors, to_border};
+use crate::drawing::{bar, disc};
+use crate::grid::{sample, tile_size};
+use crate::labels::{self, Label};
+use crate::panels::Page;
+use crate::text::{Text, mix};
+use crate::tiles::Tile;
+use crate::view::{NOTHING, resize};
+
+/// The border votes for one shape, mostly folds against it, mostly steps against it, or it has no vote. Of Okabe and Ito's colours.
+const FOR: Rgb<u8> = Rgb([0, 158, 115]);
+const AGAINST: Rgb<u8> = Rgb([213, 94, 0]);
+const STEP: Rgb<u8> = Rgb([86, 180, 233]);
+const NO_VOTE: Rgb<u8> = Rgb([150; 3]);
+/// The pixel that was asked for.
+const ASKED: Rgb<u8> = Rgb([240, 228, 66]);
+const OBJECT: Rgb<u8> = Rgb([255; 3]);
+const INK: Rgb<u8> = Rgb([30; 3]);
+const PAGE: Rgb<u8> = Rgb([255; 3]);
+/// What stands for the colour of a frame that has none, where there is depth.
+const GREY: [u8; 3] = [128; 3];
+/// How much of the frame is left where it is dimmed.
+const DIMMED: f32 = 0.4;
+
+/// The frame, dimmed but for the facet of the pixel; the facet's borders in the colours of their votes; the facets beyond them outlined
+/// and numbered; the object outlined. Beside it what the colours mean, and the votes in numbers.
+///
+/// `facets` and `labels` (0 = none) have the size of the frame, and the explanation is of them. O(pixels).
+pub fn explanation(
+    frame: &Frame,
+    facets: &Segments,
+    labels: &Raster<u16>,
+    explanation: &Explanation,
+) -> RgbImage {
+    let canvas = Canvas::new(facets, labels, explanation);
+    let grey = || frame.depth_m().map(|z| if z.is_nan() { NOTHING.0 } else { GREY });
+    let color = frame.color().cloned().unwrap_or_else(grey);
+    let mut image = resize(&color).unwrap_or_default();
+    for (x, y, pixel) in image.enumerate_pixels_mut() {
+        *pixel = canvas.paint(x as usize, y as usize, *pixel);
+    }
+    labels::write(&mut image, canvas.numbers());
+    let (width, height) = frame.size();
+    let (columns, rows) = tile_size(frame.size());
+    let [u, v] = explanation.pixel;
+    let at = [u as f32, v as f32].map(|x| x + 0.5);
+    let asked = [at[0] * columns as f32 / width as f32, at[1] * rows as f32 / height as f32];
+    disc(&mut image, asked, 6.0, NOTHING);
+    disc(&mut image, asked, 4.5, ASKED);
+
+    let tile = |title: String, image| Tile { title, image, scale: None };
+    let size = (columns as u32, rows as u32);
+    let name = explanation.facet.map_or("no facet".to_owned(), |facet| format!("facet {}", facet.facet));
+    let tiles = [
+        tile(format!("pixel {u},{v}: {name}"), image),
+        tile(in_words(explanation.outcome), legend(explanation, size)),
+    ];
+    Page::new(size, tiles.len(), tiles.len()).compose(&tiles)
+}
+
+fn in_words(outcome: Outcome) -> String {
+    match outcome {
+        Outcome::NoDepth => "no depth".to_owned(),
+        Outcome::NoFacet => "on no surface".to_owned(),
+        Outcome::Structure { plane } => format!("structure plane {plane}"),
+        Outcome::Background { .. } => "no object: background".to_owned(),
+        Outcome::TooSmall => "no object: too small".to_owned(),
+        Outcome::Object { object } => format!("object {object}"),
+    }
+}
+
+/// The colour of a border by its vote.
+fn color_of(border: &BorderReport) -> Rgb<u8> {
+    match border.vote_mm {
+        None => NO_VOTE,
+        Some(vote_mm) if vote_mm > 0.0 => FOR,
+        Some(_) if border.stepped_mm > border.folded_mm => STEP,
+        Some(_) => AGAINST,
+    }
+}
+
+/// What is painted, at the size of a tile.
+struct Canvas<'a> {
+    facets: Raster<i32>,
+    labels: Raster<u16>,
+    explanation: &'a Explanation,
+    own: i32,
+    object: u16,
+    /// Half the width of a border.
+    reach: usize,
+}
+
+impl<'a> Canvas<'a> {
+    fn new(facets: &Segments, labels: &Raster<u16>, explanation: &'a Explanation) -> Self {
+        let facets = sample(facets.labels());
+        Self {
+            own: explanation.facet.map_or(Segments::NONE, |facet| facet.facet as i32),
+            object: explanation.object.as_ref().map_or(0, |object| object.object),
+            reach: (facets.width().max(facets.height()) / 240).max(1),
+            labels: sample(labels),
+            facets,
+            explanation,
+        }
+    }
+
+    fn paint(&self, x: usize, y: usize, scenery: Rgb<u8>) -> Rgb<u8> {
+        let facet = self.facets.get(x, y).copied().unwrap_or(Segments::NONE);
+        let is_own = self.own >= 0 && facet == self.own;
+        if is_own && let Some(border) = self.beyond(x, y, self.reach).and_then(|other| self.border(other)) {
+            return color_of(border);
+        }
+        let label = self.labels.get(x, y).copied().unwrap_or(0);
+        let ends = |reach| near(&self.labels, x, y, reach).any(|other| other != label);
+        if label > 0 && label == self.object && ends(1) {
+            return OBJECT;
+        }
+        if let Some(border) = self.border(facet).filter(|_| self.beyond(x, y, 1).is_some()) {
+            return color_of(border);
+        }
+        if is_own { scenery } else { mix(NOTHING, scenery, DIMMED) }
+    }
+
+    /// Another facet within so many pixels.
+    fn beyond(&self, x: usize, y: usize, reach: usize) -> Option<i32> {
+        let facet = *self.facets.get(x, y)?;
+        near(&self.facets, x, y, reach).find(|&other| other >= 0 && other != facet)
+    }
+
+    /// The border of the facet with another one.
+    fn border(&self, other: i32) -> Option<&'a BorderReport> {
+        self.explanation.borders.iter().find(|border| border.facet as i32 == other)
+    }
+
+    /// The numbers of the facet and its neighbours that are no structure.
+    fn numbers(&self) -> Vec<Label> {
+        let own = self.explanation.facet.filter(|facet| facet.structure_plane.is_none());
+        let own = own.map(|facet| (facet.facet, OBJECT));
+        let free = self.explanation.borders.iter().filter(|border| border.structure_plane.is_none());
+        let named: Vec<(u32, Rgb<u8>)> =
+            own.into_iter().chain(free.map(|border| (border.facet, color_of(border)))).collect();
+        let place = |facet: i32| named.iter().position(|(name, _)| *name as i32 == facet);
+        let map = self.facets.map(|&facet| place(facet).map_or(0, |k| k as u16 + 1));
+        let label = |anchor: Anchor| {
+            let (facet, color) = named[usize::from(anchor.id) - 1];
+            Label { text: facet.to_string(), color, anchor }
+        };
+        anchors(&map, &to_border(&map)).into_iter().map(label).collect()
+    }
+}
+
+/// The values within a square around a pixel, without those outside the raster.
+fn near<T: Copy>(raster: &Raster<T>, x: usize, y: usize, reach: usize) -> impl Iterator<Item = T> + '_ {
+    let range = move |k: usize| k.saturating_sub(reach)..=k + reach;
+    range(y).flat_map(move |y| range(x).filter_map(move |x| raster.get(x, y).copied()))
+}
+
+/// What the colours mean, and below the votes as far as there is room.
+fn legend(explanation: &Explanation, (width, height): (u32, u32)) -> RgbImage {
+    let mut image = RgbImage::from_pixel(width, height, PAGE);
+    let letters_px = (width as f32 / 30.0).clamp(11.0, 22.0);
+    let meanings = [
+        (Some(ASKED), "the pixel".to_owned()),
+        (Some(FOR), "border that votes for one thing".to_owned()),
+        (Some(AGAINST), "border that votes against: a valley".to_owned()),
+        (Some(STEP), "border that votes against: a step".to_owned()),
+        (Some(NO_VOTE), "border with a structure plane: no vote".to_owned()),
+        (Some(OBJECT), "outline of the object".to_owned()),
+        (None, String::new()),
+    ];
+    let votes = explanation.borders.iter().map(|border| {
+        let name = match border.structure_plane {
+            Some(plane) => format!("plane {plane}"),
+            None => format!("facet {}", border.facet),
+        };
+        let vote = border.vote_mm.map_or("no vote".to_owned(), |vote_mm| format!("{vote_mm:+.0} mm"));
+        let end = match border.decision.as_ref().map(|decision| decision.yes) {
+            Some(true) => ", one thing",
+            Some(false) => ", two things",
+            None => "",
+        };
+        (Some(color_of(border)), format!("{name}: {vote}{end}"))
+    });
+    let line_px = 1.5 * letters_px;
+    for (k, (color, text)) in meanings.into_iter().chain(votes).enumerate() {
+        let middle = (k as f32 + 0.8) * line_px;
+        if middle + line_px > height as f32 {
+            break;
+        }
+        if let Some(color) = color {
+            let (center, half) = ([letters_px, middle], letters_px * 0.35);
+            bar(&mut image, center, [half + 1.0; 2], INK);
+            bar(&mut image, center, [half; 2], color);
+        }
+        let text = Text::new(&text, letters_px);
+        let top = (middle + letters_px * 0.35) as i64 - text.ascent;
+        text.draw(&mut image, ((2.0 * letters_px) as i64, top), INK);
+    }
+    image
+}

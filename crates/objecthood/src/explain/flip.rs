@@ -1,0 +1,194 @@
+//! Which single parameter would decide otherwise: guessed from the evidence, then tried with the whole method.
+
+use crate::explain::explanation::{Decision, Flip, Question, Reason};
+use crate::explain::run::Run;
+use crate::explain::sweep::{Sweep, relative_change};
+use crate::frame::Frame;
+use crate::objectness::check::Check;
+use crate::params::{ParameterInfo, Params};
+use crate::regions::SegmentId;
+
+/// So often the method is run for one explanation.
+const RUNS: usize = 40;
+/// So many guesses are tried for one decision.
+const GUESSES: usize = 4;
+/// So often half way to a flip is taken in its place.
+const HALVINGS: usize = 6;
+/// A guess has so many digits.
+const DIGITS: i32 = 3;
+
+/// A value of a parameter that may decide otherwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Guess {
+    pub(super) parameter: &'static str,
+    pub(super) from: f64,
+    pub(super) to: f64,
+}
+
+/// Looks for flips in one frame.
+pub(super) struct Search<'a> {
+    frame: &'a Frame,
+    params: &'a Params,
+    run: &'a Run,
+    runs_left: usize,
+    /// What votes would do, once it was asked for.
+    sweep: Option<Sweep>,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(frame: &'a Frame, params: &'a Params, run: &'a Run) -> Self {
+        Self { frame, params, run, runs_left: RUNS, sweep: None }
+    }
+
+    /// The answer to a question, and what it would take to change it.
+    pub(super) fn decision(&mut self, question: Question, reason: Reason, checks: Vec<Check>) -> Decision {
+        let yes = answer(self.run, question);
+        let guesses = match (reason, question) {
+            (Reason::Folds | Reason::Steps | Reason::OtherBorders, Question::OneThing { facets }) => {
+                self.guess_votes(facets)
+            }
+            _ => guess_checks(&checks, self.params),
+        };
+        let flip = self.flip(question, yes, guesses);
+        Decision { question, yes, reason, checks, flip }
+    }
+
+    /// The first guess that is true.
+    fn flip(&mut self, question: Question, yes: bool, mut guesses: Vec<Guess>) -> Flip {
+        guesses.sort_by(|a, b| relative_change(a).total_cmp(&relative_change(b)));
+        let mut tried: Vec<&'static str> = guesses.iter().map(|guess| guess.parameter).collect();
+        tried.sort_unstable();
+        tried.dedup();
+        for guess in guesses.into_iter().take(GUESSES) {
+            match self.confirm(question, yes, guess) {
+                Confirmed::Yes(to) => return Flip::At { parameter: guess.parameter, from: guess.from, to },
+                Confirmed::No => {}
+                Confirmed::Unknown => return Flip::NotSought,
+            }
+        }
+        Flip::Nowhere { tried }
+    }
+
+    /// Tries a guess, and nearer and nearer values as long as half way does the same.
+    fn confirm(&mut self, question: Question, yes: bool, guess: Guess) -> Confirmed {
+        let Guess { parameter, from, mut to } = guess;
+        match self.ask(question, parameter, to) {
+            None => return Confirmed::Unknown,
+            Some(answer) if answer == yes => return Confirmed::No,
+            Some(_) => {}
+        }
+        for _ in 0..HALVINGS {
+            let half = half_way(from, to, is_whole(parameter));
+            if half == from || half == to {
+                return Confirmed::Yes(to);
+            }
+            match self.ask(question, parameter, half) {
+                None => return Confirmed::Unknown,
+                Some(answer) if answer == yes => return Confirmed::Yes(to),
+                Some(_) => to = half,
+            }
+        }
+        Confirmed::No
+    }
+
+    /// The answer with another value of a parameter; `None` when enough was tried.
+    fn ask(&mut self, question: Question, parameter: &str, value: f64) -> Option<bool> {
+        self.runs_left = self.runs_left.checked_sub(1)?;
+        let params = self.params.with_number(parameter, value)?;
+        Some(answer(&Run::new(self.frame, &params).ok()?, question))
+    }
+
+    fn guess_votes(&mut self, facets: [u32; 2]) -> Vec<Guess> {
+        let free = facets.map(|facet| self.run.free(SegmentId(facet)));
+        let [Some(a), Some(b)] = free else { return Vec::new() };
+        let (frame, params, run) = (self.frame, self.params, self.run);
+        let sweep = self.sweep.get_or_insert_with(|| Sweep::new(frame, params, run));
+        sweep.guesses(run, [a, b])
+    }
+}
+
+/// What became of a guess.
+enum Confirmed {
+    /// It holds from this value on.
+    Yes(f64),
+    No,
+    /// There was no run left.
+    Unknown,
+}
+
+/// What a run of the method says to a question.
+fn answer(run: &Run, question: Question) -> bool {
+    match question {
+        Question::OneThing { facets: [a, b] } => run.one_thing(SegmentId(a), SegmentId(b)),
+        Question::Kept { facet } => run.object(SegmentId(facet)) > 0,
+        Question::Bottom { facet } => run.has_bottom(SegmentId(facet)),
+    }
+}
+
+/// Values that turn checks over: those that fail, or if none does any.
+fn guess_checks(checks: &[Check], params: &Params) -> Vec<Guess> {
+    let any_fails = checks.iter().any(|check| !check.holds());
+    let turned = checks.iter().filter(|check| !any_fails || !check.holds());
+    turned.flat_map(|check| guess(check, params)).collect()
+}
+
+/// Values of the parameter behind a check that turn it over: the nearest, and one a little farther.
+fn guess(check: &Check, params: &Params) -> Vec<Guess> {
+    let Some(parameter) = check.parameter else { return Vec::new() };
+    let Some(from) = params.number(parameter).filter(|value| *value != 0.0 && check.limit != 0.0) else {
+        return Vec::new();
+    };
+    let limits = info(parameter).and_then(|info| info.limits());
+    let Some((least, greatest)) = limits else { return Vec::new() };
+    // The limit is proportional to the parameter.
+    let exact = check.measured * from / check.limit;
+    let is_allowed = |guess: &Guess| (least..=greatest).contains(&guess.to) && guess.to != from;
+    let beyond = [1.0, 2.0].map(|steps| Guess {
+        parameter,
+        from,
+        to: beyond(exact, from, steps, is_whole(parameter)),
+    });
+    beyond.into_iter().filter(is_allowed).collect()
+}
+
+/// A round value `steps` last digits or less beyond `exact`, as seen from `from`.
+fn beyond(exact: f64, from: f64, steps: f64, whole: bool) -> f64 {
+    let sign = if exact < from { -1.0 } else { 1.0 };
+    let digit = if whole { 1.0 } else { last_digit(exact) };
+    // Counted from the last round value before it, so that one step is beyond it.
+    let before = (sign * exact / digit).floor();
+    round(sign * (before + steps) * digit)
+}
+
+/// The unit of the last of the digits that a guess has.
+pub(super) fn last_digit(value: f64) -> f64 {
+    let magnitude = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    10_f64.powi(magnitude as i32 + 1 - DIGITS)
+}
+
+/// Without the noise in the last bits that comes of decimal steps.
+pub(super) fn round(value: f64) -> f64 {
+    format!("{value:.6e}").parse().unwrap_or(value)
+}
+
+fn half_way(from: f64, to: f64, whole: bool) -> f64 {
+    let half = (from + to) / 2.0;
+    if whole { half.round() } else { half }
+}
+
+/// Whether a parameter takes whole numbers only.
+pub(super) fn is_whole(parameter: &str) -> bool {
+    let info = info(parameter);
+    info.is_some_and(|info| Params::default().with_number(&info.name, fraction_within(&info)).is_none())
+}
+
+/// A number with a fraction in the range of a parameter.
+fn fraction_within(info: &ParameterInfo) -> f64 {
+    let (least, greatest) = info.limits().unwrap_or((0.0, 1.0));
+    if greatest - least > 1.0 { least + 0.5 } else { (least + greatest) / 2.0 }
+}
+
+/// What is known of a parameter.
+pub(super) fn info(parameter: &str) -> Option<ParameterInfo> {
+    Params::table().into_iter().find(|info| info.name == parameter)
+}

@@ -1,0 +1,378 @@
+//! Why? What a pixel belongs to, which borders and rules made it so, and what it would take to decide otherwise.
+//!
+//! An [`Explainer`] looks at a frame as [`discover`](crate::discover) does and keeps what the stages show; [`Explainer::explain`]
+//! answers for one pixel with an [`Explanation`], which is plain data. It speaks of the method `context`.
+//!
+//! The algorithms know nothing of this room. What it says of rules are the [`Check`](crate::objectness::check::Check)s by which
+//! they decided; what it says of parameters is found by deciding again: see [`Flip`].
+
+mod explanation;
+mod flip;
+mod run;
+mod sweep;
+
+pub use explanation::{
+    BorderReport, Decision, Explanation, FacetReport, Flip, ObjectReport, Outcome, Part, Question, Reason,
+};
+
+use crate::discovery::{Discovery, Object, ObjectId, ObjectnessParts};
+use crate::error::{Error, Result};
+use crate::explain::flip::Search;
+use crate::explain::run::Run;
+use crate::frame::Frame;
+use crate::objectness::check::{Bound, Check};
+use crate::objectness::history::{Event, Miss, Rule};
+use crate::objectness::join::JoinEvidence;
+use crate::objectness::small;
+use crate::params::Params;
+use crate::raster::Raster;
+use crate::regions::{RegionEdge, SegmentId, Segments};
+use crate::shapes::border::BorderEvidence;
+use crate::surface::disparity::{DisparitySpace, position};
+
+/// So many parts of an object are named at most, beside those on the way of the pixel's own.
+const PARTS: usize = 6;
+
+/// A frame that was looked at, ready for questions.
+pub struct Explainer<'a> {
+    frame: &'a Frame,
+    params: &'a Params,
+    space: DisparitySpace,
+    disparity: Raster<f32>,
+    run: Run,
+}
+
+impl<'a> Explainer<'a> {
+    /// Looks at a frame.
+    ///
+    /// # Errors
+    /// As [`discover`](crate::discover); [`Error::OnlyContext`] with another method.
+    pub fn new(frame: &'a Frame, params: &'a Params) -> Result<Self> {
+        let run = Run::new(frame, params)?;
+        let space = DisparitySpace::new(frame.camera(), &params.sensor);
+        Ok(Self { frame, params, disparity: space.disparity(frame.depth_m()), space, run })
+    }
+
+    /// What was found in the frame.
+    pub fn discovery(&self) -> &Discovery {
+        &self.run.discovery
+    }
+
+    /// The facets, and what was missing between them filled. Those of the structure come first.
+    pub fn facets(&self) -> &Segments {
+        &self.run.filled.segments
+    }
+
+    /// A pixel (column, row) that stands for an object: of its largest facet the one nearest to that facet's middle.
+    pub fn pixel_of(&self, id: ObjectId) -> Option<[usize; 2]> {
+        let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); self.facets().count()];
+        let labels = &self.discovery().labels;
+        self.facets().members().filter(|&(i, _)| labels[i] == id.0).for_each(|(i, f)| pixels[f].push(i));
+        let largest =
+            pixels.iter().rev().max_by_key(|pixels| pixels.len()).filter(|pixels| !pixels.is_empty())?;
+        let at = |i: usize| position(i, labels.width());
+        let middle = [0, 1].map(|k| largest.iter().map(|&i| at(i)[k]).sum::<f64>() / largest.len() as f64);
+        let off = |i: usize| [0, 1].map(|k| (at(i)[k] - middle[k]).powi(2)).iter().sum::<f64>();
+        let nearest = largest.iter().copied().min_by(|&i, &j| off(i).total_cmp(&off(j)))?;
+        Some([nearest % labels.width(), nearest / labels.width()])
+    }
+
+    /// Why the pixel in column `u` and row `v` is what it is.
+    ///
+    /// Looks at the frame again, at most 40 times, with single parameters changed.
+    ///
+    /// # Errors
+    /// [`Error::OutsideImage`].
+    pub fn explain(&self, [u, v]: [usize; 2]) -> Result<Explanation> {
+        let (width, height) = self.frame.size();
+        if u >= width || v >= height {
+            return Err(Error::OutsideImage { pixel: [u, v], size: (width, height) });
+        }
+        let i = v * width + u;
+        let depth_m = self.frame.is_valid(i).then(|| self.frame.depth_m()[i]);
+        let mut explanation = Explanation {
+            pixel: [u, v],
+            depth_m,
+            outcome: if depth_m.is_some() { Outcome::NoFacet } else { Outcome::NoDepth },
+            facet: None,
+            kept: None,
+            borders: Vec::new(),
+            way: Vec::new(),
+            near_misses: Vec::new(),
+            object: None,
+        };
+        let Some(facet) = self.facets().at(i) else { return Ok(explanation) };
+
+        let label = self.discovery().labels[i];
+        explanation.facet = Some(self.facet(facet, i));
+        explanation.object =
+            self.discovery().objects.get(usize::from(label).wrapping_sub(1)).map(|o| self.object(o));
+        explanation.outcome = self.outcome(facet, i);
+        // What became of the thing comes first, because the number of runs is limited.
+        let mut search = Search::new(self.frame, self.params, &self.run);
+        match self.run.free(facet) {
+            Some(_) => {
+                explanation.kept = Some(self.kept(facet, &mut search));
+                explanation.way = self.way(facet, &mut search);
+                explanation.near_misses = self.near_misses(facet, &mut search);
+            }
+            None => explanation.way = self.bottom(i, &mut search),
+        }
+        explanation.borders = self.borders(facet, &mut search);
+        Ok(explanation)
+    }
+
+    fn facet(&self, facet: SegmentId, pixel: usize) -> FacetReport {
+        let width = self.disparity.width();
+        let model = &self.run.filled.models[facet.index()];
+        let residual = |i: usize| f64::from(self.disparity[i]) - model.value(position(i, width));
+        let own = self.facets().members().filter(|&(_, f)| f == facet.index());
+        let (mut squared, mut size_px) = (0.0, 0);
+        for (i, _) in own {
+            squared += residual(i).powi(2);
+            size_px += 1;
+        }
+        FacetReport {
+            facet: facet.0,
+            size_px,
+            residual_quanta: residual(pixel),
+            mean_residual_quanta: (squared / size_px as f64).sqrt(),
+            structure_plane: self.plane(facet),
+        }
+    }
+
+    /// The number of a structure plane in the label image of the structure, if the facet is one.
+    fn plane(&self, facet: SegmentId) -> Option<u32> {
+        (facet.index() < self.run.filled.structure).then_some(facet.0 + 1)
+    }
+
+    fn outcome(&self, facet: SegmentId, pixel: usize) -> Outcome {
+        let label = self.discovery().labels[pixel];
+        let in_structure = self.discovery().structure[pixel];
+        match (label, self.plane(facet)) {
+            (0, Some(plane)) => Outcome::Structure { plane },
+            (0, None) if self.run.cluster(facet).is_none() => Outcome::Background { plane: in_structure },
+            (0, None) => Outcome::TooSmall,
+            (object, _) => Outcome::Object { object },
+        }
+    }
+
+    fn object(&self, object: &Object) -> ObjectReport {
+        let mut facets: Vec<u32> = Vec::new();
+        let labels = &self.discovery().labels;
+        let own = self.facets().members().filter(|&(i, _)| labels[i] == object.id.0);
+        facets.extend(own.map(|(_, facet)| facet as u32));
+        facets.sort_unstable();
+        facets.dedup();
+        ObjectReport {
+            object: object.id.0,
+            objectness: object.objectness,
+            parts: parts(object),
+            size_px: object.size_px,
+            facets,
+        }
+    }
+
+    /// Whether the thing that a facet belongs to is an object, and why.
+    fn kept(&self, facet: SegmentId, search: &mut Search<'_>) -> Decision {
+        let question = Question::Kept { facet: facet.0 };
+        let own = self.run.cluster(facet);
+        let (reason, checks) = match own {
+            // The last event of its way gave it to the background.
+            None => {
+                let last = self.run.chain(facet).pop();
+                last.map_or((Reason::Passed, Vec::new()), |event| {
+                    (Reason::Rule(event.rule), event.checks.clone())
+                })
+            }
+            Some(cluster) => {
+                let size_px = self.run.size_px(cluster);
+                let fragment = small(size_px, &self.space, &self.params.fragments);
+                let too_small = self.too_small(size_px);
+                let is_low =
+                    |miss: &&Miss| miss.rule == Rule::Low && self.run.owner(miss.from) == Some(cluster);
+                // A thing is as high as the highest of what it was made of.
+                let low = self.run.misses.iter().filter(is_low).flat_map(|miss| &miss.checks).copied();
+                let low = low.reduce(|a, b| if b.measured > a.measured { b } else { a });
+                if too_small.holds() {
+                    (Reason::Size, vec![too_small])
+                } else {
+                    (Reason::Passed, low.into_iter().chain([too_small, fragment]).collect())
+                }
+            }
+        };
+        search.decision(question, reason, checks)
+    }
+
+    /// That a cluster of so many pixels is too small for an object.
+    fn too_small(&self, size_px: usize) -> Check {
+        let limit = self.space.area_px(self.params.objectness.min_size_px) as f64;
+        Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("objectness.min_size_px")
+    }
+
+    /// What rules did with the thing of a facet: first what gave the facet on, then what else came to it.
+    fn way(&self, facet: SegmentId, search: &mut Search<'_>) -> Vec<Decision> {
+        let own = self.run.chain(facet);
+        let cluster = self.run.cluster(facet);
+        let is_part = |event: &&Event| {
+            cluster.is_some()
+                && event.into.and_then(|into| self.run.owner(into)) == cluster
+                && !own.iter().any(|other| std::ptr::eq(*other, *event))
+        };
+        let parts = self.run.events.iter().filter(is_part).take(PARTS);
+        let given = own.iter().copied().filter(|event| event.into.is_some());
+        given.chain(parts).filter_map(|event| self.joined(event, search)).collect()
+    }
+
+    /// Why two clusters were made one.
+    fn joined(&self, event: &Event, search: &mut Search<'_>) -> Option<Decision> {
+        let reason = Reason::Rule(event.rule);
+        match event.from {
+            Some(from) => {
+                let [a, b] = [event.into?, from].map(|cluster| self.run.largest_facet(cluster));
+                let question = Question::OneThing { facets: [a?.0, b?.0] };
+                Some(search.decision(question, reason, event.checks.clone()))
+            }
+            None => {
+                let facet = self.run.largest_facet(event.into?)?;
+                let question = Question::Bottom { facet: facet.0 };
+                Some(search.decision(question, reason, event.checks.clone()))
+            }
+        }
+    }
+
+    /// Why a pixel of the structure is the bottom of an object, if it is.
+    fn bottom(&self, pixel: usize, search: &mut Search<'_>) -> Vec<Decision> {
+        let (u, v) = (pixel % self.disparity.width(), pixel / self.disparity.width());
+        let holds = |event: &&Event| {
+            let Some((join, _)) = &event.join else { return false };
+            let [_, bottom] = join.parts;
+            let (columns, rows) = (
+                bottom.box_px.u..bottom.box_px.u + bottom.box_px.width,
+                bottom.box_px.v..bottom.box_px.v + bottom.box_px.height,
+            );
+            matches!(join.evidence, JoinEvidence::VesselBottom { .. })
+                && columns.contains(&u)
+                && rows.contains(&v)
+        };
+        let label = self.discovery().labels[pixel];
+        let is_own = |event: &&Event| {
+            let facet = event.into.and_then(|into| self.run.largest_facet(into));
+            label > 0 && facet.is_some_and(|facet| self.run.object(facet) == label)
+        };
+        let event = self.run.events.iter().filter(holds).find(is_own);
+        event.and_then(|event| self.joined(event, search)).into_iter().collect()
+    }
+
+    /// What rules nearly joined to the thing of a facet: of vessels and of occluded parts the one that failed the fewest checks, by
+    /// the least.
+    fn near_misses(&self, facet: SegmentId, search: &mut Search<'_>) -> Vec<Decision> {
+        let Some(cluster) = self.run.cluster(facet) else { return Vec::new() };
+        let owners =
+            |miss: &Miss| [Some(miss.from), miss.into].map(|id| id.and_then(|id| self.run.owner(id)));
+        let mut found = Vec::new();
+        for is_kind in [
+            |rule| rule == Rule::Occlusion,
+            |rule| matches!(rule, Rule::VesselInside | Rule::VesselWall | Rule::VesselRemainder),
+        ] {
+            let own = self.run.misses.iter().filter(|miss| {
+                let [a, b] = owners(miss);
+                is_kind(miss.rule) && a != b && b.is_some() && (a == Some(cluster) || b == Some(cluster))
+            });
+            let nearest = own.min_by(|a, b| {
+                let [a, b] = [a, b].map(|miss| shortfall(&miss.checks));
+                a.0.cmp(&b.0).then_with(|| a.1.total_cmp(&b.1))
+            });
+            found.extend(nearest);
+        }
+        let decide = |miss: &Miss| {
+            let [a, b] = [miss.into?, miss.from].map(|cluster| self.run.largest_facet(cluster));
+            let question = Question::OneThing { facets: [a?.0, b?.0] };
+            Some(search.decision(question, Reason::Rule(miss.rule), miss.checks.clone()))
+        };
+        found.into_iter().filter_map(decide).collect()
+    }
+
+    /// The borders of a facet, the longest first.
+    fn borders(&self, facet: SegmentId, search: &mut Search<'_>) -> Vec<BorderReport> {
+        let own = |edge: &&RegionEdge<BorderEvidence>| edge.a == facet || edge.b == facet;
+        let mut edges: Vec<&RegionEdge<BorderEvidence>> =
+            self.run.borders.edges().iter().filter(own).collect();
+        let length_m = |edge: &RegionEdge<BorderEvidence>| edge.evidence.gaps.length_m;
+        edges.sort_by(|a, b| length_m(b).total_cmp(&length_m(a)));
+        edges.into_iter().map(|edge| self.border(facet, edge, search)).collect()
+    }
+
+    fn border(
+        &self,
+        facet: SegmentId,
+        edge: &RegionEdge<BorderEvidence>,
+        search: &mut Search<'_>,
+    ) -> BorderReport {
+        let evidence = &edge.evidence;
+        let (other, sign) = if edge.a == facet { (edge.b, 1.0) } else { (edge.a, -1.0) };
+        let fold_m = evidence.fold_m();
+        let turn = evidence.folds.iter().map(|fold| fold.angle_deg * fold.length_m).sum::<f64>();
+        let gaps = &evidence.gaps;
+        let has_vote = self.run.free(facet).is_some() && self.run.free(other).is_some();
+        let vote_m = has_vote.then(|| evidence.vote_m(&self.params.contraction));
+        BorderReport {
+            facet: other.0,
+            structure_plane: self.plane(other),
+            mean_angle_deg: (fold_m > 0.0).then(|| turn / fold_m),
+            gap_quanta: sign * gaps.quanta_m / gaps.length_m,
+            gap_mm: sign * 1e3 * gaps.depth_m2 / gaps.length_m,
+            folded_mm: 1e3 * fold_m,
+            stepped_mm: 1e3 * evidence.step_m,
+            vote_mm: vote_m.map(|vote_m| 1e3 * vote_m),
+            decision: vote_m.map(|vote_m| self.vote(facet, other, evidence, vote_m, search)),
+        }
+    }
+
+    /// Whether two facets that share a border are one thing, and why.
+    fn vote(
+        &self,
+        a: SegmentId,
+        b: SegmentId,
+        evidence: &BorderEvidence,
+        vote_m: f64,
+        search: &mut Search<'_>,
+    ) -> Decision {
+        let question = Question::OneThing { facets: [a.0, b.0] };
+        let one_shape = self.run.shape(a) == self.run.shape(b);
+        let event = || self.run.uniting(a, b);
+        if !one_shape
+            && self.run.one_thing(a, b)
+            && let Some(event) = event()
+        {
+            return search.decision(question, Reason::Rule(event.rule), event.checks.clone());
+        }
+        let steps_m = self.params.contraction.occlusion_weight * evidence.step_m;
+        let reason = match (one_shape, vote_m > 0.0) {
+            (true, true) => Reason::Folds,
+            (false, false) if evidence.step_m > 0.0 && steps_m >= -(vote_m + steps_m) => Reason::Steps,
+            (false, false) => Reason::Folds,
+            _ => Reason::OtherBorders,
+        };
+        search.decision(question, reason, Vec::new())
+    }
+}
+
+/// How many checks fail, and by how much of their limits together.
+fn shortfall(checks: &[Check]) -> (usize, f64) {
+    let failed = checks.iter().filter(|check| !check.holds());
+    (failed.clone().count(), failed.map(Check::distance).sum())
+}
+
+/// What the objectness of an object is made of.
+fn parts(object: &Object) -> Vec<Part> {
+    let ObjectnessParts { size, support, compactness, separation, visibility } = object.parts;
+    let named = [
+        ("size", size),
+        ("support", support),
+        ("compactness", compactness),
+        ("separation", separation),
+        ("visibility", visibility),
+    ];
+    named.map(|(name, value)| Part { name, value: f64::from(value) }).into()
+}

@@ -1,0 +1,118 @@
+//! What the votes of borders would do with other parameters: stage 3 alone, on the facets as they are.
+
+use rayon::prelude::*;
+
+use crate::explain::flip::{Guess, info, last_digit, round};
+use crate::explain::run::Run;
+use crate::frame::Frame;
+use crate::params::Params;
+use crate::raster::Raster;
+use crate::shapes::border::borders;
+use crate::shapes::contraction::{Shapes, contract, votes};
+use crate::surface::disparity::DisparitySpace;
+
+/// The parameters that votes depend on.
+const PARAMETERS: [&str; 5] = [
+    "contraction.reflex_offset_deg",
+    "contraction.full_vote_deg",
+    "contraction.occlusion_weight",
+    "border.gap_quanta",
+    "border.step_depth_m",
+];
+/// The first step away from a value, as a share of it, ...
+const FIRST_STEP: f64 = 0.02;
+/// ... and how much longer each next one is.
+const GROWTH: f64 = 1.6;
+/// So often an interval is halved.
+const HALVINGS: usize = 14;
+
+/// The shapes with other values of a parameter, from the nearest value to the farthest, on one side.
+struct Side {
+    parameter: &'static str,
+    from: f64,
+    shapes: Vec<(f64, Shapes)>,
+}
+
+/// The shapes with other values of every parameter of the votes.
+pub(super) struct Sweep {
+    params: Params,
+    space: DisparitySpace,
+    disparity: Raster<f32>,
+    sides: Vec<Side>,
+}
+
+impl Sweep {
+    pub(super) fn new(frame: &Frame, params: &Params, run: &Run) -> Self {
+        let space = DisparitySpace::new(frame.camera(), &params.sensor);
+        let disparity = space.disparity(frame.depth_m());
+        let mut sweep = Self { params: params.clone(), space, disparity, sides: Vec::new() };
+        let sides = PARAMETERS.iter().flat_map(|&parameter| [-1.0, 1.0].map(|sign| (parameter, sign)));
+        sweep.sides = sides
+            .filter_map(|(parameter, sign)| {
+                let from = params.number(parameter)?;
+                let values = values(from, sign, info(parameter)?.limits()?);
+                let shapes = |value| Some((value, sweep.shapes(run, parameter, value)?));
+                Some(Side { parameter, from, shapes: values.into_par_iter().filter_map(shapes).collect() })
+            })
+            .collect();
+        sweep
+    }
+
+    /// The shapes with another value of one parameter.
+    fn shapes(&self, run: &Run, parameter: &str, value: f64) -> Option<Shapes> {
+        let params = self.params.with_number(parameter, value)?;
+        let structure = run.facets.structure;
+        Some(if params.border == self.params.border {
+            contract(&votes(&run.borders, structure, &params.contraction))
+        } else {
+            let evidence = borders(&run.facets, &self.disparity, &self.space, &params.border);
+            contract(&votes(&evidence, structure, &params.contraction))
+        })
+    }
+
+    /// For every parameter the nearest value on either side with which two facets, counted without the structure, are one
+    /// shape when they are not, or are not when they are.
+    pub(super) fn guesses(&self, run: &Run, [a, b]: [usize; 2]) -> Vec<Guess> {
+        let together = |shapes: &Shapes| shapes.of_facet[a] == shapes.of_facet[b];
+        let now = together(&run.shapes);
+        let guess = |side: &Side| {
+            let k = side.shapes.iter().position(|(_, shapes)| together(shapes) != now)?;
+            let mut far = side.shapes[k].0;
+            let mut near = k.checked_sub(1).map_or(side.from, |k| side.shapes[k].0);
+            for _ in 0..HALVINGS {
+                let middle = (near + far) / 2.0;
+                if (far - near).abs() <= last_digit(far) {
+                    break;
+                }
+                let is_now = together(&self.shapes(run, side.parameter, middle)?) == now;
+                *(if is_now { &mut near } else { &mut far }) = middle;
+            }
+            Some(Guess { parameter: side.parameter, from: side.from, to: outwards(far, side.from) })
+        };
+        self.sides.iter().filter_map(guess).collect()
+    }
+}
+
+/// A round value next to `value`, on the side away from `from`.
+fn outwards(value: f64, from: f64) -> f64 {
+    let digit = last_digit(value);
+    let steps = if value < from { (value / digit).floor() } else { (value / digit).ceil() };
+    round(steps * digit)
+}
+
+/// Values on one side of `from` in growing steps, up to the limit.
+fn values(from: f64, sign: f64, (least, greatest): (f64, f64)) -> Vec<f64> {
+    let limit = if sign < 0.0 { least } else { greatest };
+    let first = FIRST_STEP * if from == 0.0 { 1.0 } else { from.abs() };
+    let steps = (0..).map(|k| from + sign * first * GROWTH.powi(k));
+    let mut values: Vec<f64> = steps.take_while(|value| sign * value < sign * limit).collect();
+    if from != limit {
+        values.push(limit);
+    }
+    values
+}
+
+/// How much a guess changes its parameter, as a share of its value.
+pub(super) fn relative_change(guess: &Guess) -> f64 {
+    (guess.to - guess.from).abs() / guess.from.abs().max(f64::MIN_POSITIVE)
+}

@@ -1,0 +1,109 @@
+//! Checks: what a rule measures, and the limit that it compares with.
+//!
+//! A rule of stage 4 is a list of checks that all have to hold. The rule decides by them, and whoever asks why reads the same ones.
+
+use serde::Serialize;
+
+/// On which side of its limit a measured value has to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bound {
+    /// Less than the limit.
+    Below,
+    /// The limit or less.
+    AtMost,
+    /// More than the limit.
+    Above,
+    /// The limit or more.
+    AtLeast,
+}
+
+/// One condition, with what was measured.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Check {
+    /// What is measured, in words.
+    pub what: &'static str,
+    /// Its unit; empty for counts and shares.
+    pub unit: &'static str,
+    /// What was measured.
+    pub measured: f64,
+    /// On which side of the limit it has to be.
+    pub bound: Bound,
+    /// The limit.
+    pub limit: f64,
+    /// The parameter that the limit is proportional to; `None` = it is fixed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameter: Option<&'static str>,
+}
+
+impl Check {
+    /// That `what`, which was `measured`, is on the right side of a fixed limit.
+    pub(crate) fn new(
+        what: &'static str,
+        unit: &'static str,
+        measured: f64,
+        bound: Bound,
+        limit: f64,
+    ) -> Self {
+        Self { what, unit, measured, bound, limit, parameter: None }
+    }
+
+    /// The same with a limit that a parameter sets.
+    pub(crate) fn set_by(self, parameter: &'static str) -> Self {
+        Self { parameter: Some(parameter), ..self }
+    }
+
+    /// Whether it holds.
+    pub fn holds(&self) -> bool {
+        match self.bound {
+            Bound::Below => self.measured < self.limit,
+            Bound::AtMost => self.measured <= self.limit,
+            Bound::Above => self.measured > self.limit,
+            Bound::AtLeast => self.measured >= self.limit,
+        }
+    }
+
+    /// How far what was measured is from the limit, as a share of the larger of both; in [0, 2].
+    pub fn distance(&self) -> f64 {
+        let scale = self.limit.abs().max(self.measured.abs());
+        if scale > 0.0 { (self.measured - self.limit).abs() / scale } else { 0.0 }
+    }
+}
+
+/// The checks of one rule, in the order in which they were made. What comes after one that fails may not have been looked at.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Checks(pub Vec<Check>);
+
+impl Checks {
+    /// Takes down a check and says whether it holds.
+    pub(crate) fn that(&mut self, check: Check) -> bool {
+        self.0.push(check);
+        check.holds()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_say_whether_the_limit_is_included() {
+        let holds = |bound| [0.9, 1.0, 1.1].map(|measured| Check::new("", "", measured, bound, 1.0).holds());
+        assert_eq!(holds(Bound::Below), [true, false, false]);
+        assert_eq!(holds(Bound::AtMost), [true, true, false]);
+        assert_eq!(holds(Bound::Above), [false, false, true]);
+        assert_eq!(holds(Bound::AtLeast), [false, true, true]);
+        let nan = [Bound::Below, Bound::AtMost, Bound::Above, Bound::AtLeast]
+            .map(|bound| Check::new("", "", f64::NAN, bound, 1.0).holds());
+        assert_eq!(nan, [false; 4]);
+    }
+
+    #[test]
+    fn a_distance_is_a_share() {
+        let distance = |measured, limit| Check::new("", "", measured, Bound::Below, limit).distance();
+        assert_eq!(distance(5.0, 10.0), 0.5);
+        assert_eq!(distance(20.0, 10.0), 0.5);
+        assert_eq!(distance(-1.0, 1.0), 2.0);
+        assert_eq!(distance(0.0, 0.0), 0.0);
+    }
+}

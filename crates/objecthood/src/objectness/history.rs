@@ -1,0 +1,92 @@
+//! What stage 4 did with the shapes, rule by rule, and what it left alone.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::objectness::check::Check;
+use crate::objectness::clusters::Clusters;
+use crate::objectness::join::Join;
+use crate::regions::SegmentId;
+
+/// A rule by which the surroundings of a cluster decide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rule {
+    /// What is small goes to what it touches (METHOD 3.10).
+    Fragment,
+    /// What hardly rises above the support is a part of it (METHOD 3.11).
+    Low,
+    /// Two pieces of the inside of a vessel (METHOD 3.12 i).
+    VesselInside,
+    /// The inside of a vessel and the wall before it (METHOD 3.12 ii).
+    VesselWall,
+    /// What stands within the circle of a vessel's rim (METHOD 3.12 ii).
+    VesselRim,
+    /// What touches hardly anything but a vessel (METHOD 3.12 iii).
+    VesselRemainder,
+    /// The bottom of a vessel, as low as the table (ours).
+    VesselBottom,
+    /// A surface that goes on behind something nearer (METHOD 3.13).
+    Occlusion,
+}
+
+/// Something that was given to a cluster, or to the background. A cluster has the number of the shape that it was first.
+#[derive(Clone, Debug)]
+pub struct Event {
+    /// By which rule.
+    pub rule: Rule,
+    /// What was given; `None` = a patch of the background.
+    pub from: Option<SegmentId>,
+    /// What it was given to; `None` = the background.
+    pub into: Option<SegmentId>,
+    /// The checks of the rule, all of which hold.
+    pub checks: Vec<Check>,
+    /// For parts that do not touch as one surface: what the scene file says of them, and the facet that hides what is between.
+    pub(crate) join: Option<(Join, Option<SegmentId>)>,
+}
+
+/// Something that a rule looked at and left alone.
+#[derive(Clone, Debug)]
+pub struct Miss {
+    /// The rule.
+    pub rule: Rule,
+    /// The cluster that it would have given away.
+    pub from: SegmentId,
+    /// What it would have been given to; `None` = the background.
+    pub into: Option<SegmentId>,
+    /// The checks of the rule up to where they were given up: not all hold, or the two were one already.
+    pub checks: Vec<Check>,
+}
+
+/// The history of the clusters of a frame: shapes on their way to objects.
+#[derive(Clone, Copy)]
+pub struct History<'a>(&'a Clusters<'a>);
+
+impl<'a> History<'a> {
+    pub(crate) fn of(clusters: &'a Clusters<'a>) -> Self {
+        Self(clusters)
+    }
+
+    /// What was given to what. In no order but this: what was given on comes after what was given to it before.
+    pub fn events(&self) -> impl Iterator<Item = &'a Event> + use<'a> {
+        self.0.events()
+    }
+
+    /// What rules left alone at last, rule by rule.
+    pub fn misses(&self) -> &'a [Miss] {
+        self.0.misses()
+    }
+
+    /// The clusters that are left, and their pixels (px).
+    pub fn clusters(&self) -> impl Iterator<Item = (SegmentId, usize)> + use<'a> {
+        let clusters = self.0;
+        clusters.alive().into_iter().map(|id| (id, clusters.get(id).pixels.len()))
+    }
+}
+
+impl fmt::Debug for History<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.events()).finish()
+    }
+}
