@@ -262,3 +262,6 @@ impl Acyclic {
         self.edges
     }
 }
+
+#[cfg(test)]
+mod tests;
