@@ -167,7 +167,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     observer.observe(Stage::Clusters { facets: &facets, history: History::of(&clusters) });
 
     let outcome = outcome(&clusters, structure.support, space.area_px(params.objectness.min_size_px));
-    let planes = structure.planes(&outcome.regions, frame, &points);
+    let planes = structure.planes(&outcome.regions, &points);
     let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
     let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };
     let mut support = forest(&outcome.regions, &points, &orientation.normal, &planes, &up, &contact);

@@ -3,6 +3,8 @@
 //! The paper takes the lower one of any two shapes in contact for the carrier (eq. 6). Here the place of the contact and the
 //! direction of gravity decide: what stands on something touches it with its foot, from above.
 
+use std::cmp::Reverse;
+
 use glam::Vec3;
 
 use crate::objectness::body::{Bodies, LEVEL_M, SECTORS};
@@ -48,7 +50,7 @@ const HIDDEN: f64 = 0.5;
 /// highest thing below that holds its middle, else to the plane there, else to the highest plane below. `confidence`: half
 /// the share of its foot that something ends; 0 of what floats.
 ///
-/// Edges are taken by falling confidence, seen before hidden, each unless the upper already carries the lower by others:
+/// Edges are taken in the order on and in, leans, hidden, each kind by falling confidence, and each unless the upper already carries the lower by others:
 /// there are no cycles. P(S) is eq. 7, of a plane by its own normal; P(O) is eq. 8 over the edges. Confidence does not weigh
 /// in: it says which carrier it is, and eq. 8 asks what that could carry.
 ///
@@ -80,7 +82,8 @@ pub fn forest(
     // By what does not depend on the numbers of regions.
     seen.sort_by_key(|edge| {
         let first = |node: NodeId| bodies.all[node.0 as usize].first;
-        (std::cmp::Reverse(edge.confidence.to_bits()), first(edge.upper), first(edge.lower), edge.kind)
+        let leans = edge.kind == SupportKind::Leans;
+        (leans, Reverse(edge.confidence.to_bits()), first(edge.upper), first(edge.lower))
     });
     let mut edges = Acyclic::new(regions.count());
     seen.into_iter().for_each(|edge| _ = edges.add(edge));
@@ -259,3 +262,6 @@ impl Acyclic {
         self.edges
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,7 +8,6 @@ use std::collections::BTreeMap;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::frame::Frame;
 use crate::objectness::gravity::{StructurePlane, fitted_plane};
 use crate::params;
 use crate::random::Lcg;
@@ -197,29 +196,21 @@ impl Structure {
         Segments::from_numbered(self.labels.clone(), self.surfaces.len())
     }
 
-    /// The surfaces as planes, each fitted to the pixels that it has in the end: the first regions are the surfaces.
-    pub(crate) fn planes(
-        &self,
-        regions: &Segments,
-        frame: &Frame,
-        points_m: &Raster<[f32; 3]>,
-    ) -> Vec<StructurePlane> {
-        let count = self.surfaces.len();
-        let mut own: Vec<Vec<[f32; 3]>> = vec![Vec::new(); count];
-        for (i, region) in regions.members().filter(|&(i, region)| region < count && frame.is_valid(i)) {
-            own[region].push(points_m[i]);
-        }
-        let measured = (0..regions.labels().len()).filter(|&i| frame.is_valid(i)).count();
-        let plane = |(surface, own): (&StructureSurface, Vec<[f32; 3]>)| {
-            let started = StructurePlane {
-                normal: surface.normal.as_vec3().to_array(),
-                offset_m: surface.offset_m as f32,
-                inlier_share: 0.0,
-            };
-            let inlier_share = (own.len() as f64 / measured as f64) as f32;
+    /// The surfaces as planes, each fitted to its own pixels. `regions` say how much is counted as theirs in the end: the
+    /// first of them are the surfaces, now with whatever else was found to be background.
+    pub(crate) fn planes(&self, regions: &Segments, points_m: &Raster<[f32; 3]>) -> Vec<StructurePlane> {
+        let mut own: Vec<Vec<[f32; 3]>> = vec![Vec::new(); self.surfaces.len()];
+        self.segments().members().for_each(|(i, surface)| own[surface].push(points_m[i]));
+        let mut size_px = vec![0_usize; regions.count()];
+        regions.members().for_each(|(_, region)| size_px[region] += 1);
+        let measured = points_m.as_slice().iter().filter(|point| !point[2].is_nan()).count();
+        let plane = |((surface, own), size): ((&StructureSurface, Vec<[f32; 3]>), usize)| {
+            let inlier_share = (size as f64 / measured as f64) as f32;
+            let (normal, offset_m) = (surface.normal.as_vec3().to_array(), surface.offset_m as f32);
+            let started = StructurePlane { normal, offset_m, inlier_share };
             StructurePlane { inlier_share, ..fitted_plane(&own).unwrap_or(started) }
         };
-        self.surfaces.iter().zip(own).map(plane).collect()
+        self.surfaces.iter().zip(own).zip(size_px).map(plane).collect()
     }
 
     /// One label map of both: first the surfaces, then the segments, which lie where no surface is.
@@ -369,6 +360,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::frame::Frame;
     use crate::surface::plane_fit::plane_fits;
     use crate::surface::window_choice::orientation;
     use crate::testing::space;

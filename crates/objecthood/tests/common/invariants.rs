@@ -17,14 +17,20 @@ pub(crate) fn check_scene(found: &Discovery) {
     }
 }
 
-/// The edges of the support graph lead upwards and carry eq. 8.
+/// The edges of the support graph make no cycle and carry eq. 8.
 pub(crate) fn check_edges(found: &Discovery) {
     let nodes = &found.support.nodes;
     let mut p_o = vec![0.0_f32; nodes.len()];
+    let mut left = found.support.edges.clone();
+    while !left.is_empty() {
+        let carried: Vec<_> = left.iter().map(|edge| edge.upper).collect();
+        let before = left.len();
+        left.retain(|edge| carried.contains(&edge.lower));
+        assert!(left.len() < before, "a cycle: {left:?}");
+    }
     for edge in &found.support.edges {
         let (lower, upper) = (edge.lower.0 as usize, edge.upper.0 as usize);
-        assert!(nodes[lower].height_m <= nodes[upper].height_m, "support leads upwards");
-        assert!(edge.contacts > 0, "{edge:?}");
+        assert!((0.0..=1.0).contains(&edge.confidence), "{edge:?}");
         p_o[upper] = p_o[upper].max(nodes[lower].p_s).max(nodes[lower].p_o);
     }
     assert!(found.support.edges.is_sorted_by(|e, f| (e.lower, e.upper) < (f.lower, f.upper)));
