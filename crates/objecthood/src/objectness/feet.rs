@@ -44,7 +44,7 @@ pub(crate) fn feet(
         let pixel = |t: i64| {
             let [u, v] = [(i % width) as i64 + t * step[0], (i / width) as i64 + t * step[1]];
             let is_inside = (0..width as i64).contains(&u) && (0..height as i64).contains(&v);
-            is_inside.then_some(v as usize * width + u as usize)
+            is_inside.then(|| v as usize * width + u as usize)
         };
         let mut below = (1..=reach).map_while(pixel).filter_map(|j| Some((j, regions.at(j)?.index())));
         let Some((j, other)) = below.find(|&(j, _)| !points_m[j][2].is_nan()) else {
