@@ -195,13 +195,13 @@ fn pixel(text: &str) -> Result<[usize; 2], String> {
 
 /// Score a method, or existing label images, on a data set with truth.
 ///
-/// ROOT holds folders of labelled point clouds in the manner of mOSD.
+/// ROOT holds folders of labelled point clouds in the manner of mOSD. Without it, --support scores what stands on what.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct EvalArgs {
     /// The data set.
-    #[arg(value_name = "ROOT")]
-    pub(crate) root: PathBuf,
+    #[arg(value_name = "ROOT", required_unless_present = "support")]
+    pub(crate) root: Option<PathBuf>,
 
     /// Which of its folders: learn, test, any other name, or all.
     #[arg(long, value_name = "FOLDER", default_value = "all")]
@@ -215,11 +215,29 @@ pub(crate) struct EvalArgs {
     pub(crate) comparison: ComparisonArgs,
 
     /// Score N scenes besides that are composed of the tables and objects of these, more densely: the folder `composite`.
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true, conflicts_with = "labels")]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        hide_default_value = true,
+        conflicts_with = "labels",
+        group = "made"
+    )]
     pub(crate) composites: u32,
 
-    /// The first composed scene; the others follow.
-    #[arg(long, value_name = "S", default_value_t = 0, requires = "composites")]
+    /// Score the support forest instead, on N synthetic scenes of stacks, vessels, hidden things, tables and clutter in
+    /// equal parts, against the contacts that they were made with (`context`).
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = RangedU64ValueParser::<u32>::new().range(1..=1_000_000),
+        conflicts_with_all = ["root", "labels", "ComparisonArgs", "pictures", "camera", "per_scene", "split"],
+        group = "made"
+    )]
+    pub(crate) support: Option<u32>,
+
+    /// The first composed or synthetic scene; the others follow.
+    #[arg(long, value_name = "S", default_value_t = 0, requires = "made")]
     pub(crate) seed: u32,
 
     /// Score the label images DIR/<scene><suffix> instead of running a method.

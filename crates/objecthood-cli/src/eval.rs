@@ -4,6 +4,7 @@ mod comparison;
 mod pictures;
 mod stock;
 mod subject;
+mod support;
 mod text;
 
 use std::path::Path;
@@ -35,15 +36,16 @@ struct Named<'a> {
 /// Of usage; when a scene or label image cannot be read, because figures of the other scenes would not compare with
 /// those of all; when the figures cannot be written.
 pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
-    let subject = Subject::new(args)?;
     if let Some(path) = &args.json {
         refuse_what_cannot_be_a_file(path)?;
     }
+    let (Some(root), None) = (&args.root, args.support) else { return support::run(args) };
+    let subject = Subject::new(args)?;
     if let Some(folder) = &args.pictures {
         refuse_file("--pictures", folder)?;
     }
     let Ok(split) = args.split.parse::<Split>();
-    let scenes = mosd::scenes(&args.root, &split)?;
+    let scenes = mosd::scenes(root, &split)?;
 
     let seeds = u64::from(args.seed)..u64::from(args.seed) + u64::from(args.composites);
     let sensor = subject.params().map_or_else(params::Sensor::default, |params| params.sensor.clone());

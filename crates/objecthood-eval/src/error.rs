@@ -120,6 +120,9 @@ pub enum Error {
     /// A frame that cannot be.
     #[error(transparent)]
     Frame(#[from] objecthood::Error),
+    /// A synthetic scene that cannot be seen.
+    #[error(transparent)]
+    Scene(#[from] objecthood_scene::Error),
     /// What went wrong with one scene.
     #[error("{scene}: {error}")]
     InScene {

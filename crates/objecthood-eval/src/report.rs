@@ -15,6 +15,7 @@ use crate::stages::Stages;
 use crate::truth::Truth;
 use crate::verdict::{ObjectScore, VerdictCounts};
 
+pub(crate) use tables::write_table;
 pub use tables::{FoldersTable, LossesList, SettingsTable, StagesTable, VerdictsTable};
 
 /// The figures of one scene. Displayed as the line of `tools/score.py --per-scene`.

@@ -1,14 +1,16 @@
 //! How right a support graph is: edges against the contacts of a synthetic scene.
 
+mod report;
+mod truth;
+
+pub use report::{FAMILIES, SceneSupport, SupportReport};
+pub use truth::SupportTruth;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
 
-use glam::DQuat;
-use objecthood::objectness::forest::forest;
-use objecthood::objectness::gravity::{StructurePlane, Up, UpSource, fitted_plane};
+use objecthood::Segments;
 use objecthood::objectness::support::{NodeKind, SupportGraph, SupportKind};
-use objecthood::{Raster, Segments, params};
-use objecthood_scene::{Contact, ContactKind, Rendered, World};
 use serde::Serialize;
 
 use crate::contingency::{Classes, Contingency};
@@ -18,86 +20,6 @@ use crate::error::Result;
 pub const LEAST_SEEN_PX: u32 = 200;
 /// P(O) that an object has at least (`objectness.threshold` of the paper).
 const CARRIED: f32 = 0.7;
-
-/// What is true of what stands on what.
-#[derive(Clone, Debug)]
-pub struct SupportTruth {
-    /// The thing at every pixel, 0 = none.
-    pub instance: Raster<u16>,
-    /// The face at every pixel, each of one thing; 0 = none.
-    pub surface: Raster<u16>,
-    /// Things that can be grasped; all others are furniture or room.
-    pub objects: BTreeSet<u16>,
-    /// Who stands on what.
-    pub contacts: Vec<Contact>,
-    /// The direction against gravity in the camera frame.
-    pub up: Up,
-}
-
-impl SupportTruth {
-    /// Of a synthetic scene and its picture.
-    pub fn of(world: &World, seen: &Rendered) -> Self {
-        let pose = DQuat::from_array(world.viewpoint().pose.rotation_xyzw());
-        let up = pose.inverse() * glam::DVec3::Z;
-        Self {
-            instance: seen.truth.instance.clone(),
-            surface: seen.truth.surface.clone(),
-            objects: world.objects().collect(),
-            contacts: world.contacts().to_vec(),
-            up: Up { direction: up.as_vec3().to_array(), source: UpSource::Camera },
-        }
-    }
-
-    /// Who carries whom, and how; what merely touches carries nothing.
-    fn edges(&self) -> BTreeMap<(u16, u16), SupportKind> {
-        let kind = |contact: &Contact| match contact.kind {
-            ContactKind::StandsOn => Some(SupportKind::On),
-            ContactKind::LiesIn => Some(SupportKind::In),
-            ContactKind::LeansOn => Some(SupportKind::Leans),
-            _ => None,
-        };
-        self.contacts.iter().filter_map(|c| Some(((c.lower, c.upper), kind(c)?))).collect()
-    }
-
-    /// The true segments: first the faces of furniture and room, then the objects, with the planes that fit the faces.
-    /// Those of fewer than [`LEAST_SEEN_PX`] pixels are left out. `points_m`: those of the same picture.
-    ///
-    /// # Errors
-    /// When the picture is empty.
-    pub fn segments(&self, points_m: &Raster<[f32; 3]>) -> Result<(Segments, Vec<StructurePlane>)> {
-        const OBJECTS: i32 = 1 << 16;
-        let label = |i: usize| match self.instance[i] {
-            0 => -1,
-            instance if self.objects.contains(&instance) => OBJECTS + i32::from(instance),
-            _ => i32::from(self.surface[i]),
-        };
-        let mut points: BTreeMap<i32, Vec<[f32; 3]>> = BTreeMap::new();
-        for i in (0..points_m.len()).filter(|&i| label(i) >= 0 && !points_m[i][2].is_nan()) {
-            points.entry(label(i)).or_default().push(points_m[i]);
-        }
-        points.retain(|_, points| points.len() >= LEAST_SEEN_PX as usize);
-        let planes = points.range(..OBJECTS).filter_map(|(_, points)| fitted_plane(points)).collect();
-        let kept = |i: usize| if points.contains_key(&label(i)) { label(i) } else { -1 };
-        let labels = (0..points_m.len()).map(kept).collect();
-        let labels = Raster::from_vec(points_m.width(), points_m.height(), labels)?;
-        Ok((Segments::from_labels(&labels), planes))
-    }
-
-    /// The forest over the true segments, with the true gravity.
-    ///
-    /// # Errors
-    /// When the picture is empty.
-    pub fn forest(
-        &self,
-        points_m: &Raster<[f32; 3]>,
-        normals: &Raster<[f32; 3]>,
-        contact: &params::Contact,
-    ) -> Result<(SupportGraph, Segments)> {
-        let (segments, planes) = self.segments(points_m)?;
-        let graph = forest(&segments, points_m, normals, &planes, &self.up, contact);
-        Ok((graph, segments))
-    }
-}
 
 /// Right and wrong edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -132,7 +54,7 @@ pub struct RecursionCounts {
     pub stacked: u32,
     /// With a P(O) of at least 0.7.
     pub with: u32,
-    /// With a P(S) of at least 0.7 of a plane among their parents: without recursion.
+    /// With a plane among their parents whose P(S) is at least 0.7: without recursion.
     pub without: u32,
 }
 
@@ -263,61 +185,4 @@ impl AddAssign for SupportScore {
         self.recursion.with += r.with;
         self.recursion.without += r.without;
     }
-}
-
-pub fn explain(graph: &SupportGraph, regions: &Segments, truth: &SupportTruth) -> Vec<[String; 4]> {
-    let matched = matches(graph, regions, truth).unwrap();
-    let there = truth.edges();
-    let mut out = vec![];
-    let mut found = BTreeSet::new();
-    for e in &graph.edges {
-        if let (Some(&l), Some(&u)) = (matched.get(&e.lower.0), matched.get(&e.upper.0)) {
-            found.insert((l, u));
-            match there.get(&(l, u)) {
-                None => out.push([
-                    "WRONG".into(),
-                    u.to_string(),
-                    l.to_string(),
-                    format!("{:?} {:.2} hidden {} contacts {}", e.kind, e.confidence, e.hidden, e.contacts),
-                ]),
-                Some(k) if *k != e.kind => out.push([
-                    "KIND".into(),
-                    u.to_string(),
-                    l.to_string(),
-                    format!(
-                        "true {k:?} {:?} {:.2} hidden {} contacts {}",
-                        e.kind, e.confidence, e.hidden, e.contacts
-                    ),
-                ]),
-                _ => {}
-            }
-        }
-    }
-    let names: BTreeSet<u16> = matched.values().copied().collect();
-    for (p, k) in &there {
-        if names.contains(&p.0) && names.contains(&p.1) && !found.contains(p) {
-            let node = matched.iter().find(|(_, i)| **i == p.1).unwrap().0;
-            let have: Vec<_> = graph
-                .edges
-                .iter()
-                .filter(|e| e.upper.0 == *node)
-                .map(|e| {
-                    format!(
-                        "{}:{:?} {:.2}",
-                        matched.get(&e.lower.0).map_or("?".into(), |i| i.to_string()),
-                        e.kind,
-                        e.confidence
-                    )
-                })
-                .collect();
-            let lo = matched.iter().find(|(_, i)| **i == p.0).unwrap().0;
-            out.push([
-                "MISSED".into(),
-                p.1.to_string(),
-                p.0.to_string(),
-                format!("{k:?} has {have:?} nodes u{node} l{lo}"),
-            ]);
-        }
-    }
-    out
 }

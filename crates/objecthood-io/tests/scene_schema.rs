@@ -52,7 +52,7 @@ fn discovery() -> Discovery {
         structure_planes: vec![StructurePlane { normal: [0.0, -1.0, 0.0], offset_m: 0.5, inlier_share: 0.7 }],
         support: SupportGraph {
             nodes: vec![node(NodeKind::Surface, 0.0), node(NodeKind::Object { object: ObjectId(1) }, 0.9)],
-            edges: vec![SupportEdge { lower: NodeId(0), upper: NodeId(1), contacts: 12 }],
+            edges: vec![SupportEdge::seen(NodeId(0), NodeId(1), 12)],
         },
         notices: vec![Notice::NoColor],
     }

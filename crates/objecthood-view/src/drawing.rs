@@ -33,6 +33,18 @@ pub(crate) fn line(picture: &mut RgbImage, points: &[Point], width_px: f32, colo
     });
 }
 
+/// A line along `points` in dashes as long as the gaps between them, of which there is one at least a piece.
+pub(crate) fn dashes(picture: &mut RgbImage, points: &[Point], width_px: f32, dash_px: f32, color: Rgb<u8>) {
+    // So many that a line across any picture still has some, and that one to nowhere comes to an end.
+    const MOST: usize = 1000;
+    for ends in points.windows(2) {
+        let way = minus(ends[1], ends[0]);
+        let count = ((length(way) / (2.0 * dash_px)).ceil() as usize).clamp(1, MOST);
+        let at = |share: f32| plus(ends[0], way.map(|d| d * share / count as f32));
+        (0..count).for_each(|k| line(picture, &[at(k as f32), at(k as f32 + 0.5)], width_px, color));
+    }
+}
+
 /// From `p` to the nearest point between `a` and `b`.
 fn to_segment(p: Point, a: Point, b: Point) -> f32 {
     let (along, d) = (minus(b, a), minus(p, a));
@@ -92,6 +104,11 @@ mod tests {
         let corner = [[5.0, 5.0], [5.0, 25.0], [35.0, 25.0]];
         close(area(|p| line(p, &corner, 2.0, INK)), 100.0 + std::f32::consts::PI);
         close(area(|p| line(p, &[[5.0, 5.0], [35.0, 25.0]], 2.0, INK)), 72.11 + std::f32::consts::PI);
+        // Three dashes of 5 px with round ends.
+        close(
+            area(|p| dashes(p, &[[5.0, 15.0], [35.0, 15.0]], 2.0, 5.0, INK)),
+            30.0 + 3.0 * std::f32::consts::PI,
+        );
     }
 
     #[test]
@@ -103,6 +120,7 @@ mod tests {
         assert_eq!(area(|p| line(p, &[[-9.0, -9.0], [-9.0, 90.0]], 2.0, INK)), 0.0);
         for points in [&[][..], &[[7.0, 7.0]], &[[7.0, 7.0], [7.0, 7.0]], &[[f32::NAN; 2], [7.0, 7.0]]] {
             area(|p| line(p, points, 1.0, INK));
+            area(|p| dashes(p, points, 1.0, 3.0, INK));
         }
     }
 

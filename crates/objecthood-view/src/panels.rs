@@ -26,9 +26,10 @@ const INK: Rgb<u8> = Rgb([30; 3]);
 /// on nothing but the size of the frame and which stages were recorded. The same input gives the same picture, byte
 /// for byte.
 ///
-/// In the support tree what carries stands below what it carries. Discs are the objects, beside them P(O); bars are the
-/// regions that are none, beside them P(S), with the letters that they have in the picture of the objectness. A dark
-/// line leads to what an object touches most, faint ones to what else carries it.
+/// In the support tree what carries stands below what it carries. Discs are the objects, beside them P(O) and below it
+/// P(S); bars are the regions that are none, beside them P(S), with the letters that they have in the picture of the
+/// objectness. Lines lead to what carries, with the confidence: dark to what something stands on, blue to what it lies in,
+/// orange to what it leans on, dashed where the contact is hidden.
 pub fn panels(frame: &Frame, recording: &Recording, discovery: &Discovery) -> RgbImage {
     let view = View::new(frame, recording, discovery);
     let mut tiles = vec![tiles::color(&view), tiles::depth(&view)];

@@ -73,8 +73,7 @@ pub(crate) fn standing(nodes: u32, objects: &[u32], edges: &[(u32, u32, u32)]) -
         height_m: 0.0,
         size_px: 100 + n as usize,
     };
-    let edge =
-        |&(lower, upper, contacts)| SupportEdge { lower: NodeId(lower), upper: NodeId(upper), contacts };
+    let edge = |&(lower, upper, contacts)| SupportEdge::seen(NodeId(lower), NodeId(upper), contacts);
     discovery.support =
         SupportGraph { nodes: (0..nodes).map(node).collect(), edges: edges.iter().map(edge).collect() };
     let rightmost = 10 * objects.len();

@@ -173,7 +173,8 @@ pub(crate) fn numbered(objects: &Objects, scenery: impl Fn(usize, usize) -> Opti
 /// What stands on what, on `size` (columns, rows) pixels.
 pub(crate) fn support(view: &View<'_>, size: (u32, u32)) -> Tile {
     let tree = tree(view.discovery, &view.forest, size);
-    let title = if tree.has_numbers { "support: P(O), for bars P(S)" } else { "support" };
+    let title =
+        if tree.has_numbers { "support: on, in (blue), leans (orange), hidden (dashed)" } else { "support" };
     Tile { title: title.to_owned(), image: tree.picture, scale: None }
 }
 
@@ -348,7 +349,7 @@ mod tests {
         assert!(inked(&discovery).is_empty());
         // Object 2, shape 3, stands on shape 1, which lies to its right and above it.
         discovery.support.nodes[3].kind = NodeKind::Object { object: ObjectId(2) };
-        discovery.support.edges = vec![SupportEdge { lower: NodeId(1), upper: NodeId(3), contacts: 1 }];
+        discovery.support.edges = vec![SupportEdge::seen(NodeId(1), NodeId(3), 1)];
         let halo = inked(&discovery);
         assert!(!halo.is_empty());
         assert!(halo.iter().all(|&(x, y)| x >= BLOCK && (x >= 2 * BLOCK || y < BLOCK)), "{halo:?}");

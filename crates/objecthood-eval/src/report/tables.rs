@@ -190,7 +190,7 @@ impl fmt::Display for StagesTable<'_> {
 }
 
 /// A Markdown table without a newline at its end. The first `names` columns are flush left, the others flush right.
-fn write_table(
+pub(crate) fn write_table(
     f: &mut fmt::Formatter<'_>,
     names: usize,
     header: &[&str],

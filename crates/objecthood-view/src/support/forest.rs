@@ -3,14 +3,22 @@
 use std::cmp::Reverse;
 
 use objecthood::Discovery;
-use objecthood::objectness::support::{NodeKind, SupportEdge};
+use objecthood::objectness::support::{NodeKind, SupportEdge, SupportKind};
 
 /// Objects and their carriers, each below what it carries. Carriers stand before what they carry.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Forest {
     pub(crate) nodes: Vec<ForestNode>,
-    /// The edges beside those to the parents, as (lower, upper).
-    pub(crate) others: Vec<(usize, usize)>,
+    /// The edges beside those to the parents.
+    pub(crate) others: Vec<Link>,
+}
+
+/// An edge of the forest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Link {
+    pub(crate) lower: usize,
+    pub(crate) upper: usize,
+    pub(crate) edge: SupportEdge,
 }
 
 /// A node of the forest; nodes are named by their place in [`Forest::nodes`].
@@ -18,8 +26,8 @@ pub(crate) struct Forest {
 pub(crate) struct ForestNode {
     /// Its number in the support graph.
     pub(crate) node: usize,
-    /// Of all that carries it, what it touches most.
-    pub(crate) parent: Option<usize>,
+    /// Of all that carries it, the surest; what it leans on comes last.
+    pub(crate) parent: Option<Link>,
     /// Edges on the longest way down: everything stands in a higher layer than what carries it.
     pub(crate) layer: usize,
     /// Where it stands in the image, so that the drawing is in the order of the image: for an object the middle of
@@ -45,10 +53,17 @@ impl Forest {
         let order = upwards(&is_shown, &edges);
         let mut place = vec![usize::MAX; nodes.len()];
         order.iter().enumerate().for_each(|(k, &n)| place[n] = k);
-        let placed = |e: &&SupportEdge| (place[e.lower.0 as usize], place[e.upper.0 as usize], e.contacts);
-        let mut links: Vec<(usize, usize, u32)> =
-            edges.iter().map(placed).filter(|(a, b, _)| a < b).collect();
-        links.sort_by_key(|&(lower, upper, contacts)| (upper, Reverse(contacts), lower));
+        let placed = |e: &&SupportEdge| Link {
+            lower: place[e.lower.0 as usize],
+            upper: place[e.upper.0 as usize],
+            edge: **e,
+        };
+        let mut links: Vec<Link> = edges.iter().map(placed).filter(|link| link.lower < link.upper).collect();
+        links.sort_by_key(|&Link { lower, upper, edge }| {
+            let leans = edge.kind == SupportKind::Leans;
+            // As an integer: of a number that is not negative the order is the same.
+            (upper, leans, Reverse(edge.confidence.max(0.0).to_bits()), Reverse(edge.contacts), lower)
+        });
 
         let mut forest = Self {
             nodes: order
@@ -57,17 +72,22 @@ impl Forest {
                 .collect(),
             others: Vec::new(),
         };
-        for &(lower, upper, _) in &links {
-            let layer = forest.nodes[lower].layer + 1;
-            let node = &mut forest.nodes[upper];
+        for &link in &links {
+            let layer = forest.nodes[link.lower].layer + 1;
+            let node = &mut forest.nodes[link.upper];
             node.layer = node.layer.max(layer);
             match node.parent {
-                None => node.parent = Some(lower),
-                Some(_) => forest.others.push((lower, upper)),
+                None => node.parent = Some(link),
+                Some(_) => forest.others.push(link),
             }
         }
         forest.find_columns(&links, discovery);
         forest
+    }
+
+    /// All edges, those to the parents first.
+    pub(crate) fn links(&self) -> impl Iterator<Item = Link> + '_ {
+        self.nodes.iter().filter_map(|node| node.parent).chain(self.others.iter().copied())
     }
 
     /// What the nodes that are no objects are called, A, B, .. by falling size; "" for objects.
@@ -83,7 +103,7 @@ impl Forest {
         names
     }
 
-    fn find_columns(&mut self, links: &[(usize, usize, u32)], discovery: &Discovery) {
+    fn find_columns(&mut self, links: &[Link], discovery: &Discovery) {
         let mut carried: Vec<(f32, f32)> = vec![(0.0, 0.0); self.nodes.len()];
         let mut links = links.iter().rev().peekable();
         for k in (0..self.nodes.len()).rev() {
@@ -97,7 +117,7 @@ impl Forest {
                 None => sum / f32::max(count, 1.0),
             };
             self.nodes[k].column = column;
-            while let Some(&(lower, ..)) = links.next_if(|(_, upper, _)| *upper == k) {
+            while let Some(&Link { lower, .. }) = links.next_if(|link| link.upper == k) {
                 carried[lower].0 += column;
                 carried[lower].1 += 1.0;
             }
@@ -153,9 +173,21 @@ mod tests {
             testing::standing(5, &[2, 3, 4], &[(0, 2, 9), (0, 4, 9), (2, 3, 5), (3, 4, 1), (0, 1, 50)]);
         let Forest { nodes, others } = Forest::new(&discovery);
         assert_eq!(nodes.iter().map(|n| n.node).collect::<Vec<_>>(), [0, 2, 3, 4]);
-        assert_eq!(nodes.iter().map(|n| n.parent).collect::<Vec<_>>(), [None, Some(0), Some(1), Some(0)]);
+        let parents: Vec<_> = nodes.iter().map(|n| n.parent.map(|link| link.lower)).collect();
+        assert_eq!(parents, [None, Some(0), Some(1), Some(0)]);
         assert_eq!(nodes.iter().map(|n| n.layer).collect::<Vec<_>>(), [0, 1, 2, 3]);
-        assert_eq!(others, [(2, 3)]);
+        assert_eq!(others.iter().map(|link| (link.lower, link.upper)).collect::<Vec<_>>(), [(2, 3)]);
+    }
+
+    #[test]
+    fn the_surest_carrier_is_the_parent_and_what_is_leant_on_comes_last() {
+        let mut discovery = testing::standing(4, &[3], &[(0, 3, 1), (1, 3, 9), (2, 3, 5)]);
+        let edges = &mut discovery.support.edges;
+        (edges[0].confidence, edges[1].confidence) = (0.8, 0.3);
+        edges[2].kind = SupportKind::Leans;
+        let forest = Forest::new(&discovery);
+        let lowers: Vec<_> = forest.links().map(|link| forest.nodes[link.lower].node).collect();
+        assert_eq!(lowers, [0, 1, 2]);
     }
 
     #[test]
@@ -168,8 +200,7 @@ mod tests {
             let edges = &discovery.support.edges;
             let named = edges.iter().filter(|e| is_shown(e.lower.0) && is_shown(e.upper.0)).count();
             assert_eq!(drawn, named, "seed {seed}");
-            let to_parents = shown.nodes.iter().enumerate().filter_map(|(k, n)| n.parent.map(|p| (p, k)));
-            for (lower, upper) in to_parents.chain(shown.others.iter().copied()) {
+            for Link { lower, upper, .. } in shown.links() {
                 assert!(lower < upper && shown.nodes[lower].layer < shown.nodes[upper].layer, "seed {seed}");
             }
         }
@@ -179,7 +210,13 @@ mod tests {
     fn cycles_and_foreign_numbers_are_no_reason_to_panic() {
         for seed in 0..200 {
             let mut discovery = testing::random_support(seed, 12, 40, false);
-            assert!(Forest::new(&discovery).nodes.iter().enumerate().all(|(k, n)| n.parent < Some(k)));
+            assert!(
+                Forest::new(&discovery)
+                    .nodes
+                    .iter()
+                    .enumerate()
+                    .all(|(k, n)| n.parent.is_none_or(|link| link.lower < k))
+            );
             discovery.support.nodes.truncate(7);
             discovery.objects.clear();
             Forest::new(&discovery);

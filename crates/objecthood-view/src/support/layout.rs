@@ -65,7 +65,7 @@ fn columns(forest: &Forest) -> Vec<f32> {
     let mut roots = Vec::new();
     let mut children = vec![Vec::new(); nodes.len()];
     for k in order {
-        nodes[k].parent.map_or(&mut roots, |p| &mut children[p]).push(k);
+        nodes[k].parent.map_or(&mut roots, |link| &mut children[link.lower]).push(k);
     }
     let mut leaves = vec![0_usize; nodes.len()];
     for k in (0..nodes.len()).rev() {
@@ -92,6 +92,7 @@ fn columns(forest: &Forest) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::support::forest::Link;
     use crate::testing;
 
     const SIZE: Point = [640.0, 480.0];
@@ -131,8 +132,7 @@ mod tests {
     fn what_is_carried_is_above_what_carries() {
         for forest in forests() {
             let Layout { centers, branch_px, .. } = layout(&forest, SIZE);
-            let to_parents = forest.nodes.iter().enumerate().filter_map(|(k, n)| n.parent.map(|p| (p, k)));
-            for (lower, upper) in to_parents.chain(forest.others.iter().copied()) {
+            for Link { lower, upper, .. } in forest.links() {
                 assert!(centers[upper][1] < centers[lower][1] - branch_px, "{lower} carries {upper}");
             }
         }
@@ -143,7 +143,7 @@ mod tests {
         for forest in forests() {
             let Layout { centers, radius_px: r, branch_px, .. } = layout(&forest, SIZE);
             for (k, node) in forest.nodes.iter().enumerate() {
-                let Some(p) = node.parent else { continue };
+                let Some(Link { lower: p, .. }) = node.parent else { continue };
                 let ([x, y], [px, py]) = (centers[k], centers[p]);
                 let branch = py - branch_px;
                 let others = centers.iter().enumerate().filter(|(n, _)| *n != k && *n != p);

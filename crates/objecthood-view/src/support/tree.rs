@@ -2,18 +2,19 @@
 
 use image::{Rgb, RgbImage};
 use objecthood::Discovery;
-use objecthood::objectness::support::NodeKind;
+use objecthood::objectness::support::{NodeKind, SupportKind};
 
-use crate::drawing::{Point, bar, disc, line};
+use crate::drawing::{Point, bar, dashes, disc, line};
 use crate::palette::{ink_on, object_color};
-use crate::support::forest::Forest;
+use crate::support::forest::{Forest, Link};
 use crate::support::layout::{Layout, layout};
 use crate::text::Text;
 
 const PAPER: Rgb<u8> = Rgb([245; 3]);
 const INK: Rgb<u8> = Rgb([60; 3]);
-/// Edges beside those to the parents.
-const FAINT: Rgb<u8> = Rgb([205; 3]);
+/// To what something lies in, and to what it leans on.
+const IN: Rgb<u8> = Rgb([30, 110, 200]);
+const LEANS: Rgb<u8> = Rgb([215, 120, 20]);
 const SURFACE: Rgb<u8> = Rgb([150; 3]);
 /// Smaller letters are left out [px].
 const LEAST_LETTERS_PX: f32 = 9.0;
@@ -25,19 +26,19 @@ pub(crate) struct Tree {
     pub(crate) has_numbers: bool,
 }
 
-/// How a node looks, and the number that is written beside it.
+/// How a node looks, and the numbers that are written beside it.
 struct Look {
     color: Rgb<u8>,
     is_round: bool,
     name: String,
-    number: f32,
+    numbers: Vec<f32>,
 }
 
-/// Draws a forest on `size` (columns, rows) pixels: objects as discs in their colours with their P(O), whatever else
-/// carries one as a grey bar with its name and P(S).
+/// Draws a forest on `size` (columns, rows) pixels: objects as discs in their colours with their P(O) and P(S), whatever
+/// else carries one as a grey bar with its name and P(S).
 ///
-/// What carries stands below; a dark line leads to what an object touches most, faint ones to the rest. Names and
-/// numbers for which there is no room are left out.
+/// What carries stands below; lines lead to it, by kind in their colours, dashed where the contact is hidden, with their
+/// confidence. Names and numbers for which there is no room are left out.
 pub(crate) fn tree(discovery: &Discovery, forest: &Forest, (width, height): (u32, u32)) -> Tree {
     let mut picture = RgbImage::from_pixel(width, height, PAPER);
     if forest.nodes.is_empty() {
@@ -48,40 +49,72 @@ pub(crate) fn tree(discovery: &Discovery, forest: &Forest, (width, height): (u32
 
     let Layout { centers, radius_px, branch_px, beside_px } = layout(forest, [width as f32, height as f32]);
     let line_px = (radius_px / 8.0).clamp(0.7, 2.5);
-    for &(lower, upper) in &forest.others {
-        line(&mut picture, &[centers[lower], centers[upper]], line_px, FAINT);
-    }
-    for (node, &[x, y]) in forest.nodes.iter().zip(&centers) {
-        if let Some([parent_x, parent_y]) = node.parent.map(|p| centers[p]) {
-            let branch_y = parent_y - branch_px;
-            let path = [[parent_x, parent_y], [parent_x, branch_y], [x, branch_y], [x, y]];
-            line(&mut picture, &path, line_px, INK);
-        }
-    }
-
     let digits_px = (0.7 * radius_px).clamp(LEAST_LETTERS_PX, 16.0);
     let has_numbers = 0.5 * radius_px + Text::new("0.00", digits_px).width as f32 <= beside_px;
+
+    let mut links: Vec<Link> = forest.links().collect();
+    // What is drawn later hides what is below: on, the commonest, the others' common ways.
+    links.sort_by_key(|link| (!link.edge.hidden, link.edge.kind == SupportKind::On));
+    for link in &links {
+        let ([lower_x, lower_y], [x, y]) = (centers[link.lower], centers[link.upper]);
+        let branch_y = lower_y - branch_px;
+        let is_parent = forest.nodes[link.upper].parent.is_some_and(|parent| parent.lower == link.lower);
+        let path: &[Point] = if is_parent {
+            &[[lower_x, lower_y], [lower_x, branch_y], [x, branch_y], [x, y]]
+        } else {
+            &[[lower_x, lower_y], [x, y]]
+        };
+        match link.edge.hidden {
+            true => dashes(&mut picture, path, line_px, 3.0 * line_px, color(link.edge.kind)),
+            false => line(&mut picture, path, line_px, color(link.edge.kind)),
+        }
+    }
+    for Link { lower, upper, edge } in links.iter().filter(|_| has_numbers) {
+        let ([lower_x, lower_y], [x, y]) = (centers[*lower], centers[*upper]);
+        let is_parent = forest.nodes[*upper].parent.is_some_and(|parent| parent.lower == *lower);
+        let text = Text::new(&format!("{:.2}", edge.confidence), (0.8 * digits_px).max(LEAST_LETTERS_PX));
+        // Below the upper one, before its way turns.
+        let middle = match is_parent {
+            true => [x + 0.6 * text.width as f32, (y + radius_px + lower_y - branch_px) / 2.0],
+            false => [(lower_x + x) / 2.0, (lower_y + y) / 2.0],
+        };
+        text.draw_with_halo(&mut picture, centered(&text, middle), color(edge.kind), PAPER, 2);
+    }
+
     let names = forest.surface_names(discovery);
     for ((node, name), &[x, y]) in forest.nodes.iter().zip(&names).zip(&centers) {
         let look = look(discovery, node.node, name);
         draw_node(&mut picture, &look, [x, y], radius_px);
-        if has_numbers {
-            let text = Text::new(&format!("{:.2}", look.number), digits_px);
-            let middle = [x + 1.2 * radius_px + text.width as f32 / 2.0, y + 0.3 * radius_px];
+        // One above the other, about the height of the middle.
+        let first = 0.5 * (1.0 - look.numbers.len() as f32);
+        for (k, number) in look.numbers.iter().enumerate().filter(|_| has_numbers) {
+            let text = Text::new(&format!("{number:.2}"), digits_px);
+            let middle = [x + 1.2 * radius_px + text.width as f32 / 2.0, y + (first + k as f32) * digits_px];
             text.draw_with_halo(&mut picture, centered(&text, middle), INK, PAPER, 2);
         }
     }
     Tree { picture, has_numbers }
 }
 
+/// The colour of the line to a carrier.
+fn color(kind: SupportKind) -> Rgb<u8> {
+    match kind {
+        SupportKind::On => INK,
+        SupportKind::In => IN,
+        SupportKind::Leans => LEANS,
+    }
+}
+
 /// One line for each kind of node.
 fn look(discovery: &Discovery, node: usize, name: &str) -> Look {
     let node = &discovery.support.nodes[node];
-    let (color, is_round, name, number) = match node.kind {
-        NodeKind::Object { object } => (object_color(object.0), true, object.0.to_string(), node.p_o),
-        NodeKind::Structure { .. } | NodeKind::Surface => (SURFACE, false, name.to_owned(), node.p_s),
+    let (color, is_round, name, numbers) = match node.kind {
+        NodeKind::Object { object } => {
+            (object_color(object.0), true, object.0.to_string(), vec![node.p_o, node.p_s])
+        }
+        NodeKind::Structure { .. } | NodeKind::Surface => (SURFACE, false, name.to_owned(), vec![node.p_s]),
     };
-    Look { color, is_round, name, number }
+    Look { color, is_round, name, numbers }
 }
 
 fn draw_node(picture: &mut RgbImage, look: &Look, center: Point, radius_px: f32) {
@@ -133,6 +166,24 @@ mod tests {
         let heights = [SURFACE, object_color(1), object_color(2)].map(|c| rows(c)[rows(c).len() / 2]);
         let is_near = |(found, expected): (u32, u32)| found.abs_diff(expected) <= 5;
         assert!(heights.into_iter().zip([400, 240, 80]).all(is_near), "{heights:?}");
+    }
+
+    #[test]
+    fn lines_tell_kinds_and_hidden_contacts() {
+        let mut discovery = testing::standing(4, &[1, 2, 3], &[(0, 1, 9), (0, 2, 9), (0, 3, 9)]);
+        let inked = |discovery: &Discovery| {
+            let picture = drawn(discovery, (640, 480));
+            [INK, IN, LEANS].map(|color| pixels(&picture, color))
+        };
+        let plain = inked(&discovery);
+        assert!(plain[0] > 500 && plain[1..] == [0, 0], "{plain:?}");
+        discovery.support.edges[1].kind = SupportKind::In;
+        discovery.support.edges[2].kind = SupportKind::Leans;
+        let colored = inked(&discovery);
+        assert!(colored[1] > 100 && colored[2] > 100, "{colored:?}");
+        discovery.support.edges[1].hidden = true;
+        let dashed = inked(&discovery);
+        assert!(dashed[1] > 0 && dashed[1] < colored[1] * 4 / 5, "{dashed:?} {colored:?}");
     }
 
     #[test]

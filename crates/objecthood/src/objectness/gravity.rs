@@ -20,7 +20,7 @@ pub struct Up {
 pub enum UpSource {
     /// The normal of the dominant plane.
     Plane,
-    /// The camera's own vertical: asked for, or there is no plane.
+    /// The camera's own up, by its tilt and roll: asked for, or there is no plane.
     Camera,
 }
 
