@@ -145,16 +145,12 @@ fn checked(check: &Check) -> String {
 fn flipped(flip: &Flip) -> String {
     match flip {
         Flip::At { parameter, from, to } => {
-            format!(
-                "otherwise with --set {parameter}={} (now {}, {:+.0} %)",
-                number(*to),
-                number(*from),
-                100.0 * (to - from) / from.abs()
-            )
+            let percent = 100.0 * (to - from) / from.abs();
+            format!("otherwise with --set {parameter}={to} (now {from}, {percent:+.1} %)")
         }
-        Flip::Nowhere { tried } if tried.is_empty() => "no single number would decide otherwise".to_owned(),
+        Flip::Nowhere { tried } if tried.is_empty() => "no parameter sets what decided".to_owned(),
         Flip::Nowhere { tried } => {
-            format!("no single number would decide otherwise: tried {}", tried.join(", "))
+            format!("no single parameter decides otherwise: tried {}", tried.join(", "))
         }
         Flip::NotSought => "what would decide otherwise was not looked for: too much else was".to_owned(),
     }
@@ -169,11 +165,8 @@ fn number(value: f64) -> String {
 fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
     let own = explanation.facet.map_or(0, |facet| facet.facet);
     writeln!(text, "\nBorders of facet {own}, the longest first")?;
-    writeln!(
-        text,
-        "  with         angle     gap before it     fold     step     vote\n  \
-                        [deg]  [quanta]     [mm]     [mm]     [mm]     [mm]"
-    )?;
+    writeln!(text, "  with         angle     gap before it     fold     step     vote")?;
+    writeln!(text, "  {:<11}  [deg]  [quanta]     [mm]     [mm]     [mm]     [mm]", "")?;
     for border in &explanation.borders {
         let BorderReport { mean_angle_deg, gap_quanta, gap_mm, folded_mm, stepped_mm, vote_mm, .. } = border;
         let with = match border.structure_plane {

@@ -1,8 +1,10 @@
 //! Which single parameter would decide otherwise: guessed from the evidence, then tried with the whole method.
 
+use std::sync::OnceLock;
+
 use crate::explain::explanation::{Decision, Flip, Question, Reason};
 use crate::explain::run::Run;
-use crate::explain::sweep::{Sweep, relative_change};
+use crate::explain::sweep::{self, Sweep, relative_change};
 use crate::frame::Frame;
 use crate::objectness::check::Check;
 use crate::params::{ParameterInfo, Params};
@@ -30,35 +32,30 @@ pub(super) struct Search<'a> {
     frame: &'a Frame,
     params: &'a Params,
     run: &'a Run,
+    sweep: &'a OnceLock<Sweep>,
     runs_left: usize,
-    /// What votes would do, once it was asked for.
-    sweep: Option<Sweep>,
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(frame: &'a Frame, params: &'a Params, run: &'a Run) -> Self {
-        Self { frame, params, run, runs_left: RUNS, sweep: None }
+    pub(super) fn new(
+        frame: &'a Frame,
+        params: &'a Params,
+        run: &'a Run,
+        sweep: &'a OnceLock<Sweep>,
+    ) -> Self {
+        Self { frame, params, run, sweep, runs_left: RUNS }
     }
 
-    /// The answer to a question, and what it would take to change it.
-    pub(super) fn decision(&mut self, question: Question, reason: Reason, checks: Vec<Check>) -> Decision {
-        let yes = answer(self.run, question);
-        let guesses = match (reason, question) {
+    /// The nearest guess that is true.
+    pub(super) fn flip(&mut self, decision: &Decision) -> Flip {
+        let &Decision { question, yes, reason, ref checks, .. } = decision;
+        let (mut guesses, tried) = match (reason, question) {
             (Reason::Folds | Reason::Steps | Reason::OtherBorders, Question::OneThing { facets }) => {
-                self.guess_votes(facets)
+                (self.guess_votes(facets), sweep::PARAMETERS.to_vec())
             }
-            _ => guess_checks(&checks, self.params),
+            _ => (guess_checks(checks, self.params), parameters(checks)),
         };
-        let flip = self.flip(question, yes, guesses);
-        Decision { question, yes, reason, checks, flip }
-    }
-
-    /// The first guess that is true.
-    fn flip(&mut self, question: Question, yes: bool, mut guesses: Vec<Guess>) -> Flip {
         guesses.sort_by(|a, b| relative_change(a).total_cmp(&relative_change(b)));
-        let mut tried: Vec<&'static str> = guesses.iter().map(|guess| guess.parameter).collect();
-        tried.sort_unstable();
-        tried.dedup();
         for guess in guesses.into_iter().take(GUESSES) {
             match self.confirm(question, yes, guess) {
                 Confirmed::Yes(to) => return Flip::At { parameter: guess.parameter, from: guess.from, to },
@@ -95,15 +92,14 @@ impl<'a> Search<'a> {
     fn ask(&mut self, question: Question, parameter: &str, value: f64) -> Option<bool> {
         self.runs_left = self.runs_left.checked_sub(1)?;
         let params = self.params.with_number(parameter, value)?;
-        Some(answer(&Run::new(self.frame, &params).ok()?, question))
+        Some(Run::new(self.frame, &params).ok()?.answer(question))
     }
 
-    fn guess_votes(&mut self, facets: [u32; 2]) -> Vec<Guess> {
+    fn guess_votes(&self, facets: [u32; 2]) -> Vec<Guess> {
         let free = facets.map(|facet| self.run.free(SegmentId(facet)));
         let [Some(a), Some(b)] = free else { return Vec::new() };
-        let (frame, params, run) = (self.frame, self.params, self.run);
-        let sweep = self.sweep.get_or_insert_with(|| Sweep::new(frame, params, run));
-        sweep.guesses(run, [a, b])
+        let sweep = self.sweep.get_or_init(|| Sweep::new(self.frame, self.params, self.run));
+        sweep.guesses(self.run, [a, b])
     }
 }
 
@@ -116,20 +112,23 @@ enum Confirmed {
     Unknown,
 }
 
-/// What a run of the method says to a question.
-fn answer(run: &Run, question: Question) -> bool {
-    match question {
-        Question::OneThing { facets: [a, b] } => run.one_thing(SegmentId(a), SegmentId(b)),
-        Question::Kept { facet } => run.object(SegmentId(facet)) > 0,
-        Question::Bottom { facet } => run.has_bottom(SegmentId(facet)),
-    }
+/// The checks that have to be turned over to decide otherwise: those that fail, or if none does any.
+fn turned(checks: &[Check]) -> impl Iterator<Item = &Check> {
+    let any_fails = checks.iter().any(|check| !check.holds());
+    checks.iter().filter(move |check| !any_fails || !check.holds())
 }
 
-/// Values that turn checks over: those that fail, or if none does any.
+/// Values that turn one of these checks over.
 fn guess_checks(checks: &[Check], params: &Params) -> Vec<Guess> {
-    let any_fails = checks.iter().any(|check| !check.holds());
-    let turned = checks.iter().filter(|check| !any_fails || !check.holds());
-    turned.flat_map(|check| guess(check, params)).collect()
+    turned(checks).flat_map(|check| guess(check, params)).collect()
+}
+
+/// The parameters behind these checks.
+fn parameters(checks: &[Check]) -> Vec<&'static str> {
+    let mut parameters: Vec<&'static str> = turned(checks).filter_map(|check| check.parameter).collect();
+    parameters.sort_unstable();
+    parameters.dedup();
+    parameters
 }
 
 /// Values of the parameter behind a check that turn it over: the nearest, and one a little farther.

@@ -12,7 +12,7 @@ use crate::shapes::contraction::{Shapes, contract, votes};
 use crate::surface::disparity::DisparitySpace;
 
 /// The parameters that votes depend on.
-const PARAMETERS: [&str; 5] = [
+pub(super) const PARAMETERS: [&str; 5] = [
     "contraction.reflex_offset_deg",
     "contraction.full_vote_deg",
     "contraction.occlusion_weight",

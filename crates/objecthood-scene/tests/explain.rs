@@ -1,0 +1,242 @@
+//! Explanations on synthetic scenes: twenty cases of every kind of decision, and whether what they say of parameters is true.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "what fails or is counted is reported so")]
+
+use std::collections::BTreeMap;
+
+use objecthood::explain::{Decision, Explainer, Explanation, Flip, Question, Reason};
+use objecthood::objectness::history::Rule;
+use objecthood::objectness::join::JoinEvidence;
+use objecthood::{Discovery, Frame, Params, discover};
+use objecthood_scene::{Family, Sensor, generate, render};
+
+/// So many cases of every kind.
+const CASES: usize = 20;
+/// Of one scene at most so many.
+const CASES_OF_A_SCENE: usize = 2;
+/// Scenes that are looked at, at most.
+const SCENES: u64 = 120;
+
+/// The kinds of decisions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    ConvexityJoined,
+    ConvexityCut,
+    StepCut,
+    Fragment,
+    Low,
+    TooSmall,
+    OcclusionJoined,
+    OcclusionMissed,
+    VesselJoined,
+    VesselMissed,
+    Kept,
+}
+
+const KINDS: [Kind; 11] = [
+    Kind::ConvexityJoined,
+    Kind::ConvexityCut,
+    Kind::StepCut,
+    Kind::Fragment,
+    Kind::Low,
+    Kind::TooSmall,
+    Kind::OcclusionJoined,
+    Kind::OcclusionMissed,
+    Kind::VesselJoined,
+    Kind::VesselMissed,
+    Kind::Kept,
+];
+
+fn kind(decision: &Decision) -> Option<Kind> {
+    Some(match (decision.reason, decision.question, decision.yes) {
+        (Reason::Folds, _, true) => Kind::ConvexityJoined,
+        (Reason::Folds, _, false) => Kind::ConvexityCut,
+        (Reason::Steps, ..) => Kind::StepCut,
+        (Reason::Rule(Rule::Fragment), Question::OneThing { .. }, true) => Kind::Fragment,
+        (Reason::Rule(Rule::Low), Question::Kept { .. }, false) => Kind::Low,
+        (Reason::Size, ..) => Kind::TooSmall,
+        (Reason::Rule(Rule::Occlusion), _, true) => Kind::OcclusionJoined,
+        (Reason::Rule(Rule::Occlusion), _, false) => Kind::OcclusionMissed,
+        (Reason::Rule(Rule::VesselInside | Rule::VesselWall | Rule::VesselRemainder), _, true) => {
+            Kind::VesselJoined
+        }
+        (Reason::Rule(Rule::VesselInside | Rule::VesselWall | Rule::VesselRemainder), _, false) => {
+            Kind::VesselMissed
+        }
+        (Reason::Passed, ..) => Kind::Kept,
+        _ => return None,
+    })
+}
+
+/// What was counted of one kind.
+#[derive(Clone, Copy, Debug, Default)]
+struct Count {
+    cases: usize,
+    flipped: usize,
+}
+
+/// One pixel of every facet.
+fn pixels(explainer: &Explainer<'_>) -> Vec<[usize; 2]> {
+    let labels = explainer.facets().labels();
+    let mut first = vec![None; explainer.facets().count()];
+    for (i, &facet) in labels.as_slice().iter().enumerate() {
+        if let Some(first) = usize::try_from(facet).ok().and_then(|facet| first.get_mut(facet)) {
+            first.get_or_insert([i % labels.width(), i / labels.width()]);
+        }
+    }
+    first.into_iter().flatten().collect()
+}
+
+/// A decision agrees with what its explanation says beside it.
+fn check_consistent(explainer: &Explainer<'_>, explanation: &Explanation) {
+    for border in &explanation.borders {
+        let Some(decision) = &border.decision else { continue };
+        let vote_mm = border.vote_mm.unwrap();
+        match (decision.reason, decision.yes) {
+            (Reason::Folds, true) => assert!(vote_mm > 0.0 && border.mean_angle_deg.is_some(), "{border:?}"),
+            (Reason::Folds, false) => assert!(vote_mm <= 0.0 && border.folded_mm > 0.0, "{border:?}"),
+            (Reason::Steps, yes) => assert!(!yes && vote_mm <= 0.0 && border.stepped_mm > 0.0, "{border:?}"),
+            (Reason::OtherBorders, yes) => assert_eq!(yes, vote_mm <= 0.0, "{border:?}"),
+            (Reason::Rule(_), yes) => assert!(yes, "{border:?}"),
+            (Reason::Size | Reason::Passed, _) => panic!("{border:?}"),
+        }
+    }
+    for decision in explanation.decisions() {
+        assert_eq!(decision.flip, Flip::NotSought);
+        assert_eq!(explainer.answer(decision.question), decision.yes);
+        let all_hold = decision.checks.iter().all(|check| check.holds());
+        match kind(decision) {
+            Some(Kind::OcclusionMissed | Kind::VesselMissed) => assert!(!all_hold, "{decision:?}"),
+            Some(Kind::Kept) => assert!(!all_hold && decision.yes, "{decision:?}"),
+            _ => assert!(all_hold, "{decision:?}"),
+        }
+    }
+}
+
+/// With the value that the flip names the whole method decides otherwise, half way it does not.
+fn check_flip(frame: &Frame, explainer: &Explainer<'_>, decision: &Decision, flip: &Flip) {
+    let &Flip::At { parameter, from, to } = flip else { return };
+    let default = Params::default();
+    assert_eq!(default.number(parameter), Some(from));
+    let answer = |value: f64| {
+        let params = default.with_number(parameter, value).unwrap();
+        let other = Explainer::new(frame, &params).unwrap();
+        println!("{decision:?} {flip:?} at {value}");
+        check_labels(explainer, other.discovery(), decision.question, other.answer(decision.question));
+        other.answer(decision.question)
+    };
+    assert_ne!(answer(to), decision.yes, "{decision:?} {flip:?}");
+    let half = (from + to) / 2.0;
+    let is_whole = default.with_number(parameter, from + 0.5).is_none() && from.fract() == 0.0 && from > 10.0;
+    let half = if is_whole { half.round() } else { half };
+    if half != to && half != from {
+        assert_eq!(answer(half), decision.yes, "{decision:?} {flip:?}");
+    }
+}
+
+/// The label image says the same, as far as it shows what is asked.
+fn check_labels(explainer: &Explainer<'_>, found: &Discovery, question: Question, answer: bool) {
+    let labels_of = |facet: u32| {
+        let own = explainer.facets().labels().as_slice().iter().zip(found.labels.as_slice());
+        let mut labels: Vec<u16> =
+            own.filter(|(f, _)| **f == facet as i32).map(|(_, label)| *label).collect();
+        labels.sort_unstable();
+        labels.dedup();
+        labels
+    };
+    match question {
+        Question::OneThing { facets } => {
+            let [a, b] = facets.map(labels_of);
+            // Neither of what is no object nor of what is filled can it be said.
+            if a.len() == 1 && b.len() == 1 && a[0] > 0 && b[0] > 0 {
+                assert_eq!(a == b, answer, "{question:?}");
+            }
+        }
+        Question::Kept { facet } => {
+            assert_eq!(labels_of(facet).iter().any(|label| *label > 0), answer, "{question:?}")
+        }
+        Question::Bottom { .. } => {}
+    }
+}
+
+/// What is no object but would be with another value is explained by that filter.
+fn check_filter(
+    frame: &Frame,
+    explainer: &Explainer<'_>,
+    params: &Params,
+    kind: Kind,
+    cases: &mut Vec<Decision>,
+) {
+    let with = discover(frame, params).unwrap();
+    let now = &explainer.discovery().labels;
+    for object in &with.objects {
+        let own: Vec<usize> = (0..now.len()).filter(|&i| with.labels[i] == object.id.0).collect();
+        if own.iter().any(|&i| now[i] > 0) {
+            continue;
+        }
+        let pixel = [own[0] % now.width(), own[0] / now.width()];
+        let explanation = explainer.describe(pixel).unwrap();
+        let kept = explanation.kept.expect("it is no structure");
+        assert_eq!(self::kind(&kept), Some(kind), "{pixel:?}: {kept:?}");
+        cases.push(kept);
+    }
+}
+
+#[test]
+fn twenty_cases_of_every_kind_are_explained_and_their_flips_are_true() {
+    let mut counts: BTreeMap<Kind, Count> = KINDS.map(|kind| (kind, Count::default())).into();
+    for seed in 0..SCENES {
+        if counts.values().all(|count| count.cases >= CASES) {
+            break;
+        }
+        let family = Family::ALL[(seed % 6) as usize];
+        let seen = render(&generate(family, seed), Sensor::Kinect).unwrap();
+        let params = Params::default();
+        let explainer = Explainer::new(&seen.frame, &params).unwrap();
+        let mut cases: BTreeMap<Kind, Vec<Decision>> = BTreeMap::new();
+
+        // What the result shows has to be in the explanation.
+        for object in &explainer.discovery().objects {
+            let explanation = explainer.describe(explainer.pixel_of(object.id).unwrap()).unwrap();
+            let is_occlusion = |evidence: &JoinEvidence| matches!(evidence, JoinEvidence::Occlusion(_));
+            let joins = object.joins.iter().filter(|join| is_occlusion(&join.evidence)).count();
+            let told =
+                explanation.way.iter().filter(|decision| kind(decision) == Some(Kind::OcclusionJoined));
+            assert_eq!(told.count(), joins, "{family} {seed} {object:?}");
+        }
+        let mut lax = params.clone();
+        lax.height.min_top_m = -1.0;
+        check_filter(&seen.frame, &explainer, &lax, Kind::Low, cases.entry(Kind::Low).or_default());
+        let mut lax = params.clone();
+        lax.objectness.min_size_px = 1;
+        check_filter(&seen.frame, &explainer, &lax, Kind::TooSmall, cases.entry(Kind::TooSmall).or_default());
+
+        for pixel in pixels(&explainer) {
+            let explanation = explainer.describe(pixel).unwrap();
+            check_consistent(&explainer, &explanation);
+            for decision in explanation.decisions() {
+                let Some(kind) = kind(decision).filter(|kind| !matches!(kind, Kind::Low | Kind::TooSmall))
+                else {
+                    continue;
+                };
+                let cases = cases.entry(kind).or_default();
+                if cases.iter().all(|case| case.question != decision.question) {
+                    cases.push(decision.clone());
+                }
+            }
+        }
+        for (kind, cases) in cases {
+            let count = counts.get_mut(&kind).unwrap();
+            // Spread over the frame.
+            let step = cases.len().div_ceil(CASES_OF_A_SCENE).max(1);
+            for decision in cases.iter().step_by(step).take(CASES - count.cases.min(CASES)) {
+                let flip = explainer.flip(decision);
+                check_flip(&seen.frame, &explainer, decision, &flip);
+                count.cases += 1;
+                count.flipped += usize::from(matches!(flip, Flip::At { .. }));
+            }
+        }
+    }
+    for (kind, Count { cases, flipped }) in &counts {
+        println!("{kind:?}: {flipped} of {cases} cases have a flip, and it is true");
+    }
+}
