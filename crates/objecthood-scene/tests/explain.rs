@@ -6,15 +6,15 @@ use std::collections::BTreeMap;
 use objecthood::explain::{Decision, Explainer, Explanation, Flip, Question, Reason};
 use objecthood::objectness::history::Rule;
 use objecthood::objectness::join::JoinEvidence;
-use objecthood::{Discovery, Frame, Params, discover};
-use objecthood_scene::{Family, Sensor, generate, render};
+use objecthood::{Camera, Discovery, Frame, Params, discover};
+use objecthood_scene::{Family, Sensor, Viewpoint, generate, render};
 
 /// So many cases of every kind.
 const CASES: usize = 20;
 /// Of one scene at most so many.
 const CASES_OF_A_SCENE: usize = 2;
 /// Scenes that are looked at, at most.
-const SCENES: u64 = 120;
+const SCENES: u64 = 300;
 
 /// The kinds of decisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -32,18 +32,18 @@ enum Kind {
     Kept,
 }
 
-const KINDS: [Kind; 11] = [
-    Kind::ConvexityJoined,
-    Kind::ConvexityCut,
-    Kind::StepCut,
-    Kind::Fragment,
-    Kind::Low,
-    Kind::TooSmall,
-    Kind::OcclusionJoined,
-    Kind::OcclusionMissed,
-    Kind::VesselJoined,
-    Kind::VesselMissed,
-    Kind::Kept,
+/// Each with how many of twenty cases have a flip at least. Of a step that is deep, or of a fragment that another rule would join,
+/// no single parameter decides otherwise.
+const KINDS: [(Kind, usize); 9] = [
+    (Kind::ConvexityJoined, 20),
+    (Kind::ConvexityCut, 18),
+    (Kind::StepCut, 10),
+    (Kind::Fragment, 10),
+    (Kind::Low, 18),
+    (Kind::TooSmall, 18),
+    (Kind::OcclusionJoined, 16),
+    (Kind::VesselJoined, 16),
+    (Kind::Kept, 20),
 ];
 
 fn kind(decision: &Decision) -> Option<Kind> {
@@ -120,7 +120,6 @@ fn check_flip(frame: &Frame, explainer: &Explainer<'_>, decision: &Decision, fli
     let answer = |value: f64| {
         let params = default.with_number(parameter, value).unwrap();
         let other = Explainer::new(frame, &params).unwrap();
-        println!("{decision:?} {flip:?} at {value}");
         check_labels(explainer, other.discovery(), decision.question, other.answer(decision.question));
         other.answer(decision.question)
     };
@@ -181,56 +180,90 @@ fn check_filter(
     }
 }
 
-#[test]
-fn twenty_cases_of_every_kind_are_explained_and_their_flips_are_true() {
-    let mut counts: BTreeMap<Kind, Count> = KINDS.map(|kind| (kind, Count::default())).into();
-    for seed in 0..SCENES {
-        if counts.values().all(|count| count.cases >= CASES) {
-            break;
-        }
-        let family = Family::ALL[(seed % 6) as usize];
-        let seen = render(&generate(family, seed), Sensor::Kinect).unwrap();
-        let params = Params::default();
-        let explainer = Explainer::new(&seen.frame, &params).unwrap();
-        let mut cases: BTreeMap<Kind, Vec<Decision>> = BTreeMap::new();
+/// A scene of a family, seen in half the resolution of a Kinect.
+fn frame(family: Family, seed: u64) -> Frame {
+    let world = generate(family, seed);
+    let camera = Camera { fx_px: 262.5, fy_px: 262.5, cx_px: 159.5, cy_px: 119.5 };
+    let viewpoint = Viewpoint { camera, size_px: (320, 240), pose: world.viewpoint().pose };
+    render(&world.with_viewpoint(viewpoint).unwrap(), Sensor::Kinect).unwrap().frame
+}
 
-        // What the result shows has to be in the explanation.
-        for object in &explainer.discovery().objects {
-            let explanation = explainer.describe(explainer.pixel_of(object.id).unwrap()).unwrap();
-            let is_occlusion = |evidence: &JoinEvidence| matches!(evidence, JoinEvidence::Occlusion(_));
-            let joins = object.joins.iter().filter(|join| is_occlusion(&join.evidence)).count();
-            let told =
-                explanation.way.iter().filter(|decision| kind(decision) == Some(Kind::OcclusionJoined));
-            assert_eq!(told.count(), joins, "{family} {seed} {object:?}");
-        }
-        let mut lax = params.clone();
-        lax.height.min_top_m = -1.0;
-        check_filter(&seen.frame, &explainer, &lax, Kind::Low, cases.entry(Kind::Low).or_default());
-        let mut lax = params.clone();
-        lax.objectness.min_size_px = 1;
-        check_filter(&seen.frame, &explainer, &lax, Kind::TooSmall, cases.entry(Kind::TooSmall).or_default());
-
-        for pixel in pixels(&explainer) {
-            let explanation = explainer.describe(pixel).unwrap();
-            check_consistent(&explainer, &explanation);
-            for decision in explanation.decisions() {
-                let Some(kind) = kind(decision).filter(|kind| !matches!(kind, Kind::Low | Kind::TooSmall))
-                else {
-                    continue;
-                };
-                let cases = cases.entry(kind).or_default();
-                if cases.iter().all(|case| case.question != decision.question) {
-                    cases.push(decision.clone());
-                }
+/// What was decided in a frame, by kind, each question once.
+fn decisions(frame: &Frame, explainer: &Explainer<'_>) -> BTreeMap<Kind, Vec<Decision>> {
+    let mut cases: BTreeMap<Kind, Vec<Decision>> = BTreeMap::new();
+    let mut lax = Params::default();
+    lax.height.min_top_m = -1.0;
+    check_filter(frame, explainer, &lax, Kind::Low, cases.entry(Kind::Low).or_default());
+    let mut lax = Params::default();
+    lax.objectness.min_size_px = 1;
+    check_filter(frame, explainer, &lax, Kind::TooSmall, cases.entry(Kind::TooSmall).or_default());
+    for pixel in pixels(explainer) {
+        let explanation = explainer.describe(pixel).unwrap();
+        check_consistent(explainer, &explanation);
+        for decision in explanation.decisions() {
+            let Some(kind) = kind(decision).filter(|kind| !matches!(kind, Kind::Low | Kind::TooSmall)) else {
+                continue;
+            };
+            let cases = cases.entry(kind).or_default();
+            if cases.iter().all(|case| subject(case) != subject(decision)) {
+                cases.push(decision.clone());
             }
         }
-        for (kind, cases) in cases {
-            let count = counts.get_mut(&kind).unwrap();
+    }
+    cases
+}
+
+/// What a question is about, whoever asks.
+fn subject(decision: &Decision) -> [u32; 2] {
+    match decision.question {
+        Question::OneThing { facets: [a, b] } => [a.min(b), a.max(b)],
+        Question::Kept { facet } | Question::Bottom { facet } => [facet, facet],
+    }
+}
+
+/// Joins of the result have to be in the explanations of its objects.
+fn check_joins(explainer: &Explainer<'_>) -> bool {
+    let mut any = false;
+    for object in &explainer.discovery().objects {
+        let explanation = explainer.describe(explainer.pixel_of(object.id).unwrap()).unwrap();
+        let is_occlusion = |evidence: &JoinEvidence| matches!(evidence, JoinEvidence::Occlusion(_));
+        let joins = object.joins.iter().filter(|join| is_occlusion(&join.evidence)).count();
+        let told =
+            explanation.way.iter().filter(|decision| kind(decision) == Some(Kind::OcclusionJoined)).count();
+        assert_eq!(told, joins, "{object:?}");
+        any |= joins > 0;
+    }
+    any
+}
+
+#[test]
+fn twenty_cases_of_every_kind_are_explained_and_their_flips_are_true() {
+    let mut counts: BTreeMap<Kind, Count> = BTreeMap::new();
+    let params = Params::default();
+    let is_missing = |counts: &BTreeMap<Kind, Count>, kind: Kind| {
+        counts.get(&kind).is_none_or(|count| count.cases < CASES)
+    };
+    for seed in 0..SCENES {
+        let mut missing: Vec<Kind> = KINDS.iter().map(|(kind, _)| *kind).collect();
+        missing.retain(|&kind| is_missing(&counts, kind));
+        // Where things are hidden there are many of the rarest kind.
+        let only_hidden = missing == [Kind::OcclusionJoined];
+        let family = if only_hidden { Family::Occluded } else { Family::ALL[(seed % 6) as usize] };
+        if missing.is_empty() {
+            break;
+        }
+        let frame = frame(family, seed);
+        let explainer = Explainer::new(&frame, &params).unwrap();
+        if !check_joins(&explainer) && only_hidden {
+            continue;
+        }
+        for (kind, cases) in decisions(&frame, &explainer) {
+            let count = counts.entry(kind).or_default();
             // Spread over the frame.
             let step = cases.len().div_ceil(CASES_OF_A_SCENE).max(1);
             for decision in cases.iter().step_by(step).take(CASES - count.cases.min(CASES)) {
                 let flip = explainer.flip(decision);
-                check_flip(&seen.frame, &explainer, decision, &flip);
+                check_flip(&frame, &explainer, decision, &flip);
                 count.cases += 1;
                 count.flipped += usize::from(matches!(flip, Flip::At { .. }));
             }
@@ -238,5 +271,9 @@ fn twenty_cases_of_every_kind_are_explained_and_their_flips_are_true() {
     }
     for (kind, Count { cases, flipped }) in &counts {
         println!("{kind:?}: {flipped} of {cases} cases have a flip, and it is true");
+    }
+    for (kind, least) in KINDS {
+        let count = counts[&kind];
+        assert!(count.cases == CASES && count.flipped >= least, "{kind:?}: {count:?}");
     }
 }

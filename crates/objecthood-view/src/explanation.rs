@@ -137,13 +137,10 @@ impl<'a> Canvas<'a> {
         self.explanation.borders.iter().find(|border| border.facet as i32 == other)
     }
 
-    /// The numbers of the facet and its neighbours that are no structure.
+    /// The numbers of the neighbours that are no structure.
     fn numbers(&self) -> Vec<Label> {
-        let own = self.explanation.facet.filter(|facet| facet.structure_plane.is_none());
-        let own = own.map(|facet| (facet.facet, OBJECT));
         let free = self.explanation.borders.iter().filter(|border| border.structure_plane.is_none());
-        let named: Vec<(u32, Rgb<u8>)> =
-            own.into_iter().chain(free.map(|border| (border.facet, color_of(border)))).collect();
+        let named: Vec<(u32, Rgb<u8>)> = free.map(|border| (border.facet, color_of(border))).collect();
         let place = |facet: i32| named.iter().position(|(name, _)| *name as i32 == facet);
         let map = self.facets.map(|&facet| place(facet).map_or(0, |k| k as u16 + 1));
         let label = |anchor: Anchor| {

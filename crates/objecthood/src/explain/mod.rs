@@ -365,12 +365,12 @@ impl<'a> Explainer<'a> {
     fn vote(&self, a: SegmentId, b: SegmentId, evidence: &BorderEvidence, vote_m: f64) -> Decision {
         let question = Question::OneThing { facets: [a.0, b.0] };
         let one_shape = self.run.shape(a) == self.run.shape(b);
-        if !one_shape
-            && self.run.one_thing(a, b)
-            && let Some(place) = self.run.uniting(a, b)
-        {
-            let event = &self.run.events[place];
-            return self.decision(question, Reason::Rule(event.rule), event.checks.clone());
+        if !one_shape && self.run.one_thing(a, b) {
+            let event = self.run.uniting(a, b).map(|place| &self.run.events[place]);
+            // A small hole in a surface is filled without a word.
+            let (rule, checks) =
+                event.map_or((Rule::VesselBottom, Vec::new()), |event| (event.rule, event.checks.clone()));
+            return self.decision(question, Reason::Rule(rule), checks);
         }
         let steps_m = self.params.contraction.occlusion_weight * evidence.step_m;
         let reason = match (one_shape, vote_m > 0.0) {
