@@ -16,6 +16,12 @@ const CASES_OF_A_SCENE: usize = 2;
 /// Scenes that are looked at, at most.
 const SCENES: u64 = 300;
 
+/// The first scenes of the family `clutter` in which something is joined behind something else.
+const HIDDEN: [u64; 27] = [
+    2, 4, 17, 24, 33, 35, 39, 45, 46, 51, 56, 65, 66, 70, 86, 88, 96, 99, 113, 120, 122, 123, 126, 128, 131,
+    135, 136,
+];
+
 /// The kinds of decisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
@@ -34,17 +40,21 @@ enum Kind {
 
 /// Each with how many of twenty cases have a flip at least. Of a step that is deep, or of a fragment that another rule would join,
 /// no single parameter decides otherwise.
-const KINDS: [(Kind, usize); 9] = [
-    (Kind::ConvexityJoined, 20),
+const KINDS: [(Kind, usize); 8] = [
+    (Kind::ConvexityJoined, 15),
     (Kind::ConvexityCut, 18),
     (Kind::StepCut, 10),
     (Kind::Fragment, 10),
     (Kind::Low, 18),
     (Kind::TooSmall, 18),
-    (Kind::OcclusionJoined, 16),
     (Kind::VesselJoined, 16),
     (Kind::Kept, 20),
 ];
+
+/// The same of what is looked for where things are hidden, in full resolution; what was nearly joined mostly fails by a fixed limit, or
+/// by two.
+const HIDDEN_KINDS: [(Kind, usize); 3] =
+    [(Kind::OcclusionJoined, 16), (Kind::OcclusionMissed, 0), (Kind::VesselMissed, 0)];
 
 fn kind(decision: &Decision) -> Option<Kind> {
     Some(match (decision.reason, decision.question, decision.yes) {
@@ -74,8 +84,13 @@ struct Count {
     flipped: usize,
 }
 
+/// One pixel of every object.
+fn of_objects(explainer: &Explainer<'_>) -> Vec<[usize; 2]> {
+    explainer.discovery().objects.iter().filter_map(|object| explainer.pixel_of(object.id)).collect()
+}
+
 /// One pixel of every facet.
-fn pixels(explainer: &Explainer<'_>) -> Vec<[usize; 2]> {
+fn of_facets(explainer: &Explainer<'_>) -> Vec<[usize; 2]> {
     let labels = explainer.facets().labels();
     let mut first = vec![None; explainer.facets().count()];
     for (i, &facet) in labels.as_slice().iter().enumerate() {
@@ -180,16 +195,12 @@ fn check_filter(
     }
 }
 
-/// A scene of a family, seen in half the resolution of a Kinect.
-fn frame(family: Family, seed: u64) -> Frame {
-    let world = generate(family, seed);
-    let camera = Camera { fx_px: 262.5, fy_px: 262.5, cx_px: 159.5, cy_px: 119.5 };
-    let viewpoint = Viewpoint { camera, size_px: (320, 240), pose: world.viewpoint().pose };
-    render(&world.with_viewpoint(viewpoint).unwrap(), Sensor::Kinect).unwrap().frame
-}
-
 /// What was decided in a frame, by kind, each question once.
-fn decisions(frame: &Frame, explainer: &Explainer<'_>) -> BTreeMap<Kind, Vec<Decision>> {
+fn decisions(
+    frame: &Frame,
+    explainer: &Explainer<'_>,
+    pixels: &[[usize; 2]],
+) -> BTreeMap<Kind, Vec<Decision>> {
     let mut cases: BTreeMap<Kind, Vec<Decision>> = BTreeMap::new();
     let mut lax = Params::default();
     lax.height.min_top_m = -1.0;
@@ -197,7 +208,7 @@ fn decisions(frame: &Frame, explainer: &Explainer<'_>) -> BTreeMap<Kind, Vec<Dec
     let mut lax = Params::default();
     lax.objectness.min_size_px = 1;
     check_filter(frame, explainer, &lax, Kind::TooSmall, cases.entry(Kind::TooSmall).or_default());
-    for pixel in pixels(explainer) {
+    for &pixel in pixels {
         let explanation = explainer.describe(pixel).unwrap();
         check_consistent(explainer, &explanation);
         for decision in explanation.decisions() {
@@ -222,8 +233,7 @@ fn subject(decision: &Decision) -> [u32; 2] {
 }
 
 /// Joins of the result have to be in the explanations of its objects.
-fn check_joins(explainer: &Explainer<'_>) -> bool {
-    let mut any = false;
+fn check_joins(explainer: &Explainer<'_>) {
     for object in &explainer.discovery().objects {
         let explanation = explainer.describe(explainer.pixel_of(object.id).unwrap()).unwrap();
         let is_occlusion = |evidence: &JoinEvidence| matches!(evidence, JoinEvidence::Occlusion(_));
@@ -231,49 +241,77 @@ fn check_joins(explainer: &Explainer<'_>) -> bool {
         let told =
             explanation.way.iter().filter(|decision| kind(decision) == Some(Kind::OcclusionJoined)).count();
         assert_eq!(told, joins, "{object:?}");
-        any |= joins > 0;
     }
-    any
+}
+
+/// Adds the cases of one frame, as far as they are not enough, and tries their flips.
+fn count(
+    frame: &Frame,
+    kinds: &[(Kind, usize)],
+    pixels: fn(&Explainer<'_>) -> Vec<[usize; 2]>,
+    counts: &mut BTreeMap<Kind, Count>,
+) {
+    let params = Params::default();
+    let explainer = Explainer::new(frame, &params).unwrap();
+    check_joins(&explainer);
+    for (kind, cases) in decisions(frame, &explainer, &pixels(&explainer)) {
+        if kinds.iter().all(|(known, _)| *known != kind) {
+            continue;
+        }
+        let count = counts.entry(kind).or_default();
+        // Spread over the frame.
+        let step = cases.len().div_ceil(CASES_OF_A_SCENE).max(1);
+        for decision in cases.iter().step_by(step).take(CASES - count.cases) {
+            let flip = explainer.flip(decision);
+            check_flip(frame, &explainer, decision, &flip);
+            count.cases += 1;
+            count.flipped += usize::from(matches!(flip, Flip::At { .. }));
+        }
+    }
+}
+
+/// Whether there are enough cases of each of these kinds.
+fn is_enough(kinds: &[(Kind, usize)], counts: &BTreeMap<Kind, Count>) -> bool {
+    kinds.iter().all(|(kind, _)| counts.get(kind).is_some_and(|count| count.cases == CASES))
+}
+
+fn report(kinds: &[(Kind, usize)], counts: &BTreeMap<Kind, Count>) {
+    for (kind, least) in kinds {
+        let Count { cases, flipped } = counts.get(kind).copied().unwrap_or_default();
+        println!("{kind:?}: {flipped} of {cases} cases have a flip, and it is true");
+        assert!(flipped >= *least, "{kind:?}: {flipped} of {cases}");
+    }
 }
 
 #[test]
 fn twenty_cases_of_every_kind_are_explained_and_their_flips_are_true() {
-    let mut counts: BTreeMap<Kind, Count> = BTreeMap::new();
-    let params = Params::default();
-    let is_missing = |counts: &BTreeMap<Kind, Count>, kind: Kind| {
-        counts.get(&kind).is_none_or(|count| count.cases < CASES)
-    };
+    let mut counts = BTreeMap::new();
     for seed in 0..SCENES {
-        let mut missing: Vec<Kind> = KINDS.iter().map(|(kind, _)| *kind).collect();
-        missing.retain(|&kind| is_missing(&counts, kind));
-        // Where things are hidden there are many of the rarest kind.
-        let only_hidden = missing == [Kind::OcclusionJoined];
-        let family = if only_hidden { Family::Occluded } else { Family::ALL[(seed % 6) as usize] };
-        if missing.is_empty() {
+        let family = Family::ALL[(seed % 6) as usize];
+        let world = generate(family, seed);
+        // In half the resolution of a Kinect: parameters in pixels and their limits are not the same then.
+        let camera = Camera { fx_px: 262.5, fy_px: 262.5, cx_px: 159.5, cy_px: 119.5 };
+        let viewpoint = Viewpoint { camera, size_px: (320, 240), pose: world.viewpoint().pose };
+        let seen = render(&world.with_viewpoint(viewpoint).unwrap(), Sensor::Kinect).unwrap();
+        count(&seen.frame, &KINDS, of_facets, &mut counts);
+        if is_enough(&KINDS, &counts) {
             break;
         }
-        let frame = frame(family, seed);
-        let explainer = Explainer::new(&frame, &params).unwrap();
-        if !check_joins(&explainer) && only_hidden {
-            continue;
-        }
-        for (kind, cases) in decisions(&frame, &explainer) {
-            let count = counts.entry(kind).or_default();
-            // Spread over the frame.
-            let step = cases.len().div_ceil(CASES_OF_A_SCENE).max(1);
-            for decision in cases.iter().step_by(step).take(CASES - count.cases.min(CASES)) {
-                let flip = explainer.flip(decision);
-                check_flip(&frame, &explainer, decision, &flip);
-                count.cases += 1;
-                count.flipped += usize::from(matches!(flip, Flip::At { .. }));
-            }
+    }
+    report(&KINDS, &counts);
+    assert!(is_enough(&KINDS, &counts), "{counts:?}");
+}
+
+#[test]
+fn what_goes_on_behind_something_is_explained_and_its_flips_are_true() {
+    let mut counts = BTreeMap::new();
+    for seed in HIDDEN {
+        let seen = render(&generate(Family::Clutter, seed), Sensor::Kinect).unwrap();
+        count(&seen.frame, &HIDDEN_KINDS, of_objects, &mut counts);
+        if is_enough(&HIDDEN_KINDS[..1], &counts) {
+            break;
         }
     }
-    for (kind, Count { cases, flipped }) in &counts {
-        println!("{kind:?}: {flipped} of {cases} cases have a flip, and it is true");
-    }
-    for (kind, least) in KINDS {
-        let count = counts[&kind];
-        assert!(count.cases == CASES && count.flipped >= least, "{kind:?}: {count:?}");
-    }
+    report(&HIDDEN_KINDS, &counts);
+    assert!(is_enough(&HIDDEN_KINDS[..1], &counts), "{counts:?}");
 }

@@ -152,7 +152,7 @@ fn flipped(flip: &Flip) -> String {
         Flip::Nowhere { tried } => {
             format!("no single parameter decides otherwise: tried {}", tried.join(", "))
         }
-        Flip::NotSought => "what would decide otherwise was not looked for: too much else was".to_owned(),
+        Flip::NotSought => "what would decide otherwise was not looked for: enough else was".to_owned(),
     }
 }
 
@@ -174,7 +174,7 @@ fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
             None => format!("facet {}", border.facet),
         };
         let optional = |value: &Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:+.1}"));
-        writeln!(
+        write!(
             text,
             "  {with:<11} {:>6} {gap_quanta:>+9.1} {gap_mm:>+8.1} {folded_mm:>8.1} {stepped_mm:>8.1} {:>8}",
             optional(mean_angle_deg),
@@ -183,9 +183,9 @@ fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
         match &border.decision {
             Some(Decision { yes, reason, flip, .. }) => {
                 let answer = if *yes { "one thing" } else { "two things" };
-                writeln!(text, "    {answer}: {}\n    {}", in_words(*reason), flipped(flip))?;
+                writeln!(text, "\n    {answer}: {}\n    {}", in_words(*reason), flipped(flip))?;
             }
-            None => writeln!(text, "    structure has no vote")?,
+            None => writeln!(text, "  structure has no vote")?,
         }
     }
     Ok(())

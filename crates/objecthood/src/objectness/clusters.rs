@@ -371,7 +371,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::objectness::testing::{Table, merge, single};
+    use crate::objectness::history::History;
+    use crate::objectness::testing::{Table, merge, named, single};
     use crate::testing::{coarse_disparity, raster, small_size};
 
     /// A small image of up to four facets on a table, at heights that are level, a step or far apart; some pixels are missing.
@@ -453,6 +454,13 @@ mod tests {
                 }
                 let expected = counted(&cluster, scene.disparity);
                 prop_assert_eq!(clusters.alive(), expected.keys().copied().collect::<Vec<_>>());
+                // The events, in their order, say which cluster every facet is in.
+                let events = History::of(&clusters).events().into_iter().cloned().collect::<Vec<_>>();
+                for (facet, own) in named(&clusters).into_iter().enumerate() {
+                    let start = Some(SegmentId(facet as u32));
+                    let end = events.iter().fold(start, |own, e| if own.is_some() && e.from == own { e.into } else { own });
+                    prop_assert_eq!(end.map(|id| id.0), own);
+                }
                 for (id, (pixels, neighbours)) in expected {
                     prop_assert_eq!(&clusters.get(id).pixels, &pixels);
                     prop_assert_eq!(&clusters.get(id).neighbours, &neighbours, "{:?}", id);
