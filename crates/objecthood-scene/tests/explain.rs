@@ -166,7 +166,7 @@ fn check_labels(explainer: &Explainer<'_>, found: &Discovery, question: Question
             }
         }
         Question::Kept { facet } => {
-            assert_eq!(labels_of(facet).iter().any(|label| *label > 0), answer, "{question:?}")
+            assert_eq!(labels_of(facet).iter().any(|label| *label > 0), answer, "{question:?}");
         }
         Question::Bottom { .. } => {}
     }
