@@ -137,13 +137,10 @@ impl<'a> Canvas<'a> {
         self.explanation.borders.iter().find(|border| border.facet as i32 == other)
     }
 
-    /// The numbers of the facet and its neighbours that are no structure.
+    /// The numbers of the neighbours that are no structure.
     fn numbers(&self) -> Vec<Label> {
-        let own = self.explanation.facet.filter(|facet| facet.structure_plane.is_none());
-        let own = own.map(|facet| (facet.facet, OBJECT));
         let free = self.explanation.borders.iter().filter(|border| border.structure_plane.is_none());
-        let named: Vec<(u32, Rgb<u8>)> =
-            own.into_iter().chain(free.map(|border| (border.facet, color_of(border)))).collect();
+        let named: Vec<(u32, Rgb<u8>)> = free.map(|border| (border.facet, color_of(border))).collect();
         let place = |facet: i32| named.iter().position(|(name, _)| *name as i32 == facet);
         let map = self.facets.map(|&facet| place(facet).map_or(0, |k| k as u16 + 1));
         let label = |anchor: Anchor| {
@@ -202,4 +199,93 @@ fn legend(explanation: &Explanation, (width, height): (u32, u32)) -> RgbImage {
         text.draw(&mut image, ((2.0 * letters_px) as i64, top), INK);
     }
     image
+}
+
+#[cfg(test)]
+mod tests {
+    use objecthood::explain::FacetReport;
+
+    use super::*;
+    use crate::testing;
+
+    fn border(facet: u32, folded_mm: f64, stepped_mm: f64, vote_mm: Option<f64>) -> BorderReport {
+        BorderReport {
+            facet,
+            structure_plane: vote_mm.is_none().then_some(1),
+            mean_angle_deg: None,
+            gap_quanta: 0.0,
+            gap_mm: 0.0,
+            folded_mm,
+            stepped_mm,
+            vote_mm,
+            decision: None,
+        }
+    }
+
+    /// Five upright stripes of 64 px, facets 0 to 4, of which facet 2 is asked for; 1 and 2 are object 1.
+    fn striped() -> (Frame, Segments, Raster<u16>, Explanation) {
+        let stripe = |i: usize| i % 320 / 64;
+        let color = testing::raster(320, 240, |_| [200; 3]);
+        let frame = testing::frame(testing::raster(320, 240, |_| 1.0), Some(color));
+        let facets = testing::segments(320, 240, |i| stripe(i) as i32);
+        let labels = testing::raster(320, 240, |i| u16::from((1..=2).contains(&stripe(i))));
+        let facet = FacetReport {
+            facet: 2,
+            size_px: 64 * 240,
+            residual_quanta: 0.0,
+            mean_residual_quanta: 0.0,
+            structure_plane: None,
+        };
+        let explanation = Explanation {
+            pixel: [160, 120],
+            depth_m: Some(1.0),
+            outcome: Outcome::Object { object: 1 },
+            facet: Some(facet),
+            kept: None,
+            borders: vec![border(1, 30.0, 0.0, Some(30.0)), border(3, 1.0, 20.0, Some(-3.0))],
+            way: Vec::new(),
+            near_misses: Vec::new(),
+            object: None,
+        };
+        (frame, facets, labels, explanation)
+    }
+
+    #[test]
+    fn the_facet_is_bright_and_its_borders_have_the_colours_of_their_votes() {
+        let (frame, facets, labels, explained) = striped();
+        let picture = explanation(&frame, &facets, &labels, &explained);
+        let (left, top) = Page::new((320, 240), 2, 2).corner(0);
+        let at = |u: u32| *picture.get_pixel(left + u, top + 40);
+        assert_eq!(at(140), Rgb([200; 3]), "the facet is as it was");
+        assert_eq!(at(20), mix(NOTHING, Rgb([200; 3]), DIMMED), "the rest is dimmed");
+        assert_eq!((at(128), at(191)), (FOR, STEP));
+        assert_eq!((at(127), at(192)), (FOR, STEP), "the partners are outlined");
+        assert_eq!(*picture.get_pixel(left + 160, top + 120), ASKED);
+        assert_eq!(picture, explanation(&frame, &facets, &labels, &explained));
+    }
+
+    #[test]
+    fn a_border_has_the_colour_of_what_speaks_most() {
+        assert_eq!(color_of(&border(1, 5.0, 9.0, Some(1.0))), FOR);
+        assert_eq!(color_of(&border(1, 9.0, 5.0, Some(-1.0))), AGAINST);
+        assert_eq!(color_of(&border(1, 5.0, 9.0, Some(0.0))), STEP);
+        assert_eq!(color_of(&border(1, 5.0, 9.0, None)), NO_VOTE);
+    }
+
+    #[test]
+    fn frames_of_any_size_have_a_picture() {
+        let (.., explained) = striped();
+        for (width, height) in [(1, 1), (3, 500), (1300, 2)] {
+            for color in [None, Some(testing::raster(width, height, |_| [9; 3]))] {
+                let frame = testing::frame(testing::raster(width, height, |_| 1.0), color);
+                let facets = testing::segments(width, height, |i| (i % 4) as i32 - 1);
+                let labels = testing::raster(width, height, |i| (i % 3) as u16);
+                let nothing = Explanation { facet: None, borders: Vec::new(), ..explained.clone() };
+                for explained in [&explained, &nothing] {
+                    let picture = explanation(&frame, &facets, &labels, explained);
+                    assert!(picture.width() >= 640, "{width} x {height}");
+                }
+            }
+        }
+    }
 }

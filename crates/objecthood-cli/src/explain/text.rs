@@ -145,18 +145,14 @@ fn checked(check: &Check) -> String {
 fn flipped(flip: &Flip) -> String {
     match flip {
         Flip::At { parameter, from, to } => {
-            format!(
-                "otherwise with --set {parameter}={} (now {}, {:+.0} %)",
-                number(*to),
-                number(*from),
-                100.0 * (to - from) / from.abs()
-            )
+            let percent = 100.0 * (to - from) / from.abs();
+            format!("otherwise with --set {parameter}={to} (now {from}, {percent:+.1} %)")
         }
-        Flip::Nowhere { tried } if tried.is_empty() => "no single number would decide otherwise".to_owned(),
+        Flip::Nowhere { tried } if tried.is_empty() => "no parameter sets what decided".to_owned(),
         Flip::Nowhere { tried } => {
-            format!("no single number would decide otherwise: tried {}", tried.join(", "))
+            format!("no single parameter decides otherwise: tried {}", tried.join(", "))
         }
-        Flip::NotSought => "what would decide otherwise was not looked for: too much else was".to_owned(),
+        Flip::NotSought => "what would decide otherwise was not looked for: enough else was".to_owned(),
     }
 }
 
@@ -169,11 +165,8 @@ fn number(value: f64) -> String {
 fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
     let own = explanation.facet.map_or(0, |facet| facet.facet);
     writeln!(text, "\nBorders of facet {own}, the longest first")?;
-    writeln!(
-        text,
-        "  with         angle     gap before it     fold     step     vote\n  \
-                        [deg]  [quanta]     [mm]     [mm]     [mm]     [mm]"
-    )?;
+    writeln!(text, "  with         angle     gap before it     fold     step     vote")?;
+    writeln!(text, "  {:<11}  [deg]  [quanta]     [mm]     [mm]     [mm]     [mm]", "")?;
     for border in &explanation.borders {
         let BorderReport { mean_angle_deg, gap_quanta, gap_mm, folded_mm, stepped_mm, vote_mm, .. } = border;
         let with = match border.structure_plane {
@@ -181,7 +174,7 @@ fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
             None => format!("facet {}", border.facet),
         };
         let optional = |value: &Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:+.1}"));
-        writeln!(
+        write!(
             text,
             "  {with:<11} {:>6} {gap_quanta:>+9.1} {gap_mm:>+8.1} {folded_mm:>8.1} {stepped_mm:>8.1} {:>8}",
             optional(mean_angle_deg),
@@ -190,9 +183,9 @@ fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
         match &border.decision {
             Some(Decision { yes, reason, flip, .. }) => {
                 let answer = if *yes { "one thing" } else { "two things" };
-                writeln!(text, "    {answer}: {}\n    {}", in_words(*reason), flipped(flip))?;
+                writeln!(text, "\n    {answer}: {}\n    {}", in_words(*reason), flipped(flip))?;
             }
-            None => writeln!(text, "    structure has no vote")?,
+            None => writeln!(text, "  structure has no vote")?,
         }
     }
     Ok(())

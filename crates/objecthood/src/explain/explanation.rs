@@ -32,6 +32,20 @@ pub struct Explanation {
     pub object: Option<ObjectReport>,
 }
 
+impl Explanation {
+    /// Everything that was decided, what matters most first.
+    pub fn decisions(&self) -> impl Iterator<Item = &Decision> {
+        let borders = self.borders.iter().filter_map(|border| border.decision.as_ref());
+        self.kept.iter().chain(&self.way).chain(&self.near_misses).chain(borders)
+    }
+
+    /// The same, to change.
+    pub(super) fn decisions_mut(&mut self) -> impl Iterator<Item = &mut Decision> {
+        let borders = self.borders.iter_mut().filter_map(|border| border.decision.as_mut());
+        self.kept.iter_mut().chain(&mut self.way).chain(&mut self.near_misses).chain(borders)
+    }
+}
+
 /// What a pixel is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -170,7 +184,7 @@ pub enum Flip {
         /// Its value then.
         to: f64,
     },
-    /// None of these alone does, within its range, as far as was tried.
+    /// None of these alone does, within its range, as far as was tried; none of them at all when only fixed limits decided.
     Nowhere {
         /// The parameters that were tried.
         tried: Vec<&'static str>,

@@ -1,10 +1,12 @@
 //! Which single parameter would decide otherwise: guessed from the evidence, then tried with the whole method.
 
+use std::sync::OnceLock;
+
 use crate::explain::explanation::{Decision, Flip, Question, Reason};
 use crate::explain::run::Run;
-use crate::explain::sweep::{Sweep, relative_change};
+use crate::explain::sweep::{self, Sweep, relative_change};
 use crate::frame::Frame;
-use crate::objectness::check::Check;
+use crate::objectness::check::{Bound, Check};
 use crate::params::{ParameterInfo, Params};
 use crate::regions::SegmentId;
 
@@ -30,35 +32,30 @@ pub(super) struct Search<'a> {
     frame: &'a Frame,
     params: &'a Params,
     run: &'a Run,
+    sweep: &'a OnceLock<Sweep>,
     runs_left: usize,
-    /// What votes would do, once it was asked for.
-    sweep: Option<Sweep>,
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(frame: &'a Frame, params: &'a Params, run: &'a Run) -> Self {
-        Self { frame, params, run, runs_left: RUNS, sweep: None }
+    pub(super) fn new(
+        frame: &'a Frame,
+        params: &'a Params,
+        run: &'a Run,
+        sweep: &'a OnceLock<Sweep>,
+    ) -> Self {
+        Self { frame, params, run, sweep, runs_left: RUNS }
     }
 
-    /// The answer to a question, and what it would take to change it.
-    pub(super) fn decision(&mut self, question: Question, reason: Reason, checks: Vec<Check>) -> Decision {
-        let yes = answer(self.run, question);
-        let guesses = match (reason, question) {
+    /// The nearest guess that is true.
+    pub(super) fn flip(&mut self, decision: &Decision) -> Flip {
+        let &Decision { question, yes, reason, ref checks, .. } = decision;
+        let (mut guesses, tried) = match (reason, question) {
             (Reason::Folds | Reason::Steps | Reason::OtherBorders, Question::OneThing { facets }) => {
-                self.guess_votes(facets)
+                (self.guess_votes(facets), sweep::PARAMETERS.to_vec())
             }
-            _ => guess_checks(&checks, self.params),
+            _ => (guess_checks(checks, self.params), parameters(checks)),
         };
-        let flip = self.flip(question, yes, guesses);
-        Decision { question, yes, reason, checks, flip }
-    }
-
-    /// The first guess that is true.
-    fn flip(&mut self, question: Question, yes: bool, mut guesses: Vec<Guess>) -> Flip {
         guesses.sort_by(|a, b| relative_change(a).total_cmp(&relative_change(b)));
-        let mut tried: Vec<&'static str> = guesses.iter().map(|guess| guess.parameter).collect();
-        tried.sort_unstable();
-        tried.dedup();
         for guess in guesses.into_iter().take(GUESSES) {
             match self.confirm(question, yes, guess) {
                 Confirmed::Yes(to) => return Flip::At { parameter: guess.parameter, from: guess.from, to },
@@ -95,15 +92,14 @@ impl<'a> Search<'a> {
     fn ask(&mut self, question: Question, parameter: &str, value: f64) -> Option<bool> {
         self.runs_left = self.runs_left.checked_sub(1)?;
         let params = self.params.with_number(parameter, value)?;
-        Some(answer(&Run::new(self.frame, &params).ok()?, question))
+        Some(Run::new(self.frame, &params).ok()?.answer(question))
     }
 
-    fn guess_votes(&mut self, facets: [u32; 2]) -> Vec<Guess> {
+    fn guess_votes(&self, facets: [u32; 2]) -> Vec<Guess> {
         let free = facets.map(|facet| self.run.free(SegmentId(facet)));
         let [Some(a), Some(b)] = free else { return Vec::new() };
-        let (frame, params, run) = (self.frame, self.params, self.run);
-        let sweep = self.sweep.get_or_insert_with(|| Sweep::new(frame, params, run));
-        sweep.guesses(run, [a, b])
+        let sweep = self.sweep.get_or_init(|| Sweep::new(self.frame, self.params, self.run));
+        sweep.guesses(self.run, [a, b])
     }
 }
 
@@ -116,20 +112,23 @@ enum Confirmed {
     Unknown,
 }
 
-/// What a run of the method says to a question.
-fn answer(run: &Run, question: Question) -> bool {
-    match question {
-        Question::OneThing { facets: [a, b] } => run.one_thing(SegmentId(a), SegmentId(b)),
-        Question::Kept { facet } => run.object(SegmentId(facet)) > 0,
-        Question::Bottom { facet } => run.has_bottom(SegmentId(facet)),
-    }
+/// The checks that have to be turned over to decide otherwise: those that fail, or if none does any.
+fn turned(checks: &[Check]) -> impl Iterator<Item = &Check> {
+    let any_fails = checks.iter().any(|check| !check.holds());
+    checks.iter().filter(move |check| !any_fails || !check.holds())
 }
 
-/// Values that turn checks over: those that fail, or if none does any.
+/// Values that turn one of these checks over.
 fn guess_checks(checks: &[Check], params: &Params) -> Vec<Guess> {
-    let any_fails = checks.iter().any(|check| !check.holds());
-    let turned = checks.iter().filter(|check| !any_fails || !check.holds());
-    turned.flat_map(|check| guess(check, params)).collect()
+    turned(checks).flat_map(|check| guess(check, params)).collect()
+}
+
+/// The parameters behind these checks.
+fn parameters(checks: &[Check]) -> Vec<&'static str> {
+    let mut parameters: Vec<&'static str> = turned(checks).filter_map(|check| check.parameter).collect();
+    parameters.sort_unstable();
+    parameters.dedup();
+    parameters
 }
 
 /// Values of the parameter behind a check that turn it over: the nearest, and one a little farther.
@@ -140,20 +139,19 @@ fn guess(check: &Check, params: &Params) -> Vec<Guess> {
     };
     let limits = info(parameter).and_then(|info| info.limits());
     let Some((least, greatest)) = limits else { return Vec::new() };
-    // The limit is proportional to the parameter.
-    let exact = check.measured * from / check.limit;
+    // The limit is proportional to the parameter, and has to rise or to fall to turn the check over.
+    let factor = check.limit / from;
+    let exact = check.measured / factor;
+    let limit_rises = matches!(check.bound, Bound::Below | Bound::AtMost) != check.holds();
+    let sign = if limit_rises == (factor > 0.0) { 1.0 } else { -1.0 };
     let is_allowed = |guess: &Guess| (least..=greatest).contains(&guess.to) && guess.to != from;
-    let beyond = [1.0, 2.0].map(|steps| Guess {
-        parameter,
-        from,
-        to: beyond(exact, from, steps, is_whole(parameter)),
-    });
+    let whole = is_whole(parameter);
+    let beyond = [1.0, 2.0].map(|steps| Guess { parameter, from, to: beyond(exact, sign, steps, whole) });
     beyond.into_iter().filter(is_allowed).collect()
 }
 
-/// A round value `steps` last digits or less beyond `exact`, as seen from `from`.
-fn beyond(exact: f64, from: f64, steps: f64, whole: bool) -> f64 {
-    let sign = if exact < from { -1.0 } else { 1.0 };
+/// A round value beyond `exact` on the side of `sign`, by at most so many `steps` of its last digit.
+fn beyond(exact: f64, sign: f64, steps: f64, whole: bool) -> f64 {
     let digit = if whole { 1.0 } else { last_digit(exact) };
     // Counted from the last round value before it, so that one step is beyond it.
     let before = (sign * exact / digit).floor();
@@ -191,4 +189,68 @@ fn fraction_within(info: &ParameterInfo) -> f64 {
 /// What is known of a parameter.
 pub(super) fn info(parameter: &str) -> Option<ParameterInfo> {
     Params::table().into_iter().find(|info| info.name == parameter)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_guess_turns_its_check_over_and_is_round() {
+        let params = Params::default();
+        // Whatever is measured, on either side of the limit: with the limit that the guess makes the check turns.
+        for bound in [Bound::Below, Bound::AtMost, Bound::Above, Bound::AtLeast] {
+            for (parameter, factor) in
+                [("height.min_top_m", 1.0), ("vessels.concavity", -0.5), ("fragments.max_size_px", 0.25)]
+            {
+                let from = params.number(parameter).unwrap();
+                for share in [0.013, 0.4, 0.999, 1.0, 1.001, 1.7] {
+                    let limit = from * factor;
+                    // Pixels are counted.
+                    let measured = if is_whole(parameter) { (limit * share).round() } else { limit * share };
+                    let check = Check::new("", "", measured, bound, limit).set_by(parameter);
+                    let guesses = guess(&check, &params);
+                    let turns =
+                        |guess: &Guess| Check { limit: guess.to * factor, ..check }.holds() != check.holds();
+                    assert!(guesses.iter().any(turns), "{check:?} {guesses:?}");
+                    for Guess { to, .. } in guesses {
+                        assert!(params.with_number(parameter, to).is_some(), "{to}");
+                        let rounded: f64 = format!("{to:.2e}").parse().unwrap();
+                        assert!(rounded == to || is_whole(parameter), "{to} is not round");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_no_parameter_sets_has_no_guess() {
+        let params = Params::default();
+        let fixed = Check::new("", "", 1.0, Bound::Below, 2.0);
+        assert_eq!(guess(&fixed, &params), []);
+        assert_eq!(guess(&fixed.set_by("no.parameter"), &params), []);
+        assert_eq!(guess(&fixed.set_by("vessels.rim_circle"), &params), []);
+        // Beyond what the parameter may be: 1 m at most.
+        let far = Check::new("", "", 5.0, Bound::AtMost, 0.015).set_by("vessels.rim_height_m");
+        assert_eq!(guess(&far, &params), []);
+    }
+
+    #[test]
+    fn only_what_decided_is_turned() {
+        let holds = Check::new("", "", 1.0, Bound::Below, 2.0).set_by("height.min_top_m");
+        let fails = Check::new("", "", 3.0, Bound::Below, 2.0).set_by("occlusion.angle_deg");
+        assert_eq!(parameters(&[holds, fails]), ["occlusion.angle_deg"]);
+        assert_eq!(parameters(&[holds, holds]), ["height.min_top_m"]);
+    }
+
+    #[test]
+    fn whole_numbers_are_known() {
+        for info in Params::table().iter().filter(|info| info.limits().is_some()) {
+            let (least, greatest) = info.limits().unwrap();
+            let is_float = info.default.contains('.') || least.fract() != 0.0 || greatest.fract() != 0.0;
+            assert!(!(is_whole(&info.name) && is_float), "{}", info.name);
+        }
+        assert!(is_whole("fragments.max_size_px") && is_whole("graph.min_size_px"));
+        assert!(!is_whole("occlusion.angle_deg") && !is_whole("contraction.reflex_offset_deg"));
+    }
 }

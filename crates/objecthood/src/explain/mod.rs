@@ -15,10 +15,13 @@ pub use explanation::{
     BorderReport, Decision, Explanation, FacetReport, Flip, ObjectReport, Outcome, Part, Question, Reason,
 };
 
+use std::sync::OnceLock;
+
 use crate::discovery::{Discovery, Object, ObjectId, ObjectnessParts};
 use crate::error::{Error, Result};
 use crate::explain::flip::Search;
 use crate::explain::run::Run;
+use crate::explain::sweep::Sweep;
 use crate::frame::Frame;
 use crate::objectness::check::{Bound, Check};
 use crate::objectness::history::{Event, Miss, Rule};
@@ -32,6 +35,8 @@ use crate::surface::disparity::{DisparitySpace, position};
 
 /// So many parts of an object are named at most, beside those on the way of the pixel's own.
 const PARTS: usize = 6;
+/// A check that fails by more of its limit than this was not near to hold.
+const NEAR: f64 = 0.5;
 
 /// A frame that was looked at, ready for questions.
 pub struct Explainer<'a> {
@@ -40,6 +45,8 @@ pub struct Explainer<'a> {
     space: DisparitySpace,
     disparity: Raster<f32>,
     run: Run,
+    /// What votes would do with other parameters, once it was asked for.
+    sweep: OnceLock<Sweep>,
 }
 
 impl<'a> Explainer<'a> {
@@ -50,7 +57,14 @@ impl<'a> Explainer<'a> {
     pub fn new(frame: &'a Frame, params: &'a Params) -> Result<Self> {
         let run = Run::new(frame, params)?;
         let space = DisparitySpace::new(frame.camera(), &params.sensor);
-        Ok(Self { frame, params, disparity: space.disparity(frame.depth_m()), space, run })
+        Ok(Self {
+            frame,
+            params,
+            disparity: space.disparity(frame.depth_m()),
+            space,
+            run,
+            sweep: OnceLock::new(),
+        })
     }
 
     /// What was found in the frame.
@@ -77,13 +91,38 @@ impl<'a> Explainer<'a> {
         Some([nearest % labels.width(), nearest / labels.width()])
     }
 
-    /// Why the pixel in column `u` and row `v` is what it is.
-    ///
-    /// Looks at the frame again, at most 40 times, with single parameters changed.
+    /// Why the pixel in column `u` and row `v` is what it is, and what it would take to decide otherwise. O(pixels), and up to 40
+    /// looks at the frame with single parameters changed.
     ///
     /// # Errors
     /// [`Error::OutsideImage`].
-    pub fn explain(&self, [u, v]: [usize; 2]) -> Result<Explanation> {
+    pub fn explain(&self, pixel: [usize; 2]) -> Result<Explanation> {
+        let mut explanation = self.describe(pixel)?;
+        let mut search = self.search();
+        explanation.decisions_mut().for_each(|decision| decision.flip = search.flip(decision));
+        Ok(explanation)
+    }
+
+    /// What it would take to decide otherwise: up to 40 looks at the frame.
+    pub fn flip(&self, decision: &Decision) -> Flip {
+        self.search().flip(decision)
+    }
+
+    /// The answer to a question about facets of this frame. Facets keep their numbers as long as no parameter of the first two stages
+    /// changes.
+    pub fn answer(&self, question: Question) -> bool {
+        self.run.answer(question)
+    }
+
+    fn search(&self) -> Search<'_> {
+        Search::new(self.frame, self.params, &self.run, &self.sweep)
+    }
+
+    /// As [`Self::explain`], but no flip is looked for: every one is [`Flip::NotSought`]. O(pixels).
+    ///
+    /// # Errors
+    /// [`Error::OutsideImage`].
+    pub fn describe(&self, [u, v]: [usize; 2]) -> Result<Explanation> {
         let (width, height) = self.frame.size();
         if u >= width || v >= height {
             return Err(Error::OutsideImage { pixel: [u, v], size: (width, height) });
@@ -108,17 +147,15 @@ impl<'a> Explainer<'a> {
         explanation.object =
             self.discovery().objects.get(usize::from(label).wrapping_sub(1)).map(|o| self.object(o));
         explanation.outcome = self.outcome(facet, i);
-        // What became of the thing comes first, because the number of runs is limited.
-        let mut search = Search::new(self.frame, self.params, &self.run);
         match self.run.free(facet) {
             Some(_) => {
-                explanation.kept = Some(self.kept(facet, &mut search));
-                explanation.way = self.way(facet, &mut search);
-                explanation.near_misses = self.near_misses(facet, &mut search);
+                explanation.kept = Some(self.kept(facet));
+                explanation.way = self.way(facet);
+                explanation.near_misses = self.near_misses(facet);
             }
-            None => explanation.way = self.bottom(i, &mut search),
+            None => explanation.way = self.bottom(i),
         }
-        explanation.borders = self.borders(facet, &mut search);
+        explanation.borders = self.borders(facet);
         Ok(explanation)
     }
 
@@ -173,14 +210,19 @@ impl<'a> Explainer<'a> {
         }
     }
 
+    /// What was decided, without what it would take to decide otherwise.
+    fn decision(&self, question: Question, reason: Reason, checks: Vec<Check>) -> Decision {
+        Decision { question, yes: self.run.answer(question), reason, checks, flip: Flip::NotSought }
+    }
+
     /// Whether the thing that a facet belongs to is an object, and why.
-    fn kept(&self, facet: SegmentId, search: &mut Search<'_>) -> Decision {
+    fn kept(&self, facet: SegmentId) -> Decision {
         let question = Question::Kept { facet: facet.0 };
         let own = self.run.cluster(facet);
         let (reason, checks) = match own {
             // The last event of its way gave it to the background.
             None => {
-                let last = self.run.chain(facet).pop();
+                let last = self.run.chain(facet).pop().map(|last| &self.run.events[last]);
                 last.map_or((Reason::Passed, Vec::new()), |event| {
                     (Reason::Rule(event.rule), event.checks.clone())
                 })
@@ -189,10 +231,11 @@ impl<'a> Explainer<'a> {
                 let size_px = self.run.size_px(cluster);
                 let fragment = small(size_px, &self.space, &self.params.fragments);
                 let too_small = self.too_small(size_px);
-                let is_low =
-                    |miss: &&Miss| miss.rule == Rule::Low && self.run.owner(miss.from) == Some(cluster);
+                let is_low = |(after, miss): &&(usize, Miss)| {
+                    miss.rule == Rule::Low && self.run.owner(miss.from, *after) == Some(cluster)
+                };
                 // A thing is as high as the highest of what it was made of.
-                let low = self.run.misses.iter().filter(is_low).flat_map(|miss| &miss.checks).copied();
+                let low = self.run.misses.iter().filter(is_low).flat_map(|(_, miss)| &miss.checks).copied();
                 let low = low.reduce(|a, b| if b.measured > a.measured { b } else { a });
                 if too_small.holds() {
                     (Reason::Size, vec![too_small])
@@ -201,7 +244,7 @@ impl<'a> Explainer<'a> {
                 }
             }
         };
-        search.decision(question, reason, checks)
+        self.decision(question, reason, checks)
     }
 
     /// That a cluster of so many pixels is too small for an object.
@@ -211,40 +254,32 @@ impl<'a> Explainer<'a> {
     }
 
     /// What rules did with the thing of a facet: first what gave the facet on, then what else came to it.
-    fn way(&self, facet: SegmentId, search: &mut Search<'_>) -> Vec<Decision> {
+    fn way(&self, facet: SegmentId) -> Vec<Decision> {
         let own = self.run.chain(facet);
         let cluster = self.run.cluster(facet);
-        let is_part = |event: &&Event| {
-            cluster.is_some()
-                && event.into.and_then(|into| self.run.owner(into)) == cluster
-                && !own.iter().any(|other| std::ptr::eq(*other, *event))
+        let is_part = |event: &usize| {
+            cluster.is_some() && self.run.owner_of_event(*event) == cluster && !own.contains(event)
         };
-        let parts = self.run.events.iter().filter(is_part).take(PARTS);
-        let given = own.iter().copied().filter(|event| event.into.is_some());
-        given.chain(parts).filter_map(|event| self.joined(event, search)).collect()
+        let parts = (0..self.run.events.len()).filter(is_part).take(PARTS);
+        own.iter().copied().chain(parts).filter_map(|event| self.joined(event)).collect()
     }
 
-    /// Why two clusters were made one.
-    fn joined(&self, event: &Event, search: &mut Search<'_>) -> Option<Decision> {
-        let reason = Reason::Rule(event.rule);
-        match event.from {
-            Some(from) => {
-                let [a, b] = [event.into?, from].map(|cluster| self.run.largest_facet(cluster));
-                let question = Question::OneThing { facets: [a?.0, b?.0] };
-                Some(search.decision(question, reason, event.checks.clone()))
-            }
-            None => {
-                let facet = self.run.largest_facet(event.into?)?;
-                let question = Question::Bottom { facet: facet.0 };
-                Some(search.decision(question, reason, event.checks.clone()))
-            }
-        }
+    /// Why two clusters were made one; `None` of what was given to the background.
+    fn joined(&self, place: usize) -> Option<Decision> {
+        let event = &self.run.events[place];
+        let facet = |cluster| self.run.largest_facet(cluster, place).map(|facet| facet.0);
+        let into = facet(event.into?)?;
+        let question = match event.from {
+            Some(from) => Question::OneThing { facets: [into, facet(from)?] },
+            None => Question::Bottom { facet: into },
+        };
+        Some(self.decision(question, Reason::Rule(event.rule), event.checks.clone()))
     }
 
     /// Why a pixel of the structure is the bottom of an object, if it is.
-    fn bottom(&self, pixel: usize, search: &mut Search<'_>) -> Vec<Decision> {
+    fn bottom(&self, pixel: usize) -> Vec<Decision> {
         let (u, v) = (pixel % self.disparity.width(), pixel / self.disparity.width());
-        let holds = |event: &&Event| {
+        let holds = |event: &Event| {
             let Some((join, _)) = &event.join else { return false };
             let [_, bottom] = join.parts;
             let (columns, rows) = (
@@ -256,59 +291,56 @@ impl<'a> Explainer<'a> {
                 && rows.contains(&v)
         };
         let label = self.discovery().labels[pixel];
-        let is_own = |event: &&Event| {
-            let facet = event.into.and_then(|into| self.run.largest_facet(into));
+        let is_own = |&place: &usize| {
+            let facet = self.run.events[place].into.and_then(|into| self.run.largest_facet(into, place));
             label > 0 && facet.is_some_and(|facet| self.run.object(facet) == label)
         };
-        let event = self.run.events.iter().filter(holds).find(is_own);
-        event.and_then(|event| self.joined(event, search)).into_iter().collect()
+        let mut events = (0..self.run.events.len()).filter(|&place| holds(&self.run.events[place]));
+        let event = events.find(is_own).and_then(|place| self.joined(place));
+        event.into_iter().collect()
     }
 
-    /// What rules nearly joined to the thing of a facet: of vessels and of occluded parts the one that failed the fewest checks, by
+    /// What rules nearly joined to the thing of a facet, if anything: of vessels and of occluded parts the one that failed the fewest checks, by
     /// the least.
-    fn near_misses(&self, facet: SegmentId, search: &mut Search<'_>) -> Vec<Decision> {
+    fn near_misses(&self, facet: SegmentId) -> Vec<Decision> {
         let Some(cluster) = self.run.cluster(facet) else { return Vec::new() };
-        let owners =
-            |miss: &Miss| [Some(miss.from), miss.into].map(|id| id.and_then(|id| self.run.owner(id)));
+        let owner = |cluster, after| self.run.owner(cluster, after);
         let mut found = Vec::new();
         for is_kind in [
             |rule| rule == Rule::Occlusion,
             |rule| matches!(rule, Rule::VesselInside | Rule::VesselWall | Rule::VesselRemainder),
         ] {
-            let own = self.run.misses.iter().filter(|miss| {
-                let [a, b] = owners(miss);
-                is_kind(miss.rule) && a != b && b.is_some() && (a == Some(cluster) || b == Some(cluster))
+            let own = self.run.misses.iter().filter(|(after, miss)| {
+                let (a, b) = (owner(miss.from, *after), miss.into.and_then(|into| owner(into, *after)));
+                let is_own = a != b && b.is_some() && (a == Some(cluster) || b == Some(cluster));
+                let is_near = |check: &Check| check.holds() || check.distance() <= NEAR;
+                is_kind(miss.rule) && is_own && miss.checks.iter().all(is_near)
             });
             let nearest = own.min_by(|a, b| {
-                let [a, b] = [a, b].map(|miss| shortfall(&miss.checks));
+                let [a, b] = [a, b].map(|(_, miss)| shortfall(&miss.checks));
                 a.0.cmp(&b.0).then_with(|| a.1.total_cmp(&b.1))
             });
             found.extend(nearest);
         }
-        let decide = |miss: &Miss| {
-            let [a, b] = [miss.into?, miss.from].map(|cluster| self.run.largest_facet(cluster));
+        let decide = |(after, miss): &(usize, Miss)| {
+            let [a, b] = [miss.into?, miss.from].map(|cluster| self.run.largest_facet(cluster, *after));
             let question = Question::OneThing { facets: [a?.0, b?.0] };
-            Some(search.decision(question, Reason::Rule(miss.rule), miss.checks.clone()))
+            Some(self.decision(question, Reason::Rule(miss.rule), miss.checks.clone()))
         };
         found.into_iter().filter_map(decide).collect()
     }
 
     /// The borders of a facet, the longest first.
-    fn borders(&self, facet: SegmentId, search: &mut Search<'_>) -> Vec<BorderReport> {
+    fn borders(&self, facet: SegmentId) -> Vec<BorderReport> {
         let own = |edge: &&RegionEdge<BorderEvidence>| edge.a == facet || edge.b == facet;
         let mut edges: Vec<&RegionEdge<BorderEvidence>> =
             self.run.borders.edges().iter().filter(own).collect();
         let length_m = |edge: &RegionEdge<BorderEvidence>| edge.evidence.gaps.length_m;
         edges.sort_by(|a, b| length_m(b).total_cmp(&length_m(a)));
-        edges.into_iter().map(|edge| self.border(facet, edge, search)).collect()
+        edges.into_iter().map(|edge| self.border(facet, edge)).collect()
     }
 
-    fn border(
-        &self,
-        facet: SegmentId,
-        edge: &RegionEdge<BorderEvidence>,
-        search: &mut Search<'_>,
-    ) -> BorderReport {
+    fn border(&self, facet: SegmentId, edge: &RegionEdge<BorderEvidence>) -> BorderReport {
         let evidence = &edge.evidence;
         let (other, sign) = if edge.a == facet { (edge.b, 1.0) } else { (edge.a, -1.0) };
         let fold_m = evidence.fold_m();
@@ -325,27 +357,20 @@ impl<'a> Explainer<'a> {
             folded_mm: 1e3 * fold_m,
             stepped_mm: 1e3 * evidence.step_m,
             vote_mm: vote_m.map(|vote_m| 1e3 * vote_m),
-            decision: vote_m.map(|vote_m| self.vote(facet, other, evidence, vote_m, search)),
+            decision: vote_m.map(|vote_m| self.vote(facet, other, evidence, vote_m)),
         }
     }
 
     /// Whether two facets that share a border are one thing, and why.
-    fn vote(
-        &self,
-        a: SegmentId,
-        b: SegmentId,
-        evidence: &BorderEvidence,
-        vote_m: f64,
-        search: &mut Search<'_>,
-    ) -> Decision {
+    fn vote(&self, a: SegmentId, b: SegmentId, evidence: &BorderEvidence, vote_m: f64) -> Decision {
         let question = Question::OneThing { facets: [a.0, b.0] };
         let one_shape = self.run.shape(a) == self.run.shape(b);
-        let event = || self.run.uniting(a, b);
-        if !one_shape
-            && self.run.one_thing(a, b)
-            && let Some(event) = event()
-        {
-            return search.decision(question, Reason::Rule(event.rule), event.checks.clone());
+        if !one_shape && self.run.one_thing(a, b) {
+            let event = self.run.uniting(a, b).map(|place| &self.run.events[place]);
+            // A small hole in a surface is filled without a word.
+            let (rule, checks) =
+                event.map_or((Rule::VesselBottom, Vec::new()), |event| (event.rule, event.checks.clone()));
+            return self.decision(question, Reason::Rule(rule), checks);
         }
         let steps_m = self.params.contraction.occlusion_weight * evidence.step_m;
         let reason = match (one_shape, vote_m > 0.0) {
@@ -354,7 +379,7 @@ impl<'a> Explainer<'a> {
             (false, false) => Reason::Folds,
             _ => Reason::OtherBorders,
         };
-        search.decision(question, reason, Vec::new())
+        self.decision(question, reason, Vec::new())
     }
 }
 

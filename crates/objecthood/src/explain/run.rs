@@ -1,9 +1,11 @@
 //! One run of the method, and what its stages showed.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use crate::discovery::Discovery;
 use crate::error::{Error, Result};
+use crate::explain::explanation::Question;
 use crate::facets::Facets;
 use crate::frame::Frame;
 use crate::objectness::history::{Event, Miss, Rule};
@@ -19,7 +21,7 @@ struct Record {
     borders: Option<(Facets, RegionGraph<BorderEvidence>)>,
     filled: Option<Facets>,
     events: Vec<Event>,
-    misses: Vec<Miss>,
+    misses: Vec<(usize, Miss)>,
     sizes_px: BTreeMap<SegmentId, usize>,
 }
 
@@ -29,7 +31,7 @@ impl Observer for Record {
             Stage::Borders { facets, evidence } => self.borders = Some((facets.clone(), evidence.clone())),
             Stage::Clusters { facets, history } => {
                 self.filled = Some(facets.clone());
-                self.events = history.events().cloned().collect();
+                self.events = history.events().into_iter().cloned().collect();
                 self.misses = history.misses().to_vec();
                 self.sizes_px = history.clusters().collect();
             }
@@ -48,14 +50,15 @@ pub(super) struct Run {
     pub(super) borders: RegionGraph<BorderEvidence>,
     pub(super) shapes: Shapes,
     pub(super) events: Vec<Event>,
-    pub(super) misses: Vec<Miss>,
+    /// Each with the number of events before it.
+    pub(super) misses: Vec<(usize, Miss)>,
     sizes_px: BTreeMap<SegmentId, usize>,
-    /// Where every cluster that is no more was given to.
-    given: BTreeMap<SegmentId, usize>,
-    /// The largest facet of every shape.
-    largest: Vec<Option<SegmentId>>,
+    /// The largest facet of every shape, and its pixels (px).
+    largest: Vec<Option<(usize, SegmentId)>>,
     /// The object of every cluster that is one.
     object: BTreeMap<SegmentId, u16>,
+    /// The cluster of every facet that was given to one as its bottom.
+    bottom_of: BTreeMap<SegmentId, SegmentId>,
 }
 
 impl Run {
@@ -67,7 +70,6 @@ impl Run {
             return Err(Error::OnlyContext { method: params.method });
         };
         let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
-        let given = events.iter().enumerate().filter_map(|(k, event)| Some((event.from?, k))).collect();
         let mut run = Self {
             discovery,
             facets,
@@ -77,9 +79,9 @@ impl Run {
             events,
             misses,
             sizes_px,
-            given,
             largest: Vec::new(),
             object: BTreeMap::new(),
+            bottom_of: BTreeMap::new(),
         };
         run.look_up();
         Ok(run)
@@ -93,20 +95,26 @@ impl Run {
             sizes[facet] += 1;
             first[facet].get_or_insert(i);
         }
-        let mut largest: Vec<Option<SegmentId>> = vec![None; self.shapes.count];
+        let mut bottoms = Vec::new();
+        let mut largest: Vec<Option<(usize, SegmentId)>> = vec![None; self.shapes.count];
         for (k, pixel) in first.iter().enumerate() {
             let facet = SegmentId(k as u32);
             let (Some(shape), Some(pixel)) = (self.shape(facet), pixel) else { continue };
             let best = &mut largest[shape.index()];
-            if best.is_none_or(|best| sizes[best.index()] < sizes[k]) {
-                *best = Some(facet);
+            if best.is_none_or(|(most, _)| most < sizes[k]) {
+                *best = Some((sizes[k], facet));
             }
             let label = self.discovery.labels[*pixel];
-            if let Some(cluster) = self.cluster(facet).filter(|_| label > 0) {
-                self.object.insert(cluster, label);
+            match self.owner(shape, 0) {
+                Some(cluster) if label > 0 => drop(self.object.insert(cluster, label)),
+                None if label > 0 => bottoms.push((facet, label)),
+                _ => {}
             }
         }
         self.largest = largest;
+        let owner = |label: u16| self.object.iter().find(|(_, object)| **object == label).map(|(id, _)| *id);
+        self.bottom_of =
+            bottoms.into_iter().filter_map(|(facet, label)| Some((facet, owner(label)?))).collect();
     }
 
     /// The number of a facet among those that are no structure.
@@ -119,17 +127,48 @@ impl Run {
         self.shapes.of_facet.get(self.free(facet)?).map(|&shape| SegmentId(shape))
     }
 
-    /// What a cluster was made a part of in the end; `None` = the background.
-    pub(super) fn owner(&self, mut cluster: SegmentId) -> Option<SegmentId> {
-        while let Some(&event) = self.given.get(&cluster) {
-            cluster = self.events[event].into?;
+    /// What was done with a cluster that was there after so many events: the places of the events.
+    fn chain_from(&self, cluster: SegmentId, after: usize) -> Vec<usize> {
+        let mut own = Some(cluster);
+        let mut chain = Vec::new();
+        for (k, event) in self.events.iter().enumerate().skip(after) {
+            if own.is_some() && event.from == own {
+                own = event.into;
+                chain.push(k);
+            }
         }
-        Some(cluster)
+        chain
     }
 
-    /// The cluster of a facet in the end; `None` = structure or background.
+    /// What a cluster that was there after so many events was made a part of in the end; `None` = the background.
+    pub(super) fn owner(&self, cluster: SegmentId, after: usize) -> Option<SegmentId> {
+        let last = self.chain_from(cluster, after).pop();
+        last.map_or(Some(cluster), |last| self.events[last].into)
+    }
+
+    /// The cluster in which ends what an event gave away; `None` = the background.
+    pub(super) fn owner_of_event(&self, event: usize) -> Option<SegmentId> {
+        self.owner(self.events[event].into?, event + 1)
+    }
+
+    /// The facet that stands for a cluster that was there after so many events: the largest.
+    pub(super) fn largest_facet(&self, cluster: SegmentId, after: usize) -> Option<SegmentId> {
+        let is_part = |shape: SegmentId| {
+            let then = self.chain_from(shape, 0).into_iter().take_while(|k| *k < after).last();
+            then.map_or(Some(shape), |last| self.events[last].into) == Some(cluster)
+        };
+        let shapes = (0..self.shapes.count as u32).map(SegmentId).filter(|&shape| is_part(shape));
+        shapes
+            .filter_map(|shape| self.largest[shape.index()])
+            .max_by_key(|&(size_px, facet)| (size_px, Reverse(facet)))
+            .map(|(_, facet)| facet)
+    }
+
+    /// The cluster of a facet in the end; `None` = structure or background. What lay low and then turned out to be the bottom of a
+    /// vessel is of the vessel.
     pub(super) fn cluster(&self, facet: SegmentId) -> Option<SegmentId> {
-        self.owner(self.shape(facet)?)
+        let own = self.owner(self.shape(facet)?, 0);
+        own.or_else(|| self.bottom_of.get(&facet).copied())
     }
 
     /// The object of a facet; 0 = none.
@@ -142,9 +181,13 @@ impl Run {
         self.sizes_px.get(&cluster).copied().unwrap_or(0)
     }
 
-    /// The facet that stands for a shape.
-    pub(super) fn largest_facet(&self, shape: SegmentId) -> Option<SegmentId> {
-        *self.largest.get(shape.index())?
+    /// The answer to a question.
+    pub(super) fn answer(&self, question: Question) -> bool {
+        match question {
+            Question::OneThing { facets: [a, b] } => self.one_thing(SegmentId(a), SegmentId(b)),
+            Question::Kept { facet } => self.object(SegmentId(facet)) > 0,
+            Question::Bottom { facet } => self.has_bottom(SegmentId(facet)),
+        }
     }
 
     /// Whether two facets are one thing: parts of one shape, or of one cluster that is not background.
@@ -156,39 +199,31 @@ impl Run {
     /// Whether a bottom was given to the thing of a facet.
     pub(super) fn has_bottom(&self, facet: SegmentId) -> bool {
         let cluster = self.cluster(facet);
-        let mut bottoms = self.events.iter().filter(|event| event.rule == Rule::VesselBottom);
-        cluster.is_some() && bottoms.any(|event| event.into.and_then(|into| self.owner(into)) == cluster)
+        let mut bottoms = (0..self.events.len()).filter(|&k| self.events[k].rule == Rule::VesselBottom);
+        cluster.is_some() && bottoms.any(|k| self.owner_of_event(k) == cluster)
     }
 
     /// What gave the shape of a facet on, one after the other.
-    pub(super) fn chain(&self, facet: SegmentId) -> Vec<&Event> {
-        let mut chain = Vec::new();
-        let mut cluster = self.shape(facet);
-        while let Some(event) = cluster.and_then(|cluster| self.given.get(&cluster)) {
-            let event = &self.events[*event];
-            chain.push(event);
-            cluster = event.into;
-        }
-        chain
+    pub(super) fn chain(&self, facet: SegmentId) -> Vec<usize> {
+        self.shape(facet).map(|shape| self.chain_from(shape, 0)).unwrap_or_default()
     }
 
-    /// What made two facets of different shapes one.
-    pub(super) fn uniting(&self, a: SegmentId, b: SegmentId) -> Option<&Event> {
-        let [of_a, of_b] = [a, b].map(|facet| self.chain(facet));
-        let common = |event: &Event, other: &[&Event], shape: Option<SegmentId>| {
-            event.into == shape || other.iter().any(|their| their.into == event.into)
-        };
-        let first = |own: &[&'_ Event], other: &[&Event], shape| {
-            own.iter().position(|event| common(event, other, shape))
-        };
-        // That of a, unless b was given to what a already was.
-        match first(&of_a, &of_b, self.shape(b)) {
-            Some(k)
-                if self.shape(a).is_none_or(|shape| of_b.iter().all(|event| event.into != Some(shape))) =>
-            {
-                of_a.get(k).copied()
+    /// What made two facets of different shapes one: the event after which they were.
+    pub(super) fn uniting(&self, a: SegmentId, b: SegmentId) -> Option<usize> {
+        let mut own = [a, b].map(|facet| self.shape(facet));
+        let joins = self.events.iter().position(|event| {
+            let before = own;
+            for own in &mut own {
+                if own.is_some() && event.from == *own {
+                    *own = event.into;
+                }
             }
-            _ => first(&of_b, &of_a, self.shape(a)).and_then(|k| of_b.get(k).copied()),
-        }
+            own != before && own[0].is_some() && own[0] == own[1]
+        });
+        // Else one of them is the bottom of the other.
+        let cluster = self.cluster(a);
+        let is_bottom =
+            |k: &usize| self.events[*k].rule == Rule::VesselBottom && self.owner_of_event(*k) == cluster;
+        joins.or_else(|| (0..self.events.len()).find(is_bottom))
     }
 }

@@ -12,7 +12,7 @@ use crate::shapes::contraction::{Shapes, contract, votes};
 use crate::surface::disparity::DisparitySpace;
 
 /// The parameters that votes depend on.
-const PARAMETERS: [&str; 5] = [
+pub(super) const PARAMETERS: [&str; 5] = [
     "contraction.reflex_offset_deg",
     "contraction.full_vote_deg",
     "contraction.occlusion_weight",
@@ -115,4 +115,32 @@ fn values(from: f64, sign: f64, (least, greatest): (f64, f64)) -> Vec<f64> {
 /// How much a guess changes its parameter, as a share of its value.
 pub(super) fn relative_change(guess: &Guess) -> f64 {
     (guess.to - guess.from).abs() / guess.from.abs().max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_go_to_the_limit_in_growing_steps() {
+        for (from, limits) in [(12.0, (-180.0, 180.0)), (0.15, (0.0, 100.0)), (0.0, (0.0, 10.0))] {
+            for sign in [-1.0, 1.0] {
+                let values = values(from, sign, limits);
+                let limit = if sign < 0.0 { limits.0 } else { limits.1 };
+                assert_eq!(values.last().copied(), Some(limit).filter(|limit| *limit != from));
+                let steps: Vec<f64> = std::iter::once(from).chain(values).collect();
+                assert!(steps.windows(2).all(|pair| sign * (pair[1] - pair[0]) > 0.0), "{steps:?}");
+                assert!(steps.len() < 40);
+            }
+        }
+    }
+
+    #[test]
+    fn round_values_lie_outwards() {
+        for (value, from, expected) in
+            [(13.1187, 12.0, 13.2), (11.9731, 12.0, 11.9), (-92.31, 12.0, -92.4), (0.013456, 0.013, 0.0135)]
+        {
+            assert_eq!(outwards(value, from), expected);
+        }
+    }
 }

@@ -68,8 +68,8 @@ pub(crate) struct Cluster {
     pub pixels: Vec<u32>,
     /// How it lies to others; `None` = the background, which is all structure.
     pub neighbours: BTreeMap<Option<SegmentId>, Borders>,
-    /// What was given to it, and before that to what was given to it.
-    history: Vec<Event>,
+    /// What was given to it, and before that to what was given to it; each with the number of events before it.
+    history: Vec<(usize, Event)>,
     top_m: OnceLock<f64>,
     convexity: OnceLock<f64>,
 }
@@ -82,9 +82,11 @@ pub(crate) struct Clusters<'a> {
     of_facet: Vec<Option<SegmentId>>,
     /// Pixels of clusters that turned out to be background, and how that came.
     remains: Vec<u32>,
-    remains_history: Vec<Event>,
-    /// What rules looked at and left alone.
-    misses: Vec<Miss>,
+    remains_history: Vec<(usize, Event)>,
+    /// How many events there were.
+    events: usize,
+    /// What rules looked at and left alone; each with the number of events before it.
+    misses: Vec<(usize, Miss)>,
 }
 
 /// Pixels farther apart in a row or column (px at a focal length of 525 px) are no neighbours.
@@ -159,6 +161,7 @@ impl<'a> Clusters<'a> {
             of_facet,
             remains: Vec::new(),
             remains_history: Vec::new(),
+            events: 0,
             misses: Vec::new(),
         }
     }
@@ -193,21 +196,22 @@ impl<'a> Clusters<'a> {
     /// Which parts of a cluster were joined although they do not touch as one surface, each with the facet that hides what is
     /// between.
     pub(crate) fn joins(&self, id: SegmentId) -> impl Iterator<Item = &(Join, Option<SegmentId>)> {
-        self.get(id).history.iter().filter_map(|event| event.join.as_ref())
+        self.get(id).history.iter().filter_map(|(_, event)| event.join.as_ref())
     }
 
     /// Notes what a rule looked at and left alone.
     pub(crate) fn note_misses(&mut self, misses: impl IntoIterator<Item = Miss>) {
-        self.misses.extend(misses);
+        let events = self.events;
+        self.misses.extend(misses.into_iter().map(|miss| (events, miss)));
     }
 
-    /// All that was noted of what was given to what.
-    pub(crate) fn events(&self) -> impl Iterator<Item = &Event> {
+    /// All that was given to what, each with the number of events before it, in no order.
+    pub(crate) fn events(&self) -> impl Iterator<Item = &(usize, Event)> {
         self.clusters.iter().flat_map(|cluster| &cluster.history).chain(&self.remains_history)
     }
 
-    /// All that was noted of what was left alone.
-    pub(crate) fn misses(&self) -> &[Miss] {
+    /// All that was left alone, each with the number of events before it, rule by rule.
+    pub(crate) fn misses(&self) -> &[(usize, Miss)] {
         &self.misses
     }
 
@@ -222,10 +226,12 @@ impl<'a> Clusters<'a> {
         if let Some(from) = event.from {
             self.merge(event.into, from);
         }
-        match event.into {
-            Some(into) => self.clusters[into.index()].history.push(event),
-            None => self.remains_history.push(event),
-        }
+        let history = match event.into {
+            Some(into) => &mut self.clusters[into.index()].history,
+            None => &mut self.remains_history,
+        };
+        history.push((self.events, event));
+        self.events += 1;
     }
 
     fn merge(&mut self, into: Option<SegmentId>, from: SegmentId) {
@@ -365,7 +371,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::objectness::testing::{Table, merge, single};
+    use crate::objectness::history::History;
+    use crate::objectness::testing::{Table, merge, named, single};
     use crate::testing::{coarse_disparity, raster, small_size};
 
     /// A small image of up to four facets on a table, at heights that are level, a step or far apart; some pixels are missing.
@@ -447,6 +454,13 @@ mod tests {
                 }
                 let expected = counted(&cluster, scene.disparity);
                 prop_assert_eq!(clusters.alive(), expected.keys().copied().collect::<Vec<_>>());
+                // The events, in their order, say which cluster every facet is in.
+                let events = History::of(&clusters).events().into_iter().cloned().collect::<Vec<_>>();
+                for (facet, own) in named(&clusters).into_iter().enumerate() {
+                    let start = Some(SegmentId(facet as u32));
+                    let end = events.iter().fold(start, |own, e| if own.is_some() && e.from == own { e.into } else { own });
+                    prop_assert_eq!(end.map(|id| id.0), own);
+                }
                 for (id, (pixels, neighbours)) in expected {
                     prop_assert_eq!(&clusters.get(id).pixels, &pixels);
                     prop_assert_eq!(&clusters.get(id).neighbours, &neighbours, "{:?}", id);

@@ -68,13 +68,16 @@ impl<'a> History<'a> {
         Self(clusters)
     }
 
-    /// What was given to what. In no order but this: what was given on comes after what was given to it before.
-    pub fn events(&self) -> impl Iterator<Item = &'a Event> + use<'a> {
-        self.0.events()
+    /// What was given to what, in the order in which it was. A cluster that was given away may be there again later, when something
+    /// is given to it. O(events log events).
+    pub fn events(&self) -> Vec<&'a Event> {
+        let mut events: Vec<&'a (usize, Event)> = self.0.events().collect();
+        events.sort_by_key(|(before, _)| *before);
+        events.into_iter().map(|(_, event)| event).collect()
     }
 
-    /// What rules left alone at last, rule by rule.
-    pub fn misses(&self) -> &'a [Miss] {
+    /// What rules left alone at last, rule by rule, each with the number of events before it.
+    pub fn misses(&self) -> &'a [(usize, Miss)] {
         self.0.misses()
     }
 

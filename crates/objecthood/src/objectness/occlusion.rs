@@ -273,12 +273,11 @@ impl Gap<'_> {
         let distance_m = point_a.distance(point_b);
         let clusters = [a.cluster, b.cluster];
         let mut checks = Checks::default();
-        let no_farther = |share: f64| {
+        let no_farther = |what, share: f64| {
             let limit_m = share * self.params.max_distance_m;
-            Check::new("distance of the parts", "m", distance_m, Bound::AtMost, limit_m)
-                .set_by("occlusion.max_distance_m")
+            Check::new(what, "m", distance_m, Bound::AtMost, limit_m).set_by("occlusion.max_distance_m")
         };
-        if !checks.that(no_farther(1.0)) {
+        if !checks.that(no_farther("distance of the parts", 1.0)) {
             return None;
         }
 
@@ -346,9 +345,14 @@ impl Gap<'_> {
             checks.that(alike.set_by("occlusion.color_overlap"));
         }
         if is_horizontal {
-            checks.that(no_farther(HORIZONTAL_DISTANCE));
+            checks.that(no_farther("distance of the parts, which are level", HORIZONTAL_DISTANCE));
             if let Some(overlap) = color_overlap {
-                checks.that(share("overlap of their colours", overlap, Bound::AtLeast, HORIZONTAL_COLOR));
+                checks.that(share(
+                    "overlap of their colours, as they are level",
+                    overlap,
+                    Bound::AtLeast,
+                    HORIZONTAL_COLOR,
+                ));
             }
         }
         let continuation = Continuation {

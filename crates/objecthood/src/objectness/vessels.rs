@@ -215,7 +215,7 @@ impl Rules<'_> {
             let mut checks = Checks::default();
             let (front, back) = (f64::from(in_front), f64::from(FRONT_RATIO * behind));
             let is_wall = checks.that(Check::new(
-                "wall in front of the inside along",
+                "wall in front along, against 4 times behind",
                 "px",
                 front,
                 Bound::AtLeast,

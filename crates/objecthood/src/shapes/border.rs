@@ -233,7 +233,8 @@ impl Fold {
 impl BorderEvidence {
     /// How much of the border (m) is a fold.
     pub fn fold_m(&self) -> f64 {
-        self.folds.iter().map(|fold| fold.length_m).sum()
+        // A sum of nothing is -0.0.
+        self.folds.iter().fold(0.0, |sum, fold| sum + fold.length_m)
     }
 
     /// The signed vote of a border (m): above 0 for one shape, below 0 for two. Its folds vote; a step speaks against by
