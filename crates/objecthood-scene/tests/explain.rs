@@ -31,6 +31,7 @@ enum Kind {
     Fragment,
     Low,
     TooSmall,
+    Unlikely,
     OcclusionJoined,
     OcclusionMissed,
     VesselJoined,
@@ -40,13 +41,14 @@ enum Kind {
 
 /// Each with how many of twenty cases have a flip at least. Of a step that is deep, or of a fragment that another rule would join,
 /// no single parameter decides otherwise.
-const KINDS: [(Kind, usize); 8] = [
+const KINDS: [(Kind, usize); 9] = [
     (Kind::ConvexityJoined, 15),
     (Kind::ConvexityCut, 18),
     (Kind::StepCut, 10),
     (Kind::Fragment, 10),
     (Kind::Low, 18),
     (Kind::TooSmall, 18),
+    (Kind::Unlikely, 20),
     (Kind::VesselJoined, 16),
     (Kind::Kept, 20),
 ];
@@ -64,6 +66,7 @@ fn kind(decision: &Decision) -> Option<Kind> {
         (Reason::Rule(Rule::Fragment), Question::OneThing { .. }, true) => Kind::Fragment,
         (Reason::Rule(Rule::Low), Question::Kept { .. }, false) => Kind::Low,
         (Reason::Size, ..) => Kind::TooSmall,
+        (Reason::Objectness, ..) => Kind::Unlikely,
         (Reason::Rule(Rule::Occlusion), _, true) => Kind::OcclusionJoined,
         (Reason::Rule(Rule::Occlusion), _, false) => Kind::OcclusionMissed,
         (Reason::Rule(Rule::VesselInside | Rule::VesselWall | Rule::VesselRemainder), _, true) => {
@@ -112,7 +115,7 @@ fn check_consistent(explainer: &Explainer<'_>, explanation: &Explanation) {
             (Reason::Steps, yes) => assert!(!yes && vote_mm <= 0.0 && border.stepped_mm > 0.0, "{border:?}"),
             (Reason::OtherBorders, yes) => assert_eq!(yes, vote_mm <= 0.0, "{border:?}"),
             (Reason::Rule(_), yes) => assert!(yes, "{border:?}"),
-            (Reason::Size | Reason::Passed, _) => panic!("{border:?}"),
+            (Reason::Size | Reason::Objectness | Reason::Passed, _) => panic!("{border:?}"),
         }
     }
     for decision in explanation.decisions() {
@@ -208,11 +211,15 @@ fn decisions(
     let mut lax = Params::default();
     lax.objectness.min_size_px = 1;
     check_filter(frame, explainer, &lax, Kind::TooSmall, cases.entry(Kind::TooSmall).or_default());
+    let mut lax = Params::default();
+    lax.objectness.every_hypothesis = true;
+    check_filter(frame, explainer, &lax, Kind::Unlikely, cases.entry(Kind::Unlikely).or_default());
+    let filters = [Kind::Low, Kind::TooSmall, Kind::Unlikely];
     for &pixel in pixels {
         let explanation = explainer.describe(pixel).unwrap();
         check_consistent(explainer, &explanation);
         for decision in explanation.decisions() {
-            let Some(kind) = kind(decision).filter(|kind| !matches!(kind, Kind::Low | Kind::TooSmall)) else {
+            let Some(kind) = kind(decision).filter(|kind| !filters.contains(kind)) else {
                 continue;
             };
             let cases = cases.entry(kind).or_default();

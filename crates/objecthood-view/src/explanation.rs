@@ -71,6 +71,7 @@ fn in_words(outcome: Outcome) -> String {
         Outcome::Structure { plane } => format!("structure plane {plane}"),
         Outcome::Background { .. } => "no object: background".to_owned(),
         Outcome::TooSmall => "no object: too small".to_owned(),
+        Outcome::Unlikely => "no object: too little speaks for it".to_owned(),
         Outcome::Object { object } => format!("object {object}"),
     }
 }
@@ -101,7 +102,7 @@ impl<'a> Canvas<'a> {
         let facets = sample(facets.labels());
         Self {
             own: explanation.facet.map_or(Segments::NONE, |facet| facet.facet as i32),
-            object: explanation.object.as_ref().map_or(0, |object| object.object),
+            object: explanation.object.as_ref().and_then(|object| object.object).unwrap_or(0),
             reach: (facets.width().max(facets.height()) / 240).max(1),
             labels: sample(labels),
             facets,

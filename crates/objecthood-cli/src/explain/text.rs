@@ -65,6 +65,7 @@ fn outcome(outcome: Outcome) -> String {
         Outcome::Background { plane: 0 } => "no object: taken for a part of the background".to_owned(),
         Outcome::Background { plane } => format!("no object: taken for a part of structure plane {plane}"),
         Outcome::TooSmall => "no object: too small".to_owned(),
+        Outcome::Unlikely => "no object: too little speaks for it".to_owned(),
         Outcome::Object { object } => format!("object {object}"),
     }
 }
@@ -113,6 +114,7 @@ fn in_words(reason: Reason) -> &'static str {
         Reason::Steps => "the steps of their border",
         Reason::OtherBorders => "other borders outvote their own",
         Reason::Size => "too few pixels",
+        Reason::Objectness => "too little speaks for it",
         Reason::Passed => "nothing speaks against it",
         Reason::Rule(Rule::Fragment) => "a fragment goes to what it touches most",
         Reason::Rule(Rule::Low) => "what hardly rises above the support is a part of it",

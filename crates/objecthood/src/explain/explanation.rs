@@ -27,7 +27,7 @@ pub struct Explanation {
     pub way: Vec<Decision>,
     /// What rules nearly did with it.
     pub near_misses: Vec<Decision>,
-    /// The object, if it is one.
+    /// The object, or what might have been one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object: Option<ObjectReport>,
 }
@@ -66,6 +66,8 @@ pub enum Outcome {
     },
     /// Of a thing that has too few pixels.
     TooSmall,
+    /// Of a thing for which too little speaks.
+    Unlikely,
     /// Of an object.
     Object {
         /// Its number in the label image.
@@ -164,6 +166,8 @@ pub enum Reason {
     OtherBorders,
     /// It has too few pixels.
     Size,
+    /// Too little speaks for it.
+    Objectness,
     /// Nothing spoke against it.
     Passed,
     /// A rule of stage 4.
@@ -193,11 +197,12 @@ pub enum Flip {
     NotSought,
 }
 
-/// The object of a pixel.
+/// The object of a pixel, or what might have been one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ObjectReport {
-    /// Its number in the label image.
-    pub object: u16,
+    /// Its number in the label image, if it is an object.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub object: Option<u16>,
     /// How sure it is, in [0, 1].
     pub objectness: f32,
     /// What that is made of.

@@ -17,7 +17,9 @@ pub use explanation::{
 
 use std::sync::OnceLock;
 
-use crate::discovery::{Discovery, Object, ObjectId, ObjectnessParts};
+use std::collections::BTreeSet;
+
+use crate::discovery::{Discovery, ObjectId, ObjectnessParts};
 use crate::error::{Error, Result};
 use crate::explain::flip::Search;
 use crate::explain::run::Run;
@@ -25,6 +27,7 @@ use crate::explain::sweep::Sweep;
 use crate::frame::Frame;
 use crate::objectness::check::{Bound, Check};
 use crate::objectness::history::{Event, Miss, Rule};
+use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::join::JoinEvidence;
 use crate::objectness::small;
 use crate::params::Params;
@@ -142,10 +145,8 @@ impl<'a> Explainer<'a> {
         };
         let Some(facet) = self.facets().at(i) else { return Ok(explanation) };
 
-        let label = self.discovery().labels[i];
         explanation.facet = Some(self.facet(facet, i));
-        explanation.object =
-            self.discovery().objects.get(usize::from(label).wrapping_sub(1)).map(|o| self.object(o));
+        explanation.object = self.run.hypothesis_at(i).map(|hypothesis| self.object(hypothesis));
         explanation.outcome = self.outcome(facet, i);
         match self.run.free(facet) {
             Some(_) => {
@@ -189,24 +190,22 @@ impl<'a> Explainer<'a> {
         match (label, self.plane(facet)) {
             (0, Some(plane)) => Outcome::Structure { plane },
             (0, None) if self.run.cluster(facet).is_none() => Outcome::Background { plane: in_structure },
+            (0, None) if self.run.hypothesis_at(pixel).is_some() => Outcome::Unlikely,
             (0, None) => Outcome::TooSmall,
             (object, _) => Outcome::Object { object },
         }
     }
 
-    fn object(&self, object: &Object) -> ObjectReport {
-        let mut facets: Vec<u32> = Vec::new();
-        let labels = &self.discovery().labels;
-        let own = self.facets().members().filter(|&(i, _)| labels[i] == object.id.0);
-        facets.extend(own.map(|(_, facet)| facet as u32));
-        facets.sort_unstable();
-        facets.dedup();
+    fn object(&self, hypothesis: &Hypothesis) -> ObjectReport {
+        let own = hypothesis.pixels.iter().filter_map(|&i| self.facets().at(i));
+        let facets: BTreeSet<u32> = own.map(|facet| facet.0).collect();
+        let label = self.discovery().labels[hypothesis.pixels[0]];
         ObjectReport {
-            object: object.id.0,
-            objectness: object.objectness,
-            parts: parts(object),
-            size_px: object.size_px,
-            facets,
+            object: (label > 0).then_some(label),
+            objectness: hypothesis.objectness,
+            parts: parts(&hypothesis.parts),
+            size_px: hypothesis.pixels.len(),
+            facets: facets.into_iter().collect(),
         }
     }
 
@@ -237,10 +236,14 @@ impl<'a> Explainer<'a> {
                 // A thing is as high as the highest of what it was made of.
                 let low = self.run.misses.iter().filter(is_low).flat_map(|(_, miss)| &miss.checks).copied();
                 let low = low.reduce(|a, b| if b.measured > a.measured { b } else { a });
-                if too_small.holds() {
-                    (Reason::Size, vec![too_small])
-                } else {
-                    (Reason::Passed, low.into_iter().chain([too_small, fragment]).collect())
+                let unlikely = self.run.hypothesis(cluster).and_then(|hypothesis| self.unlikely(hypothesis));
+                match unlikely {
+                    _ if too_small.holds() => (Reason::Size, vec![too_small]),
+                    Some(unlikely) if unlikely.holds() => (Reason::Objectness, vec![unlikely]),
+                    _ => {
+                        let passed = low.into_iter().chain([too_small, fragment]).chain(unlikely);
+                        (Reason::Passed, passed.collect())
+                    }
                 }
             }
         };
@@ -251,6 +254,14 @@ impl<'a> Explainer<'a> {
     fn too_small(&self, size_px: usize) -> Check {
         let limit = self.space.area_px(self.params.objectness.min_size_px) as f64;
         Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("objectness.min_size_px")
+    }
+
+    /// That too little speaks for a hypothesis, if that is asked.
+    fn unlikely(&self, hypothesis: &Hypothesis) -> Option<Check> {
+        let params = &self.params.objectness;
+        let measured = f64::from(hypothesis.objectness);
+        let check = Check::new("its objectness", "", measured, Bound::Below, f64::from(params.threshold));
+        (!params.every_hypothesis).then(|| check.set_by("objectness.threshold"))
     }
 
     /// What rules did with the thing of a facet: first what gave the facet on, then what else came to it.
@@ -389,9 +400,9 @@ fn shortfall(checks: &[Check]) -> (usize, f64) {
     (failed.clone().count(), failed.map(Check::distance).sum())
 }
 
-/// What the objectness of an object is made of.
-fn parts(object: &Object) -> Vec<Part> {
-    let ObjectnessParts { size, support, compactness, separation, visibility } = object.parts;
+/// What an objectness is made of.
+fn parts(parts: &ObjectnessParts) -> Vec<Part> {
+    let &ObjectnessParts { size, support, compactness, separation, visibility } = parts;
     let named = [
         ("size", size),
         ("support", support),

@@ -9,6 +9,7 @@ use crate::explain::explanation::Question;
 use crate::facets::Facets;
 use crate::frame::Frame;
 use crate::objectness::history::{Event, Miss, Rule};
+use crate::objectness::hypotheses::Hypothesis;
 use crate::observe::{Observer, Stage};
 use crate::params::Params;
 use crate::regions::{RegionGraph, SegmentId};
@@ -23,6 +24,7 @@ struct Record {
     events: Vec<Event>,
     misses: Vec<(usize, Miss)>,
     sizes_px: BTreeMap<SegmentId, usize>,
+    hypotheses: Vec<Hypothesis>,
 }
 
 impl Observer for Record {
@@ -35,6 +37,7 @@ impl Observer for Record {
                 self.misses = history.misses().to_vec();
                 self.sizes_px = history.clusters().collect();
             }
+            Stage::Hypotheses(hypotheses) => self.hypotheses = hypotheses.to_vec(),
             _ => {}
         }
     }
@@ -53,6 +56,8 @@ pub(super) struct Run {
     /// Each with the number of events before it.
     pub(super) misses: Vec<(usize, Miss)>,
     sizes_px: BTreeMap<SegmentId, usize>,
+    /// The hypothesis of every cluster that is large enough for one.
+    hypotheses: BTreeMap<SegmentId, Hypothesis>,
     /// The largest facet of every shape, and its pixels (px).
     largest: Vec<Option<(usize, SegmentId)>>,
     /// The object of every cluster that is one.
@@ -65,7 +70,7 @@ impl Run {
     pub(super) fn new(frame: &Frame, params: &Params) -> Result<Self> {
         let mut record = Record::default();
         let discovery = crate::discover_observed(frame, params, &mut record)?;
-        let Record { borders, filled, events, misses, sizes_px } = record;
+        let Record { borders, filled, events, misses, sizes_px, hypotheses } = record;
         let (Some((facets, borders)), Some(filled)) = (borders, filled) else {
             return Err(Error::OnlyContext { method: params.method });
         };
@@ -79,11 +84,18 @@ impl Run {
             events,
             misses,
             sizes_px,
+            hypotheses: BTreeMap::new(),
             largest: Vec::new(),
             object: BTreeMap::new(),
             bottom_of: BTreeMap::new(),
         };
         run.look_up();
+        for hypothesis in hypotheses {
+            let mut facets = hypothesis.pixels.iter().filter_map(|&i| run.filled.segments.at(i));
+            if let Some(cluster) = facets.find_map(|facet| run.cluster(facet)) {
+                run.hypotheses.insert(cluster, hypothesis);
+            }
+        }
         Ok(run)
     }
 
@@ -179,6 +191,16 @@ impl Run {
     /// The pixels of a cluster (px); 0 of one that is no more.
     pub(super) fn size_px(&self, cluster: SegmentId) -> usize {
         self.sizes_px.get(&cluster).copied().unwrap_or(0)
+    }
+
+    /// How much speaks for a cluster, if it is large enough.
+    pub(super) fn hypothesis(&self, cluster: SegmentId) -> Option<&Hypothesis> {
+        self.hypotheses.get(&cluster)
+    }
+
+    /// The hypothesis that holds a pixel.
+    pub(super) fn hypothesis_at(&self, pixel: usize) -> Option<&Hypothesis> {
+        self.hypotheses.values().find(|hypothesis| hypothesis.pixels.binary_search(&pixel).is_ok())
     }
 
     /// The answer to a question.
