@@ -28,11 +28,11 @@ fn two_boxes() -> Folder {
 #[test]
 fn the_text_of_an_object_and_of_the_table() {
     let folder = stacked();
-    let run = folder.run(&format!("explain {STACKED} --object 1"), 0);
+    let run = folder.run(&format!("explain {STACKED} --at 239,146"), 0);
     assert_eq!(run.stderr, "");
     insta::assert_snapshot!("object", run.stdout);
     insta::assert_snapshot!("table", folder.run(&format!("explain {STACKED} --at 320,400"), 0).stdout);
-    let again = folder.run(&format!("explain {STACKED} --object 1 --threads 1"), 0);
+    let again = folder.run(&format!("explain {STACKED} --at 239,146 --threads 1"), 0);
     assert_eq!(again.stdout, run.stdout, "whatever the number of threads");
 }
 
