@@ -84,6 +84,33 @@ fn the_ablation_has_six_settings() {
 }
 
 #[test]
+fn the_support_forest_is_scored_on_synthetic_scenes() {
+    let folder = Folder::new();
+    let run = folder.run("eval --support 2 --seed 3 --json figures.json", 0);
+    for word in
+        ["scenes 3 to 4", "| own, all ", "| true, all ", "in against on:", "| of a horizontal camera "]
+    {
+        assert!(run.stdout.contains(word), "{word}: {}", run.stdout);
+    }
+    let figures = json(&folder, "figures.json");
+    assert_eq!((&figures["first_seed"], &figures["scenes"]), (&3.into(), &2.into()));
+    assert!(figures["own"]["precision"].as_f64() > Some(0.5), "{figures}");
+    assert!(figures["families"]["stacked"]["truth"]["edges"]["right"].as_u64() > Some(3), "{figures}");
+    assert_eq!(folder.run("eval --support 2 --seed 3 --threads 1", 0).stdout, run.stdout);
+    for (arguments, said) in [
+        ("--support 2 --method paper", "forest"),
+        ("--support 2 --composites 2", "--composites"),
+        ("--support 2 root", "ROOT"),
+        ("--support 2 --ladder", "--ladder"),
+        ("--support 0", "--support"),
+        ("--seed 2", "--composites"),
+    ] {
+        let run = folder.run(&format!("eval {arguments}"), 2);
+        assert!(run.stderr.contains(said), "{arguments}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn what_cannot_be_scored_is_named() {
     let folder = data_set();
     folder.run("segment root/left --out labels", 0);

@@ -186,3 +186,110 @@ impl AddAssign for SupportScore {
         self.recursion.without += r.without;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use objecthood::objectness::gravity::{Up, UpSource};
+    use objecthood::objectness::support::{NodeId, SupportEdge, SupportNode};
+    use objecthood::{Raster, SegmentId};
+    use objecthood_scene::{Contact, ContactKind};
+
+    use super::*;
+
+    const UP: Up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera };
+
+    fn contact(lower: u16, upper: u16, kind: ContactKind) -> Contact {
+        Contact { upper, lower, kind, point_m: [0.0; 3], normal: [0.0, 0.0, 1.0] }
+    }
+
+    /// One row a thing of 250 pixels: the table 1, a bowl 2 on it with a ball 3 in it, a box 4 on it with a board 5 against it.
+    fn truth() -> SupportTruth {
+        let instance = Raster::from_vec(250, 5, (0..1250).map(|i| (i / 250 + 1) as u16).collect()).unwrap();
+        use ContactKind::{LeansOn, LiesIn, StandsOn, Touches};
+        let contacts = [
+            (1, 2, StandsOn),
+            (2, 3, LiesIn),
+            (1, 4, StandsOn),
+            (1, 5, StandsOn),
+            (4, 5, LeansOn),
+            (2, 4, Touches),
+        ];
+        SupportTruth {
+            surface: instance.clone(),
+            instance,
+            objects: (2..=5).collect(),
+            contacts: contacts.map(|(lower, upper, kind)| contact(lower, upper, kind)).into(),
+            up: UP,
+        }
+    }
+
+    /// Our regions are the true things, in their order; plane 0 is the table.
+    fn scored(edges: &[(u32, u32, SupportKind)], label: impl Fn(i32) -> i32) -> SupportScore {
+        let truth = truth();
+        let regions = Segments::from_labels(&truth.instance.map(|&k| label(i32::from(k) - 1)));
+        let node = |k: usize| SupportNode {
+            kind: if k == 0 { NodeKind::Structure { plane: 0 } } else { NodeKind::Surface },
+            p_s: if k == 0 { 0.9 } else { 0.1 },
+            p_o: if k == 0 { 0.0 } else { 0.9 },
+            height_m: 0.0,
+            size_px: 250,
+        };
+        let edge = |&(lower, upper, kind): &(u32, u32, SupportKind)| SupportEdge {
+            kind,
+            ..SupportEdge::seen(NodeId(lower), NodeId(upper), 9)
+        };
+        let graph = SupportGraph {
+            nodes: (0..regions.count()).map(node).collect(),
+            edges: edges.iter().map(edge).collect(),
+        };
+        assert_eq!(regions.at(0), Some(SegmentId(0)));
+        support_score(&graph, &regions, &truth).unwrap()
+    }
+
+    use SupportKind::{In, Leans, On};
+
+    #[test]
+    fn what_is_true_is_right_and_what_touches_is_not_asked_for() {
+        let all = [(0, 1, On), (1, 2, In), (0, 3, On), (0, 4, On), (3, 4, Leans)];
+        let score = scored(&all, |k| k);
+        assert_eq!(score.edges, EdgeCounts { right: 5, wrong: 0, missed: 0, unmatched: 0 });
+        assert_eq!((score.within.called_in, score.leans.called_leans, score.on.called_on), (1, 1, 3));
+        // The ball alone stands on an object; the board leans on one.
+        assert_eq!(score.recursion, RecursionCounts { stacked: 1, with: 1, without: 0 });
+        assert_eq!((score.edges.precision(), score.edges.recall()), (1.0, 1.0));
+    }
+
+    #[test]
+    fn edges_are_directed_and_kinds_are_told_apart() {
+        // The ball on the bowl and on the table too, the bowl on the box beside it, the box on the board.
+        let score = scored(&[(0, 1, On), (1, 2, On), (0, 2, On), (3, 1, On), (4, 3, On)], |k| k);
+        assert_eq!(score.edges, EdgeCounts { right: 2, wrong: 3, missed: 3, unmatched: 0 });
+        assert_eq!((score.within.there, score.within.called_on, score.within.called_in), (1, 1, 0));
+        assert_eq!(score.recursion, RecursionCounts { stacked: 1, with: 1, without: 1 });
+        assert_eq!((score.edges.precision(), score.edges.recall()), (0.4, 0.4));
+    }
+
+    #[test]
+    fn what_was_not_found_is_not_judged() {
+        // Box and board are one region, which is neither by more than half.
+        let score = scored(&[(0, 1, On), (1, 2, In), (0, 3, On)], |k| k.min(3));
+        assert_eq!(score.edges, EdgeCounts { right: 2, wrong: 0, missed: 0, unmatched: 3 });
+        let none = scored(&[], |k| if k == 0 { 0 } else { -1 });
+        assert_eq!(none.edges, EdgeCounts { unmatched: 5, ..EdgeCounts::default() });
+        assert_eq!((none.edges.precision(), none.edges.recall()), (1.0, 1.0));
+    }
+
+    #[test]
+    fn true_segments_are_faces_first_and_then_objects_of_some_size() {
+        let truth = truth();
+        let point = |i: usize| [(i % 250) as f32, (i / 250) as f32, (i % 7) as f32];
+        let points = Raster::from_vec(250, 5, (0..1250).map(point).collect()).unwrap();
+        let (segments, planes) = truth.segments(&points).unwrap();
+        assert_eq!((segments.count(), planes.len()), (5, 1));
+        assert_eq!([0, 250, 1249].map(|i| segments.at(i)), [0, 1, 4].map(|k| Some(SegmentId(k))));
+        // The first row lies at y = 0.
+        assert!(planes[0].normal[1].abs() > 0.999, "{planes:?}");
+        let small = SupportTruth { instance: truth.instance.map(|&k| k.min(2)), ..truth };
+        assert_eq!(small.segments(&points).unwrap().0.count(), 2);
+    }
+}

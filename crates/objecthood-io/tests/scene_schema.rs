@@ -5,7 +5,9 @@ use std::path::Path;
 
 use objecthood::objectness::gravity::{StructurePlane, Up, UpSource};
 use objecthood::objectness::join::{Continuation, Join, JoinEvidence, JoinedPart, RimCircle};
-use objecthood::objectness::support::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportNode};
+use objecthood::objectness::support::{
+    NodeId, NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode,
+};
 use objecthood::{
     Camera, Discovery, Frame, Notice, Object, ObjectId, ObjectnessParts, OrientedBox, Params, PixelBox,
     Raster,
@@ -52,7 +54,12 @@ fn discovery() -> Discovery {
         structure_planes: vec![StructurePlane { normal: [0.0, -1.0, 0.0], offset_m: 0.5, inlier_share: 0.7 }],
         support: SupportGraph {
             nodes: vec![node(NodeKind::Surface, 0.0), node(NodeKind::Object { object: ObjectId(1) }, 0.9)],
-            edges: vec![SupportEdge::seen(NodeId(0), NodeId(1), 12)],
+            edges: vec![SupportEdge {
+                kind: SupportKind::In,
+                confidence: 0.5,
+                hidden: true,
+                ..SupportEdge::seen(NodeId(0), NodeId(1), 12)
+            }],
         },
         notices: vec![Notice::NoColor],
     }
@@ -210,7 +217,9 @@ fn the_values_are_those_of_the_discovery() {
     assert_eq!(value["support"]["nodes"][1]["object"], 1);
     assert_eq!(
         value["support"]["edges"],
-        json!([{"lower": 0, "upper": 1, "kind": "on", "confidence": 1.0, "hidden": false, "contacts": 12}])
+        json!([{
+            "lower": 0, "upper": 1, "kind": "in", "confidence": 0.5, "hidden": true, "contacts": 12
+        }])
     );
     assert_eq!(value["notices"][1], Notice::NoColor.to_string());
     assert!(value["notices"][0].as_str().unwrap().contains("behind the camera"));

@@ -88,3 +88,55 @@ fn a_vessel_is_one_object_of_inside_and_wall() {
     assert!(parted.objects.len() >= 2 * vessels.len(), "{}", parted.objects.len());
     assert!(parted.objects.iter().all(|object| object.joins.is_empty()));
 }
+
+/// The same scene by a camera that is rolled clockwise.
+fn rolled(world: &World, roll_deg: f64) -> Rendered {
+    let Viewpoint { camera, size_px, pose } = *world.viewpoint();
+    let pose = pose.turned(2, roll_deg);
+    render(&world.with_viewpoint(Viewpoint { camera, size_px, pose }).unwrap(), Sensor::Ideal).unwrap()
+}
+
+#[test]
+fn a_rolled_camera_sees_the_same_objects_on_the_same_table() {
+    let world = generate(Family::Tabletop, 1);
+    // The camera's up in its own frame, from the truth.
+    let up_of = |roll_deg: f64| {
+        let params = objecthood::params::Gravity { roll_deg, ..Default::default() };
+        objecthood::objectness::gravity::camera_up(&params)
+    };
+    let level = context(&rolled(&world, 0.0), &default());
+    for roll_deg in [180.0, 90.0, -90.0] {
+        let seen = rolled(&world, roll_deg);
+        let mut params = default();
+        params.gravity.roll_deg = roll_deg;
+        let found = context(&seen, &params);
+        let dot = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>();
+        assert!(dot(found.up.direction, up_of(roll_deg)) > 0.3, "{roll_deg}: {:?}", found.up);
+        // As high as before: the table is what they stand on, and not a wall or the floor.
+        assert_eq!(found.objects.len(), level.objects.len(), "{roll_deg}");
+        for (object, iou) in overlaps(&world, &seen.truth.instance, &found) {
+            assert!(iou > 0.95, "{roll_deg} {object}: {iou}");
+        }
+        let mut unaware = default();
+        unaware.gravity.up_from = objecthood::params::UpFrom::Camera;
+        let up = context(&seen, &unaware).up.direction;
+        assert_eq!(up, [0.0, -1.0, 0.0], "{roll_deg}: held to be level");
+    }
+}
+
+#[test]
+fn the_table_is_told_from_the_wall_by_how_the_camera_is_held() {
+    // From where the room's wall fills more of the image than the table.
+    let world = generate(Family::Single, 3);
+    let mut viewpoint = *world.viewpoint();
+    viewpoint.pose = objecthood_scene::Pose::looking_at([0.0, -1.1, 1.25], [0.0, 0.3, 0.95]).turned(2, 180.0);
+    let seen = render(&world.with_viewpoint(viewpoint).unwrap(), Sensor::Ideal).unwrap();
+    let horizontal = |roll_deg: f64| {
+        let mut params = default();
+        params.gravity.roll_deg = roll_deg;
+        // Upside down the camera's y points up.
+        context(&seen, &params).up.direction[1]
+    };
+    assert!(horizontal(180.0) > 0.8, "{}", horizontal(180.0));
+    assert!(horizontal(0.0) < 0.8, "{}", horizontal(0.0));
+}

@@ -172,7 +172,7 @@ impl<'a> Bodies<'a> {
         match self.planes.get(region) {
             Some(plane) => self.faces_up(plane),
             None => {
-                let top_m = self.relief.top_near_m(region, self.plan.place_m(point_m));
+                let top_m = self.top_near_m(region, self.plan.place_m(point_m));
                 top_m.is_none_or(|top_m| top_m <= self.plan.height_m(point_m) + LEVEL_M)
             }
         }
@@ -186,6 +186,19 @@ impl<'a> Bodies<'a> {
             .iter()
             .zip(reach_m)
             .all(|(direction, reach_m)| place_m.dot(*direction) <= *reach_m)
+    }
+
+    /// How high a thing is seen at a place and about 1 cm around it (m).
+    pub(crate) fn top_near_m(&self, region: usize, place_m: DVec2) -> Option<f64> {
+        self.relief.top_near_m(region, place_m)
+    }
+
+    /// How far the outlines of two regions overlap in the plan view (m): the least way along any of [`DIRECTIONS`] that takes
+    /// them apart.
+    pub(crate) fn overlap_m(&self, a: usize, b: usize) -> f64 {
+        let [a, b] = [a, b].map(|region| &self.all[region].reach_m);
+        let apart = (0..DIRECTIONS).map(|k| a[k] + b[(k + DIRECTIONS / 2) % DIRECTIONS]);
+        apart.fold(f64::INFINITY, f64::min)
     }
 
     /// Height of a plane at a place (m).

@@ -10,7 +10,7 @@ use glam::Vec3;
 use crate::objectness::body::{Bodies, LEVEL_M, SECTORS};
 use crate::objectness::feet::{Foot, feet};
 use crate::objectness::gravity::{StructurePlane, Up};
-use crate::objectness::meeting::{Meeting, meetings};
+use crate::objectness::meeting::{Meeting, UNDER_M, meetings};
 use crate::objectness::support::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode};
 use crate::params;
 use crate::raster::Raster;
@@ -47,8 +47,9 @@ const HIDDEN: f64 = 0.5;
 /// * else the two touch side by side, which is no edge.
 ///
 /// What then stands on and lies in nothing has a hidden contact: behind what ends its foot it goes on along gravity, to the
-/// highest thing below that holds its middle, else to the plane there, else to the highest plane below. `confidence`: half
-/// the share of its foot that something ends; 0 of what floats.
+/// highest thing below that holds its middle or that it hangs over level with its top, else to the plane there, else to the
+/// highest plane below. `confidence`: a half, if it is level with that; else half the share of its foot that something ends,
+/// 0 of what floats.
 ///
 /// Edges are taken in the order on and in, leans, hidden, each kind by falling confidence, and each unless the upper already carries the lower by others:
 /// there are no cycles. P(S) is eq. 7, of a plane by its own normal; P(O) is eq. 8 over the edges. Confidence does not weigh
@@ -95,12 +96,16 @@ pub fn forest(
         b.foot_m.total_cmp(&a.foot_m).then(a.first.cmp(&b.first))
     });
     for upper in hanging {
-        let confidence = (HIDDEN * (1.0 - feet[upper].open_share())) as f32;
-        let hidden = |(kind, lower)| SupportEdge {
-            kind,
-            confidence,
-            hidden: true,
-            ..SupportEdge::seen(node(lower), node(upper), 0)
+        let hidden = |carrier: Hidden| {
+            // What is as low as it would stand there does not float, whatever is seen below.
+            let is_level = bodies.all[upper].foot_m - carrier.height_m <= LEVEL_M;
+            let ended = if is_level { 1.0 } else { 1.0 - feet[upper].open_share() };
+            SupportEdge {
+                kind: carrier.kind,
+                confidence: (HIDDEN * ended) as f32,
+                hidden: true,
+                ..SupportEdge::seen(node(carrier.lower), node(upper), 0)
+            }
         };
         below(&bodies, upper).into_iter().any(|carrier| edges.add(hidden(carrier)));
     }
@@ -133,7 +138,10 @@ fn enclosed(bodies: &Bodies<'_>) -> Vec<SupportEdge> {
     let enclosed = |lower: usize, upper: usize| {
         let (outer, inner) = (&bodies.all[lower], &bodies.all[upper]);
         let rim_m = inner.foot_m + LEAST_RIM_M;
-        let may = outer.foot_m <= inner.foot_m && outer.top_m > rim_m && bodies.holds(lower, inner.middle_m);
+        let may = outer.foot_m <= inner.foot_m
+            && outer.top_m > rim_m
+            && bodies.holds(lower, inner.middle_m)
+            && is_cavity(bodies, lower, upper);
         let sectors = if may { bodies.sectors_above(lower, inner.middle_m, rim_m) } else { 0 };
         (sectors >= LEAST_ENCLOSED).then(|| SupportEdge {
             kind: SupportKind::In,
@@ -146,6 +154,12 @@ fn enclosed(bodies: &Bodies<'_>) -> Vec<SupportEdge> {
         .filter(|(lower, upper)| lower != upper)
         .filter_map(|(lower, upper)| enclosed(lower, upper))
         .collect()
+}
+
+/// Whether `lower` is not seen above the foot of `upper` where that is: else it would be solid there.
+fn is_cavity(bodies: &Bodies<'_>, lower: usize, upper: usize) -> bool {
+    let body = &bodies.all[upper];
+    bodies.top_near_m(lower, body.middle_m).is_none_or(|top_m| top_m <= body.foot_m + LEVEL_M)
 }
 
 /// The edge that a meeting shows, if any. With the foot of the upper, and all contacts that it has.
@@ -175,35 +189,47 @@ fn stands(
     })
 }
 
-/// What may carry something whose contact is hidden, and how, the likeliest first.
-fn below(bodies: &Bodies<'_>, upper: usize) -> Vec<(SupportKind, usize)> {
+/// What may carry something whose contact is hidden, the likeliest first.
+fn below(bodies: &Bodies<'_>, upper: usize) -> Vec<Hidden> {
     let body = &bodies.all[upper];
-    // Whether it holds the middle, its height, how, who.
     let candidate = |lower: usize| {
         let other = &bodies.all[lower];
-        let is_within = bodies.holds(lower, body.middle_m);
-        match bodies.planes.get(lower) {
-            Some(plane) => {
-                let height_m = bodies.height_of_m(plane, body.middle_m);
-                let is_below = bodies.faces_up(plane) && height_m <= body.foot_m + LEVEL_M;
-                is_below.then_some((is_within, height_m, SupportKind::On, lower))
-            }
-            None if other.top_m <= body.foot_m + LEVEL_M => {
-                is_within.then_some((true, other.top_m, SupportKind::On, lower))
-            }
-            None => (is_within && other.foot_m < body.foot_m).then_some((
-                true,
-                body.foot_m,
-                SupportKind::In,
-                lower,
-            )),
+        let holds_it = bodies.holds(lower, body.middle_m);
+        if let Some(plane) = bodies.planes.get(lower) {
+            let height_m = bodies.height_of_m(plane, body.middle_m);
+            let is_below = bodies.faces_up(plane) && height_m <= body.foot_m + LEVEL_M;
+            return is_below.then_some(Hidden { holds_it, height_m, kind: SupportKind::On, lower });
+        }
+        // What it hangs over does not hold its middle.
+        let is_level = (other.top_m - body.foot_m).abs() <= LEVEL_M;
+        let is_under = other.top_m <= body.foot_m + LEVEL_M
+            && (holds_it || is_level && bodies.overlap_m(lower, upper) >= UNDER_M);
+        let is_around = other.foot_m < body.foot_m && holds_it && is_cavity(bodies, lower, upper);
+        let on = Hidden { holds_it: true, height_m: other.top_m, kind: SupportKind::On, lower };
+        match (is_under, is_around) {
+            (true, _) => Some(on),
+            (_, true) => Some(Hidden { height_m: body.foot_m, kind: SupportKind::In, ..on }),
+            _ => None,
         }
     };
     let others = (0..bodies.all.len()).filter(|&lower| lower != upper && bodies.all[lower].size_px > 0);
-    let mut below: Vec<_> = others.filter_map(candidate).collect();
-    let first = |lower: usize| bodies.all[lower].first;
-    below.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)).then(first(a.3).cmp(&first(b.3))));
-    below.into_iter().map(|(_, _, kind, lower)| (kind, lower)).collect()
+    let mut below: Vec<Hidden> = others.filter_map(candidate).collect();
+    let first = |hidden: &Hidden| bodies.all[hidden.lower].first;
+    below.sort_by(|a, b| {
+        let higher = b.height_m.total_cmp(&a.height_m);
+        b.holds_it.cmp(&a.holds_it).then(higher).then(first(a).cmp(&first(b)))
+    });
+    below
+}
+
+/// A carrier whose contact is hidden.
+struct Hidden {
+    /// Whether what it carries is over it.
+    holds_it: bool,
+    /// The height of the contact (m).
+    height_m: f64,
+    kind: SupportKind,
+    lower: usize,
 }
 
 /// Edges without cycles.

@@ -252,6 +252,37 @@ mod tests {
     }
 
     #[test]
+    fn the_camera_may_look_down_and_be_rolled() {
+        let half = 0.5_f32.sqrt();
+        for (tilt_deg, roll_deg, expected) in [
+            (0.0, 0.0, [0.0, -1.0, 0.0]),
+            (45.0, 0.0, [0.0, -half, -half]),
+            (90.0, 30.0, [0.0, 0.0, -1.0]),
+            (0.0, 180.0, [0.0, 1.0, 0.0]),
+            // Its right hand points down.
+            (0.0, 90.0, [-1.0, 0.0, 0.0]),
+            (45.0, -90.0, [half, 0.0, -half]),
+        ] {
+            let up = camera_up(&params::Gravity { tilt_deg, roll_deg, ..Default::default() });
+            let error = Vec3::from(up).distance(Vec3::from(expected));
+            assert!(error < 1e-6, "{tilt_deg} {roll_deg}: {up:?}");
+        }
+        let level = camera_up(&params::Gravity::default());
+        assert_eq!(level.map(f32::to_bits), [0.0_f32, -1.0, 0.0].map(f32::to_bits));
+    }
+
+    #[test]
+    fn a_plane_is_fitted_to_all_its_points() {
+        let n = DVec3::new(0.1, -0.8, -0.6).normalize();
+        let points = cloud(n, 500, 0);
+        let plane = fitted_plane(points.as_slice()).unwrap();
+        assert!(
+            Vec3::from(plane.normal).as_dvec3().dot(n) > 0.999_999 && (plane.offset_m - 1.0).abs() < 1e-5
+        );
+        assert_eq!(fitted_plane(&points.as_slice()[..2]), None);
+    }
+
+    #[test]
     fn the_camera_is_up_when_asked_for() {
         let plane = StructurePlane { normal: [0.0, 0.0, -1.0], offset_m: 1.0, inlier_share: 1.0 };
         let params = params::Gravity { up_from: UpFrom::Camera, ..Default::default() };

@@ -11,7 +11,7 @@ use crate::regions::Segments;
 use crate::shapes::contact::touching_pairs;
 
 /// What carries goes on below what it carries: so far (m) behind the line of contact, which is all that is seen of a foot.
-const UNDER_M: f64 = 0.03;
+pub(crate) const UNDER_M: f64 = 0.03;
 
 /// How one region touches another that may carry it, in pairs of points in contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
