@@ -1,7 +1,8 @@
 //! Stage 4: which shapes are objects, by size and by what supports them (paper, III-D).
 //!
 //! `paper`: [`gravity`], [`support`], [`size`], [`decision`]. `context` first lets the surroundings of shapes tell what is one object:
-//! fragments, what hardly rises above the support, vessels, and surfaces that go on behind something nearer ([`join`]).
+//! fragments, what hardly rises above the support, vessels, and surfaces that go on behind something nearer ([`join`]); what
+//! stands on what is then its [`forest`].
 
 mod body;
 mod bottoms;
