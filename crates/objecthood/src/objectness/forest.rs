@@ -4,8 +4,9 @@
 //! direction of gravity decide: what stands on something touches it with its foot, from above.
 
 use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::objectness::body::{Bodies, LEVEL_M, SECTORS};
 use crate::objectness::feet::{Foot, feet};
@@ -51,8 +52,8 @@ const HIDDEN: f64 = 0.5;
 /// highest plane below. `confidence`: a half, if it is level with that; else half the share of its foot that something ends,
 /// 0 of what floats.
 ///
-/// Edges are taken in the order on and in, leans, hidden, each kind by falling confidence, and each unless the upper already carries the lower by others:
-/// there are no cycles. P(S) is eq. 7, of a plane by its own normal; P(O) is eq. 8 over the edges. Confidence does not weigh
+/// Edges are taken in the order *on* and *in*, *leans*, hidden, of each the surest first, and each unless the upper already
+/// carries the lower, directly or by others: there are no cycles. P(S) is eq. 7, of a plane by its own normal; P(O) is eq. 8 over the edges. Confidence does not weigh
 /// in: it says which carrier it is, and eq. 8 asks what that could carry.
 ///
 /// Source: ours, in the place of eq. 6. O(pixels log pixels + regions^2).
@@ -70,13 +71,12 @@ pub fn forest(
     let mut in_contact = vec![0; regions.count()];
     meetings.iter().for_each(|(&(_, upper), meeting)| in_contact[upper] += meeting.foot);
 
-    let mut seen = enclosed(&bodies);
-    let is_enclosed = |lower: usize, upper: usize, edges: &[SupportEdge]| {
-        let pairs = [(node(lower), node(upper)), (node(upper), node(lower))];
-        edges.iter().any(|edge| pairs.contains(&(edge.lower, edge.upper)))
-    };
+    let mut edges = Acyclic::new(regions.count());
+    let mut seen = enclosed(&bodies, &meetings);
+    let within: BTreeSet<(NodeId, NodeId)> = seen.iter().map(|edge| (edge.lower, edge.upper)).collect();
     for (&(lower, upper), meeting) in &meetings {
-        if !is_enclosed(lower, upper, &seen) {
+        let [a, b] = [node(lower), node(upper)];
+        if !within.contains(&(a, b)) && !within.contains(&(b, a)) {
             seen.extend(stands(&bodies, (lower, upper), meeting, (&feet[upper], in_contact[upper])));
         }
     }
@@ -86,7 +86,6 @@ pub fn forest(
         let leans = edge.kind == SupportKind::Leans;
         (leans, Reverse(edge.confidence.to_bits()), first(edge.upper), first(edge.lower))
     });
-    let mut edges = Acyclic::new(regions.count());
     seen.into_iter().for_each(|edge| _ = edges.add(edge));
 
     // From above downwards.
@@ -96,26 +95,15 @@ pub fn forest(
         b.foot_m.total_cmp(&a.foot_m).then(a.first.cmp(&b.first))
     });
     for upper in hanging {
-        let hidden = |carrier: Hidden| {
-            // What is as low as it would stand there does not float, whatever is seen below.
-            let is_level = bodies.all[upper].foot_m - carrier.height_m <= LEVEL_M;
-            let ended = if is_level { 1.0 } else { 1.0 - feet[upper].open_share() };
-            SupportEdge {
-                kind: carrier.kind,
-                confidence: (HIDDEN * ended) as f32,
-                hidden: true,
-                ..SupportEdge::seen(node(carrier.lower), node(upper), 0)
-            }
-        };
-        below(&bodies, upper).into_iter().any(|carrier| edges.add(hidden(carrier)));
+        let carriers = below(&bodies, upper, &feet[upper]);
+        carriers.into_iter().any(|edge| edges.add(edge));
     }
 
     let described = descriptors(regions, &regions.labels().map(|_| true), points_m, normals);
-    let up = Vec3::from(up.direction).as_dvec3();
     let p_s = |region: usize| {
-        let of_plane = planes.get(region).map(|plane| Vec3::from(plane.normal).as_dvec3());
+        let normal = planes.get(region).map_or(described[region].normal, |plane| plane.normal.map(f64::from));
         // The sum takes the sign from a negative zero.
-        of_plane.unwrap_or(described[region].normal.into()).dot(up).clamp(0.0, 1.0) + 0.0
+        DVec3::from(normal).dot(Vec3::from(up.direction).as_dvec3()).clamp(0.0, 1.0) + 0.0
     };
     let p_s: Vec<f32> = (0..regions.count()).map(|region| p_s(region) as f32).collect();
     let p_o = edges.handed_up(&p_s);
@@ -134,7 +122,7 @@ fn node(region: usize) -> NodeId {
 }
 
 /// What lies in what. O(regions^2 + cells of what may).
-fn enclosed(bodies: &Bodies<'_>) -> Vec<SupportEdge> {
+fn enclosed(bodies: &Bodies<'_>, meetings: &BTreeMap<(usize, usize), Meeting>) -> Vec<SupportEdge> {
     let enclosed = |lower: usize, upper: usize| {
         let (outer, inner) = (&bodies.all[lower], &bodies.all[upper]);
         let rim_m = inner.foot_m + LEAST_RIM_M;
@@ -143,10 +131,12 @@ fn enclosed(bodies: &Bodies<'_>) -> Vec<SupportEdge> {
             && bodies.holds(lower, inner.middle_m)
             && is_cavity(bodies, lower, upper);
         let sectors = if may { bodies.sectors_above(lower, inner.middle_m, rim_m) } else { 0 };
+        let contacts = meetings.get(&(lower, upper)).map_or(0, |meeting| meeting.foot + meeting.side);
         (sectors >= LEAST_ENCLOSED).then(|| SupportEdge {
             kind: SupportKind::In,
             confidence: (sectors as f64 / SECTORS as f64) as f32,
-            ..SupportEdge::seen(node(lower), node(upper), 0)
+            hidden: contacts == 0,
+            ..SupportEdge::seen(node(lower), node(upper), contacts)
         })
     };
     let pairs = bodies.things().flat_map(|upper| bodies.things().map(move |lower| (lower, upper)));
@@ -189,47 +179,44 @@ fn stands(
     })
 }
 
-/// What may carry something whose contact is hidden, the likeliest first.
-fn below(bodies: &Bodies<'_>, upper: usize) -> Vec<Hidden> {
+/// The edges to what may carry something whose contact is hidden, the likeliest first.
+fn below(bodies: &Bodies<'_>, upper: usize, foot: &Foot) -> Vec<SupportEdge> {
     let body = &bodies.all[upper];
+    // Whether it is over the other, how high it stands there (m), and how.
     let candidate = |lower: usize| {
         let other = &bodies.all[lower];
-        let holds_it = bodies.holds(lower, body.middle_m);
+        let is_over = bodies.holds(lower, body.middle_m);
         if let Some(plane) = bodies.planes.get(lower) {
             let height_m = bodies.height_of_m(plane, body.middle_m);
             let is_below = bodies.faces_up(plane) && height_m <= body.foot_m + LEVEL_M;
-            return is_below.then_some(Hidden { holds_it, height_m, kind: SupportKind::On, lower });
+            return is_below.then_some((is_over, height_m, SupportKind::On));
         }
         // What it hangs over does not hold its middle.
-        let is_level = (other.top_m - body.foot_m).abs() <= LEVEL_M;
-        let is_under = other.top_m <= body.foot_m + LEVEL_M
-            && (holds_it || is_level && bodies.overlap_m(lower, upper) >= UNDER_M);
-        let is_around = other.foot_m < body.foot_m && holds_it && is_cavity(bodies, lower, upper);
-        let on = Hidden { holds_it: true, height_m: other.top_m, kind: SupportKind::On, lower };
-        match (is_under, is_around) {
-            (true, _) => Some(on),
-            (_, true) => Some(Hidden { height_m: body.foot_m, kind: SupportKind::In, ..on }),
-            _ => None,
+        let hangs_over =
+            || (other.top_m - body.foot_m).abs() <= LEVEL_M && bodies.overlap_m(lower, upper) >= UNDER_M;
+        if other.top_m <= body.foot_m + LEVEL_M && (is_over || hangs_over()) {
+            return Some((true, other.top_m, SupportKind::On));
         }
+        let is_around = is_over && other.foot_m < body.foot_m && is_cavity(bodies, lower, upper);
+        is_around.then_some((true, body.foot_m, SupportKind::In))
     };
     let others = (0..bodies.all.len()).filter(|&lower| lower != upper && bodies.all[lower].size_px > 0);
-    let mut below: Vec<Hidden> = others.filter_map(candidate).collect();
-    let first = |hidden: &Hidden| bodies.all[hidden.lower].first;
-    below.sort_by(|a, b| {
-        let higher = b.height_m.total_cmp(&a.height_m);
-        b.holds_it.cmp(&a.holds_it).then(higher).then(first(a).cmp(&first(b)))
+    let mut below: Vec<_> = others.filter_map(|lower| Some((candidate(lower)?, lower))).collect();
+    below.sort_by(|((over_a, height_a, _), a), ((over_b, height_b, _), b)| {
+        let first = |lower: usize| bodies.all[lower].first;
+        over_b.cmp(over_a).then(height_b.total_cmp(height_a)).then(first(*a).cmp(&first(*b)))
     });
-    below
-}
-
-/// A carrier whose contact is hidden.
-struct Hidden {
-    /// Whether what it carries is over it.
-    holds_it: bool,
-    /// The height of the contact (m).
-    height_m: f64,
-    kind: SupportKind,
-    lower: usize,
+    let edge = |((_, height_m, kind), lower): ((bool, f64, SupportKind), usize)| {
+        // What is as low as it would stand there does not float, whatever is seen below.
+        let ended = if body.foot_m - height_m <= LEVEL_M { 1.0 } else { 1.0 - foot.open_share() };
+        SupportEdge {
+            kind,
+            confidence: (HIDDEN * ended) as f32,
+            hidden: true,
+            ..SupportEdge::seen(node(lower), node(upper), 0)
+        }
+    };
+    below.into_iter().map(edge).collect()
 }
 
 /// Edges without cycles.

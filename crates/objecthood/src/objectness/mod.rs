@@ -1,8 +1,9 @@
 //! Stage 4: which shapes are objects, by size and by what supports them (paper, III-D).
 //!
 //! `paper`: [`gravity`], [`support`], [`size`], [`decision`]. `context` first lets the surroundings of shapes tell what is one object:
-//! fragments, what hardly rises above the support, vessels, and surfaces that go on behind something nearer ([`join`]).
-//! Each rule is a list of [`check`]s, and what it did is the [`history`] of the clusters.
+//! fragments, what hardly rises above the support, vessels, and surfaces that go on behind something nearer ([`join`]). Each rule
+//! is a list of [`check`]s, and what it did is the [`history`] of the clusters. What stands on what is then its [`forest`]; what
+//! speaks for each [`hypotheses`](hypotheses::hypotheses) is the same for both.
 
 mod body;
 mod bottoms;
