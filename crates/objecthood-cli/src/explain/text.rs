@@ -8,6 +8,9 @@ use objecthood::explain::{
 use objecthood::objectness::check::{Bound, Check};
 use objecthood::objectness::history::Rule;
 
+/// So many borders are printed; a table has many.
+const BORDERS: usize = 16;
+
 /// The whole of it, for a terminal.
 pub(super) fn of(input: &str, explanation: &Explanation) -> String {
     let mut text = String::new();
@@ -167,7 +170,7 @@ fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
     writeln!(text, "\nBorders of facet {own}, the longest first")?;
     writeln!(text, "  with         angle     gap before it     fold     step     vote")?;
     writeln!(text, "  {:<11}  [deg]  [quanta]     [mm]     [mm]     [mm]     [mm]", "")?;
-    for border in &explanation.borders {
+    for border in explanation.borders.iter().take(BORDERS) {
         let BorderReport { mean_angle_deg, gap_quanta, gap_mm, folded_mm, stepped_mm, vote_mm, .. } = border;
         let with = match border.structure_plane {
             Some(plane) => format!("plane {plane}"),
@@ -188,5 +191,8 @@ fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
             None => writeln!(text, "  structure has no vote")?,
         }
     }
-    Ok(())
+    match explanation.borders.len().saturating_sub(BORDERS) {
+        0 => Ok(()),
+        more => writeln!(text, "  and {more} shorter ones, which --json lists"),
+    }
 }

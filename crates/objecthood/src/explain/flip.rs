@@ -13,7 +13,7 @@ use crate::regions::SegmentId;
 /// So often the method is run for one explanation.
 const RUNS: usize = 40;
 /// So many guesses are tried for one decision.
-const GUESSES: usize = 4;
+const GUESSES: usize = 6;
 /// So often half way to a flip is taken in its place.
 const HALVINGS: usize = 6;
 /// A guess has so many digits.
