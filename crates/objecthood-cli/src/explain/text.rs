@@ -152,9 +152,10 @@ fn flipped(flip: &Flip) -> String {
             format!("otherwise with --set {parameter}={to} (now {from}, {percent:+.1} %)")
         }
         Flip::Nowhere { tried } if tried.is_empty() => "no parameter sets what decided".to_owned(),
-        Flip::Nowhere { tried } => {
-            format!("no single parameter decides otherwise: tried {}", tried.join(", "))
+        Flip::Nowhere { tried } if tried.len() == 1 => {
+            format!("{} alone does not decide otherwise", tried[0])
         }
+        Flip::Nowhere { tried } => format!("none of {} parameters decides otherwise alone", tried.len()),
         Flip::NotSought => "what would decide otherwise was not looked for: enough else was".to_owned(),
     }
 }
