@@ -53,6 +53,7 @@ impl Observer for Watch<'_> {
             Stage::Borders { .. } => "borders",
             Stage::Shapes(_) => "shapes",
             Stage::Clusters { .. } => "clusters",
+            Stage::Hypotheses(_) => "hypotheses",
             Stage::Support { .. } => "support",
             Stage::Objects(_) => "objects",
             _ => "another stage",

@@ -1,11 +1,12 @@
 //! The picture of an explanation: the facet in question, the votes along its borders, and whom they join it with.
 
+use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 use objecthood::explain::{BorderReport, Explanation, Outcome};
 use objecthood::{Frame, Raster, Segments};
 
 use crate::distance::{Anchor, anchors, to_border};
-use crate::drawing::{bar, disc};
+use crate::drawing::{Point, bar, disc};
 use crate::grid::{sample, tile_size};
 use crate::labels::{self, Label};
 use crate::panels::Page;
@@ -27,9 +28,14 @@ const PAGE: Rgb<u8> = Rgb([255; 3]);
 const GREY: [u8; 3] = [128; 3];
 /// How much of the frame is left where it is dimmed.
 const DIMMED: f32 = 0.4;
+/// What is enlarged keeps this much more room than it needs.
+const MARGIN: f32 = 1.15;
+/// Nothing is enlarged more often than this.
+const MOST_ENLARGED: usize = 6;
 
 /// The frame, dimmed but for the facet of the pixel; the facet's borders in the colours of their votes; the facets beyond them outlined
-/// and numbered; the object outlined. Beside it what the colours mean, and the votes in numbers.
+/// and numbered; the object outlined. When all that is small, once more enlarged. Beside it what the colours mean, and the votes in
+/// numbers.
 ///
 /// `facets` and `labels` (0 = none) have the size of the frame, and the explanation is of them. O(pixels).
 pub fn explanation(
@@ -45,23 +51,77 @@ pub fn explanation(
     for (x, y, pixel) in image.enumerate_pixels_mut() {
         *pixel = canvas.paint(x as usize, y as usize, *pixel);
     }
-    labels::write(&mut image, canvas.numbers());
     let (width, height) = frame.size();
-    let (columns, rows) = tile_size(frame.size());
+    let size = tile_size(frame.size());
     let [u, v] = explanation.pixel;
     let at = [u as f32, v as f32].map(|x| x + 0.5);
-    let asked = [at[0] * columns as f32 / width as f32, at[1] * rows as f32 / height as f32];
-    disc(&mut image, asked, 6.0, NOTHING);
-    disc(&mut image, asked, 4.5, ASKED);
+    let asked = [at[0] * size.0 as f32 / width as f32, at[1] * size.1 as f32 / height as f32];
 
     let tile = |title: String, image| Tile { title, image, scale: None };
-    let size = (columns as u32, rows as u32);
     let name = explanation.facet.map_or("no facet".to_owned(), |facet| format!("facet {}", facet.facet));
-    let tiles = [
-        tile(format!("pixel {u},{v}: {name}"), image),
-        tile(in_words(explanation.outcome), legend(explanation, size)),
-    ];
+    let detail = canvas.detail();
+    let mut tiles = Vec::new();
+    if detail.factor > 1 {
+        let mut enlarged = detail.of(&image);
+        labels::write(&mut enlarged, canvas.numbers(&detail));
+        mark(&mut enlarged, detail.place(asked));
+        tiles.push(tile(format!("{name}, {} times enlarged", detail.factor), enlarged));
+    } else {
+        labels::write(&mut image, canvas.numbers(&detail));
+    }
+    mark(&mut image, asked);
+    tiles.insert(0, tile(format!("pixel {u},{v}: {name}"), image));
+    let size = (size.0 as u32, size.1 as u32);
+    tiles.push(tile(in_words(explanation.outcome), legend(explanation, size)));
     Page::new(size, tiles.len(), tiles.len()).compose(&tiles)
+}
+
+/// Marks the pixel that was asked for.
+fn mark(image: &mut RgbImage, at: Point) {
+    disc(image, at, 6.0, NOTHING);
+    disc(image, at, 4.5, ASKED);
+}
+
+/// A part of a tile that is shown enlarged.
+struct Detail {
+    left: u32,
+    top: u32,
+    /// Columns and rows of the part.
+    size: (u32, u32),
+    factor: u32,
+}
+
+impl Detail {
+    /// The part around a box (left, top, right, bottom; the ends included) that enlarged by a whole number is as large as the tile.
+    fn around([left, top, right, bottom]: [usize; 4], (width, height): (usize, usize)) -> Self {
+        let fits = |factor: &usize| {
+            let wide = (right - left) as f32 * MARGIN <= (width / factor) as f32;
+            wide && (bottom - top) as f32 * MARGIN <= (height / factor) as f32
+        };
+        let factor = (2..=MOST_ENLARGED).rev().find(fits).unwrap_or(1);
+        let size = ((width / factor).max(1), (height / factor).max(1));
+        let start = |low: usize, high: usize, size: usize, all: usize| {
+            ((low + high) / 2).saturating_sub(size / 2).min(all - size) as u32
+        };
+        Self {
+            left: start(left, right, size.0, width),
+            top: start(top, bottom, size.1, height),
+            size: (size.0 as u32, size.1 as u32),
+            factor: factor as u32,
+        }
+    }
+
+    fn of(&self, image: &RgbImage) -> RgbImage {
+        let (width, height) = self.size;
+        let part = imageops::crop_imm(image, self.left, self.top, width, height).to_image();
+        imageops::resize(&part, width * self.factor, height * self.factor, FilterType::Nearest)
+    }
+
+    /// Where a point of the tile is in the enlarged part.
+    fn place(&self, [x, y]: Point) -> Point {
+        let factor = self.factor as f32;
+        [(x - self.left as f32) * factor, (y - self.top as f32) * factor]
+    }
 }
 
 fn in_words(outcome: Outcome) -> String {
@@ -121,7 +181,8 @@ impl<'a> Canvas<'a> {
         if label > 0 && label == self.object && ends(1) {
             return OBJECT;
         }
-        if let Some(border) = self.border(facet).filter(|_| self.beyond(x, y, 1).is_some()) {
+        let partner = self.border(facet).filter(|border| border.structure_plane.is_none());
+        if let Some(border) = partner.filter(|_| self.beyond(x, y, 1).is_some()) {
             return color_of(border);
         }
         if is_own { scenery } else { mix(NOTHING, scenery, DIMMED) }
@@ -138,14 +199,32 @@ impl<'a> Canvas<'a> {
         self.explanation.borders.iter().find(|border| border.facet as i32 == other)
     }
 
-    /// The numbers of the neighbours that are no structure.
-    fn numbers(&self) -> Vec<Label> {
+    /// The part with the facet and its neighbours that are no structure; all of it when there are none.
+    fn detail(&self) -> Detail {
+        let (width, height) = self.facets.size();
+        let is_shown = |facet: i32| {
+            let is_partner = |border: &BorderReport| border.structure_plane.is_none();
+            facet >= 0 && (facet == self.own || self.border(facet).is_some_and(is_partner))
+        };
+        let mut shown: Option<[usize; 4]> = None;
+        for (i, _) in self.facets.as_slice().iter().enumerate().filter(|(_, facet)| is_shown(**facet)) {
+            let (x, y) = (i % width, i / width);
+            let [left, top, right, bottom] = shown.unwrap_or([x, y, x, y]);
+            shown = Some([left.min(x), top.min(y), right.max(x), bottom.max(y)]);
+        }
+        Detail::around(shown.unwrap_or([0, 0, width - 1, height - 1]), (width, height))
+    }
+
+    /// The numbers of the neighbours that are no structure, where they are in an enlarged part.
+    fn numbers(&self, detail: &Detail) -> Vec<Label> {
         let free = self.explanation.borders.iter().filter(|border| border.structure_plane.is_none());
         let named: Vec<(u32, Rgb<u8>)> = free.map(|border| (border.facet, color_of(border))).collect();
         let place = |facet: i32| named.iter().position(|(name, _)| *name as i32 == facet);
         let map = self.facets.map(|&facet| place(facet).map_or(0, |k| k as u16 + 1));
         let label = |anchor: Anchor| {
             let (facet, color) = named[usize::from(anchor.id) - 1];
+            let [u, v] = detail.place([anchor.u as f32, anchor.v as f32]).map(|x| x as usize);
+            let anchor = Anchor { u, v, radius_px: anchor.radius_px * detail.factor as f32, ..anchor };
             Label { text: facet.to_string(), color, anchor }
         };
         anchors(&map, &to_border(&map)).into_iter().map(label).collect()
@@ -263,6 +342,34 @@ mod tests {
         assert_eq!((at(127), at(192)), (FOR, STEP), "the partners are outlined");
         assert_eq!(*picture.get_pixel(left + 160, top + 120), ASKED);
         assert_eq!(picture, explanation(&frame, &facets, &labels, &explained));
+    }
+
+    #[test]
+    fn what_is_small_is_shown_enlarged() {
+        let whole = (320, 240);
+        let detail = Detail::around([100, 100, 139, 129], whole);
+        assert_eq!((detail.factor, detail.size), (6, (53, 40)));
+        assert!(detail.left <= 100 && detail.left + 53 > 139 && detail.top <= 100 && detail.top + 40 > 129);
+        let corner = Detail::around([300, 0, 319, 9], whole);
+        assert_eq!((corner.left, corner.top), (320 - 53, 0), "it stays within the tile");
+        let [x, y] = detail.place([119.0, 114.0]);
+        assert!((x - 159.0).abs() < 10.0 && (y - 120.0).abs() < 10.0, "{x} {y}");
+        let large = Detail::around([0, 0, 319, 239], whole);
+        assert_eq!((large.factor, large.size, large.left, large.top), (1, whole_u32(whole), 0, 0));
+        assert_eq!(Detail::around([0, 0, 0, 0], (1, 1)).size, (1, 1));
+
+        let (frame, _, labels, explained) = striped();
+        let facets = testing::segments(320, 240, |i| {
+            let (x, y) = (i % 320, i / 320);
+            if (150..170).contains(&x) && (110..130).contains(&y) { 2 } else { i32::from(x > 200) }
+        });
+        let explained = Explanation { borders: Vec::new(), ..explained };
+        let picture = explanation(&frame, &facets, &labels, &explained);
+        assert!(picture.width() > 3 * 320, "three tiles");
+    }
+
+    fn whole_u32((width, height): (usize, usize)) -> (u32, u32) {
+        (width as u32, height as u32)
     }
 
     #[test]

@@ -8,6 +8,9 @@ use objecthood::explain::{
 use objecthood::objectness::check::{Bound, Check};
 use objecthood::objectness::history::Rule;
 
+/// So many borders are printed; a table has many.
+const BORDERS: usize = 16;
+
 /// The whole of it, for a terminal.
 pub(super) fn of(input: &str, explanation: &Explanation) -> String {
     let mut text = String::new();
@@ -151,9 +154,10 @@ fn flipped(flip: &Flip) -> String {
             format!("otherwise with --set {parameter}={to} (now {from}, {percent:+.1} %)")
         }
         Flip::Nowhere { tried } if tried.is_empty() => "no parameter sets what decided".to_owned(),
-        Flip::Nowhere { tried } => {
-            format!("no single parameter decides otherwise: tried {}", tried.join(", "))
+        Flip::Nowhere { tried } if tried.len() == 1 => {
+            format!("{} alone does not decide otherwise", tried[0])
         }
+        Flip::Nowhere { tried } => format!("none of {} parameters decides otherwise alone", tried.len()),
         Flip::NotSought => "what would decide otherwise was not looked for: enough else was".to_owned(),
     }
 }
@@ -169,7 +173,7 @@ fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
     writeln!(text, "\nBorders of facet {own}, the longest first")?;
     writeln!(text, "  with         angle     gap before it     fold     step     vote")?;
     writeln!(text, "  {:<11}  [deg]  [quanta]     [mm]     [mm]     [mm]     [mm]", "")?;
-    for border in &explanation.borders {
+    for border in explanation.borders.iter().take(BORDERS) {
         let BorderReport { mean_angle_deg, gap_quanta, gap_mm, folded_mm, stepped_mm, vote_mm, .. } = border;
         let with = match border.structure_plane {
             Some(plane) => format!("plane {plane}"),
@@ -190,5 +194,8 @@ fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
             None => writeln!(text, "  structure has no vote")?,
         }
     }
-    Ok(())
+    match explanation.borders.len().saturating_sub(BORDERS) {
+        0 => Ok(()),
+        more => writeln!(text, "  and {more} shorter ones, which --json lists"),
+    }
 }

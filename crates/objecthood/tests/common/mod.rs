@@ -1,5 +1,5 @@
 //! What the tests of both methods share: small scenes, and the label maps of the stages.
-#![allow(dead_code, reason = "each test uses a part")]
+#![allow(dead_code, unused_imports, reason = "each test uses a part")]
 
 mod invariants;
 #[path = "../../examples/world/mod.rs"]
