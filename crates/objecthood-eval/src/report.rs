@@ -79,7 +79,7 @@ pub struct Totals {
     pub hypotheses_off_objects: usize,
     /// Scenes that hold an object.
     pub scenes: usize,
-    /// How well objectness ranks, over the scenes of which it is known.
+    /// How well objectness ranks, over the scenes of which it is known; what is found where there is no object counts as well.
     pub ranking: Option<Ranking>,
     /// Means over the scenes whose stages were watched.
     pub stages: Option<Stages>,
@@ -91,9 +91,10 @@ impl Totals {
         self.counts.correct as f64 / self.counts.total() as f64
     }
 
-    fn of<'a>(scenes: impl IntoIterator<Item = &'a SceneReport>) -> Result<Self> {
+    fn of<'a>(scenes: impl IntoIterator<Item = &'a SceneReport, IntoIter: Clone>) -> Result<Self> {
+        let scenes = scenes.into_iter();
         let scored: Vec<(&SceneReport, [f64; 7])> =
-            scenes.into_iter().filter_map(|s| Some((s, s.score.metrics?.values()))).collect();
+            scenes.clone().filter_map(|s| Some((s, s.score.metrics?.values()))).collect();
         let mut means = [0.0; ImageMetrics::KEYS.len()];
         for (k, mean) in means.iter_mut().enumerate() {
             let values: Vec<f64> = scored.iter().map(|(_, values)| values[k]).collect();
@@ -110,7 +111,7 @@ impl Totals {
             hypotheses: scores().map(|s| s.hypotheses).sum(),
             hypotheses_off_objects: scores().map(|s| s.hypotheses_off_objects).sum(),
             scenes: scored.len(),
-            ranking: Self::ranking(scored.iter().map(|(scene, _)| *scene)),
+            ranking: Self::ranking(scenes.clone()),
             stages: Stages::mean(scored.iter().filter_map(|(scene, _)| scene.stages.as_ref())),
         })
     }

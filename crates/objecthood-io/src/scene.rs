@@ -151,7 +151,7 @@ pub struct SceneObject {
     pub facets: usize,
     /// Its node: index into the nodes of the support graph.
     pub node: u32,
-    /// The nodes that it stands on or leans against.
+    /// The nodes that it stands on, lies in or leans against.
     pub parents: Vec<u32>,
     /// Which of its parts were joined although they do not touch as one surface, and why.
     pub joins: Vec<Join>,
@@ -312,7 +312,7 @@ pub struct Support {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SupportNode {
-    /// Number of the object that it is; absent when it is none: the table, or too large, too small, without support.
+    /// Number of the object that it is; absent when it is none: the table, or what too little speaks for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "u16", range(min = 1))]
     pub object: Option<u16>,

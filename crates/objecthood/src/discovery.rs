@@ -56,7 +56,7 @@ pub struct Object {
     pub joins: Vec<Join>,
     /// Its place in the support graph.
     pub node: NodeId,
-    /// The nodes that it stands on or leans against.
+    /// The nodes that it stands on, lies in or leans against.
     pub parents: Vec<NodeId>,
 }
 

@@ -46,7 +46,7 @@ pub enum Stage<'a> {
         /// Node k of the graph is region k. In `paper` the shapes, in `context` structure and clusters.
         regions: &'a Segments,
     },
-    /// Stage 4: what may be an object, with the score that decides.
+    /// Stage 4: what may be an object, with its score.
     Hypotheses(&'a [Hypothesis]),
     /// Stage 4: the outcome.
     Objects(&'a Discovery),

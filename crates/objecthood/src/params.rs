@@ -510,9 +510,11 @@ parameters! {
 
     /// How much speaks for an object, and how much must: eq. 6 to 8, and what the paper leaves open.
     Objectness objectness, read by [Method::Paper, Method::Context] {
-        /// Least longest side of an object of `paper`; in objectness the soft limit of the second-longest side.
-        min_side_m: f32 = 0.02, 1e-3..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
-        /// Greatest longest side of an object of `paper`; in objectness the limit is soft.
+        /// Least longest side of an object.
+        min_side_m: f32 = 0.02, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)", only Paper;
+        /// Least second-longest side of something graspable; in objectness a soft limit.
+        min_second_side_m: f32 = 0.02, 1e-3..=100.0, "m", "ours, because what is thinner in two directions is a sliver of something; the paper's 2 cm";
+        /// Greatest longest side of an object; in objectness a soft limit.
         max_side_m: f32 = 0.60, 1e-3..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
         /// Pixels with depth that an object has at least.
         min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)";
@@ -521,9 +523,9 @@ parameters! {
         /// What objectness loses when the size is not graspable.
         size_weight: f32 = 1.0, 0.0..=1.0, "dimensionless: share", "ours, because what is too large cannot be moved, whatever else it is";
         /// What objectness loses when nothing carries it.
-        support_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "ours, because what carries it may be hidden";
+        support_weight: f32 = 0.3, 0.0..=1.0, "dimensionless: share", "ours, because what carries it may be hidden; alone it refuses nothing";
         /// What objectness loses when it fills nothing of its hull.
-        compactness_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "ours, because handles and rings are no less things";
+        compactness_weight: f32 = 0.3, 0.0..=1.0, "dimensionless: share", "ours, because handles and rings are no less things; alone it refuses nothing";
         /// What objectness loses when no border of it is clear.
         separation_weight: f32 = 1.0, 0.0..=1.0, "dimensionless: share", "ours, because what has no border of its own is a part of something";
         /// What objectness loses when nothing of its outline is its own.

@@ -96,6 +96,10 @@ fn check_support(frame: &Frame, found: &Discovery, shapes: &Segments) {
     assert_eq!(nodes.iter().map(|node| node.size_px).collect::<Vec<_>>(), size_px);
     let objects = nodes.iter().filter(|n| n.kind != NodeKind::Surface).count();
     assert_eq!(objects, found.objects.len());
+    for edge in &found.support.edges {
+        let [lower, upper] = [edge.lower, edge.upper].map(|node| &nodes[node.0 as usize]);
+        assert!(lower.height_m <= upper.height_m && edge.contacts > 0, "support leads upwards: {edge:?}");
+    }
 }
 
 /// The objects are the shapes marked as such, made of facets.

@@ -88,9 +88,13 @@ mod tests {
                     names.iter().filter(|name| name.split(" = ").next() == Some(&info.name)).count();
                 let expected = match info.choices().len() {
                     _ if !info.methods.contains(&method) => 0,
-                    // 30 % of nothing is nothing.
-                    0 if info.default.parse() == Ok(0.0) => 0,
-                    0 => 2,
+                    // 30 % of nothing is nothing, and beyond a limit there is nothing.
+                    0 => {
+                        let (least, greatest) = info.limits().unwrap();
+                        let value: f64 = info.default.parse().unwrap();
+                        let scaled = FACTORS.map(|factor| (factor * value).clamp(least, greatest));
+                        scaled.into_iter().filter(|scaled| *scaled != value).count()
+                    }
                     choices => choices - 1,
                 };
                 assert_eq!(settings, expected, "{method} {}", info.name);
@@ -118,12 +122,12 @@ mod tests {
     #[test]
     fn values_are_rounded_and_kept_within_their_limits() {
         let mut params = Params { method: Method::Paper, ..Params::default() };
-        params.objectness.threshold = 0.9;
+        params.objectness.min_p_o = 0.9;
         params.smoothing.sigma_px = 0.0;
         params.curvature.offset_px = 1;
         let names = names(&params);
         let of = |name: &str| -> Vec<&String> { names.iter().filter(|n| n.starts_with(name)).collect() };
-        assert_eq!(of("objectness.threshold"), ["objectness.threshold = 0.63", "objectness.threshold = 1.0"]);
+        assert_eq!(of("objectness.min_p_o"), ["objectness.min_p_o = 0.63", "objectness.min_p_o = 1.0"]);
         assert!(of("smoothing.sigma_px").is_empty() && of("curvature.offset_px").is_empty());
         assert_eq!(of("graph.channels"), ["graph.channels = color", "graph.channels = depth"]);
         assert_eq!(of("graph.min_size_px"), ["graph.min_size_px = 70", "graph.min_size_px = 130"]);

@@ -59,14 +59,14 @@ pub fn hypotheses(
     params: &Params,
 ) -> Vec<Hypothesis> {
     let Evidence { regions, points_m, normals, support, up, space } = *evidence;
-    let outlines = outlines(regions, points_m, normals, space, &params.contraction);
-    let compactness = compactness(regions, points_m, space);
+    let outlines = outlines(regions, first, points_m, normals, space, &params.contraction);
+    let compactness = compactness(regions, first, points_m, space);
     let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); regions.count()];
-    for (i, region) in regions.members().filter(|&(i, _)| !points_m[i][2].is_nan()) {
+    for (i, region) in regions.members().filter(|&(i, r)| r >= first && !points_m[i][2].is_nan()) {
         pixels[region].push(i);
     }
     let judge = |(region, pixels): (usize, Vec<usize>)| {
-        if region < first || pixels.len() < min_size_px {
+        if pixels.len() < min_size_px.max(1) {
             return None;
         }
         let points: Vec<[f32; 3]> = pixels.iter().map(|&i| points_m[i]).collect();

@@ -9,11 +9,12 @@ use crate::regions::{SegmentId, Segments};
 use crate::shapes::border::{Fold, fold_angle_deg};
 use crate::surface::disparity::DisparitySpace;
 
-/// How far (px at a focal length of 525 px) to look across pixels without depth for what lies beyond.
+/// How far (px at a focal length of 525 px) to look across pixels without depth for what lies beyond, as for neighbours of clusters
+/// (METHOD 3.9).
 const REACH_PX: usize = 24;
-/// A larger difference in disparity (quanta) between both sides is a step in depth.
+/// A larger difference in disparity (quanta) between both sides is a step in depth, as between side by side (METHOD 3.9).
 const STEP_QUANTA: f64 = 6.0;
-/// The surfaces of both sides are looked at so far from the border (px at 525 px): nearer, normals mix both.
+/// The surfaces of both sides are looked at so far from the border (px at 525 px): nearer, windows of 7 px hold both.
 const ASIDE_PX: usize = 5;
 
 /// The outline of a region, in metres of the sides of its pixels.
@@ -46,6 +47,7 @@ enum Beyond {
 
 struct View<'a> {
     regions: &'a Segments,
+    first: usize,
     points_m: &'a Raster<[f32; 3]>,
     normals: &'a Raster<[f32; 3]>,
     space: &'a DisparitySpace,
@@ -54,7 +56,7 @@ struct View<'a> {
     aside: usize,
 }
 
-/// The outline of every region.
+/// The outline of every region from number `first` on; nothing of the others.
 ///
 /// A step in depth is clear, whoever is in front. A fold is as clear as its valley is deep: not at all from
 /// `full_vote_deg` above the neutral valley of `reflex_offset_deg`, wholly from `full_vote_deg` below it, as borders vote
@@ -62,6 +64,7 @@ struct View<'a> {
 /// seen tells nothing. O(pixels + outline · 24); parallel over rows.
 pub fn outlines(
     regions: &Segments,
+    first: usize,
     points_m: &Raster<[f32; 3]>,
     normals: &Raster<[f32; 3]>,
     space: &DisparitySpace,
@@ -70,6 +73,7 @@ pub fn outlines(
     let (width, height) = regions.labels().size();
     let view = View {
         regions,
+        first,
         points_m,
         normals,
         space,
@@ -91,9 +95,8 @@ impl View<'_> {
     fn sides(&self, u: usize, v: usize) -> Vec<(SegmentId, Outline)> {
         let (width, height) = self.regions.labels().size();
         let i = v * width + u;
-        let Some(region) = self.regions.at(i).filter(|_| !self.points_m[i][2].is_nan()) else {
-            return Vec::new();
-        };
+        let is_asked = |region: &SegmentId| region.index() >= self.first && !self.points_m[i][2].is_nan();
+        let Some(region) = self.regions.at(i).filter(is_asked) else { return Vec::new() };
         let camera = self.space.camera();
         let z_m = f64::from(self.points_m[i][2]);
         // A side of a pixel in a row is a piece of a column.
@@ -201,7 +204,7 @@ mod tests {
         let table = Table::drawn(rows, heights_m);
         let scene = table.scene();
         let params = params::Contraction::default();
-        outlines(&scene.facets.segments, scene.points_m, scene.normals, scene.space, &params)
+        outlines(&scene.facets.segments, 0, scene.points_m, scene.normals, scene.space, &params)
     }
 
     fn sides(length_m: f64, height_m: f64) -> f64 {
@@ -259,7 +262,7 @@ mod tests {
             });
             let scene = table.scene();
             let params = params::Contraction::default();
-            outlines(&scene.facets.segments, scene.points_m, scene.normals, scene.space, &params)[1]
+            outlines(&scene.facets.segments, 0, scene.points_m, scene.normals, scene.space, &params)[1]
                 .separation()
         };
         assert!(bent(1.0) < 0.05 && bent(-1.0) > 0.95, "{} {}", bent(1.0), bent(-1.0));

@@ -66,13 +66,13 @@ fn sorted(box_m: &OrientedBox) -> [f32; 3] {
 /// Whether something with this box can be grasped and moved, in [0, 1] (ours, because the paper's hard limits make a verdict
 /// of a measurement, and what is thin in two directions is a sliver of something, however long).
 ///
-/// The longest side has the upper limit `max_side_m`, the second-longest the lower limit `min_side_m`. Limits are soft: on them it is
+/// The longest side has the upper limit `max_side_m`, the second-longest the lower limit `min_second_side_m`. Limits are soft: on them it is
 /// 1/2, an octave inside 1, an octave outside 0, linear in the logarithm. What is seen is the least that a thing can be, so
 /// the lower limit counts by the share of its outline that is its own (`visibility`).
 pub fn graspable(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
     let [_, second_m, longest_m] = sorted(box_m);
     let within = |excess: f32| 0.5 - 0.5 * libm::log2f(excess).clamp(-1.0, 1.0);
-    let thin = 1.0 - within(params.min_side_m / second_m);
+    let thin = 1.0 - within(params.min_second_side_m / second_m);
     (1.0 - visibility * thin).min(within(longest_m / params.max_side_m))
 }
 
@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn limits_of_size_are_soft_and_what_is_hidden_may_be_larger() {
         let params = params::Objectness::default();
-        let (min_m, max_m) = (params.min_side_m, params.max_side_m);
+        let (min_m, max_m) = (params.min_second_side_m, params.max_side_m);
         let part = |extents_m, visibility| {
             let of_origin = oriented_box(&[], [0.0, -1.0, 0.0]);
             graspable(&OrientedBox { extents_m, ..of_origin }, visibility, &params)

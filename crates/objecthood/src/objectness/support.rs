@@ -20,7 +20,7 @@ pub enum NodeKind {
         /// Its number in the label image.
         object: ObjectId,
     },
-    /// A shape that is not: the table, or something too large, too small or without support.
+    /// A shape that is not: the table, or what too little speaks for.
     Surface,
     /// A structure plane (`context`).
     Structure {
