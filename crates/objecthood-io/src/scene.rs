@@ -164,7 +164,7 @@ pub struct ObjectnessParts {
     /// Whether it has the size of something graspable: not too long, and not thin in two directions.
     #[schemars(range(min = 0, max = 1))]
     pub size: f32,
-    /// P(O): whether something carries it.
+    /// Whether something carries it: P(O), half of it lost when what carries it is merely guessed.
     #[schemars(range(min = 0, max = 1))]
     pub support: f32,
     /// How much of its hull in the image it fills, as far as nothing hides it.

@@ -114,6 +114,8 @@ fn check_objects(frame: &Frame, found: &Discovery, facets: &Segments, shapes: &S
         let pixels = (0..facets.labels().len()).filter(|&i| found.labels[i] == object.id.0);
         assert_eq!(object.facets, pixels.map(|i| facets.at(i)).collect::<HashSet<_>>().len());
         assert!(object.joins.is_empty() && object.top_m.is_none());
+        let p_o = nodes[object.node.0 as usize].p_o;
+        assert!(object.parts.support == p_o && p_o >= paper().objectness.min_p_o, "{object:?}");
     }
 }
 

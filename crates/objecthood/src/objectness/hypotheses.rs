@@ -8,7 +8,7 @@ use crate::objectness::gravity::Up;
 use crate::objectness::join::Join;
 use crate::objectness::outline::outlines;
 use crate::objectness::size::{graspable, oriented_box};
-use crate::objectness::support::SupportGraph;
+use crate::objectness::support::{NodeId, SupportGraph};
 use crate::params::Params;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
@@ -74,7 +74,7 @@ pub fn hypotheses(
         let visibility = outlines[region].visibility();
         let parts = ObjectnessParts {
             size: graspable(&box_m, visibility, &params.objectness),
-            support: support.nodes[region].p_o,
+            support: support.carried(NodeId(region as u32)),
             compactness: compactness[region],
             separation: outlines[region].separation(),
             visibility,

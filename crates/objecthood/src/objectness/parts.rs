@@ -7,7 +7,7 @@ use crate::params;
 pub struct ObjectnessParts {
     /// Whether it has the size of something graspable: not too long, and not thin in two directions.
     pub size: f32,
-    /// P(O), eq. 8: whether something carries it.
+    /// Whether something carries it: P(O), eq. 8, half of it lost when what carries it is merely guessed.
     pub support: f32,
     /// How much of its hull in the image it fills, as far as nothing hides it.
     pub compactness: f32,
