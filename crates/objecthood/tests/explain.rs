@@ -12,7 +12,7 @@ fn checked(explainer: &Explainer<'_>, pixel: [usize; 2]) -> Explanation {
     let explanation = explainer.describe(pixel).expect("a pixel of the image");
     let Explanation { depth_m, outcome, facet, object, borders, .. } = &explanation;
     let label = *explainer.discovery().labels.get(pixel[0], pixel[1]).expect("a pixel of the image");
-    assert_eq!(object.as_ref().map_or(0, |object| object.object), label);
+    assert_eq!(object.as_ref().and_then(|object| object.object).unwrap_or(0), label);
     assert_eq!(matches!(outcome, Outcome::Object { .. }), label > 0, "{outcome:?}");
     assert_eq!(depth_m.is_none(), *outcome == Outcome::NoDepth);
     assert_eq!(facet.is_none(), matches!(outcome, Outcome::NoDepth | Outcome::NoFacet));
