@@ -3,6 +3,7 @@
 
 mod common;
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use common::{data_folder, decode, open};
@@ -12,15 +13,16 @@ fn labels(frame: &Frame, method: Method) -> Raster<u16> {
     discover(frame, &Params { method, ..Params::default() }).unwrap().labels
 }
 
-/// FNV-1a over the labels, low byte first.
+/// FNV-1a over the labels, low byte first, of objects numbered by their first pixels: what is an object and how sure it is change apart.
 fn hash(labels: &Raster<u16>) -> u64 {
-    labels
-        .as_slice()
-        .iter()
-        .flat_map(|label| label.to_le_bytes())
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        })
+    let mut numbers = BTreeMap::from([(0, 0)]);
+    let numbered = labels.as_slice().iter().map(|label| {
+        let next = numbers.len() as u16;
+        *numbers.entry(*label).or_insert(next)
+    });
+    numbered.flat_map(u16::to_le_bytes).fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
 }
 
 /// The hash of every scene's labels, a line each.

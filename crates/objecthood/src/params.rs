@@ -531,7 +531,7 @@ parameters! {
         /// What objectness loses when nothing of its outline is its own.
         visibility_weight: f32 = 0.1, 0.0..=1.0, "dimensionless: share", "ours, because what is half hidden is there all the same";
         /// Objectness that an object has at least.
-        threshold: f32 = 0.6, 0.0..=1.0, "dimensionless: objectness", "ours, because no object of mOSD learn has less than 0.75 and hardly one of the synthetic scenes less than 0.6", only Context;
+        threshold: f32 = 0.55, 0.0..=1.0, "dimensionless: objectness", "ours, because it costs no correct object of mOSD learn nor of scenes composed of it (docs/EVALUATION.md)", only Context;
         /// Whether hypotheses that are no objects are written as well (`--all`).
         every_hypothesis: bool = false, OneOf("true | false"), "dimensionless: switch", "ours, because the score tells more than a verdict";
     }
