@@ -12,7 +12,7 @@ fn checked(explainer: &Explainer<'_>, pixel: [usize; 2]) -> Explanation {
     let explanation = explainer.describe(pixel).expect("a pixel of the image");
     let Explanation { depth_m, outcome, facet, object, borders, .. } = &explanation;
     let label = *explainer.discovery().labels.get(pixel[0], pixel[1]).expect("a pixel of the image");
-    assert_eq!(object.as_ref().map_or(0, |object| object.object), label);
+    assert_eq!(object.as_ref().and_then(|object| object.object).unwrap_or(0), label);
     assert_eq!(matches!(outcome, Outcome::Object { .. }), label > 0, "{outcome:?}");
     assert_eq!(depth_m.is_none(), *outcome == Outcome::NoDepth);
     assert_eq!(facet.is_none(), matches!(outcome, Outcome::NoDepth | Outcome::NoFacet));
@@ -54,7 +54,7 @@ fn the_parts_of_a_box_behind_a_pole_are_one_by_the_rule_that_says_so() {
     let is_occlusion = |decision: &&Decision| decision.reason == Reason::Rule(Rule::Occlusion);
     let decision = explanation.way.iter().find(is_occlusion).expect("that is why");
     assert!(decision.yes && decision.checks.iter().all(|check| check.holds()), "{decision:?}");
-    let &Flip::At { parameter, from, to } = &decision.flip else { panic!("{decision:?}") };
+    let &Flip::At { parameter, from, to, .. } = &decision.flip else { panic!("{decision:?}") };
     assert!(parameter.starts_with("occlusion.") && params.number(parameter) == Some(from));
     let other = params.with_number(parameter, to).expect("it is within its range");
     assert!(!Explainer::new(&frame, &other).expect("the scene is valid").answer(decision.question));
