@@ -254,7 +254,8 @@ fn decisions(
 fn subject(decision: &Decision) -> [u32; 2] {
     match decision.question {
         Question::OneThing { facets: [a, b] } => [a.min(b), a.max(b)],
-        Question::Kept { facet } | Question::Bottom { facet } => [facet, facet],
+        Question::Kept { facet } => [facet, facet],
+        Question::Bottom { patch, .. } => patch.map(|at| at as u32),
     }
 }
 

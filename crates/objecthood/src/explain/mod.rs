@@ -10,6 +10,7 @@ mod borders;
 mod explanation;
 mod flip;
 mod run;
+mod steps;
 mod sweep;
 mod thing;
 

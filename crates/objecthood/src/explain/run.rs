@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::discovery::Discovery;
 use crate::error::{Error, Result};
 use crate::explain::explanation::Question;
+use crate::explain::steps::{Largest, NearStep, Step, steps};
 use crate::facets::Facets;
 use crate::frame::Frame;
 use crate::objectness::history::{Event, Miss, Source};
@@ -43,26 +44,6 @@ impl Observer for Record {
         }
     }
 }
-
-/// An event, with what it was about when it happened and what came of it.
-pub(super) struct Step {
-    pub(super) event: Event,
-    /// The largest facets of what was given to and of what was given, as they were.
-    pub(super) facets: Pair,
-    /// The cluster in which what was given ends; `None` = the background.
-    pub(super) owner: Option<SegmentId>,
-}
-
-/// A miss, with the same of both.
-pub(super) struct NearStep {
-    pub(super) miss: Miss,
-    pub(super) facets: Pair,
-    /// The clusters in which both end.
-    pub(super) owners: Pair,
-}
-
-/// Of what something is given to, and of what is given.
-type Pair = [Option<SegmentId>; 2];
 
 /// What became of every facet in one run of `context`.
 pub(super) struct Run {
@@ -106,12 +87,12 @@ impl Run {
             sizes[facet] += 1;
             first[facet].get_or_insert(i);
         }
-        let mut largest: Vec<Option<(usize, Reverse<SegmentId>)>> = vec![None; shapes.count];
+        let mut largest: Vec<Largest> = vec![None; shapes.count];
         for (&shape, k) in shapes.of_facet.iter().zip(filled.structure..) {
             let largest = &mut largest[shape as usize];
             *largest = (*largest).max(Some((sizes[k], Reverse(SegmentId(k as u32)))));
         }
-        let (steps, near_steps, owners) = history(events, misses, largest);
+        let (steps, near_steps, owners) = steps(events, misses, largest);
         let mut run = Self {
             discovery,
             facets,
@@ -264,54 +245,4 @@ impl Run {
         };
         joins.or_else(|| [a, b].into_iter().find_map(bottom))
     }
-}
-
-/// What was given to what and what was left alone, with what it was about and what came of it, and where every shape ended:
-/// once forwards and once backwards through the events, O(events + misses + shapes).
-///
-/// `largest`: the pixels (px) and the number of the largest facet of every shape. Misses come in the order of the events.
-fn history(
-    events: Vec<Event>,
-    misses: Vec<(usize, Miss)>,
-    mut largest: Vec<Option<(usize, Reverse<SegmentId>)>>,
-) -> (Vec<Step>, Vec<NearStep>, Vec<Option<SegmentId>>) {
-    let mut owners: Vec<Option<SegmentId>> = (0..largest.len() as u32).map(|k| Some(SegmentId(k))).collect();
-    let mut near_steps: Vec<NearStep> = Vec::with_capacity(misses.len());
-    let mut steps: Vec<Step> = Vec::with_capacity(events.len());
-    let afters: Vec<usize> = misses.iter().map(|(after, _)| *after).collect();
-    let mut misses = misses.into_iter().peekable();
-    let mut events = events.into_iter();
-    loop {
-        let facet = |cluster: Option<SegmentId>| {
-            cluster.and_then(|cluster| largest[cluster.index()]).map(|(_, Reverse(facet))| facet)
-        };
-        while let Some((_, miss)) = misses.next_if(|(after, _)| *after <= steps.len()) {
-            let facets = [miss.into, miss.from.cluster()].map(facet);
-            near_steps.push(NearStep { miss, facets, owners: [None; 2] });
-        }
-        let Some(event) = events.next() else { break };
-        let [into, from] = [event.into, event.from.cluster()];
-        let facets = [into, from].map(facet);
-        let given = from.and_then(|from| largest[from.index()].take());
-        if let Some(into) = into {
-            let largest = &mut largest[into.index()];
-            *largest = (*largest).max(given);
-        }
-        steps.push(Step { event, facets, owner: None });
-    }
-
-    let mut left = near_steps.iter_mut().zip(afters).rev().peekable();
-    for k in (0..=steps.len()).rev() {
-        let owner = |cluster: Option<SegmentId>| cluster.and_then(|cluster| owners[cluster.index()]);
-        while let Some((near, _)) = left.next_if(|(_, after)| *after >= k) {
-            near.owners = [near.miss.into, near.miss.from.cluster()].map(owner);
-        }
-        let Some(before) = k.checked_sub(1) else { break };
-        let Step { event, owner: of_step, .. } = &mut steps[before];
-        *of_step = owner(event.into);
-        if let Source::Cluster(from) = event.from {
-            owners[from.index()] = *of_step;
-        }
-    }
-    (steps, near_steps, owners)
 }

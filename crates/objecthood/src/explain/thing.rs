@@ -2,7 +2,7 @@
 
 use crate::explain::Explainer;
 use crate::explain::explanation::{Decision, Question, Reason};
-use crate::explain::run::{NearStep, Step};
+use crate::explain::steps::{NearStep, Step};
 use crate::objectness::check::Check;
 use crate::objectness::history::{Rule, Source};
 use crate::objectness::{small, too_small};

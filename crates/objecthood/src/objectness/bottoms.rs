@@ -233,5 +233,8 @@ mod tests {
         let never = params::Vessels { bottom_contact_share: 1.1, ..Default::default() };
         join_bottoms(&mut clusters, Some(0), &never);
         assert_eq!(clusters.joins(SegmentId(0)).count(), 0);
+        let [(0, miss)] = clusters.misses() else { panic!("one miss") };
+        assert_eq!((miss.from, miss.into), (Source::Patch(2 * 20 + 2), Some(SegmentId(0))));
+        assert!(!miss.checks[0].holds() && miss.checks.len() == 1, "{miss:?}");
     }
 }
