@@ -155,12 +155,13 @@ fn checked(check: &Check) -> String {
 fn flipped(flip: &Flip) -> String {
     match flip {
         Flip::At { parameter, from, to, is_tight } => {
-            let less = if *is_tight { "" } else { ", or nearer" };
-            if *from == 0.0 {
-                return format!("otherwise with --set {parameter}={to}{less} (now 0)");
-            }
-            let percent = 100.0 * (to - from) / from.abs();
-            format!("otherwise with --set {parameter}={to}{less} (now {from}, {percent:+.1} %)")
+            // Of nothing there is no share.
+            let change = match 100.0 * (to - from) / from.abs() {
+                percent if percent.is_finite() => format!(", {percent:+.1} %"),
+                _ => String::new(),
+            };
+            let less = if *is_tight { "" } else { "; a smaller change may do" };
+            format!("otherwise with --set {parameter}={to} (now {from}{change}{less})")
         }
         Flip::Nowhere { tried } if tried.is_empty() => {
             "no value of a single parameter is known that might decide otherwise".to_owned()
