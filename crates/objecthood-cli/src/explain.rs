@@ -96,7 +96,7 @@ impl<'a> Plan<'a> {
 fn said_of_usage(error: Error) -> anyhow::Error {
     match error {
         Error::OutsideImage { .. } => usage(format!("--at: {error}")),
-        Error::OnlyContext { .. } => usage(error.to_string()),
+        Error::OnlyContext { .. } => usage(format!("{error}: give --method context")),
         _ => error.into(),
     }
 }

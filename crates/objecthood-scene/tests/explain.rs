@@ -36,27 +36,31 @@ enum Kind {
     OcclusionMissed,
     VesselJoined,
     VesselMissed,
+    VesselBottom,
     Kept,
 }
 
-/// Each with how many of twenty cases have a flip at least. Of a step that is deep, or of a fragment that another rule would join,
-/// no single parameter decides otherwise.
-const KINDS: [(Kind, usize); 9] = [
-    (Kind::ConvexityJoined, 15),
-    (Kind::ConvexityCut, 18),
-    (Kind::StepCut, 10),
-    (Kind::Fragment, 10),
-    (Kind::Low, 18),
-    (Kind::TooSmall, 18),
-    (Kind::Unlikely, 20),
-    (Kind::VesselJoined, 16),
-    (Kind::Kept, 20),
+/// What is asked of a kind: so many cases, and flips for so many of them at least.
+type Asked = (Kind, usize, usize);
+
+/// Of a step that is deep, or of a fragment that another rule would join, no single parameter decides otherwise.
+const KINDS: [Asked; 10] = [
+    (Kind::ConvexityJoined, CASES, 15),
+    (Kind::ConvexityCut, CASES, 18),
+    (Kind::StepCut, CASES, 10),
+    (Kind::Fragment, CASES, 10),
+    (Kind::Low, CASES, 18),
+    (Kind::TooSmall, CASES, 18),
+    (Kind::Unlikely, CASES, 20),
+    (Kind::VesselJoined, CASES, 16),
+    (Kind::VesselBottom, CASES, 18),
+    (Kind::Kept, CASES, 20),
 ];
 
 /// The same of what is looked for where things are hidden, in full resolution; what was nearly joined mostly fails by a fixed limit, or
 /// by two.
-const HIDDEN_KINDS: [(Kind, usize); 3] =
-    [(Kind::OcclusionJoined, 16), (Kind::OcclusionMissed, 0), (Kind::VesselMissed, 0)];
+const HIDDEN_KINDS: [Asked; 3] =
+    [(Kind::OcclusionJoined, CASES, 16), (Kind::OcclusionMissed, 5, 0), (Kind::VesselMissed, 5, 0)];
 
 fn kind(decision: &Decision) -> Option<Kind> {
     Some(match (decision.reason, decision.question, decision.yes) {
@@ -72,9 +76,18 @@ fn kind(decision: &Decision) -> Option<Kind> {
         (Reason::Rule(Rule::VesselInside | Rule::VesselWall | Rule::VesselRemainder), _, true) => {
             Kind::VesselJoined
         }
-        (Reason::Rule(Rule::VesselInside | Rule::VesselWall | Rule::VesselRemainder), _, false) => {
-            Kind::VesselMissed
-        }
+        (Reason::Rule(Rule::VesselBottom), Question::Bottom { .. }, true) => Kind::VesselBottom,
+        (
+            Reason::Rule(
+                Rule::VesselInside
+                | Rule::VesselWall
+                | Rule::VesselRim
+                | Rule::VesselRemainder
+                | Rule::VesselBottom,
+            ),
+            _,
+            false,
+        ) => Kind::VesselMissed,
         (Reason::Passed, ..) => Kind::Kept,
         _ => return None,
     })
@@ -85,6 +98,8 @@ fn kind(decision: &Decision) -> Option<Kind> {
 struct Count {
     cases: usize,
     flipped: usize,
+    /// Of those, after which half way does not suffice.
+    tight: usize,
 }
 
 /// One pixel of every object.
@@ -124,7 +139,11 @@ fn check_consistent(explainer: &Explainer<'_>, explanation: &Explanation) {
         let all_hold = decision.checks.iter().all(|check| check.holds());
         match kind(decision) {
             Some(Kind::OcclusionMissed | Kind::VesselMissed) => assert!(!all_hold, "{decision:?}"),
-            Some(Kind::Kept) => assert!(!all_hold && decision.yes, "{decision:?}"),
+            // What speaks against an object is named, and nothing of it holds.
+            Some(Kind::Kept) => {
+                let any_holds = decision.checks.iter().any(|check| check.holds());
+                assert!(!any_holds && !decision.checks.is_empty() && decision.yes, "{decision:?}");
+            }
             _ => assert!(all_hold, "{decision:?}"),
         }
     }
@@ -132,7 +151,7 @@ fn check_consistent(explainer: &Explainer<'_>, explanation: &Explanation) {
 
 /// With the value that the flip names the whole method decides otherwise, half way it does not.
 fn check_flip(frame: &Frame, explainer: &Explainer<'_>, decision: &Decision, flip: &Flip) {
-    let &Flip::At { parameter, from, to } = flip else { return };
+    let &Flip::At { parameter, from, to, is_tight } = flip else { return };
     let default = Params::default();
     assert_eq!(default.number(parameter), Some(from));
     let answer = |value: f64| {
@@ -145,7 +164,7 @@ fn check_flip(frame: &Frame, explainer: &Explainer<'_>, decision: &Decision, fli
     let half = (from + to) / 2.0;
     let is_whole = default.with_number(parameter, from + 0.5).is_none() && from.fract() == 0.0 && from > 10.0;
     let half = if is_whole { half.round() } else { half };
-    if half != to && half != from {
+    if is_tight && half != to && half != from {
         assert_eq!(answer(half), decision.yes, "{decision:?} {flip:?}");
     }
 }
@@ -235,7 +254,8 @@ fn decisions(
 fn subject(decision: &Decision) -> [u32; 2] {
     match decision.question {
         Question::OneThing { facets: [a, b] } => [a.min(b), a.max(b)],
-        Question::Kept { facet } | Question::Bottom { facet } => [facet, facet],
+        Question::Kept { facet } => [facet, facet],
+        Question::Bottom { patch, .. } => patch.map(|at| at as u32),
     }
 }
 
@@ -254,7 +274,7 @@ fn check_joins(explainer: &Explainer<'_>) {
 /// Adds the cases of one frame, as far as they are not enough, and tries their flips.
 fn count(
     frame: &Frame,
-    kinds: &[(Kind, usize)],
+    kinds: &[Asked],
     pixels: fn(&Explainer<'_>) -> Vec<[usize; 2]>,
     counts: &mut BTreeMap<Kind, Count>,
 ) {
@@ -262,30 +282,29 @@ fn count(
     let explainer = Explainer::new(frame, &params).unwrap();
     check_joins(&explainer);
     for (kind, cases) in decisions(frame, &explainer, &pixels(&explainer)) {
-        if kinds.iter().all(|(known, _)| *known != kind) {
-            continue;
-        }
+        let Some(&(_, enough, _)) = kinds.iter().find(|(known, ..)| *known == kind) else { continue };
         let count = counts.entry(kind).or_default();
         // Spread over the frame.
         let step = cases.len().div_ceil(CASES_OF_A_SCENE).max(1);
-        for decision in cases.iter().step_by(step).take(CASES - count.cases) {
+        for decision in cases.iter().step_by(step).take(enough.saturating_sub(count.cases)) {
             let flip = explainer.flip(decision);
             check_flip(frame, &explainer, decision, &flip);
             count.cases += 1;
             count.flipped += usize::from(matches!(flip, Flip::At { .. }));
+            count.tight += usize::from(matches!(flip, Flip::At { is_tight: true, .. }));
         }
     }
 }
 
 /// Whether there are enough cases of each of these kinds.
-fn is_enough(kinds: &[(Kind, usize)], counts: &BTreeMap<Kind, Count>) -> bool {
-    kinds.iter().all(|(kind, _)| counts.get(kind).is_some_and(|count| count.cases == CASES))
+fn is_enough(kinds: &[Asked], counts: &BTreeMap<Kind, Count>) -> bool {
+    kinds.iter().all(|(kind, cases, _)| counts.get(kind).is_some_and(|count| count.cases >= *cases))
 }
 
-fn report(kinds: &[(Kind, usize)], counts: &BTreeMap<Kind, Count>) {
-    for (kind, least) in kinds {
-        let Count { cases, flipped } = counts.get(kind).copied().unwrap_or_default();
-        println!("{kind:?}: {flipped} of {cases} cases have a flip, and it is true");
+fn report(kinds: &[Asked], counts: &BTreeMap<Kind, Count>) {
+    for (kind, _, least) in kinds {
+        let Count { cases, flipped, tight } = counts.get(kind).copied().unwrap_or_default();
+        println!("{kind:?}: {flipped} of {cases} cases have a flip, and it is true; {tight} are tight");
         assert!(flipped >= *least, "{kind:?}: {flipped} of {cases}");
     }
 }
@@ -315,10 +334,10 @@ fn what_goes_on_behind_something_is_explained_and_its_flips_are_true() {
     for seed in HIDDEN {
         let seen = render(&generate(Family::Clutter, seed), Sensor::Kinect).unwrap();
         count(&seen.frame, &HIDDEN_KINDS, of_objects, &mut counts);
-        if is_enough(&HIDDEN_KINDS[..1], &counts) {
+        if is_enough(&HIDDEN_KINDS, &counts) {
             break;
         }
     }
     report(&HIDDEN_KINDS, &counts);
-    assert!(is_enough(&HIDDEN_KINDS[..1], &counts), "{counts:?}");
+    assert!(is_enough(&HIDDEN_KINDS, &counts), "{counts:?}");
 }

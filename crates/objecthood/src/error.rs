@@ -67,9 +67,7 @@ pub enum Error {
         size: (usize, usize),
     },
     /// A method whose decisions cannot be explained.
-    #[error(
-        "the method `{method}` cannot be explained: only the decisions of `context` can, leave --method out"
-    )]
+    #[error("the method `{method}` cannot be explained: only the decisions of `context` can")]
     OnlyContext {
         /// The method.
         method: Method,

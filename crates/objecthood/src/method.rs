@@ -166,7 +166,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     join_behind_occluders(&mut clusters, &params.occlusion);
     observer.observe(Stage::Clusters { facets: &facets, history: History::of(&clusters) });
 
-    let outcome = outcome(&clusters, structure.support, space.area_px(params.objectness.min_size_px));
+    let outcome = outcome(&clusters, structure.support, &params.objectness);
     let planes = structure.planes(&outcome.regions, &points);
     let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
     let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };

@@ -54,7 +54,7 @@ fn the_parts_of_a_box_behind_a_pole_are_one_by_the_rule_that_says_so() {
     let is_occlusion = |decision: &&Decision| decision.reason == Reason::Rule(Rule::Occlusion);
     let decision = explanation.way.iter().find(is_occlusion).expect("that is why");
     assert!(decision.yes && decision.checks.iter().all(|check| check.holds()), "{decision:?}");
-    let &Flip::At { parameter, from, to } = &decision.flip else { panic!("{decision:?}") };
+    let &Flip::At { parameter, from, to, .. } = &decision.flip else { panic!("{decision:?}") };
     assert!(parameter.starts_with("occlusion.") && params.number(parameter) == Some(from));
     let other = params.with_number(parameter, to).expect("it is within its range");
     assert!(!Explainer::new(&frame, &other).expect("the scene is valid").answer(decision.question));

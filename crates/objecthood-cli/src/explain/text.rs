@@ -103,8 +103,13 @@ fn decision(text: &mut String, decision: &Decision) -> std::fmt::Result {
             writeln!(text, "  facets {a} and {b} {verb}: {}", in_words(*reason))?;
         }
         Question::Kept { .. } => writeln!(text, "  {answer}: {}", in_words(*reason))?,
-        Question::Bottom { facet } => {
-            writeln!(text, "  a patch of the table belongs to facet {facet}: {}", in_words(*reason))?;
+        Question::Bottom { facet, patch: [u, v] } => {
+            let verb = if *yes { "belongs" } else { "does not belong" };
+            writeln!(
+                text,
+                "  the patch of the table that begins at {u},{v} {verb} to facet {facet}: {}",
+                in_words(*reason)
+            )?;
         }
     }
     checks.iter().try_for_each(|check| writeln!(text, "    {}", checked(check)))?;
@@ -149,16 +154,24 @@ fn checked(check: &Check) -> String {
 
 fn flipped(flip: &Flip) -> String {
     match flip {
-        Flip::At { parameter, from, to } => {
-            let percent = 100.0 * (to - from) / from.abs();
-            format!("otherwise with --set {parameter}={to} (now {from}, {percent:+.1} %)")
+        Flip::At { parameter, from, to, is_tight } => {
+            // Of nothing there is no share.
+            let change = match 100.0 * (to - from) / from.abs() {
+                percent if percent.is_finite() => format!(", {percent:+.1} %"),
+                _ => String::new(),
+            };
+            let less = if *is_tight { "" } else { "; a smaller change may do" };
+            format!("otherwise with --set {parameter}={to} (now {from}{change}{less})")
         }
-        Flip::Nowhere { tried } if tried.is_empty() => "no parameter sets what decided".to_owned(),
-        Flip::Nowhere { tried } if tried.len() == 1 => {
-            format!("{} alone does not decide otherwise", tried[0])
+        Flip::Nowhere { tried } if tried.is_empty() => {
+            "no value of a single parameter is known that might decide otherwise".to_owned()
         }
-        Flip::Nowhere { tried } => format!("none of {} parameters decides otherwise alone", tried.len()),
-        Flip::NotSought => "what would decide otherwise was not looked for: enough else was".to_owned(),
+        Flip::Nowhere { tried } => {
+            format!("tried, each alone, and none decides otherwise: {}", tried.join(", "))
+        }
+        Flip::NotSought => {
+            "what would decide otherwise was not looked for to the end: it takes too long".to_owned()
+        }
     }
 }
 
@@ -166,6 +179,12 @@ fn flipped(flip: &Flip) -> String {
 fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     rounded.to_string()
+}
+
+/// With one decimal place and a sign; nothing is +0.0, from whichever side it was rounded.
+fn signed(value: f64) -> String {
+    let tenths = (10.0 * value).round() / 10.0;
+    format!("{:+.1}", tenths + 0.0)
 }
 
 fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
@@ -179,11 +198,13 @@ fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
             Some(plane) => format!("plane {plane}"),
             None => format!("facet {}", border.facet),
         };
-        let optional = |value: &Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:+.1}"));
+        let optional = |value: &Option<f64>| value.map_or("-".to_owned(), signed);
         write!(
             text,
-            "  {with:<11} {:>6} {gap_quanta:>+9.1} {gap_mm:>+8.1} {folded_mm:>8.1} {stepped_mm:>8.1} {:>8}",
+            "  {with:<11} {:>6} {:>9} {:>8} {folded_mm:>8.1} {stepped_mm:>8.1} {:>8}",
             optional(mean_angle_deg),
+            signed(*gap_quanta),
+            signed(*gap_mm),
             optional(vote_mm)
         )?;
         match &border.decision {

@@ -43,7 +43,7 @@ impl Explainer<'_> {
         let question = Question::OneThing { facets: [a.0, b.0] };
         let one_shape = self.run.shape(a) == self.run.shape(b);
         if !one_shape && self.run.one_thing(a, b) {
-            let event = self.run.uniting(a, b).map(|place| &self.run.events[place]);
+            let event = self.run.uniting(a, b).map(|step| &step.event);
             // A small hole in a surface is filled without a word.
             let (rule, checks) =
                 event.map_or((Rule::VesselBottom, Vec::new()), |event| (event.rule, event.checks.clone()));

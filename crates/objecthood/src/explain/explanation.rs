@@ -147,10 +147,12 @@ pub enum Question {
         /// The facet.
         facet: u32,
     },
-    /// Is there a bottom of the thing that this one belongs to?
+    /// Is a patch of the background the bottom of the thing that this one belongs to?
     Bottom {
         /// The facet.
         facet: u32,
+        /// The first pixel of the patch in scan order: column and row.
+        patch: [usize; 2],
     },
 }
 
@@ -179,7 +181,7 @@ pub enum Reason {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Flip {
-    /// With this value the whole method decides otherwise; half way to it, it does not yet. Both were tried.
+    /// With this value the whole method decides otherwise: that was tried.
     At {
         /// The parameter.
         parameter: &'static str,
@@ -187,13 +189,16 @@ pub enum Flip {
         from: f64,
         /// Its value then.
         to: f64,
+        /// Whether half way to it the method does not decide otherwise yet: that was tried, or there is no value half way. If
+        /// not, values nearer than `to` may do the same.
+        is_tight: bool,
     },
-    /// None of these alone does, within its range, as far as was tried; none of them at all when only fixed limits decided.
+    /// No flip was found: the method did not decide otherwise with the values that the evidence named.
     Nowhere {
-        /// The parameters that were tried.
+        /// The parameters with which it was run, one at a time; none when the evidence named no value of any parameter.
         tried: Vec<&'static str>,
     },
-    /// It was not looked for: more was asked than can be tried in a short time.
+    /// It was not looked for, or not to the end: more was asked than can be tried in a short time.
     NotSought,
 }
 

@@ -1,21 +1,27 @@
 //! Which single parameter would decide otherwise: guessed from the evidence, then tried with the whole method.
 
+use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use crate::explain::explanation::{Decision, Flip, Question, Reason};
 use crate::explain::run::Run;
-use crate::explain::sweep::{self, Sweep, relative_change};
+use crate::explain::sweep::{self, Sweep};
 use crate::frame::Frame;
 use crate::objectness::check::{Bound, Check};
 use crate::params::{ParameterInfo, Params};
 use crate::regions::SegmentId;
+use crate::shapes::contraction::Shapes;
 
-/// So often the method is run for one explanation.
-const RUNS: usize = 40;
+/// What one explanation may cost, in looks at all borders of the frame, ...
+const BUDGET_LOOKS: usize = 16 * RUN_LOOKS;
+/// ... and what one run of the whole method costs: 80 ms against 3 ms at 640 x 480.
+const RUN_LOOKS: usize = 24;
 /// So many guesses are tried for one decision.
 const GUESSES: usize = 6;
 /// So often half way to a flip is taken in its place.
 const HALVINGS: usize = 6;
+/// So often an interval in which the votes turn is halved.
+const NARROWINGS: usize = 14;
 /// A guess has so many digits.
 const DIGITS: i32 = 3;
 
@@ -24,16 +30,29 @@ const DIGITS: i32 = 3;
 pub(super) struct Guess {
     pub(super) parameter: &'static str,
     pub(super) from: f64,
+    /// A value from which on it may: between this and `to`.
+    pub(super) near: f64,
     pub(super) to: f64,
 }
 
-/// Looks for flips in one frame.
+impl Guess {
+    /// How much it changes its parameter, as a share of its value.
+    fn relative_change(&self) -> f64 {
+        (self.to - self.from).abs() / self.from.abs().max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Looks for flips in one frame, for one explanation.
 pub(super) struct Search<'a> {
     frame: &'a Frame,
     params: &'a Params,
     run: &'a Run,
     sweep: &'a OnceLock<Sweep>,
-    runs_left: usize,
+    /// Whether the sweep is paid for.
+    is_swept: bool,
+    /// What stage 3 makes of values that the sweep has not, by parameter and bits of the value.
+    shapes: BTreeMap<(&'static str, u64), Option<Shapes>>,
+    looks_left: usize,
 }
 
 impl<'a> Search<'a> {
@@ -43,72 +62,144 @@ impl<'a> Search<'a> {
         run: &'a Run,
         sweep: &'a OnceLock<Sweep>,
     ) -> Self {
-        Self { frame, params, run, sweep, runs_left: RUNS }
+        let shapes = BTreeMap::new();
+        Self { frame, params, run, sweep, is_swept: false, shapes, looks_left: BUDGET_LOOKS }
     }
 
-    /// The nearest guess that is true.
+    /// Of the guesses that are true about the nearest.
     pub(super) fn flip(&mut self, decision: &Decision) -> Flip {
         let &Decision { question, yes, reason, ref checks, .. } = decision;
-        let (mut guesses, tried) = match (reason, question) {
+        if self.looks_left < RUN_LOOKS {
+            return Flip::NotSought;
+        }
+        let pair = match (reason, question) {
             (Reason::Folds | Reason::Steps | Reason::OtherBorders, Question::OneThing { facets }) => {
-                (self.guess_votes(facets), sweep::PARAMETERS.to_vec())
+                Some(facets.map(|facet| self.run.free(SegmentId(facet))))
             }
-            _ => (guess_checks(checks, self.params), parameters(checks)),
+            _ => None,
         };
-        guesses.sort_by(|a, b| relative_change(a).total_cmp(&relative_change(b)));
-        for guess in guesses.into_iter().take(GUESSES) {
-            match self.confirm(question, yes, guess) {
-                Confirmed::Yes(to) => return Flip::At { parameter: guess.parameter, from: guess.from, to },
-                Confirmed::No => {}
+        let guesses = match pair {
+            Some([Some(a), Some(b)]) => self.guess_votes([a, b]),
+            Some(_) => Some(Vec::new()),
+            None => Some(guess_checks(checks, self.params)),
+        };
+        let Some(mut guesses) = guesses else { return Flip::NotSought };
+        guesses.sort_by(|a, b| a.relative_change().total_cmp(&b.relative_change()));
+        let mut tried = Vec::new();
+        for mut guess in guesses.into_iter().take(GUESSES) {
+            if let Some([Some(a), Some(b)]) = pair {
+                guess.to = self.narrowed(&guess, [a, b]);
+            }
+            match self.confirm(question, yes, &guess) {
+                Confirmed::Yes(flip) => return flip,
+                Confirmed::No => tried.push(guess.parameter),
+                Confirmed::Refused => {}
                 Confirmed::Unknown => return Flip::NotSought,
             }
         }
+        tried.sort_unstable();
+        tried.dedup();
         Flip::Nowhere { tried }
     }
 
     /// Tries a guess, and nearer and nearer values as long as half way does the same.
-    fn confirm(&mut self, question: Question, yes: bool, guess: Guess) -> Confirmed {
-        let Guess { parameter, from, mut to } = guess;
+    fn confirm(&mut self, question: Question, yes: bool, guess: &Guess) -> Confirmed {
+        let &Guess { parameter, from, mut to, .. } = guess;
         match self.ask(question, parameter, to) {
-            None => return Confirmed::Unknown,
-            Some(answer) if answer == yes => return Confirmed::No,
-            Some(_) => {}
+            Asked::NotRun => return Confirmed::Unknown,
+            Asked::Refused => return Confirmed::Refused,
+            Asked::Answer(answer) if answer == yes => return Confirmed::No,
+            Asked::Answer(_) => {}
         }
+        let mut is_tight = false;
         for _ in 0..HALVINGS {
             let half = half_way(from, to, is_whole(parameter));
-            if half == from || half == to {
-                return Confirmed::Yes(to);
+            is_tight = half == from || half == to;
+            if is_tight {
+                break;
             }
             match self.ask(question, parameter, half) {
-                None => return Confirmed::Unknown,
-                Some(answer) if answer == yes => return Confirmed::Yes(to),
-                Some(_) => to = half,
+                Asked::Answer(answer) if answer != yes => to = half,
+                Asked::Answer(_) => {
+                    is_tight = true;
+                    break;
+                }
+                Asked::NotRun | Asked::Refused => break,
             }
         }
-        Confirmed::No
+        Confirmed::Yes(Flip::At { parameter, from, to, is_tight })
     }
 
-    /// The answer with another value of a parameter; `None` when enough was tried.
-    fn ask(&mut self, question: Question, parameter: &str, value: f64) -> Option<bool> {
-        self.runs_left = self.runs_left.checked_sub(1)?;
-        let params = self.params.with_number(parameter, value)?;
-        Some(Run::new(self.frame, &params).ok()?.answer(question))
+    /// The answer with another value of a parameter.
+    fn ask(&mut self, question: Question, parameter: &str, value: f64) -> Asked {
+        let Some(params) = self.params.with_number(parameter, value) else { return Asked::Refused };
+        if self.spend(RUN_LOOKS).is_none() {
+            return Asked::NotRun;
+        }
+        Run::new(self.frame, &params).map_or(Asked::Refused, |run| Asked::Answer(run.answer(question)))
     }
 
-    fn guess_votes(&self, facets: [u32; 2]) -> Vec<Guess> {
-        let free = facets.map(|facet| self.run.free(SegmentId(facet)));
-        let [Some(a), Some(b)] = free else { return Vec::new() };
+    /// Takes so much from what is left, if it is.
+    fn spend(&mut self, looks: usize) -> Option<()> {
+        self.looks_left = self.looks_left.checked_sub(looks)?;
+        Some(())
+    }
+
+    /// What turns the votes on two facets, roughly; `None` when too little is left to find out.
+    fn guess_votes(&mut self, pair: [usize; 2]) -> Option<Vec<Guess>> {
+        if !self.is_swept {
+            self.spend(sweep::looks(self.params))?;
+            self.is_swept = true;
+        }
         let sweep = self.sweep.get_or_init(|| Sweep::new(self.frame, self.params, self.run));
-        sweep.guesses(self.run, [a, b])
+        Some(sweep.guesses(self.run, pair))
     }
+
+    /// The value nearest to `near`, and a round one, that does to the votes on two facets what the guess does; as near as what is
+    /// left allows.
+    fn narrowed(&mut self, guess: &Guess, [a, b]: [usize; 2]) -> f64 {
+        let &Guess { parameter, from, mut near, to: mut far } = guess;
+        let together = |shapes: &Shapes| shapes.of_facet[a] == shapes.of_facet[b];
+        let now = together(&self.run.shapes);
+        for _ in 0..NARROWINGS {
+            if (far - near).abs() <= last_digit(far) {
+                break;
+            }
+            let middle = (near + far) / 2.0;
+            let Some(shapes) = self.shapes(parameter, middle) else { break };
+            *(if together(shapes) == now { &mut near } else { &mut far }) = middle;
+        }
+        sweep::outwards(far, from)
+    }
+
+    /// What stage 3 makes of the facets with another value; `None` when that is not allowed, or nothing is left.
+    fn shapes(&mut self, parameter: &'static str, value: f64) -> Option<&Shapes> {
+        let key = (parameter, value.to_bits());
+        if !self.shapes.contains_key(&key) {
+            self.spend(sweep::looks_at(parameter))?;
+            let shapes = self.sweep.get()?.shapes(self.run, parameter, value);
+            self.shapes.insert(key, shapes);
+        }
+        self.shapes.get(&key)?.as_ref()
+    }
+}
+
+/// What the method says with another value of a parameter.
+enum Asked {
+    Answer(bool),
+    /// The value is not allowed beside the others, or with it the frame cannot be looked at.
+    Refused,
+    /// Too little is left for a run.
+    NotRun,
 }
 
 /// What became of a guess.
 enum Confirmed {
-    /// It holds from this value on.
-    Yes(f64),
+    Yes(Flip),
     No,
-    /// There was no run left.
+    /// The method takes no such value.
+    Refused,
+    /// Too little was left to find out.
     Unknown,
 }
 
@@ -121,14 +212,6 @@ fn turned(checks: &[Check]) -> impl Iterator<Item = &Check> {
 /// Values that turn one of these checks over.
 fn guess_checks(checks: &[Check], params: &Params) -> Vec<Guess> {
     turned(checks).flat_map(|check| guess(check, params)).collect()
-}
-
-/// The parameters behind these checks.
-fn parameters(checks: &[Check]) -> Vec<&'static str> {
-    let mut parameters: Vec<&'static str> = turned(checks).filter_map(|check| check.parameter).collect();
-    parameters.sort_unstable();
-    parameters.dedup();
-    parameters
 }
 
 /// Values of the parameter behind a check that turn it over: the nearest, and one a little farther.
@@ -146,7 +229,10 @@ fn guess(check: &Check, params: &Params) -> Vec<Guess> {
     let sign = if limit_rises == (factor > 0.0) { 1.0 } else { -1.0 };
     let is_allowed = |guess: &Guess| (least..=greatest).contains(&guess.to) && guess.to != from;
     let whole = is_whole(parameter);
-    let beyond = [1.0, 2.0].map(|steps| Guess { parameter, from, to: beyond(exact, sign, steps, whole) });
+    let beyond = [1.0, 2.0].map(|steps| {
+        let to = beyond(exact, sign, steps, whole);
+        Guess { parameter, from, near: to, to }
+    });
     beyond.into_iter().filter(is_allowed).collect()
 }
 
@@ -239,8 +325,10 @@ mod tests {
     fn only_what_decided_is_turned() {
         let holds = Check::new("", "", 1.0, Bound::Below, 2.0).set_by("height.min_top_m");
         let fails = Check::new("", "", 3.0, Bound::Below, 2.0).set_by("occlusion.angle_deg");
+        let parameters =
+            |checks: &[Check]| turned(checks).filter_map(|check| check.parameter).collect::<Vec<_>>();
         assert_eq!(parameters(&[holds, fails]), ["occlusion.angle_deg"]);
-        assert_eq!(parameters(&[holds, holds]), ["height.min_top_m"]);
+        assert_eq!(parameters(&[holds]), ["height.min_top_m"]);
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod borders;
 mod explanation;
 mod flip;
 mod run;
+mod steps;
 mod sweep;
 mod thing;
 
@@ -73,13 +74,16 @@ impl<'a> Explainer<'a> {
         &self.run.filled.segments
     }
 
-    /// A pixel (column, row) that stands for an object: of its largest facet the one nearest to that facet's middle.
+    /// A pixel (column, row) that stands for an object: of its largest facet that is no structure, or if it has none of its
+    /// largest, the one nearest to that facet's middle.
     pub fn pixel_of(&self, id: ObjectId) -> Option<[usize; 2]> {
         let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); self.facets().count()];
         let labels = &self.discovery().labels;
         self.facets().members().filter(|&(i, _)| labels[i] == id.0).for_each(|(i, f)| pixels[f].push(i));
+        // The structure of a plate is its bottom: why that is an object is not what is asked.
+        let own = (0..pixels.len()).rev().filter(|&facet| !pixels[facet].is_empty());
         let largest =
-            pixels.iter().rev().max_by_key(|pixels| pixels.len()).filter(|pixels| !pixels.is_empty())?;
+            &pixels[own.max_by_key(|&facet| (facet >= self.run.filled.structure, pixels[facet].len()))?];
         let at = |i: usize| position(i, labels.width());
         let middle = [0, 1].map(|k| largest.iter().map(|&i| at(i)[k]).sum::<f64>() / largest.len() as f64);
         let off = |i: usize| [0, 1].map(|k| (at(i)[k] - middle[k]).powi(2)).iter().sum::<f64>();
@@ -87,8 +91,9 @@ impl<'a> Explainer<'a> {
         Some([nearest % labels.width(), nearest / labels.width()])
     }
 
-    /// Why the pixel in column `u` and row `v` is what it is, and what it would take to decide otherwise. O(pixels), and up to 40
-    /// looks at the frame with single parameters changed.
+    /// Why the pixel in column `u` and row `v` is what it is, and what it would take to decide otherwise. O(pixels), and
+    /// looks at the frame with single parameters changed that cost up to 16 runs of the method; what that does not suffice for
+    /// is [`Flip::NotSought`].
     ///
     /// # Errors
     /// [`Error::OutsideImage`].
@@ -99,7 +104,7 @@ impl<'a> Explainer<'a> {
         Ok(explanation)
     }
 
-    /// What it would take to decide otherwise: up to 40 looks at the frame.
+    /// What it would take to decide otherwise. As [`Self::explain`], for one decision.
     pub fn flip(&self, decision: &Decision) -> Flip {
         self.search().flip(decision)
     }

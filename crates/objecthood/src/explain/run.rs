@@ -1,17 +1,19 @@
 //! One run of the method, and what its stages showed.
 
 use std::cmp::Reverse;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::discovery::Discovery;
 use crate::error::{Error, Result};
 use crate::explain::explanation::Question;
+use crate::explain::steps::{Largest, NearStep, Step, steps};
 use crate::facets::Facets;
 use crate::frame::Frame;
-use crate::objectness::history::{Event, Miss, Rule};
+use crate::objectness::history::{Event, Miss, Source};
 use crate::objectness::hypotheses::Hypothesis;
 use crate::observe::{Observer, Stage};
-use crate::params::Params;
+use crate::oversegment::watershed::neighbours;
+use crate::params::{Method, Params};
 use crate::regions::{RegionGraph, SegmentId};
 use crate::shapes::border::BorderEvidence;
 use crate::shapes::contraction::{Shapes, contract, votes};
@@ -52,81 +54,76 @@ pub(super) struct Run {
     pub(super) filled: Facets,
     pub(super) borders: RegionGraph<BorderEvidence>,
     pub(super) shapes: Shapes,
-    pub(super) events: Vec<Event>,
-    /// Each with the number of events before it.
-    pub(super) misses: Vec<(usize, Miss)>,
+    pub(super) steps: Vec<Step>,
+    pub(super) near_steps: Vec<NearStep>,
     sizes_px: BTreeMap<SegmentId, usize>,
     /// The hypothesis of every cluster that is large enough for one.
     hypotheses: BTreeMap<SegmentId, Hypothesis>,
-    /// The largest facet of every shape, and its pixels (px).
-    largest: Vec<Option<(usize, SegmentId)>>,
-    /// The object of every cluster that is one.
-    object: BTreeMap<SegmentId, u16>,
+    /// The first pixel of every facet, if it has any.
+    first: Vec<Option<usize>>,
+    /// The cluster in which every shape ends; `None` = the background.
+    owners: Vec<Option<SegmentId>>,
     /// The cluster of every facet that was given to one as its bottom.
     bottom_of: BTreeMap<SegmentId, SegmentId>,
 }
 
 impl Run {
+    /// # Errors
+    /// As [`discover`](crate::discover); [`Error::OnlyContext`] with another method, before anything is looked at.
     pub(super) fn new(frame: &Frame, params: &Params) -> Result<Self> {
+        let refused = || Error::OnlyContext { method: params.method };
+        if params.method != Method::Context {
+            return Err(refused());
+        }
         let mut record = Record::default();
         let discovery = crate::discover_observed(frame, params, &mut record)?;
         let Record { borders, filled, events, misses, sizes_px, hypotheses } = record;
-        let (Some((facets, borders)), Some(filled)) = (borders, filled) else {
-            return Err(Error::OnlyContext { method: params.method });
-        };
+        let (Some((facets, borders)), Some(filled)) = (borders, filled) else { return Err(refused()) };
         let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
+
+        let mut sizes = vec![0_usize; filled.segments.count()];
+        let mut first = vec![None; sizes.len()];
+        for (i, facet) in filled.segments.members() {
+            sizes[facet] += 1;
+            first[facet].get_or_insert(i);
+        }
+        let mut largest: Vec<Largest> = vec![None; shapes.count];
+        for (&shape, k) in shapes.of_facet.iter().zip(filled.structure..) {
+            let largest = &mut largest[shape as usize];
+            *largest = (*largest).max(Some((sizes[k], Reverse(SegmentId(k as u32)))));
+        }
+        let (steps, near_steps, owners) = steps(events, misses, largest);
         let mut run = Self {
             discovery,
             facets,
             filled,
             borders,
             shapes,
-            events,
-            misses,
+            steps,
+            near_steps,
             sizes_px,
             hypotheses: BTreeMap::new(),
-            largest: Vec::new(),
-            object: BTreeMap::new(),
+            first,
+            owners,
             bottom_of: BTreeMap::new(),
         };
-        run.look_up();
-        for hypothesis in hypotheses {
-            let mut facets = hypothesis.pixels.iter().filter_map(|&i| run.filled.segments.at(i));
-            if let Some(cluster) = facets.find_map(|facet| run.cluster(facet)) {
-                run.hypotheses.insert(cluster, hypothesis);
-            }
-        }
+        hypotheses.into_iter().for_each(|hypothesis| run.look_up(hypothesis));
         Ok(run)
     }
 
-    /// Finds the largest facet of every shape, and the object of every cluster.
-    fn look_up(&mut self) {
-        let mut sizes = vec![0_usize; self.filled.segments.count()];
-        let mut first = vec![None; sizes.len()];
-        for (i, facet) in self.filled.segments.members() {
-            sizes[facet] += 1;
-            first[facet].get_or_insert(i);
-        }
-        let mut bottoms = Vec::new();
-        let mut largest: Vec<Option<(usize, SegmentId)>> = vec![None; self.shapes.count];
-        for (k, pixel) in first.iter().enumerate() {
-            let facet = SegmentId(k as u32);
-            let (Some(shape), Some(pixel)) = (self.shape(facet), pixel) else { continue };
-            let best = &mut largest[shape.index()];
-            if best.is_none_or(|(most, _)| most < sizes[k]) {
-                *best = Some((sizes[k], facet));
-            }
-            let label = self.discovery.labels[*pixel];
-            match self.owner(shape, 0) {
-                Some(cluster) if label > 0 => drop(self.object.insert(cluster, label)),
-                None if label > 0 => bottoms.push((facet, label)),
-                _ => {}
-            }
-        }
-        self.largest = largest;
-        let owner = |label: u16| self.object.iter().find(|(_, object)| **object == label).map(|(id, _)| *id);
-        self.bottom_of =
-            bottoms.into_iter().filter_map(|(facet, label)| Some((facet, owner(label)?))).collect();
+    /// Finds the cluster of a hypothesis, and what was background and is its bottom. O(pixels).
+    fn look_up(&mut self, hypothesis: Hypothesis) {
+        let facet_at = |i: &usize| self.filled.segments.at(*i);
+        let owner = |facet| self.owners[self.shape(facet)?.index()];
+        let Some(cluster) = hypothesis.pixels.iter().filter_map(facet_at).find_map(owner) else { return };
+        let starts = hypothesis.pixels.iter().filter_map(|i| Some((*i, facet_at(i)?)));
+        let starts = starts.filter(|&(i, facet)| self.first[facet.index()] == Some(i));
+        let bottoms: Vec<SegmentId> = starts
+            .map(|(_, facet)| facet)
+            .filter(|&facet| self.free(facet).is_some() && owner(facet).is_none())
+            .collect();
+        self.bottom_of.extend(bottoms.into_iter().map(|facet| (facet, cluster)));
+        self.hypotheses.insert(cluster, hypothesis);
     }
 
     /// The number of a facet among those that are no structure.
@@ -139,53 +136,17 @@ impl Run {
         self.shapes.of_facet.get(self.free(facet)?).map(|&shape| SegmentId(shape))
     }
 
-    /// What was done with a cluster that was there after so many events: the places of the events.
-    fn chain_from(&self, cluster: SegmentId, after: usize) -> Vec<usize> {
-        let mut own = Some(cluster);
-        let mut chain = Vec::new();
-        for (k, event) in self.events.iter().enumerate().skip(after) {
-            if own.is_some() && event.from == own {
-                own = event.into;
-                chain.push(k);
-            }
-        }
-        chain
-    }
-
-    /// What a cluster that was there after so many events was made a part of in the end; `None` = the background.
-    pub(super) fn owner(&self, cluster: SegmentId, after: usize) -> Option<SegmentId> {
-        let last = self.chain_from(cluster, after).pop();
-        last.map_or(Some(cluster), |last| self.events[last].into)
-    }
-
-    /// The cluster in which ends what an event gave away; `None` = the background.
-    pub(super) fn owner_of_event(&self, event: usize) -> Option<SegmentId> {
-        self.owner(self.events[event].into?, event + 1)
-    }
-
-    /// The facet that stands for a cluster that was there after so many events: the largest.
-    pub(super) fn largest_facet(&self, cluster: SegmentId, after: usize) -> Option<SegmentId> {
-        let is_part = |shape: SegmentId| {
-            let then = self.chain_from(shape, 0).into_iter().take_while(|k| *k < after).last();
-            then.map_or(Some(shape), |last| self.events[last].into) == Some(cluster)
-        };
-        let shapes = (0..self.shapes.count as u32).map(SegmentId).filter(|&shape| is_part(shape));
-        shapes
-            .filter_map(|shape| self.largest[shape.index()])
-            .max_by_key(|&(size_px, facet)| (size_px, Reverse(facet)))
-            .map(|(_, facet)| facet)
-    }
-
     /// The cluster of a facet in the end; `None` = structure or background. What lay low and then turned out to be the bottom of a
     /// vessel is of the vessel.
     pub(super) fn cluster(&self, facet: SegmentId) -> Option<SegmentId> {
-        let own = self.owner(self.shape(facet)?, 0);
+        let own = self.owners[self.shape(facet)?.index()];
         own.or_else(|| self.bottom_of.get(&facet).copied())
     }
 
     /// The object of a facet; 0 = none.
     pub(super) fn object(&self, facet: SegmentId) -> u16 {
-        self.cluster(facet).and_then(|cluster| self.object.get(&cluster)).copied().unwrap_or(0)
+        let hypothesis = self.cluster(facet).and_then(|cluster| self.hypothesis(cluster));
+        hypothesis.map_or(0, |hypothesis| self.discovery.labels[hypothesis.pixels[0]])
     }
 
     /// The pixels of a cluster (px); 0 of one that is no more.
@@ -208,7 +169,11 @@ impl Run {
         match question {
             Question::OneThing { facets: [a, b] } => self.one_thing(SegmentId(a), SegmentId(b)),
             Question::Kept { facet } => self.object(SegmentId(facet)) > 0,
-            Question::Bottom { facet } => self.has_bottom(SegmentId(facet)),
+            Question::Bottom { facet, patch: [u, v] } => {
+                let patch = v * self.discovery.labels.width() + u;
+                let cluster = self.cluster(SegmentId(facet));
+                cluster.is_some() && self.bottom(patch).is_some_and(|step| step.owner == cluster)
+            }
         }
     }
 
@@ -218,34 +183,66 @@ impl Run {
         self.shape(a) == self.shape(b) || of_a.is_some() && of_a == of_b
     }
 
-    /// Whether a bottom was given to the thing of a facet.
-    pub(super) fn has_bottom(&self, facet: SegmentId) -> bool {
-        let cluster = self.cluster(facet);
-        let mut bottoms = (0..self.events.len()).filter(|&k| self.events[k].rule == Rule::VesselBottom);
-        cluster.is_some() && bottoms.any(|k| self.owner_of_event(k) == cluster)
+    /// What gave the patch of the background that begins at a pixel to a vessel.
+    fn bottom(&self, patch: usize) -> Option<&Step> {
+        let source = Source::Patch(u32::try_from(patch).ok()?);
+        self.steps.iter().find(|step| step.event.from == source)
     }
 
-    /// What gave the shape of a facet on, one after the other.
+    /// What gave the background at a pixel to a vessel, if anything did: a small hole in a surface is filled without a word.
+    /// O(pixels of the patch).
+    pub(super) fn bottom_at(&self, pixel: usize) -> Option<&Step> {
+        let hypothesis = self.hypothesis_at(pixel)?;
+        let (width, height) = self.discovery.labels.size();
+        // Background that is of a thing is a bottom, and no two patches touch.
+        let is_bottom = |i: usize| {
+            let facet = self.filled.segments.at(i);
+            let owner =
+                facet.and_then(|facet| self.shape(facet)).and_then(|shape| self.owners[shape.index()]);
+            owner.is_none() && hypothesis.pixels.binary_search(&i).is_ok()
+        };
+        let mut patch: BTreeSet<usize> = [pixel].into_iter().filter(|&i| is_bottom(i)).collect();
+        let mut open: Vec<usize> = patch.iter().copied().collect();
+        while let Some(i) = open.pop() {
+            for (j, _) in neighbours(i, width, height) {
+                if is_bottom(j) && patch.insert(j) {
+                    open.push(j);
+                }
+            }
+        }
+        self.bottom(*patch.first()?)
+    }
+
+    /// What gave the shape of a facet on, one after the other: their places. O(events).
     pub(super) fn chain(&self, facet: SegmentId) -> Vec<usize> {
-        self.shape(facet).map(|shape| self.chain_from(shape, 0)).unwrap_or_default()
+        let mut own = self.shape(facet);
+        let mut chain = Vec::new();
+        for (k, Step { event, .. }) in self.steps.iter().enumerate() {
+            if own.is_some() && event.from.cluster() == own {
+                own = event.into;
+                chain.push(k);
+            }
+        }
+        chain
     }
 
-    /// What made two facets of different shapes one: the event after which they were.
-    pub(super) fn uniting(&self, a: SegmentId, b: SegmentId) -> Option<usize> {
+    /// What made two facets of different shapes one: the event after which they were. O(events).
+    pub(super) fn uniting(&self, a: SegmentId, b: SegmentId) -> Option<&Step> {
         let mut own = [a, b].map(|facet| self.shape(facet));
-        let joins = self.events.iter().position(|event| {
+        let joins = self.steps.iter().find(|Step { event, .. }| {
             let before = own;
             for own in &mut own {
-                if own.is_some() && event.from == *own {
+                if own.is_some() && event.from.cluster() == *own {
                     *own = event.into;
                 }
             }
             own != before && own[0].is_some() && own[0] == own[1]
         });
         // Else one of them is the bottom of the other.
-        let cluster = self.cluster(a);
-        let is_bottom =
-            |k: &usize| self.events[*k].rule == Rule::VesselBottom && self.owner_of_event(*k) == cluster;
-        joins.or_else(|| (0..self.events.len()).find(is_bottom))
+        let bottom = |facet: SegmentId| {
+            let first = self.bottom_of.contains_key(&facet).then(|| self.first[facet.index()])?;
+            self.bottom_at(first?)
+        };
+        joins.or_else(|| [a, b].into_iter().find_map(bottom))
     }
 }

@@ -12,7 +12,7 @@ use crate::shapes::contraction::{Shapes, contract, votes};
 use crate::surface::disparity::DisparitySpace;
 
 /// The parameters that votes depend on.
-pub(super) const PARAMETERS: [&str; 5] = [
+const PARAMETERS: [&str; 5] = [
     "contraction.reflex_offset_deg",
     "contraction.full_vote_deg",
     "contraction.occlusion_weight",
@@ -23,8 +23,6 @@ pub(super) const PARAMETERS: [&str; 5] = [
 const FIRST_STEP: f64 = 0.02;
 /// ... and how much longer each next one is.
 const GROWTH: f64 = 1.6;
-/// So often an interval is halved.
-const HALVINGS: usize = 14;
 
 /// The shapes with other values of a parameter, from the nearest value to the farthest, on one side.
 struct Side {
@@ -42,24 +40,22 @@ pub(super) struct Sweep {
 }
 
 impl Sweep {
+    /// O(values · facets' borders), with a look at the pixels of all borders for so many of them as [`looks`] says.
     pub(super) fn new(frame: &Frame, params: &Params, run: &Run) -> Self {
         let space = DisparitySpace::new(frame.camera(), &params.sensor);
         let disparity = space.disparity(frame.depth_m());
         let mut sweep = Self { params: params.clone(), space, disparity, sides: Vec::new() };
-        let sides = PARAMETERS.iter().flat_map(|&parameter| [-1.0, 1.0].map(|sign| (parameter, sign)));
-        sweep.sides = sides
-            .filter_map(|(parameter, sign)| {
-                let from = params.number(parameter)?;
-                let values = values(from, sign, info(parameter)?.limits()?);
-                let shapes = |value| Some((value, sweep.shapes(run, parameter, value)?));
-                Some(Side { parameter, from, shapes: values.into_par_iter().filter_map(shapes).collect() })
-            })
-            .collect();
+        let side = |(parameter, from, values): (&'static str, f64, Vec<f64>)| {
+            let shapes = |value| Some((value, sweep.shapes(run, parameter, value)?));
+            Side { parameter, from, shapes: values.into_par_iter().filter_map(shapes).collect() }
+        };
+        let sides = sides(params).map(side).collect();
+        sweep.sides = sides;
         sweep
     }
 
     /// The shapes with another value of one parameter.
-    fn shapes(&self, run: &Run, parameter: &str, value: f64) -> Option<Shapes> {
+    pub(super) fn shapes(&self, run: &Run, parameter: &str, value: f64) -> Option<Shapes> {
         let params = self.params.with_number(parameter, value)?;
         let structure = run.facets.structure;
         Some(if params.border == self.params.border {
@@ -70,31 +66,42 @@ impl Sweep {
         })
     }
 
-    /// For every parameter the nearest value on either side with which two facets, counted without the structure, are one
-    /// shape when they are not, or are not when they are.
+    /// For every parameter the interval nearest on either side within which two facets, counted without the structure, become one
+    /// shape when they are not, or no longer are when they are.
     pub(super) fn guesses(&self, run: &Run, [a, b]: [usize; 2]) -> Vec<Guess> {
         let together = |shapes: &Shapes| shapes.of_facet[a] == shapes.of_facet[b];
         let now = together(&run.shapes);
         let guess = |side: &Side| {
             let k = side.shapes.iter().position(|(_, shapes)| together(shapes) != now)?;
-            let mut far = side.shapes[k].0;
-            let mut near = k.checked_sub(1).map_or(side.from, |k| side.shapes[k].0);
-            for _ in 0..HALVINGS {
-                let middle = (near + far) / 2.0;
-                if (far - near).abs() <= last_digit(far) {
-                    break;
-                }
-                let is_now = together(&self.shapes(run, side.parameter, middle)?) == now;
-                *(if is_now { &mut near } else { &mut far }) = middle;
-            }
-            Some(Guess { parameter: side.parameter, from: side.from, to: outwards(far, side.from) })
+            let &Side { parameter, from, .. } = side;
+            let near = k.checked_sub(1).map_or(from, |k| side.shapes[k].0);
+            Some(Guess { parameter, from, near, to: side.shapes[k].0 })
         };
         self.sides.iter().filter_map(guess).collect()
     }
 }
 
+/// Every parameter of the votes with its value and the values on one side of it that are looked at.
+fn sides(params: &Params) -> impl Iterator<Item = (&'static str, f64, Vec<f64>)> {
+    let sides = PARAMETERS.iter().flat_map(|&parameter| [-1.0, 1.0].map(|sign| (parameter, sign)));
+    sides.filter_map(|(parameter, sign)| {
+        let from = params.number(parameter)?;
+        Some((parameter, from, values(from, sign, info(parameter)?.limits()?)))
+    })
+}
+
+/// How often a sweep looks at all borders.
+pub(super) fn looks(params: &Params) -> usize {
+    sides(params).map(|(parameter, _, values)| looks_at(parameter) * values.len()).sum()
+}
+
+/// How often all borders are looked at for another value of a parameter: what they show does not depend on how it is weighed.
+pub(super) fn looks_at(parameter: &str) -> usize {
+    usize::from(parameter.starts_with("border."))
+}
+
 /// A round value next to `value`, on the side away from `from`.
-fn outwards(value: f64, from: f64) -> f64 {
+pub(super) fn outwards(value: f64, from: f64) -> f64 {
     let digit = last_digit(value);
     let steps = if value < from { (value / digit).floor() } else { (value / digit).ceil() };
     round(steps * digit)
@@ -110,11 +117,6 @@ fn values(from: f64, sign: f64, (least, greatest): (f64, f64)) -> Vec<f64> {
         values.push(limit);
     }
     values
-}
-
-/// How much a guess changes its parameter, as a share of its value.
-pub(super) fn relative_change(guess: &Guess) -> f64 {
-    (guess.to - guess.from).abs() / guess.from.abs().max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -133,6 +135,14 @@ mod tests {
                 assert!(steps.len() < 40);
             }
         }
+    }
+
+    #[test]
+    fn what_a_sweep_costs_is_bounded() {
+        let looks = looks(&Params::default());
+        assert!((20..=100).contains(&looks), "{looks}");
+        let odd = Params::default().with_number("border.gap_quanta", 1e-9).expect("it is within its range");
+        assert!(self::looks(&odd) < 200);
     }
 
     #[test]

@@ -2,11 +2,10 @@
 
 use crate::explain::Explainer;
 use crate::explain::explanation::{Decision, Question, Reason};
-use crate::objectness::check::{Bound, Check};
-use crate::objectness::history::{Event, Miss, Rule};
-use crate::objectness::hypotheses::Hypothesis;
-use crate::objectness::join::JoinEvidence;
-use crate::objectness::small;
+use crate::explain::steps::{NearStep, Step};
+use crate::objectness::check::Check;
+use crate::objectness::history::{Rule, Source};
+use crate::objectness::{small, too_small};
 use crate::regions::SegmentId;
 
 /// So many parts of an object are named at most, beside those on the way of the pixel's own.
@@ -22,7 +21,7 @@ impl Explainer<'_> {
         let (reason, checks) = match own {
             // The last event of its way gave it to the background.
             None => {
-                let last = self.run.chain(facet).pop().map(|last| &self.run.events[last]);
+                let last = self.run.chain(facet).pop().map(|last| &self.run.steps[last].event);
                 last.map_or((Reason::Passed, Vec::new()), |event| {
                     (Reason::Rule(event.rule), event.checks.clone())
                 })
@@ -30,14 +29,16 @@ impl Explainer<'_> {
             Some(cluster) => {
                 let size_px = self.run.size_px(cluster);
                 let fragment = small(size_px, &self.space, &self.params.fragments);
-                let too_small = self.too_small(size_px);
-                let is_low = |(after, miss): &&(usize, Miss)| {
-                    miss.rule == Rule::Low && self.run.owner(miss.from, *after) == Some(cluster)
-                };
+                let too_small = too_small(size_px, &self.space, &self.params.objectness);
+                let is_low =
+                    |near: &&NearStep| near.miss.rule == Rule::Low && near.owners[1] == Some(cluster);
                 // A thing is as high as the highest of what it was made of.
-                let low = self.run.misses.iter().filter(is_low).flat_map(|(_, miss)| &miss.checks).copied();
+                let low =
+                    self.run.near_steps.iter().filter(is_low).flat_map(|near| &near.miss.checks).copied();
                 let low = low.reduce(|a, b| if b.measured > a.measured { b } else { a });
-                let unlikely = self.run.hypothesis(cluster).and_then(|hypothesis| self.unlikely(hypothesis));
+                let hypothesis =
+                    self.run.hypothesis(cluster).filter(|_| !self.params.objectness.every_hypothesis);
+                let unlikely = hypothesis.map(|hypothesis| hypothesis.unlikely(&self.params.objectness));
                 match unlikely {
                     _ if too_small.holds() => (Reason::Size, vec![too_small]),
                     Some(unlikely) if unlikely.holds() => (Reason::Objectness, vec![unlikely]),
@@ -51,92 +52,69 @@ impl Explainer<'_> {
         self.decision(question, reason, checks)
     }
 
-    /// That a cluster of so many pixels is too small for an object.
-    fn too_small(&self, size_px: usize) -> Check {
-        let limit = self.space.area_px(self.params.objectness.min_size_px) as f64;
-        Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("objectness.min_size_px")
-    }
-
-    /// That too little speaks for a hypothesis, if that is asked.
-    fn unlikely(&self, hypothesis: &Hypothesis) -> Option<Check> {
-        let params = &self.params.objectness;
-        let measured = f64::from(hypothesis.objectness);
-        let check = Check::new("its objectness", "", measured, Bound::Below, f64::from(params.threshold));
-        (!params.every_hypothesis).then(|| check.set_by("objectness.threshold"))
-    }
-
     /// What rules did with the thing of a facet: first what gave the facet on, then what else came to it.
     pub(super) fn way(&self, facet: SegmentId) -> Vec<Decision> {
         let own = self.run.chain(facet);
         let cluster = self.run.cluster(facet);
-        let is_part = |event: &usize| {
-            cluster.is_some() && self.run.owner_of_event(*event) == cluster && !own.contains(event)
-        };
-        let parts = (0..self.run.events.len()).filter(is_part).take(PARTS);
-        own.iter().copied().chain(parts).filter_map(|event| self.joined(event)).collect()
+        let is_part =
+            |step: &usize| cluster.is_some() && self.run.steps[*step].owner == cluster && !own.contains(step);
+        let parts = (0..self.run.steps.len()).filter(is_part).take(PARTS);
+        own.iter().copied().chain(parts).filter_map(|step| self.joined(&self.run.steps[step])).collect()
     }
 
     /// Why two clusters were made one; `None` of what was given to the background.
-    fn joined(&self, place: usize) -> Option<Decision> {
-        let event = &self.run.events[place];
-        let facet = |cluster| self.run.largest_facet(cluster, place).map(|facet| facet.0);
-        let into = facet(event.into?)?;
-        let question = match event.from {
-            Some(from) => Question::OneThing { facets: [into, facet(from)?] },
-            None => Question::Bottom { facet: into },
-        };
-        Some(self.decision(question, Reason::Rule(event.rule), event.checks.clone()))
+    fn joined(&self, Step { event, facets, .. }: &Step) -> Option<Decision> {
+        let question = self.question(event.from, *facets)?;
+        event.into.map(|_| self.decision(question, Reason::Rule(event.rule), event.checks.clone()))
+    }
+
+    /// Whether a source is, or should be, a part of what it is given to; both are named by their facets.
+    fn question(&self, from: Source, [into, given]: [Option<SegmentId>; 2]) -> Option<Question> {
+        Some(match from {
+            Source::Cluster(_) => Question::OneThing { facets: [into?.0, given?.0] },
+            Source::Patch(first) => {
+                let (first, width) = (first as usize, self.disparity.width());
+                Question::Bottom { facet: into?.0, patch: [first % width, first / width] }
+            }
+        })
     }
 
     /// Why a pixel of the structure is the bottom of an object, if it is.
     pub(super) fn bottom(&self, pixel: usize) -> Vec<Decision> {
-        let (u, v) = (pixel % self.disparity.width(), pixel / self.disparity.width());
-        let holds = |event: &Event| {
-            let Some((join, _)) = &event.join else { return false };
-            let [_, bottom] = join.parts;
-            let (columns, rows) = (
-                bottom.box_px.u..bottom.box_px.u + bottom.box_px.width,
-                bottom.box_px.v..bottom.box_px.v + bottom.box_px.height,
-            );
-            matches!(join.evidence, JoinEvidence::VesselBottom { .. })
-                && columns.contains(&u)
-                && rows.contains(&v)
-        };
-        let label = self.discovery().labels[pixel];
-        let is_own = |&place: &usize| {
-            let facet = self.run.events[place].into.and_then(|into| self.run.largest_facet(into, place));
-            label > 0 && facet.is_some_and(|facet| self.run.object(facet) == label)
-        };
-        let mut events = (0..self.run.events.len()).filter(|&place| holds(&self.run.events[place]));
-        let event = events.find(is_own).and_then(|place| self.joined(place));
-        event.into_iter().collect()
+        self.run.bottom_at(pixel).and_then(|step| self.joined(step)).into_iter().collect()
     }
 
     /// What rules nearly joined to the thing of a facet, if anything: of vessels and of occluded parts the one that failed the
     /// fewest checks, by the least.
     pub(super) fn near_misses(&self, facet: SegmentId) -> Vec<Decision> {
         let Some(cluster) = self.run.cluster(facet) else { return Vec::new() };
-        let owner = |cluster, after| self.run.owner(cluster, after);
         let mut found = Vec::new();
         for is_kind in [
             |rule| rule == Rule::Occlusion,
-            |rule| matches!(rule, Rule::VesselInside | Rule::VesselWall | Rule::VesselRemainder),
+            |rule| {
+                matches!(
+                    rule,
+                    Rule::VesselInside
+                        | Rule::VesselWall
+                        | Rule::VesselRim
+                        | Rule::VesselRemainder
+                        | Rule::VesselBottom
+                )
+            },
         ] {
-            let own = self.run.misses.iter().filter(|(after, miss)| {
-                let (a, b) = (owner(miss.from, *after), miss.into.and_then(|into| owner(into, *after)));
-                let is_own = a != b && b.is_some() && (a == Some(cluster) || b == Some(cluster));
+            let own = self.run.near_steps.iter().filter(|NearStep { miss, owners: [into, from], .. }| {
+                let is_own = into != from && into.is_some() && [*into, *from].contains(&Some(cluster));
                 let is_near = |check: &Check| check.holds() || check.distance() <= NEAR;
                 is_kind(miss.rule) && is_own && miss.checks.iter().all(is_near)
             });
             let nearest = own.min_by(|a, b| {
-                let [a, b] = [a, b].map(|(_, miss)| shortfall(&miss.checks));
+                let [a, b] = [a, b].map(|near| shortfall(&near.miss.checks));
                 a.0.cmp(&b.0).then_with(|| a.1.total_cmp(&b.1))
             });
             found.extend(nearest);
         }
-        let decide = |(after, miss): &(usize, Miss)| {
-            let [a, b] = [miss.into?, miss.from].map(|cluster| self.run.largest_facet(cluster, *after));
-            let question = Question::OneThing { facets: [a?.0, b?.0] };
+        let decide = |NearStep { miss, facets, .. }: &NearStep| {
+            let question = self.question(miss.from, *facets)?;
             Some(self.decision(question, Reason::Rule(miss.rule), miss.checks.clone()))
         };
         found.into_iter().filter_map(decide).collect()

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use crate::facets::Facets;
 use crate::objectness::check::{Bound, Check, Checks};
 use crate::objectness::clusters::{Clusters, Scene};
-use crate::objectness::history::{Event, Rule};
+use crate::objectness::history::{Event, Miss, Rule, Source};
 use crate::objectness::join::{Join, JoinEvidence, JoinedPart};
 use crate::objectness::objects::pixel_box;
 use crate::oversegment::watershed::neighbours;
@@ -51,6 +51,7 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, support: Option<usize>, 
     let scene = clusters.scene;
     let least_px = scene.space.area_px(BOTTOM_PX);
     let mut owners = owners(clusters, support);
+    let mut misses = Vec::new();
     let mut gains: BTreeMap<SegmentId, Vec<u32>> = BTreeMap::new();
     for start in 0..owners.len() {
         if owners[start] != Owner::Background {
@@ -78,22 +79,24 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, support: Option<usize>, 
             Bound::Above,
             0.5,
         ));
+        let is_noted = pixels.len() >= least_px;
+        let (rule, from) = (Rule::VesselBottom, Source::Patch(start as u32));
         if !is_bottom {
+            misses.extend(is_noted.then_some(Miss { rule, from, into: Some(id), checks: checks.0 }));
             continue;
         }
-        if pixels.len() >= least_px {
+        if is_noted {
             let box_px = pixel_box(pixels.iter().map(|&i| i as usize), scene.disparity.width());
             let parts = [clusters.part(id), JoinedPart { size_px: pixels.len(), box_px }];
             let join = Join { parts, evidence: JoinEvidence::VesselBottom { contact_share }, behind: None };
-            let checks = checks.0;
-            let (rule, join) = (Rule::VesselBottom, Some((join, None)));
-            clusters.give(Event { rule, from: None, into: Some(id), checks, join });
+            clusters.give(Event { rule, from, into: Some(id), checks: checks.0, join: Some((join, None)) });
         }
         gains.entry(id).or_default().extend(pixels);
     }
     for (id, pixels) in gains {
         clusters.extend(id, &pixels);
     }
+    clusters.note_misses(misses);
 }
 
 fn owners(clusters: &Clusters<'_>, support: usize) -> Raster<Owner> {
@@ -230,5 +233,8 @@ mod tests {
         let never = params::Vessels { bottom_contact_share: 1.1, ..Default::default() };
         join_bottoms(&mut clusters, Some(0), &never);
         assert_eq!(clusters.joins(SegmentId(0)).count(), 0);
+        let [(0, miss)] = clusters.misses() else { panic!("one miss") };
+        assert_eq!((miss.from, miss.into), (Source::Patch(2 * 20 + 2), Some(SegmentId(0))));
+        assert!(!miss.checks[0].holds() && miss.checks.len() == 1, "{miss:?}");
     }
 }

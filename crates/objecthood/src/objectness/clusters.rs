@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use glam::{DVec3, Vec3};
 
 use crate::facets::Facets;
-use crate::objectness::history::{Event, Miss};
+use crate::objectness::history::{Event, Miss, Source};
 use crate::objectness::join::{Join, JoinedPart};
 use crate::objectness::objects::pixel_box;
 use crate::oversegment::structure::{StructureSurface, element_at};
@@ -223,7 +223,7 @@ impl<'a> Clusters<'a> {
     /// Gives a cluster to where the event says, and notes the event. Of a patch of the background the event is only noted: see
     /// [`Self::extend`]. O(pixels of both + neighbours).
     pub(crate) fn give(&mut self, event: Event) {
-        if let Some(from) = event.from {
+        if let Source::Cluster(from) = event.from {
             self.merge(event.into, from);
         }
         let history = match event.into {
@@ -458,7 +458,7 @@ mod tests {
                 let events = History::of(&clusters).events().into_iter().cloned().collect::<Vec<_>>();
                 for (facet, own) in named(&clusters).into_iter().enumerate() {
                     let start = Some(SegmentId(facet as u32));
-                    let end = events.iter().fold(start, |own, e| if own.is_some() && e.from == own { e.into } else { own });
+                    let end = events.iter().fold(start, |own, e| if own.is_some() && e.from.cluster() == own { e.into } else { own });
                     prop_assert_eq!(end.map(|id| id.0), own);
                 }
                 for (id, (pixels, neighbours)) in expected {

@@ -1,5 +1,6 @@
 //! The decision: which hypotheses are objects.
 
+use crate::objectness::check::{Bound, Check};
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::size::longest_side_m;
 use crate::params::{self, Method, Params};
@@ -15,8 +16,14 @@ impl Hypothesis {
                 let graspable = params.min_side_m..=params.max_side_m;
                 graspable.contains(&longest_side_m(&self.box_m)) && self.parts.support >= params.min_p_o
             }
-            Method::Context => self.objectness >= params.threshold,
+            Method::Context => !self.unlikely(params).holds(),
         }
+    }
+
+    /// Whether too little speaks for it to be an object of `context`.
+    pub(crate) fn unlikely(&self, params: &params::Objectness) -> Check {
+        let [measured, limit] = [self.objectness, params.threshold].map(f64::from);
+        Check::new("its objectness", "", measured, Bound::Below, limit).set_by("objectness.threshold")
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::objectness::check::{Bound, Check, Checks};
 use crate::objectness::clusters::Clusters;
-use crate::objectness::history::{Event, Miss, Rule};
+use crate::objectness::history::{Event, Miss, Rule, Source};
 use crate::params;
 use crate::regions::SegmentId;
 use crate::surface::disparity::DisparitySpace;
@@ -40,9 +40,9 @@ pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fra
                 && !into.is_some_and(|into| moves.contains_key(&into));
             let (rule, checks) = (Rule::Fragment, checks.0);
             if goes {
-                moves.insert(id, Event { rule, from: Some(id), into, checks, join: None });
+                moves.insert(id, Event { rule, from: Source::Cluster(id), into, checks, join: None });
             } else {
-                stays.push(Miss { rule, from: id, into, checks });
+                stays.push(Miss { rule, from: Source::Cluster(id), into, checks });
             }
         }
         let is_last = moves.is_empty() || round == ROUNDS;

@@ -2,7 +2,7 @@
 
 use crate::objectness::check::{Bound, Check};
 use crate::objectness::clusters::Clusters;
-use crate::objectness::history::{Event, Miss, Rule};
+use crate::objectness::history::{Event, Miss, Rule, Source};
 use crate::params;
 
 /// Gives clusters whose top is lower than `min_top_m` above the support surface to the background: remains of the table and
@@ -15,9 +15,15 @@ pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
             .set_by("height.min_top_m");
         let checks = vec![low];
         if low.holds() {
-            clusters.give(Event { rule: Rule::Low, from: Some(id), into: None, checks, join: None });
+            clusters.give(Event {
+                rule: Rule::Low,
+                from: Source::Cluster(id),
+                into: None,
+                checks,
+                join: None,
+            });
         } else {
-            clusters.note_misses([Miss { rule: Rule::Low, from: id, into: None, checks }]);
+            clusters.note_misses([Miss { rule: Rule::Low, from: Source::Cluster(id), into: None, checks }]);
         }
     }
 }

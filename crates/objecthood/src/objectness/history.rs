@@ -31,13 +31,32 @@ pub enum Rule {
     Occlusion,
 }
 
+/// What a rule gives to something, or nearly did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A cluster.
+    Cluster(SegmentId),
+    /// A patch of the background, named by its first pixel (its index in scan order).
+    Patch(u32),
+}
+
+impl Source {
+    /// The cluster, if it is one.
+    pub fn cluster(self) -> Option<SegmentId> {
+        match self {
+            Self::Cluster(cluster) => Some(cluster),
+            Self::Patch(_) => None,
+        }
+    }
+}
+
 /// Something that was given to a cluster, or to the background. A cluster has the number of the shape that it was first.
 #[derive(Clone, Debug)]
 pub struct Event {
     /// By which rule.
     pub rule: Rule,
-    /// What was given; `None` = a patch of the background.
-    pub from: Option<SegmentId>,
+    /// What was given.
+    pub from: Source,
     /// What it was given to; `None` = the background.
     pub into: Option<SegmentId>,
     /// The checks of the rule, all of which hold.
@@ -51,8 +70,8 @@ pub struct Event {
 pub struct Miss {
     /// The rule.
     pub rule: Rule,
-    /// The cluster that it would have given away.
-    pub from: SegmentId,
+    /// What it would have given away.
+    pub from: Source,
     /// What it would have been given to; `None` = the background.
     pub into: Option<SegmentId>,
     /// The checks of the rule up to where they were given up: not all hold, or the two were one already.

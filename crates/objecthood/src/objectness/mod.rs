@@ -37,5 +37,5 @@ pub(crate) use clusters::{Clusters, Scene, Steps, fill};
 pub(crate) use fragments::{absorb_fragments, small};
 pub(crate) use height::drop_low;
 pub(crate) use occlusion::join_behind_occluders;
-pub(crate) use outcome::outcome;
+pub(crate) use outcome::{outcome, too_small};
 pub(crate) use vessels::join_vessels;

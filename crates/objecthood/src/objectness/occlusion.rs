@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::objectness::check::{Bound, Check, Checks};
 use crate::objectness::clusters::Clusters;
-use crate::objectness::history::{Event, Miss, Rule};
+use crate::objectness::history::{Event, Miss, Rule, Source};
 use crate::objectness::join::{Continuation, Join, JoinEvidence};
 use crate::params;
 use crate::random::Lcg;
@@ -85,12 +85,12 @@ pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params
             sets.link(into.index(), from.index());
             let evidence = JoinEvidence::Occlusion(continuation);
             let join = Some((Join { parts, evidence, behind: None }, hider));
-            clusters.give(Event { rule, from: Some(from), into: Some(into), checks, join });
+            clusters.give(Event { rule, from: Source::Cluster(from), into: Some(into), checks, join });
         }
     }
     clusters.note_misses(misses.into_iter().map(|Look { clusters: [into, from], checks, .. }| Miss {
         rule,
-        from,
+        from: Source::Cluster(from),
         into: Some(into),
         checks,
     }));

@@ -1,11 +1,14 @@
 //! What has become of the clusters: regions for the support graph, and hypotheses (METHOD 3.14).
 
+use crate::objectness::check::{Bound, Check};
 use crate::objectness::clusters::Clusters;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::join::Join;
 use crate::objectness::support::NodeId;
+use crate::params;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
+use crate::surface::disparity::DisparitySpace;
 
 /// The outcome of stage 4.
 pub(crate) struct Outcome {
@@ -16,12 +19,22 @@ pub(crate) struct Outcome {
     structure: usize,
 }
 
-/// Keeps the clusters of at least `min_size_px` pixels. `support`: the structure that remains of clusters belong to.
-pub(crate) fn outcome(clusters: &Clusters<'_>, support: Option<usize>, min_size_px: usize) -> Outcome {
+/// Whether a cluster of so many pixels is too small for an object.
+pub(crate) fn too_small(size_px: usize, space: &DisparitySpace, params: &params::Objectness) -> Check {
+    let limit = space.area_px(params.min_size_px) as f64;
+    Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("objectness.min_size_px")
+}
+
+/// Keeps the clusters that are not [`too_small`]. `support`: the structure that remains of clusters belong to.
+pub(crate) fn outcome(
+    clusters: &Clusters<'_>,
+    support: Option<usize>,
+    params: &params::Objectness,
+) -> Outcome {
     let facets = clusters.scene.facets;
     let structure = facets.structure;
     let mut found = clusters.alive();
-    found.retain(|&id| clusters.get(id).pixels.len() >= min_size_px);
+    found.retain(|&id| !too_small(clusters.get(id).pixels.len(), clusters.scene.space, params).holds());
     let mut labels = facets.segments.labels().map(|&l| if l < structure as i32 { l } else { Segments::NONE });
     let painted = labels.as_mut_slice();
     if let Some(support) = support {
@@ -74,13 +87,21 @@ impl Outcome {
 mod tests {
     use super::*;
     use crate::discovery::{ObjectnessParts, OrientedBox};
-    use crate::objectness::history::{Event, Rule};
+    use crate::objectness::clusters::Scene;
+    use crate::objectness::history::{Event, Rule, Source};
     use crate::objectness::join::{JoinEvidence, JoinedPart};
     use crate::objectness::testing::{Table, merge, single};
 
     fn three_things() -> Table {
         let rows = ["____________", "_aaa_bb_ccc_", "_aaa_bb_ccc_", "____________"];
         Table::drawn(&rows, &[0.1, 0.05, 0.2])
+    }
+
+    /// With which so many pixels (px) of a scene are the least.
+    fn least(scene: &Scene<'_>, size_px: usize) -> params::Objectness {
+        let numbers = 0..10_000;
+        let min_size_px = numbers.rev().find(|&px| scene.space.area_px(px) <= size_px).expect("0 is no more");
+        params::Objectness { min_size_px, ..Default::default() }
     }
 
     /// What the regions of an outcome are described as, in their order.
@@ -109,7 +130,7 @@ mod tests {
         let scene = table.scene();
         let mut clusters = single(&scene);
         merge(&mut clusters, None, SegmentId(0));
-        let outcome = outcome(&clusters, Some(0), 5);
+        let outcome = outcome(&clusters, Some(0), &least(&scene, 5));
         let row: Vec<i32> = outcome.regions.labels().as_slice()[12..24].to_vec();
         assert_eq!(row, [0, 0, 0, 0, 0, -1, -1, 0, 1, 1, 1, 0]);
         assert_eq!(outcome.regions.count(), 2);
@@ -131,7 +152,7 @@ mod tests {
             let mut clusters = single(&scene);
             clusters.give(Event {
                 rule: Rule::Occlusion,
-                from: Some(SegmentId(2)),
+                from: Source::Cluster(SegmentId(2)),
                 into: Some(SegmentId(0)),
                 checks: Vec::new(),
                 join: Some((join.clone(), Some(SegmentId(hider)))),
@@ -139,7 +160,7 @@ mod tests {
             if merged {
                 merge(&mut clusters, Some(SegmentId(0)), SegmentId(1));
             }
-            let outcome = outcome(&clusters, Some(0), min_size_px);
+            let outcome = outcome(&clusters, Some(0), &least(&scene, min_size_px));
             described(&outcome, &clusters)[0].joins[0].behind
         };
         assert_eq!(behind(0, 1, false), Some(NodeId(0)));

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::objectness::check::{Bound, Check};
+use crate::objectness::check::{Bound, Check, Checks};
 use crate::objectness::clusters::{Clusters, Scene};
 use crate::objectness::join::RimCircle;
 use crate::oversegment::structure::{StructureSurface, tangents};
@@ -36,22 +36,25 @@ fn foot_m(scene: &Scene<'_>, i: u32, support: &StructureSurface) -> [f64; 2] {
     tangents(support.normal).map(|t| t.dot(point))
 }
 
-/// The circle through the feet of what lies at the height `top_m` of some clusters (algebraic fit, Kåsa 1976); `None` when it is
-/// no rim of a vessel. O(pixels).
+/// The circle through the feet of what lies at the height `top_m` of some clusters (algebraic fit, Kåsa 1976). O(pixels).
+///
+/// # Errors
+/// The checks, of which one fails, when it is no rim of a vessel.
 pub(crate) fn rim_circle(
     clusters: &Clusters<'_>,
     ids: &[SegmentId],
     top_m: f64,
     support: &StructureSurface,
-) -> Option<RimCircle> {
+) -> Result<RimCircle, Vec<Check>> {
     let scene = clusters.scene;
+    let mut checks = Checks::default();
     let pixels = ids.iter().flat_map(|&id| &clusters.get(id).pixels);
     let on_rim = pixels.filter(|&&i| (scene.height_m(i as usize, support) - top_m).abs() < BAND_M);
     let feet: Vec<[f64; 2]> = on_rim.map(|&i| foot_m(scene, i, support)).collect();
-    if feet.len() < LEAST_POINTS {
-        return None;
-    }
     let n = feet.len() as f64;
+    if !checks.that(Check::new("points of the rim", "px", n, Bound::AtLeast, LEAST_POINTS as f64)) {
+        return Err(checks.0);
+    }
     let mean = [0, 1].map(|k| feet.iter().map(|foot| foot[k]).sum::<f64>() / n);
     let centered = || feet.iter().map(|foot| (foot[0] - mean[0], foot[1] - mean[1]));
     let (mut xx, mut xy, mut yy, mut xr, mut yr) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -64,8 +67,9 @@ pub(crate) fn rim_circle(
         yr += y * squared;
     }
     let determinant = xx * yy - xy * xy;
-    if determinant < LEAST_SPREAD {
-        return None;
+    let spread = Check::new("spread of the rim's points", "m^4", determinant, Bound::AtLeast, LEAST_SPREAD);
+    if !checks.that(spread) {
+        return Err(checks.0);
     }
     let x_center = (xr * yy - yr * xy) / (2.0 * determinant);
     let y_center = (yr * xx - xr * xy) / (2.0 * determinant);
@@ -89,7 +93,8 @@ pub(crate) fn rim_circle(
         residual_m,
         covered: covered as f64 / SECTORS as f64,
     };
-    circle_checks(&circle).iter().all(Check::holds).then_some(circle)
+    checks.0.extend(circle_checks(&circle));
+    if checks.0.iter().all(Check::holds) { Ok(circle) } else { Err(checks.0) }
 }
 
 /// What makes a circle the rim of a vessel.
@@ -152,7 +157,7 @@ mod tests {
 
     fn circle(table: &Table) -> Option<RimCircle> {
         let scene = table.scene();
-        rim_circle(&single(&scene), &[SegmentId(0)], TOP_M, scene.support.unwrap())
+        rim_circle(&single(&scene), &[SegmentId(0)], TOP_M, scene.support.unwrap()).ok()
     }
 
     #[test]

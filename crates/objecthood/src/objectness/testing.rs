@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::facets::Facets;
 use crate::objectness::clusters::{Clusters, Scene, Steps};
-use crate::objectness::history::{Event, Rule};
+use crate::objectness::history::{Event, Rule, Source};
 use crate::oversegment::structure::StructureSurface;
 use crate::params;
 use crate::raster::Raster;
@@ -104,7 +104,8 @@ pub(crate) fn single<'a>(scene: &'a Scene<'a>) -> Clusters<'a> {
 
 /// Merges a cluster into another or into the background, whatever the reason.
 pub(crate) fn merge(clusters: &mut Clusters<'_>, into: Option<SegmentId>, from: SegmentId) {
-    let event = Event { rule: Rule::Fragment, from: Some(from), into, checks: Vec::new(), join: None };
+    let event =
+        Event { rule: Rule::Fragment, from: Source::Cluster(from), into, checks: Vec::new(), join: None };
     clusters.give(event);
 }
 

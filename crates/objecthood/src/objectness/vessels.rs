@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use crate::objectness::check::{Bound, Check, Checks};
 use crate::objectness::clusters::{Borders, Clusters};
-use crate::objectness::history::{Event, Miss, Rule};
+use crate::objectness::history::{Event, Miss, Rule, Source};
 use crate::objectness::join::{Join, JoinEvidence, RimCircle};
 use crate::objectness::rim::{circle_checks, rim_circle, share_within};
 use crate::oversegment::structure::StructureSurface;
@@ -89,6 +89,8 @@ struct Wall {
 struct Rim {
     circle: RimCircle,
     members: Vec<(SegmentId, Vec<Check>)>,
+    /// What is near and does not.
+    others: Vec<Miss>,
 }
 
 impl Rules<'_> {
@@ -136,7 +138,7 @@ impl Rules<'_> {
                     join(clusters, large, small, rule, checks, JoinEvidence::VesselInside { convexity });
                     return true;
                 }
-                misses.push(Miss { rule, from: small, into: Some(large), checks });
+                misses.push(Miss { rule, from: Source::Cluster(small), into: Some(large), checks });
             }
         }
         false
@@ -166,13 +168,14 @@ impl Rules<'_> {
             };
             let mut checks = Checks(wall.checks.clone());
             let evidence = |rim| JoinEvidence::VesselWall { convexity, wall_in_front: wall.in_front, rim };
-            if let Some(Rim { circle, members }) = self.rim(clusters, inside, wall.id, &walls) {
+            if let Some(Rim { circle, members, others }) = self.rim(clusters, inside, wall, &walls, misses) {
                 checks.0.extend(circle_checks(&circle));
                 join(clusters, wall.id, inside, rule, checks.0, evidence(Some(circle)));
                 for (member, checks) in members.into_iter().filter(|(member, _)| *member != wall.id) {
                     let evidence = JoinEvidence::VesselRim { rim: circle };
                     join(clusters, wall.id, member, Rule::VesselRim, checks, evidence);
                 }
+                clusters.note_misses(others);
             } else if checks.that(
                 Check::new(
                     "how far the inside bends outwards",
@@ -191,7 +194,12 @@ impl Rules<'_> {
             )) {
                 join(clusters, wall.id, inside, rule, checks.0, evidence(None));
             } else {
-                misses.push(Miss { rule, from: inside, into: Some(wall.id), checks: checks.0 });
+                misses.push(Miss {
+                    rule,
+                    from: Source::Cluster(inside),
+                    into: Some(wall.id),
+                    checks: checks.0,
+                });
                 continue;
             }
             vessels.insert(wall.id);
@@ -233,7 +241,12 @@ impl Rules<'_> {
             });
             let checks = checks.0;
             if !is_wall {
-                misses.push(Miss { rule: Rule::VesselWall, from: inside, into: Some(id), checks });
+                misses.push(Miss {
+                    rule: Rule::VesselWall,
+                    from: Source::Cluster(inside),
+                    into: Some(id),
+                    checks,
+                });
                 return None;
             }
             Some(Wall { id, in_front, checks })
@@ -247,8 +260,9 @@ impl Rules<'_> {
         &self,
         clusters: &Clusters<'_>,
         inside: SegmentId,
-        wall: SegmentId,
+        wall: &Wall,
         walls: &[Wall],
+        misses: &mut Vec<Miss>,
     ) -> Option<Rim> {
         if !self.params.rim_circle {
             return None;
@@ -257,16 +271,25 @@ impl Rules<'_> {
         let top_m = self.top_m(clusters, inside);
         let mut parts: Vec<SegmentId> = walls.iter().map(|wall| wall.id).chain([inside]).collect();
         let mut circle = rim_circle(clusters, &parts, top_m, self.support);
-        if circle.is_none() && walls.len() > 1 {
-            parts = vec![wall, inside];
+        if circle.is_err() && walls.len() > 1 {
+            parts = vec![wall.id, inside];
             circle = rim_circle(clusters, &parts, top_m, self.support);
         }
-        let circle = circle?;
+        let circle = match circle {
+            Ok(circle) => circle,
+            Err(failed) => {
+                let checks = wall.checks.iter().copied().chain(failed).collect();
+                let (rule, from) = (Rule::VesselWall, Source::Cluster(inside));
+                misses.push(Miss { rule, from, into: Some(wall.id), checks });
+                return None;
+            }
+        };
         let near = parts.iter().flat_map(|&part| clusters.get(part).neighbours.keys().copied().flatten());
         let candidates: BTreeSet<SegmentId> =
             near.chain(parts.iter().copied()).filter(|&q| q != inside).collect();
         let least_touch = space.length_px(INSIDE_TOUCH_PX) as u32;
-        let member = |q: SegmentId| {
+        let mut others = Vec::new();
+        let mut member = |q: SegmentId| {
             let above_m = self.top_m(clusters, q) - top_m;
             let clings = || !parts.contains(&q) && clusters.borders(inside, q).touch >= least_touch;
             let limit_m = self.params.rim_height_m;
@@ -284,10 +307,20 @@ impl Rules<'_> {
                     Bound::AtLeast,
                     WITHIN_SHARE,
                 ));
-            is_member.then_some((q, checks.0))
+            let checks = checks.0;
+            if !is_member {
+                let (rule, from) = (Rule::VesselRim, Source::Cluster(q));
+                others.push(Miss { rule, from, into: Some(wall.id), checks });
+                return None;
+            }
+            Some((q, checks))
         };
-        let members: Vec<_> = candidates.into_iter().filter_map(member).collect();
-        members.iter().any(|(q, _)| parts.contains(q)).then_some(Rim { circle, members })
+        let members: Vec<_> = candidates.into_iter().filter_map(&mut member).collect();
+        if members.iter().any(|(q, _)| parts.contains(q)) {
+            return Some(Rim { circle, members, others });
+        }
+        misses.append(&mut others);
+        None
     }
 
     /// (iii) What touches hardly anything but a vessel and is much smaller belongs to it.
@@ -333,7 +366,7 @@ impl Rules<'_> {
                 join(clusters, vessel, id, rule, checks, JoinEvidence::VesselRemainder { contact_share });
                 return true;
             }
-            misses.push(Miss { rule, from: id, into: Some(vessel), checks });
+            misses.push(Miss { rule, from: Source::Cluster(id), into: Some(vessel), checks });
         }
         false
     }
@@ -350,5 +383,5 @@ fn join(
 ) {
     let parts = [into, from].map(|id| clusters.part(id));
     let join = Some((Join { parts, evidence, behind: None }, None));
-    clusters.give(Event { rule, from: Some(from), into: Some(into), checks, join });
+    clusters.give(Event { rule, from: Source::Cluster(from), into: Some(into), checks, join });
 }
