@@ -190,7 +190,7 @@ fn check_labels(explainer: &Explainer<'_>, found: &Discovery, question: Question
         Question::Kept { facet } => {
             assert_eq!(labels_of(facet).iter().any(|label| *label > 0), answer, "{question:?}");
         }
-        Question::Bottom { .. } => {}
+        Question::OfObject { .. } | Question::Bottom { .. } => {}
     }
 }
 
@@ -255,7 +255,7 @@ fn subject(decision: &Decision) -> [u32; 2] {
     match decision.question {
         Question::OneThing { facets: [a, b] } => [a.min(b), a.max(b)],
         Question::Kept { facet } => [facet, facet],
-        Question::Bottom { patch, .. } => patch.map(|at| at as u32),
+        Question::OfObject { pixel: patch } | Question::Bottom { patch, .. } => patch.map(|at| at as u32),
     }
 }
 

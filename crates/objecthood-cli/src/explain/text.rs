@@ -102,7 +102,9 @@ fn decision(text: &mut String, decision: &Decision) -> std::fmt::Result {
             let verb = if *yes { "are one" } else { "are two" };
             writeln!(text, "  facets {a} and {b} {verb}: {}", in_words(*reason))?;
         }
-        Question::Kept { .. } => writeln!(text, "  {answer}: {}", in_words(*reason))?,
+        Question::Kept { .. } | Question::OfObject { .. } => {
+            writeln!(text, "  {answer}: {}", in_words(*reason))?
+        }
         Question::Bottom { facet, patch: [u, v] } => {
             let verb = if *yes { "belongs" } else { "does not belong" };
             writeln!(
@@ -122,6 +124,7 @@ fn in_words(reason: Reason) -> &'static str {
         Reason::Steps => "the steps of their border",
         Reason::OtherBorders => "other borders outvote their own",
         Reason::Size => "too few pixels",
+        Reason::Structure => "it lies on a large plane that carries or encloses things",
         Reason::Objectness => "too little speaks for it",
         Reason::Passed => "nothing speaks against it",
         Reason::Rule(Rule::Fragment) => "a fragment goes to what it touches most",

@@ -18,7 +18,7 @@ pub struct Explanation {
     /// Its facet, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub facet: Option<FacetReport>,
-    /// Whether the thing that the facet belongs to is an object. `None` of structure.
+    /// Whether the thing that the facet belongs to is an object; of structure, whether the pixel is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kept: Option<Decision>,
     /// The borders of the facet, the longest first.
@@ -147,6 +147,11 @@ pub enum Question {
         /// The facet.
         facet: u32,
     },
+    /// Is this pixel of a structure plane of an object?
+    OfObject {
+        /// Its column and row.
+        pixel: [usize; 2],
+    },
     /// Is a patch of the background the bottom of the thing that this one belongs to?
     Bottom {
         /// The facet.
@@ -170,6 +175,8 @@ pub enum Reason {
     Size,
     /// Too little speaks for it.
     Objectness,
+    /// It lies on a large plane that carries or encloses things.
+    Structure,
     /// Nothing spoke against it.
     Passed,
     /// A rule of stage 4.

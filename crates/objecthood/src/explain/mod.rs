@@ -152,7 +152,10 @@ impl<'a> Explainer<'a> {
                 explanation.way = self.way(facet);
                 explanation.near_misses = self.near_misses(facet);
             }
-            None => explanation.way = self.bottom(i),
+            None => {
+                explanation.kept = Some(self.of_structure(facet, i));
+                explanation.way = self.bottom(i);
+            }
         }
         explanation.borders = self.borders(facet);
         Ok(explanation)

@@ -169,6 +169,9 @@ impl Run {
         match question {
             Question::OneThing { facets: [a, b] } => self.one_thing(SegmentId(a), SegmentId(b)),
             Question::Kept { facet } => self.object(SegmentId(facet)) > 0,
+            Question::OfObject { pixel: [u, v] } => {
+                self.discovery.labels.get(u, v).is_some_and(|label| *label > 0)
+            }
             Question::Bottom { facet, patch: [u, v] } => {
                 let patch = v * self.discovery.labels.width() + u;
                 let cluster = self.cluster(SegmentId(facet));

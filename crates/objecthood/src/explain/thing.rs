@@ -3,10 +3,11 @@
 use crate::explain::Explainer;
 use crate::explain::explanation::{Decision, Question, Reason};
 use crate::explain::steps::{NearStep, Step};
-use crate::objectness::check::Check;
+use crate::objectness::check::{Bound, Check};
 use crate::objectness::history::{Rule, Source};
 use crate::objectness::{small, too_small};
 use crate::regions::SegmentId;
+use crate::surface::disparity::position;
 
 /// So many parts of an object are named at most, beside those on the way of the pixel's own.
 const PARTS: usize = 6;
@@ -50,6 +51,20 @@ impl Explainer<'_> {
             }
         };
         self.decision(question, reason, checks)
+    }
+
+    /// Whether a pixel of a structure plane is of an object, and why: it can only be of a bottom.
+    pub(super) fn of_structure(&self, facet: SegmentId, pixel: usize) -> Decision {
+        let width = self.disparity.width();
+        let model = &self.run.filled.models[facet.index()];
+        let off = f64::from(self.disparity[pixel]) - model.value(position(pixel, width));
+        let limit = self.params.structure.tolerance_quanta;
+        let near = Check::new("its distance from the plane", "quanta", off.abs(), Bound::Below, limit);
+        let question = Question::OfObject { pixel: [pixel % width, pixel / width] };
+        if self.run.answer(question) {
+            return self.decision(question, Reason::Rule(Rule::VesselBottom), Vec::new());
+        }
+        self.decision(question, Reason::Structure, vec![near.set_by("structure.tolerance_quanta")])
     }
 
     /// What rules did with the thing of a facet: first what gave the facet on, then what else came to it.
