@@ -44,7 +44,8 @@ impl Explainer<'_> {
                     _ if too_small.holds() => (Reason::Size, vec![too_small]),
                     Some(unlikely) if unlikely.holds() => (Reason::Objectness, vec![unlikely]),
                     _ => {
-                        let passed = low.into_iter().chain([too_small, fragment]).chain(unlikely);
+                        let not_given = if fragment.holds() { self.spared(cluster) } else { Some(fragment) };
+                        let passed = low.into_iter().chain([too_small]).chain(not_given).chain(unlikely);
                         (Reason::Passed, passed.collect())
                     }
                 }
@@ -65,6 +66,13 @@ impl Explainer<'_> {
             return self.decision(question, Reason::Rule(Rule::VesselBottom), Vec::new());
         }
         self.decision(question, Reason::Structure, vec![near.set_by("structure.tolerance_quanta")])
+    }
+
+    /// Why a cluster that is small enough for a fragment was given to nothing.
+    fn spared(&self, cluster: SegmentId) -> Option<Check> {
+        let own = self.run.near_steps.iter().filter(|near| near.owners[1] == Some(cluster));
+        let stayed = own.filter(|near| near.miss.rule == Rule::Fragment);
+        stayed.flat_map(|near| &near.miss.checks).find(|check| !check.holds()).copied()
     }
 
     /// What rules did with the thing of a facet: first what gave the facet on, then what else came to it.
