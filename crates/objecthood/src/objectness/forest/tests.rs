@@ -152,7 +152,7 @@ fn a_board_against_a_box_leans_on_it_and_stands_on_the_table() {
     assert_eq!(edges(&graph), [(0, 1, On, false), (0, 2, On, false), (1, 2, Leans, false)]);
     // Upright it touches the box as well; what is thin or short does not lean.
     for (tilt_deg, half_m) in
-        [(0.0, [0.05, 0.008, 0.06]), (20.0, [0.012, 0.008, 0.06]), (20.0, [0.08, 0.008, 0.025])]
+        [(0.0, [0.05, 0.008, 0.06]), (20.0, [0.012, 0.008, 0.06]), (20.0, [0.06, 0.008, 0.025])]
     {
         let graph = Picture::of(&[wall, board(tilt_deg, half_m)]).forest(3);
         assert_eq!(edges(&graph), [(0, 1, On, false), (0, 2, On, false)], "{half_m:?}");
