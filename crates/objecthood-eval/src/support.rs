@@ -18,8 +18,6 @@ use crate::error::Result;
 
 /// Things of which fewer pixels are seen do not count: an object has at least as many (`objectness.min_size_px`).
 pub const LEAST_SEEN_PX: u32 = 200;
-/// P(O) that an object has at least (`objectness.threshold` of the paper).
-const CARRIED: f32 = 0.7;
 
 /// Right and wrong edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -30,7 +28,7 @@ pub struct EdgeCounts {
     pub wrong: u32,
     /// Edges that are there and were not found.
     pub missed: u32,
-    /// Edges that are there, but whose things were not both found.
+    /// Edges that are there, but whose things were not both found; neither right nor missed.
     pub unmatched: u32,
 }
 
@@ -47,14 +45,14 @@ pub struct KindCounts {
     pub called_leans: u32,
 }
 
-/// Objects that stand on or lie in other objects, and how many of them something carries.
+/// Things, and how many of them something carries by P(O), which is to be at least `objectness.min_p_o`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RecursionCounts {
-    /// Those that were found.
-    pub stacked: u32,
-    /// With a P(O) of at least 0.7.
+    /// All of them.
+    pub things: u32,
+    /// With such a P(O).
     pub with: u32,
-    /// With a plane among their parents whose P(S) is at least 0.7: without recursion.
+    /// With a plane among their parents whose P(S) is as great: without recursion.
     pub without: u32,
 }
 
@@ -70,18 +68,26 @@ pub struct SupportScore {
     pub within: KindCounts,
     /// True edges *leans*.
     pub leans: KindCounts,
-    /// The paper's claim.
+    /// The paper's claim: objects found that stand on or lie in other objects.
     pub recursion: RecursionCounts,
+    /// Its control: hypotheses that match no object.
+    pub control: RecursionCounts,
 }
 
 /// Compares a graph over `regions` with the truth.
 ///
 /// A node is a true object when their intersection over union exceeds 0.5; a structure plane is the furniture or wall that
 /// more than half of its pixels show, because furniture has several faces. Edges between others are not judged.
+/// `min_p_o`: P(O) of what something carries (`objectness.min_p_o`).
 ///
 /// # Errors
 /// When there are too many regions.
-pub fn support_score(graph: &SupportGraph, regions: &Segments, truth: &SupportTruth) -> Result<SupportScore> {
+pub fn support_score(
+    graph: &SupportGraph,
+    regions: &Segments,
+    truth: &SupportTruth,
+    min_p_o: f32,
+) -> Result<SupportScore> {
     let matched = matches(graph, regions, truth)?;
     let there = truth.edges();
     let mut found: BTreeMap<(u16, u16), SupportKind> = BTreeMap::new();
@@ -115,17 +121,23 @@ pub fn support_score(graph: &SupportGraph, regions: &Segments, truth: &SupportTr
     score.edges.wrong = found.keys().filter(|pair| !there.contains_key(pair)).count() as u32;
 
     let parents = graph.parents();
-    for (&node, &upper) in &matched {
-        let on_object = |(pair, kind): (&(u16, u16), &SupportKind)| {
-            pair.1 == upper && truth.objects.contains(&pair.0) && *kind != SupportKind::Leans
+    let on_object: BTreeSet<u16> = there
+        .iter()
+        .filter(|(pair, kind)| truth.objects.contains(&pair.0) && **kind != SupportKind::Leans)
+        .map(|(pair, _)| pair.1)
+        .collect();
+    for (k, node) in graph.nodes.iter().enumerate() {
+        let counts = match (node.kind, matched.get(&(k as u32))) {
+            (NodeKind::Structure { .. }, _) => continue,
+            (_, None) if node.size_px > 0 => &mut score.control,
+            (_, Some(thing)) if on_object.contains(thing) => &mut score.recursion,
+            _ => continue,
         };
-        if there.iter().any(on_object) {
-            let planes = parents[node as usize].iter().map(|p| &graph.nodes[p.0 as usize]);
-            let planes = planes.filter(|p| matches!(p.kind, NodeKind::Structure { .. }));
-            score.recursion.stacked += 1;
-            score.recursion.with += u32::from(graph.nodes[node as usize].p_o >= CARRIED);
-            score.recursion.without += u32::from(planes.map(|p| p.p_s).fold(0.0, f32::max) >= CARRIED);
-        }
+        let planes = parents[k].iter().map(|p| &graph.nodes[p.0 as usize]);
+        let planes = planes.filter(|p| matches!(p.kind, NodeKind::Structure { .. }));
+        counts.things += 1;
+        counts.with += u32::from(node.p_o >= min_p_o);
+        counts.without += u32::from(planes.map(|p| p.p_s).fold(0.0, f32::max) >= min_p_o);
     }
     Ok(score)
 }
@@ -158,9 +170,14 @@ impl EdgeCounts {
         share(self.right, self.right + self.wrong)
     }
 
-    /// Share of the edges there that were found; 1 when there are none.
+    /// Share of the edges between things that were both found that were found; 1 when there are none.
     pub fn recall(&self) -> f64 {
         share(self.right, self.right + self.missed)
+    }
+
+    /// Share of all edges there that were found, also those of things that were not; 1 when there are none.
+    pub fn recall_of_all(&self) -> f64 {
+        share(self.right, self.right + self.missed + self.unmatched)
     }
 }
 
@@ -170,7 +187,7 @@ fn share(part: u32, whole: u32) -> f64 {
 
 impl AddAssign for SupportScore {
     fn add_assign(&mut self, other: Self) {
-        let Self { edges: e, on, within, leans, recursion: r } = other;
+        let Self { edges: e, on, within, leans, recursion, control } = other;
         self.edges.right += e.right;
         self.edges.wrong += e.wrong;
         self.edges.missed += e.missed;
@@ -181,9 +198,11 @@ impl AddAssign for SupportScore {
             sum.called_in += add.called_in;
             sum.called_leans += add.called_leans;
         }
-        self.recursion.stacked += r.stacked;
-        self.recursion.with += r.with;
-        self.recursion.without += r.without;
+        for (sum, add) in [(&mut self.recursion, recursion), (&mut self.control, control)] {
+            sum.things += add.things;
+            sum.with += add.with;
+            sum.without += add.without;
+        }
     }
 }
 
@@ -243,7 +262,7 @@ mod tests {
             edges: edges.iter().map(edge).collect(),
         };
         assert_eq!(regions.at(0), Some(SegmentId(0)));
-        support_score(&graph, &regions, &truth).unwrap()
+        support_score(&graph, &regions, &truth, 0.7).unwrap()
     }
 
     use SupportKind::{In, Leans, On};
@@ -255,8 +274,9 @@ mod tests {
         assert_eq!(score.edges, EdgeCounts { right: 5, wrong: 0, missed: 0, unmatched: 0 });
         assert_eq!((score.within.called_in, score.leans.called_leans, score.on.called_on), (1, 1, 3));
         // The ball alone stands on an object; the board leans on one.
-        assert_eq!(score.recursion, RecursionCounts { stacked: 1, with: 1, without: 0 });
+        assert_eq!(score.recursion, RecursionCounts { things: 1, with: 1, without: 0 });
         assert_eq!((score.edges.precision(), score.edges.recall()), (1.0, 1.0));
+        assert_eq!(score.control, RecursionCounts::default());
     }
 
     #[test]
@@ -265,7 +285,7 @@ mod tests {
         let score = scored(&[(0, 1, On), (1, 2, On), (0, 2, On), (3, 1, On), (4, 3, On)], |k| k);
         assert_eq!(score.edges, EdgeCounts { right: 2, wrong: 3, missed: 3, unmatched: 0 });
         assert_eq!((score.within.there, score.within.called_on, score.within.called_in), (1, 1, 0));
-        assert_eq!(score.recursion, RecursionCounts { stacked: 1, with: 1, without: 1 });
+        assert_eq!(score.recursion, RecursionCounts { things: 1, with: 1, without: 1 });
         assert_eq!((score.edges.precision(), score.edges.recall()), (0.4, 0.4));
     }
 
@@ -274,6 +294,9 @@ mod tests {
         // Box and board are one region, which is neither by more than half.
         let score = scored(&[(0, 1, On), (1, 2, In), (0, 3, On)], |k| k.min(3));
         assert_eq!(score.edges, EdgeCounts { right: 2, wrong: 0, missed: 0, unmatched: 3 });
+        assert_eq!((score.edges.recall(), score.edges.recall_of_all()), (1.0, 0.4));
+        // That region is the control: something carries it, and a plane does.
+        assert_eq!(score.control, RecursionCounts { things: 1, with: 1, without: 1 });
         let none = scored(&[], |k| if k == 0 { 0 } else { -1 });
         assert_eq!(none.edges, EdgeCounts { unmatched: 5, ..EdgeCounts::default() });
         assert_eq!((none.edges.precision(), none.edges.recall()), (1.0, 1.0));

@@ -356,7 +356,7 @@ pub struct SupportEdge {
     pub kind: SupportKind,
     /// How sure it is that this carries it: of what stands, the share of the contacts of its foot; of what lies in
     /// something, the share of directions in which the rim is seen; of what leans, the share of its sides that are tilted
-    /// alike; of a hidden contact, half the share of the foot that something hides. 1 in `paper`.
+    /// alike; of a hidden contact, half of that, and of what stands half the share of the foot that something hides. 1 in `paper`.
     #[schemars(range(min = 0, max = 1))]
     pub confidence: f32,
     /// Whether the contact itself is not seen.

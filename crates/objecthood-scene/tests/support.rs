@@ -17,5 +17,5 @@ fn most_edges_are_right_on_our_own_and_on_true_segments() {
     assert!(truth.precision() > 0.9 && truth.recall() > 0.9, "{truth:?}");
     assert!(own.precision() > 0.85 && own.recall() > 0.85, "{own:?}");
     let claim = sum.own.recursion;
-    assert!(claim.with == claim.stacked && claim.without < claim.stacked, "{claim:?}");
+    assert!(claim.with == claim.things && claim.without < claim.things, "{claim:?}");
 }

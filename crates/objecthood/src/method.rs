@@ -25,7 +25,7 @@ use crate::oversegment::graph::{PixelGraph, Unmeasured};
 use crate::oversegment::smoothing::smooth;
 use crate::oversegment::structure::structure;
 use crate::oversegment::watershed::{Links, linked_pairs, watershed};
-use crate::params::{self, Channels, Params, UpFrom};
+use crate::params::{Channels, Params, UpFrom};
 use crate::raster::Raster;
 use crate::shapes::border::borders;
 use crate::shapes::contact::contacts;
@@ -169,8 +169,7 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     let outcome = outcome(&clusters, structure.support, &params.objectness);
     let planes = structure.planes(&outcome.regions, &points);
     let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
-    let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };
-    let mut support = forest(&outcome.regions, &points, &orientation.normal, &planes, &up, &contact);
+    let mut support = forest(&outcome.regions, &points, &orientation.normal, &planes, &up, space, params);
     observer.observe(Stage::Support { graph: &support, regions: &outcome.regions });
     let evidence = Evidence {
         regions: &outcome.regions,

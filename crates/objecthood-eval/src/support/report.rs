@@ -6,6 +6,7 @@ use std::ops::AddAssign;
 
 use objecthood::objectness::support::SupportGraph;
 use objecthood::params::UpFrom;
+use objecthood::surface::disparity::DisparitySpace;
 use objecthood::{Observer, Params, Raster, Segments, Stage, discover_observed};
 use objecthood_scene::{Family, Rendered, Sensor, generate, render};
 use serde::Serialize;
@@ -42,8 +43,13 @@ impl SceneSupport {
         let mut level = params.clone();
         (level.gravity.up_from, level.gravity.tilt_deg, level.gravity.roll_deg) = (UpFrom::Camera, 0.0, 0.0);
         let (horizontal, _) = score(&seen, &truth, &level)?;
-        let (graph, segments) = truth.forest(&seen.frame.points_m(), &normals, &params.contact)?;
-        Ok(Self { own, truth: support_score(&graph, &segments, &truth)?, horizontal })
+        let space = DisparitySpace::new(seen.frame.camera(), &params.sensor);
+        let (graph, segments) = truth.forest(&seen.frame.points_m(), &normals, &space, params)?;
+        Ok(Self {
+            own,
+            truth: support_score(&graph, &segments, &truth, params.objectness.min_p_o)?,
+            horizontal,
+        })
     }
 }
 
@@ -53,6 +59,7 @@ fn score(seen: &Rendered, truth: &SupportTruth, params: &Params) -> Result<(Supp
         normals: seen.frame.depth_m().map(|_| [0.0; 3]),
         score: Ok(SupportScore::default()),
         truth,
+        min_p_o: params.objectness.min_p_o,
     };
     discover_observed(&seen.frame, params, &mut watched)?;
     Ok((watched.score?, watched.normals))
@@ -62,11 +69,12 @@ struct Watched<'a> {
     normals: Raster<[f32; 3]>,
     score: Result<SupportScore>,
     truth: &'a SupportTruth,
+    min_p_o: f32,
 }
 
 impl Watched<'_> {
     fn judge(&mut self, graph: &SupportGraph, regions: &Segments) {
-        self.score = support_score(graph, regions, self.truth);
+        self.score = support_score(graph, regions, self.truth, self.min_p_o);
     }
 }
 
@@ -110,8 +118,10 @@ pub struct SupportReport {
 pub struct Figures {
     /// Share of the edges found that are there.
     pub precision: f64,
-    /// Share of the edges there that were found.
+    /// Share of the edges between things that were both found that were found.
     pub recall: f64,
+    /// Share of all edges there that were found.
+    pub recall_of_all: f64,
     /// Share of the edges *on* and *in* that were found and are of the right one of the two kinds.
     pub in_against_on: f64,
     /// The same of the edges *in* alone.
@@ -126,6 +136,7 @@ impl Figures {
         Self {
             precision: score.edges.precision(),
             recall: score.edges.recall(),
+            recall_of_all: score.edges.recall_of_all(),
             in_against_on: share(on.called_on + within.called_in, told[0] + told[1]),
             called_in: share(within.called_in, told[1]),
         }
@@ -157,6 +168,7 @@ impl fmt::Display for SupportReport {
             "segments",
             "precision",
             "recall",
+            "of all",
             "right",
             "wrong",
             "missed",
@@ -173,18 +185,19 @@ impl fmt::Display for SupportReport {
             "\n\nin against on: {in_against_on:.3} own ({called_in:.3} of what lies in something), {:.3} true ({:.3})\n",
             of_truth.in_against_on, of_truth.called_in
         )?;
-        let claim = [
-            ("of the plane", self.total.own.recursion),
-            ("of a horizontal camera", self.total.horizontal.recursion),
-        ];
-        let header = ["things on things with P(O) >= 0.7, up", "things", "with recursion", "planes alone"];
-        write_table(f, 1, &header, &claim.map(|(name, counts)| claim_row(name, counts)))
+        let [plane, camera] =
+            [("of the plane", self.total.own), ("of a horizontal camera", self.total.horizontal)];
+        let claim = [plane, camera].map(|(up, score)| claim_row(up, "things on things", score.recursion));
+        let control = [plane, camera].map(|(up, score)| claim_row(up, "no objects", score.control));
+        let header = ["P(O) carries, with up", "what", "all", "with recursion", "planes alone"];
+        write_table(f, 2, &header, &[claim, control].concat())
     }
 }
 
 fn edges_row(name: String, score: &SupportScore) -> Vec<String> {
     let EdgeCounts { right, wrong, missed, unmatched } = score.edges;
-    let shares = [score.edges.precision(), score.edges.recall()].map(|share| format!("{share:.3}"));
+    let shares = [score.edges.precision(), score.edges.recall(), score.edges.recall_of_all()]
+        .map(|share| format!("{share:.3}"));
     let counts = [right, wrong, missed, unmatched].map(|n| n.to_string());
     let kind = |KindCounts { there, called_on, called_in, called_leans }: KindCounts| {
         format!("{called_on}/{called_in}/{called_leans} of {there}")
@@ -193,7 +206,11 @@ fn edges_row(name: String, score: &SupportScore) -> Vec<String> {
     std::iter::once(name).chain(shares).chain(counts).chain(kinds).collect()
 }
 
-fn claim_row(name: &str, RecursionCounts { stacked, with, without }: RecursionCounts) -> Vec<String> {
-    let share = |n: u32| format!("{n} ({:.3})", f64::from(n) / f64::from(stacked.max(1)));
-    vec![name.to_owned(), stacked.to_string(), share(with), share(without)]
+fn claim_row(
+    up: &str,
+    what: &str,
+    RecursionCounts { things, with, without }: RecursionCounts,
+) -> Vec<String> {
+    let share = |n: u32| format!("{n} ({:.3})", f64::from(n) / f64::from(things.max(1)));
+    vec![up.to_owned(), what.to_owned(), things.to_string(), share(with), share(without)]
 }

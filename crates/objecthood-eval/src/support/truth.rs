@@ -6,7 +6,8 @@ use glam::{DQuat, DVec3};
 use objecthood::objectness::forest::forest;
 use objecthood::objectness::gravity::{StructurePlane, Up, UpSource, fitted_plane};
 use objecthood::objectness::support::{SupportGraph, SupportKind};
-use objecthood::{Raster, Segments, params};
+use objecthood::surface::disparity::DisparitySpace;
+use objecthood::{Params, Raster, Segments};
 use objecthood_scene::{Contact, ContactKind, Rendered, World};
 
 use crate::error::Result;
@@ -84,10 +85,11 @@ impl SupportTruth {
         &self,
         points_m: &Raster<[f32; 3]>,
         normals: &Raster<[f32; 3]>,
-        contact: &params::Contact,
+        space: &DisparitySpace,
+        params: &Params,
     ) -> Result<(SupportGraph, Segments)> {
         let (segments, planes) = self.segments(points_m)?;
-        let graph = forest(&segments, points_m, normals, &planes, &self.up, contact);
+        let graph = forest(&segments, points_m, normals, &planes, &self.up, space, params);
         Ok((graph, segments))
     }
 }

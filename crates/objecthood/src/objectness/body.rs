@@ -1,17 +1,18 @@
 //! Regions against gravity: how high they stand, where they are in the plan view, how they are tilted.
 
-use std::collections::BTreeMap;
-
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::objectness::gravity::{StructurePlane, Up};
 use crate::oversegment::structure::{UPWARD, element_at, tangents};
 use crate::raster::Raster;
 use crate::regions::Segments;
+use crate::surface::disparity::DisparitySpace;
 
 /// Heights that differ by less (m) are the same: what rises less above its surroundings is not told from them either
-/// (`height.min_top_m`).
-pub(crate) const LEVEL_M: f64 = 0.01;
+/// (`height.min_top_m`). Beyond 1.9 m the sensor resolves less: there it is [`LEVEL_QUANTA`].
+const LEVEL_M: f64 = 0.01;
+/// A foot, at the 2nd percentile of heights, sinks by so many quanta: two standard deviations of a depth of half a quantum.
+const LEVEL_QUANTA: f64 = 1.0;
 /// In so many directions one looks for what is around a place.
 pub(crate) const SECTORS: usize = 12;
 /// The foot of a region is this share of its heights from below: single noisy pixels lie low anywhere.
@@ -34,7 +35,10 @@ const LEAST_TILT: f64 = 0.14;
 const LEAST_ALIKE: f64 = 0.6;
 /// And it is this share of all that is seen of it.
 const LEAST_TILTED: f64 = 0.2;
-
+/// Up its slope it is so long (m) ...
+const LEAST_SLOPE_M: f64 = 0.07;
+/// ... and so large (m²): boards are, cables, handles and slivers of a bowl's wall are not.
+const LEAST_FACE_M2: f64 = 0.004;
 /// Where the way along gravity is shorter than this in the image (sine; 6 degrees) its direction means nothing.
 const FORESHORTENED: f64 = 0.1;
 
@@ -92,14 +96,20 @@ pub(crate) struct Body {
     pub(crate) size_px: usize,
     /// Mean height (m).
     pub(crate) mean_m: f64,
-    /// Height of its lowest visible part (m).
+    /// Of a thing, the height of its lowest visible part (m).
     pub(crate) foot_m: f64,
-    /// Height of its highest part (m).
+    /// Of a thing, the height of its highest part (m).
     pub(crate) top_m: f64,
+    /// Of a thing, heights that differ by less (m) are the same at its depth.
+    pub(crate) level_m: f64,
+    /// Of a thing, its mean normal, the shorter the more it bends; zero without any.
+    pub(crate) normal: DVec3,
     /// Mean place (m).
     pub(crate) middle_m: DVec2,
     /// How far it reaches in the plan view in each of [`DIRECTIONS`] (m).
     reach_m: [f64; DIRECTIONS],
+    /// Of a thing, how high it is cell by cell (m), in the order of cells.
+    cells: Vec<([i32; 2], f64)>,
     /// Which way its sides lean, if they are one flat face that is tilted.
     pub(crate) tilt: Option<Tilt>,
 }
@@ -120,41 +130,35 @@ pub(crate) struct Bodies<'a> {
     pub(crate) all: Vec<Body>,
     /// The first regions are these; the others stand about.
     pub(crate) planes: &'a [StructurePlane],
-    relief: Relief,
 }
 
 impl<'a> Bodies<'a> {
-    /// Pixels without depth do not count. O(pixels log pixels).
+    /// Pixels without depth do not count. O(pixels + pixels of things · log of them).
     pub(crate) fn new(
         regions: &Segments,
         points_m: &Raster<[f32; 3]>,
         normals: &Raster<[f32; 3]>,
         planes: &'a [StructurePlane],
         up: &Up,
+        space: &DisparitySpace,
     ) -> Self {
         let plan = Plan::new(up);
         let mut all = vec![Body::default(); regions.count()];
-        let mut heights_m: Vec<Vec<f64>> = vec![Vec::new(); regions.count()];
-        let mut sides: Vec<Vec<(f64, [f32; 3])>> = vec![Vec::new(); regions.count()];
+        let mut looks = vec![Look::default(); regions.count()];
         for (i, region) in regions.members().filter(|&(i, _)| !points_m[i][2].is_nan()) {
-            let height_m = plan.height_m(points_m[i]);
-            all[region].add(i, height_m, plan.place_m(points_m[i]), &plan.directions);
-            heights_m[region].push(height_m);
-            let upward = plan.upward(normals[i]);
-            if normals[i] != [0.0; 3] && upward < TOP_FACE {
-                sides[region].push((upward, normals[i]));
+            let (height_m, place_m) = (plan.height_m(points_m[i]), plan.place_m(points_m[i]));
+            all[region].add(i, height_m, place_m, &plan.directions);
+            if region >= planes.len() {
+                looks[region].add(points_m[i], normals[i], (height_m, place_m), &plan);
             }
         }
-        for ((body, mut heights_m), sides) in all.iter_mut().zip(heights_m).zip(sides) {
+        for (body, look) in all.iter_mut().zip(looks) {
             let count = body.size_px.max(1) as f64;
             body.mean_m /= count;
             body.middle_m /= count;
-            body.foot_m = element_at(&mut heights_m, FOOT_SHARE);
-            body.top_m = element_at(&mut heights_m, TOP_SHARE);
-            body.tilt = Tilt::of(&sides, body.size_px, &plan);
+            body.take(look, &plan, space);
         }
-        let relief = Relief::new(regions, points_m, &plan, planes.len());
-        Self { plan, all, planes, relief }
+        Self { plan, all, planes }
     }
 
     /// The regions that are no planes and have points.
@@ -167,13 +171,13 @@ impl<'a> Bodies<'a> {
         self.plan.upward(plane.normal) > UPWARD
     }
 
-    /// Whether a region ends upwards near a point, and is something to stand on there.
-    pub(crate) fn ends_at(&self, region: usize, point_m: [f32; 3]) -> bool {
+    /// Whether a region ends upwards near a point, and is something to stand on there. Heights are the same up to `level_m`.
+    pub(crate) fn ends_at(&self, region: usize, point_m: [f32; 3], level_m: f64) -> bool {
         match self.planes.get(region) {
             Some(plane) => self.faces_up(plane),
             None => {
                 let top_m = self.top_near_m(region, self.plan.place_m(point_m));
-                top_m.is_none_or(|top_m| top_m <= self.plan.height_m(point_m) + LEVEL_M)
+                top_m.is_none_or(|top_m| top_m <= self.plan.height_m(point_m) + level_m)
             }
         }
     }
@@ -190,11 +194,25 @@ impl<'a> Bodies<'a> {
 
     /// How high a thing is seen at a place and about 1 cm around it (m).
     pub(crate) fn top_near_m(&self, region: usize, place_m: DVec2) -> Option<f64> {
-        self.relief.top_near_m(region, place_m)
+        let [x, y] = cell(place_m);
+        let cells = &self.all[region].cells;
+        let column = |x: i32| {
+            let first = cells.partition_point(|of_cell| of_cell.0 < [x, y.saturating_sub(1)]);
+            cells[first..].iter().take_while(move |of_cell| of_cell.0 <= [x, y.saturating_add(1)])
+        };
+        let around = [x.saturating_sub(1), x, x.saturating_add(1)].into_iter().flat_map(column);
+        around.map(|of_cell| of_cell.1).reduce(f64::max)
     }
 
-    /// How far the outlines of two regions overlap in the plan view (m): the least way along any of [`DIRECTIONS`] that takes
-    /// them apart.
+    /// How long a region is in the plan view (m), along the longest of [`DIRECTIONS`].
+    pub(crate) fn length_m(&self, region: usize) -> f64 {
+        let reach_m = &self.all[region].reach_m;
+        let lengths_m = (0..DIRECTIONS).map(|k| reach_m[k] + reach_m[(k + DIRECTIONS / 2) % DIRECTIONS]);
+        lengths_m.fold(0.0, f64::max)
+    }
+
+    /// How far the outlines of two regions overlap in the plan view (m): the least way along any of [`DIRECTIONS`] that
+    /// takes them apart.
     pub(crate) fn overlap_m(&self, a: usize, b: usize) -> f64 {
         let [a, b] = [a, b].map(|region| &self.all[region].reach_m);
         let apart = (0..DIRECTIONS).map(|k| a[k] + b[(k + DIRECTIONS / 2) % DIRECTIONS]);
@@ -212,8 +230,8 @@ impl<'a> Bodies<'a> {
     /// Around a place, in how many of [`SECTORS`] directions a region is seen above a height.
     pub(crate) fn sectors_above(&self, region: usize, place_m: DVec2, height_m: f64) -> usize {
         let mut seen = [false; SECTORS];
-        for (at_m, _) in self.relief.of(region).filter(|cell| cell.1 > height_m) {
-            let way = at_m - place_m;
+        for &([x, y], _) in self.all[region].cells.iter().filter(|of_cell| of_cell.1 > height_m) {
+            let way = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) * CELL_M - place_m;
             let turn = libm::atan2(way.y, way.x) / std::f64::consts::TAU + 0.5;
             seen[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
         }
@@ -234,59 +252,97 @@ impl Body {
             *reach_m = reach_m.max(place_m.dot(*direction));
         }
     }
+
+    /// What follows from all that is seen of it.
+    fn take(&mut self, look: Look, plan: &Plan, space: &DisparitySpace) {
+        let mut heights_m: Vec<f64> = look.points.iter().map(|point| point.1).collect();
+        self.foot_m = element_at(&mut heights_m, FOOT_SHARE);
+        self.top_m = element_at(&mut heights_m, TOP_SHARE);
+        let depth_m = look.depth_m / self.size_px.max(1) as f64;
+        self.level_m = space.step_m(LEVEL_QUANTA, depth_m).max(LEVEL_M);
+        self.normal = look.normal / look.normals.max(1) as f64;
+        self.tilt = Tilt::of(&look.sides, self.size_px, plan, space);
+        self.cells = look.cells();
+    }
+}
+
+/// What is seen of a thing.
+#[derive(Clone, Default)]
+struct Look {
+    /// Cell of the plan view and height (m) of every point.
+    points: Vec<([i32; 2], f64)>,
+    depth_m: f64,
+    normal: DVec3,
+    normals: usize,
+    sides: Vec<Side>,
+}
+
+/// A pixel of a face that is no top.
+#[derive(Clone, Copy)]
+struct Side {
+    point_m: [f32; 3],
+    normal: [f32; 3],
+    /// What of its normal is upwards.
+    upward: f64,
+    height_m: f64,
+}
+
+impl Look {
+    fn add(&mut self, point_m: [f32; 3], normal: [f32; 3], (height_m, place_m): (f64, DVec2), plan: &Plan) {
+        self.points.push((cell(place_m), height_m));
+        self.depth_m += f64::from(point_m[2]);
+        if normal == [0.0; 3] {
+            return;
+        }
+        self.normal += Vec3::from(normal).as_dvec3();
+        self.normals += 1;
+        let upward = plan.upward(normal);
+        if upward < TOP_FACE {
+            self.sides.push(Side { point_m, normal, upward, height_m });
+        }
+    }
+
+    /// The height of every cell (m). O(points · log of them).
+    fn cells(mut self) -> Vec<([i32; 2], f64)> {
+        self.points.sort_unstable_by_key(|point| point.0);
+        let height = |of_cell: &mut [([i32; 2], f64)]| {
+            let place = (CELL_SHARE * of_cell.len() as f64) as usize;
+            *of_cell.select_nth_unstable_by(place, |a, b| a.1.total_cmp(&b.1)).1
+        };
+        self.points.chunk_by_mut(|a, b| a.0 == b.0).map(height).collect()
+    }
 }
 
 impl Tilt {
-    /// Of faces that are no tops, each with what of its normal is upwards.
-    fn of(sides: &[(f64, [f32; 3])], normals: usize, plan: &Plan) -> Option<Self> {
-        let tilted = || sides.iter().filter(|side| side.0.abs() > LEAST_TILT);
-        let mut upward: Vec<f64> = tilted().map(|side| side.0).collect();
+    /// Of the faces of something of `size_px` pixels that are no tops.
+    fn of(sides: &[Side], size_px: usize, plan: &Plan, space: &DisparitySpace) -> Option<Self> {
+        let tilted = || sides.iter().filter(|side| side.upward.abs() > LEAST_TILT);
+        let mut upward: Vec<f64> = tilted().map(|side| side.upward).collect();
         let middle = element_at(&mut upward, 0.5);
-        let alike: Vec<_> = tilted().filter(|side| (side.0 - middle).abs() <= ALIKE).collect();
+        let alike: Vec<_> = tilted().filter(|side| (side.upward - middle).abs() <= ALIKE).collect();
         let share = alike.len() as f64 / upward.len().max(1) as f64;
-        if share < LEAST_ALIKE || (alike.len() as f64) < LEAST_TILTED * normals as f64 {
+        if share < LEAST_ALIKE || (alike.len() as f64) < LEAST_TILTED * size_px as f64 {
             return None;
         }
-        let outward: DVec2 = alike.iter().map(|side| plan.place_m(side.1)).sum();
+        let outward: DVec2 = alike.iter().map(|side| plan.place_m(side.normal)).sum();
         // What shows its upper side leans away from where that faces.
-        Some(Self { toward: (-middle.signum() * outward).try_normalize()?, alike: share })
+        let toward = (-middle.signum() * outward).try_normalize()?;
+        let mut heights_m: Vec<f64> = alike.iter().map(|side| side.height_m).collect();
+        let rise_m = element_at(&mut heights_m, TOP_SHARE) - element_at(&mut heights_m, FOOT_SHARE);
+        let is_long = rise_m >= LEAST_SLOPE_M * (1.0 - middle * middle).max(0.0).sqrt();
+        let is_large = alike.iter().map(|side| side.area_m2(space)).sum::<f64>() >= LEAST_FACE_M2;
+        (is_long && is_large).then_some(Self { toward, alike: share })
     }
 }
 
-/// How high regions are, place by place.
-struct Relief {
-    /// By region, then by cell; in each the height (m).
-    cells: BTreeMap<(u32, [i32; 2]), f64>,
-}
-
-impl Relief {
-    /// Of the regions from number `from` on. O(pixels log pixels).
-    fn new(regions: &Segments, points_m: &Raster<[f32; 3]>, plan: &Plan, from: usize) -> Self {
-        let members = regions.members().filter(|&(i, region)| region >= from && !points_m[i][2].is_nan());
-        let keyed = members.map(|(i, region)| {
-            ((region as u32, cell(plan.place_m(points_m[i]))), plan.height_m(points_m[i]))
-        });
-        let mut keyed: Vec<((u32, [i32; 2]), f64)> = keyed.collect();
-        keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let height_m = |of_cell: &[(_, f64)]| of_cell[(CELL_SHARE * of_cell.len() as f64) as usize].1;
-        let cells = keyed.chunk_by(|a, b| a.0 == b.0).map(|of_cell| (of_cell[0].0, height_m(of_cell)));
-        Self { cells: cells.collect() }
-    }
-
-    /// How high a region is at a place and in the eight cells around it (m).
-    fn top_near_m(&self, region: usize, place_m: DVec2) -> Option<f64> {
-        let [x, y] = cell(place_m);
-        let around =
-            (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [x.saturating_add(dx), y.saturating_add(dy)]));
-        around.filter_map(|at| self.cells.get(&(region as u32, at)).copied()).reduce(f64::max)
-    }
-
-    /// The cells of a region: middle and height (m).
-    fn of(&self, region: usize) -> impl Iterator<Item = (DVec2, f64)> + '_ {
-        let all = (region as u32, [i32::MIN; 2])..=(region as u32, [i32::MAX; 2]);
-        self.cells.range(all).map(|(&(_, [x, y]), &height_m)| {
-            (DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) * CELL_M, height_m)
-        })
+impl Side {
+    /// Area of the face that the pixel shows (m^2).
+    fn area_m2(&self, space: &DisparitySpace) -> f64 {
+        let camera = space.camera();
+        let [point, normal] = [self.point_m, self.normal].map(|v| Vec3::from(v).as_dvec3());
+        // Along the face one sees next to nothing, and normals err.
+        let slant = (normal.dot(point) / point.length()).abs().max(FORESHORTENED);
+        point.z.powi(3) / (camera.fx_px * camera.fy_px * point.length() * slant)
     }
 }
 

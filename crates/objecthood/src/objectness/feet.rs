@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::objectness::body::{Bodies, LEVEL_M};
+use crate::objectness::body::Bodies;
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
@@ -24,7 +24,7 @@ impl Foot {
 }
 
 /// The feet of all things: of what is level with their lowest visible part, each pixel below which, along gravity in
-/// the image, there is another. It is the first of another region within `reach_px`. O(pixels · `reach_px`).
+/// the image, the first pixel of any region with depth within `reach_px` is not its own. O(pixels · `reach_px`).
 pub(crate) fn feet(
     regions: &Segments,
     points_m: &Raster<[f32; 3]>,
@@ -35,8 +35,8 @@ pub(crate) fn feet(
     let (width, height) = points_m.size();
     let reach = params.reach_px.min(width.max(height)) as i64;
     let is_foot = |i: usize, region: usize| {
-        region >= bodies.planes.len()
-            && bodies.plan.height_m(points_m[i]) < bodies.all[region].foot_m + LEVEL_M
+        let body = &bodies.all[region];
+        region >= bodies.planes.len() && bodies.plan.height_m(points_m[i]) < body.foot_m + body.level_m
     };
     // False without depth.
     for (i, region) in regions.members().filter(|&(i, region)| is_foot(i, region)) {

@@ -6,25 +6,23 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use crate::objectness::body::{Bodies, LEVEL_M, SECTORS};
+use crate::objectness::body::{Bodies, Body, SECTORS};
 use crate::objectness::feet::{Foot, feet};
 use crate::objectness::gravity::{StructurePlane, Up};
 use crate::objectness::meeting::{Meeting, UNDER_M, meetings};
 use crate::objectness::support::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode};
-use crate::params;
+use crate::params::{self, Params};
 use crate::raster::Raster;
 use crate::regions::Segments;
-use crate::shapes::descriptor::descriptors;
+use crate::surface::disparity::DisparitySpace;
 
 /// Fewer pairs of points in contact are chance (METHOD 3.10: 4 touching pixels, each here in up to four directions).
 const LEAST_CONTACTS: u32 = 8;
 /// What carries has this share of the contacts of the foot; this share of them is where it goes on below, or of the foot is
 /// over the edge.
 const LEAST_SHARE: f64 = 0.2;
-/// A rim is at least this much (m) above the foot of what lies within: three times the noise of a height at 1 m.
-const LEAST_RIM_M: f64 = 0.005;
 /// It is seen in so many of [`SECTORS`]: a far wall alone, half of them, encloses nothing.
 const LEAST_ENCLOSED: usize = 8;
 /// What is leant on is where the upper one leans, up to this angle (cosine, 60 degrees).
@@ -36,58 +34,48 @@ const HIDDEN: f64 = 0.5;
 ///
 /// `regions`: first the structure, of which region k lies on `planes[k]`, then the things that stand about; all rasters are of one
 /// size. Node k of the graph is region k. Two regions meet where points are in contact (`params`). The foot of a thing is
-/// the lowest 10 mm of what is seen of it. It
+/// the lowest 10 mm of what is seen of it, beyond 1.9 m as much as the sensor resolves. It
 ///
 /// * stands *on* what its foot is level with, from above. So that what merely stands behind something and is hidden by it
 ///   below does not stand on it: the lower goes on 3 cm behind the contact, or holds the middle of the upper, or the foot hangs
 ///   over. `confidence`: share of the contacts of the foot;
-/// * lies *in* what rises above its foot in two of three directions around its middle. `confidence`: the share of
-///   directions;
-/// * *leans* on what its side touches, in the direction in which it leans, if it is flat and tilted by 8 degrees or more.
-///   `confidence`: the share of what is tilted in it that is tilted alike;
+/// * lies *in* what has a rim around it: is graspable (`objectness.max_side_m`), and rises by 1 cm, far away by what the
+///   sensor resolves, above its foot and above the floor seen under its middle, in two of three directions around that.
+///   `confidence`: the share of directions, half of it if the two are not seen to touch (`hidden`);
+/// * *leans* on what its side touches, in the direction in which it leans, if it is flat, tilted by 8 degrees or more, 7 cm
+///   long up its slope and 40 cm² large, and the other is no plane that faces up: what is thin or small leans by chance of
+///   noise. `confidence`: the share of what is tilted in it that is tilted alike;
 /// * else the two touch side by side, which is no edge.
 ///
 /// What then stands on and lies in nothing has a hidden contact: behind what ends its foot it goes on along gravity, to the
 /// highest thing below that holds its middle or that it hangs over level with its top, else to the plane there, else to the
-/// highest plane below. `confidence`: a half, if it is level with that; else half the share of its foot that something ends,
-/// 0 of what floats.
+/// highest plane below; or it lies in what is around it. `confidence`: a half, if it is level with that or lies in it; else
+/// half the share of its foot that something ends, 0 of what floats.
 ///
-/// Edges are taken in the order *on* and *in*, *leans*, hidden, of each the surest first, and each unless the upper already
-/// carries the lower, directly or by others: there are no cycles. P(S) is eq. 7, of a plane by its own normal; P(O) is eq. 8 over the edges. Confidence does not weigh
-/// in: it says which carrier it is, and eq. 8 asks what that could carry.
+/// Edges are taken in the order *on* and *in*, *leans*, then what stands on and lies in nothing yet, of each the surest
+/// first, and each unless the upper already carries the lower, directly or by others: there are no cycles. P(S) is eq. 7, of a
+/// plane by its own normal; P(O) is eq. 8 over the edges. Confidence does not weigh in: it says which carrier it is, and eq. 8
+/// asks what that could carry. `contact.reach_px` holds at a focal length of 525 px.
 ///
-/// Source: ours, in the place of eq. 6. O(pixels log pixels + regions^2).
+/// Source: ours, in the place of eq. 6. O(pixels · `reach_px` + n log n + pairs · cells + edges · (regions + edges)): n, the
+/// pixels of things; pairs, of things; cells, 1 cm² each, of the outer one of a pair; the last, the search for cycles.
 pub fn forest(
     regions: &Segments,
     points_m: &Raster<[f32; 3]>,
     normals: &Raster<[f32; 3]>,
     planes: &[StructurePlane],
     up: &Up,
-    params: &params::Contact,
+    space: &DisparitySpace,
+    params: &Params,
 ) -> SupportGraph {
-    let bodies = Bodies::new(regions, points_m, normals, planes, up);
-    let feet = feet(regions, points_m, &bodies, params);
-    let meetings = meetings(regions, points_m, &bodies, params);
-    let mut in_contact = vec![0; regions.count()];
-    meetings.iter().for_each(|(&(_, upper), meeting)| in_contact[upper] += meeting.foot);
+    let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };
+    let bodies = Bodies::new(regions, points_m, normals, planes, up, space);
+    let feet = feet(regions, points_m, &bodies, &contact);
+    let meetings = meetings(regions, points_m, &bodies, &contact);
+    let max_side_m = f64::from(params.objectness.max_side_m);
 
     let mut edges = Acyclic::new(regions.count());
-    let mut seen = enclosed(&bodies, &meetings);
-    let within: BTreeSet<(NodeId, NodeId)> = seen.iter().map(|edge| (edge.lower, edge.upper)).collect();
-    for (&(lower, upper), meeting) in &meetings {
-        let [a, b] = [node(lower), node(upper)];
-        if !within.contains(&(a, b)) && !within.contains(&(b, a)) {
-            seen.extend(stands(&bodies, (lower, upper), meeting, (&feet[upper], in_contact[upper])));
-        }
-    }
-    // By what does not depend on the numbers of regions.
-    seen.sort_by_key(|edge| {
-        let first = |node: NodeId| bodies.all[node.0 as usize].first;
-        let leans = edge.kind == SupportKind::Leans;
-        (leans, Reverse(edge.confidence.to_bits()), first(edge.upper), first(edge.lower))
-    });
-    seen.into_iter().for_each(|edge| _ = edges.add(edge));
-
+    seen(&bodies, &feet, &meetings, max_side_m).into_iter().for_each(|edge| _ = edges.add(edge));
     // From above downwards.
     let mut hanging: Vec<usize> = bodies.things().filter(|&thing| !edges.stands[thing]).collect();
     hanging.sort_by(|&a, &b| {
@@ -95,17 +83,17 @@ pub fn forest(
         b.foot_m.total_cmp(&a.foot_m).then(a.first.cmp(&b.first))
     });
     for upper in hanging {
-        let carriers = below(&bodies, upper, &feet[upper]);
+        let carriers = below(&bodies, upper, &feet[upper], max_side_m);
         carriers.into_iter().any(|edge| edges.add(edge));
     }
 
-    let described = descriptors(regions, &regions.labels().map(|_| true), points_m, normals);
-    let p_s = |region: usize| {
-        let normal = planes.get(region).map_or(described[region].normal, |plane| plane.normal.map(f64::from));
+    let up = Vec3::from(up.direction).as_dvec3();
+    let p_s = |(region, body): (usize, &Body)| {
+        let normal = planes.get(region).map_or(body.normal, |plane| Vec3::from(plane.normal).as_dvec3());
         // The sum takes the sign from a negative zero.
-        DVec3::from(normal).dot(Vec3::from(up.direction).as_dvec3()).clamp(0.0, 1.0) + 0.0
+        (normal.dot(up).clamp(0.0, 1.0) + 0.0) as f32
     };
-    let p_s: Vec<f32> = (0..regions.count()).map(|region| p_s(region) as f32).collect();
+    let p_s: Vec<f32> = bodies.all.iter().enumerate().map(p_s).collect();
     let p_o = edges.handed_up(&p_s);
     let nodes = bodies.all.iter().enumerate().map(|(region, body)| SupportNode {
         kind: if region < planes.len() { NodeKind::Structure { plane: region } } else { NodeKind::Surface },
@@ -121,20 +109,49 @@ fn node(region: usize) -> NodeId {
     NodeId(region as u32)
 }
 
-/// What lies in what. O(regions^2 + cells of what may).
-fn enclosed(bodies: &Bodies<'_>, meetings: &BTreeMap<(usize, usize), Meeting>) -> Vec<SupportEdge> {
+/// The edges that are seen, those to be believed first before the others, by what does not depend on the numbers of regions.
+fn seen(
+    bodies: &Bodies<'_>,
+    feet: &[Foot],
+    meetings: &BTreeMap<(usize, usize), Meeting>,
+    max_side_m: f64,
+) -> Vec<SupportEdge> {
+    let mut in_contact = vec![0; bodies.all.len()];
+    meetings.iter().for_each(|(&(_, upper), meeting)| in_contact[upper] += meeting.foot);
+    let mut seen = enclosed(bodies, meetings, max_side_m);
+    let within: BTreeSet<(NodeId, NodeId)> = seen.iter().map(|edge| (edge.lower, edge.upper)).collect();
+    for (&(lower, upper), meeting) in meetings {
+        let [a, b] = [node(lower), node(upper)];
+        if !within.contains(&(a, b)) && !within.contains(&(b, a)) {
+            seen.extend(stands(bodies, (lower, upper), meeting, (&feet[upper], in_contact[upper])));
+        }
+    }
+    seen.sort_by_key(|edge| {
+        let first = |node: NodeId| bodies.all[node.0 as usize].first;
+        let leans = edge.kind == SupportKind::Leans;
+        (leans, Reverse(edge.confidence.to_bits()), first(edge.upper), first(edge.lower))
+    });
+    seen
+}
+
+/// What lies in what. O(pairs of things + cells of the outer one of those that may).
+fn enclosed(
+    bodies: &Bodies<'_>,
+    meetings: &BTreeMap<(usize, usize), Meeting>,
+    max_side_m: f64,
+) -> Vec<SupportEdge> {
     let enclosed = |lower: usize, upper: usize| {
         let (outer, inner) = (&bodies.all[lower], &bodies.all[upper]);
-        let rim_m = inner.foot_m + LEAST_RIM_M;
-        let may = outer.foot_m <= inner.foot_m
-            && outer.top_m > rim_m
-            && bodies.holds(lower, inner.middle_m)
-            && is_cavity(bodies, lower, upper);
+        let may = outer.foot_m <= inner.foot_m && is_cavity(bodies, lower, upper, max_side_m);
+        // Above its foot, and above the floor around it as far as that is seen.
+        let floor_m = bodies.top_near_m(lower, inner.middle_m).unwrap_or(inner.foot_m);
+        let rim_m = inner.foot_m.max(floor_m) + inner.level_m;
         let sectors = if may { bodies.sectors_above(lower, inner.middle_m, rim_m) } else { 0 };
         let contacts = meetings.get(&(lower, upper)).map_or(0, |meeting| meeting.foot + meeting.side);
+        let seen = if contacts == 0 { HIDDEN } else { 1.0 };
         (sectors >= LEAST_ENCLOSED).then(|| SupportEdge {
             kind: SupportKind::In,
-            confidence: (sectors as f64 / SECTORS as f64) as f32,
+            confidence: (seen * sectors as f64 / SECTORS as f64) as f32,
             hidden: contacts == 0,
             ..SupportEdge::seen(node(lower), node(upper), contacts)
         })
@@ -146,10 +163,13 @@ fn enclosed(bodies: &Bodies<'_>, meetings: &BTreeMap<(usize, usize), Meeting>) -
         .collect()
 }
 
-/// Whether `lower` is not seen above the foot of `upper` where that is: else it would be solid there.
-fn is_cavity(bodies: &Bodies<'_>, lower: usize, upper: usize) -> bool {
+/// Whether `upper` is within the outline of `lower`, which is graspable, as a vessel is, and is not seen above the foot of
+/// `upper` where that is: else it would be solid there.
+fn is_cavity(bodies: &Bodies<'_>, lower: usize, upper: usize, max_side_m: f64) -> bool {
     let body = &bodies.all[upper];
-    bodies.top_near_m(lower, body.middle_m).is_none_or(|top_m| top_m <= body.foot_m + LEVEL_M)
+    let may_hold = bodies.length_m(lower) <= max_side_m && bodies.holds(lower, body.middle_m);
+    let floor_m = || bodies.top_near_m(lower, body.middle_m);
+    may_hold && floor_m().is_none_or(|floor_m| floor_m <= body.foot_m + body.level_m)
 }
 
 /// The edge that a meeting shows, if any. With the foot of the upper, and all contacts that it has.
@@ -170,6 +190,9 @@ fn stands(
         let confidence = (f64::from(meeting.on) / f64::from(in_contact)) as f32;
         return Some(SupportEdge { confidence, ..SupportEdge::seen(node(lower), node(upper), meeting.on) });
     }
+    if bodies.planes.get(lower).is_some_and(|plane| bodies.faces_up(plane)) {
+        return None;
+    }
     let tilt = bodies.all[upper].tilt?;
     let way = meeting.side_way_m.try_normalize()?;
     (meeting.side >= LEAST_CONTACTS && way.dot(tilt.toward) > TOWARD).then(|| SupportEdge {
@@ -180,7 +203,7 @@ fn stands(
 }
 
 /// The edges to what may carry something whose contact is hidden, the likeliest first.
-fn below(bodies: &Bodies<'_>, upper: usize, foot: &Foot) -> Vec<SupportEdge> {
+fn below(bodies: &Bodies<'_>, upper: usize, foot: &Foot, max_side_m: f64) -> Vec<SupportEdge> {
     let body = &bodies.all[upper];
     // Whether it is over the other, how high it stands there (m), and how.
     let candidate = |lower: usize| {
@@ -188,16 +211,16 @@ fn below(bodies: &Bodies<'_>, upper: usize, foot: &Foot) -> Vec<SupportEdge> {
         let is_over = bodies.holds(lower, body.middle_m);
         if let Some(plane) = bodies.planes.get(lower) {
             let height_m = bodies.height_of_m(plane, body.middle_m);
-            let is_below = bodies.faces_up(plane) && height_m <= body.foot_m + LEVEL_M;
+            let is_below = bodies.faces_up(plane) && height_m <= body.foot_m + body.level_m;
             return is_below.then_some((is_over, height_m, SupportKind::On));
         }
         // What it hangs over does not hold its middle.
         let hangs_over =
-            || (other.top_m - body.foot_m).abs() <= LEVEL_M && bodies.overlap_m(lower, upper) >= UNDER_M;
-        if other.top_m <= body.foot_m + LEVEL_M && (is_over || hangs_over()) {
+            || (other.top_m - body.foot_m).abs() <= body.level_m && bodies.overlap_m(lower, upper) >= UNDER_M;
+        if other.top_m <= body.foot_m + body.level_m && (is_over || hangs_over()) {
             return Some((true, other.top_m, SupportKind::On));
         }
-        let is_around = is_over && other.foot_m < body.foot_m && is_cavity(bodies, lower, upper);
+        let is_around = other.foot_m < body.foot_m && is_cavity(bodies, lower, upper, max_side_m);
         is_around.then_some((true, body.foot_m, SupportKind::In))
     };
     let others = (0..bodies.all.len()).filter(|&lower| lower != upper && bodies.all[lower].size_px > 0);
@@ -208,7 +231,7 @@ fn below(bodies: &Bodies<'_>, upper: usize, foot: &Foot) -> Vec<SupportEdge> {
     });
     let edge = |((_, height_m, kind), lower): ((bool, f64, SupportKind), usize)| {
         // What is as low as it would stand there does not float, whatever is seen below.
-        let ended = if body.foot_m - height_m <= LEVEL_M { 1.0 } else { 1.0 - foot.open_share() };
+        let ended = if body.foot_m - height_m <= body.level_m { 1.0 } else { 1.0 - foot.open_share() };
         SupportEdge {
             kind,
             confidence: (HIDDEN * ended) as f32,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use crate::objectness::body::{Bodies, LEVEL_M};
+use crate::objectness::body::Bodies;
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
@@ -48,14 +48,15 @@ pub(crate) fn meetings(
             }
             let meeting = meetings.entry((of_lower, of_upper)).or_default();
             let [at_m, below_m] = [upper, lower].map(|k| points_m[k]);
-            let height_m = plan.height_m(at_m);
-            if height_m > bodies.all[of_upper].foot_m + LEVEL_M {
+            let (height_m, body) = (plan.height_m(at_m), &bodies.all[of_upper]);
+            if height_m > body.foot_m + body.level_m {
                 meeting.side += 1;
-                meeting.side_way_m += plan.place_m(below_m) - bodies.all[of_upper].middle_m;
+                meeting.side_way_m += plan.place_m(below_m) - body.middle_m;
                 continue;
             }
             meeting.foot += 1;
-            if (height_m - plan.height_m(below_m)).abs() <= LEVEL_M && bodies.ends_at(of_lower, below_m) {
+            let is_level = (height_m - plan.height_m(below_m)).abs() <= body.level_m;
+            if is_level && bodies.ends_at(of_lower, below_m, body.level_m) {
                 meeting.on += 1;
                 let place_m = plan.place_m(at_m);
                 let behind_m = place_m + UNDER_M * place_m.normalize_or_zero();

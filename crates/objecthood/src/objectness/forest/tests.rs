@@ -7,10 +7,9 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::objectness::gravity::UpSource;
-use crate::testing::{raster, small_size};
+use crate::testing::{raster, small_size, space};
 
 const SIZE: (usize, usize) = (320, 240);
-const CONTACT: params::Contact = params::Contact { reach_px: 4, distance_m: 0.02 };
 /// The table, 0.6 m below a camera that looks down by 37 degrees.
 const UP: DVec3 = DVec3::new(0.0, -0.8, -0.6);
 const BELOW_M: f64 = 0.6;
@@ -34,6 +33,17 @@ fn axes() -> [DVec3; 3] {
 
 fn plane() -> StructurePlane {
     StructurePlane { normal: UP.as_vec3().to_array(), offset_m: BELOW_M as f32, inlier_share: 0.5 }
+}
+
+/// The camera of the pictures: 4 px of contact are 8 px at 525 px.
+fn camera() -> DisparitySpace {
+    space([262.5, 262.5], [159.5, 119.5])
+}
+
+fn params() -> Params {
+    let mut params = Params::default();
+    params.contact.reach_px = 8;
+    params
 }
 
 fn up() -> Up {
@@ -81,8 +91,12 @@ impl Picture {
     }
 
     fn forest(&self, regions: usize) -> SupportGraph {
+        self.forest_of(regions, &plane(), &params())
+    }
+
+    fn forest_of(&self, regions: usize, plane: &StructurePlane, params: &Params) -> SupportGraph {
         let segments = Segments::from_numbered(self.labels.clone(), regions);
-        forest(&segments, &self.points_m, &self.normals, &[plane()], &up(), &CONTACT)
+        forest(&segments, &self.points_m, &self.normals, &[*plane], &up(), &camera(), params)
     }
 }
 
@@ -128,37 +142,110 @@ fn boxes_side_by_side_or_one_behind_the_other_do_not_carry_each_other() {
 #[test]
 fn a_board_against_a_box_leans_on_it_and_stands_on_the_table() {
     let wall = block([0.0, 0.1, 0.08], [0.09, 0.04, 0.08]);
-    let half_m: [f64; 3] = [0.05, 0.008, 0.06];
-    let board = |tilt_deg: f64| {
+    let board = |tilt_deg: f64, half_m: [f64; 3]| {
         let (sin, cos) = libm::sincos(tilt_deg.to_radians());
         // Its upper far edge touches the front of the box, its lower far edge the table.
         let away = 0.06 - half_m[1] * cos - half_m[2] * sin;
         Block { middle_m: [0.0, away, half_m[1] * sin + half_m[2] * cos], half_m, tilt_deg }
     };
-    let graph = Picture::of(&[wall, board(20.0)]).forest(3);
+    let graph = Picture::of(&[wall, board(20.0, [0.05, 0.008, 0.06])]).forest(3);
     assert_eq!(edges(&graph), [(0, 1, On, false), (0, 2, On, false), (1, 2, Leans, false)]);
-    // Upright it touches the box as well.
-    let graph = Picture::of(&[wall, board(0.0)]).forest(3);
-    assert_eq!(edges(&graph), [(0, 1, On, false), (0, 2, On, false)]);
+    // Upright it touches the box as well; what is thin or short does not lean.
+    for (tilt_deg, half_m) in
+        [(0.0, [0.05, 0.008, 0.06]), (20.0, [0.012, 0.008, 0.06]), (20.0, [0.06, 0.008, 0.025])]
+    {
+        let graph = Picture::of(&[wall, board(tilt_deg, half_m)]).forest(3);
+        assert_eq!(edges(&graph), [(0, 1, On, false), (0, 2, On, false)], "{half_m:?}");
+    }
+}
+
+/// A bottom and four walls of one region, so high, around a block.
+fn framed(rim_m: f64, within: Block) -> Picture {
+    let half_m = rim_m / 2.0;
+    let far = block([0.0, 0.1, half_m], [0.11, 0.01, half_m]);
+    let left = block([-0.1, 0.0, half_m], [0.01, 0.1, half_m]);
+    let mirrored = |wall: Block| Block { middle_m: [-wall.middle_m[0], -wall.middle_m[1], half_m], ..wall };
+    let bottom = block([0.0, 0.0, 0.005], [0.1, 0.1, 0.005]);
+    let mut picture = Picture::of(&[bottom, far, left, mirrored(far), mirrored(left), within]);
+    picture.labels = picture.labels.map(|&l| [0, 1, 1, 1, 1, 1, 2][l as usize]);
+    picture
 }
 
 #[test]
 fn what_stands_within_a_frame_lies_in_it() {
-    // A bottom and four walls of one region around a block.
+    let within = block([0.0, 0.0, 0.05], [0.03, 0.03, 0.04]);
+    assert_eq!(edges(&framed(0.06, within).forest(3)), [(0, 1, On, false), (1, 2, In, false)]);
+    // With two of the walls gone it is not enclosed.
+    let bottom = block([0.0, 0.0, 0.005], [0.1, 0.1, 0.005]);
     let far = block([0.0, 0.1, 0.03], [0.11, 0.01, 0.03]);
     let left = block([-0.1, 0.0, 0.03], [0.01, 0.1, 0.03]);
-    let mirrored = |wall: Block| Block { middle_m: [-wall.middle_m[0], -wall.middle_m[1], 0.03], ..wall };
-    let bottom = block([0.0, 0.0, 0.005], [0.1, 0.1, 0.005]);
-    let within = block([0.0, 0.0, 0.05], [0.03, 0.03, 0.04]);
-    let blocks = [bottom, far, left, mirrored(far), mirrored(left), within];
-    let mut picture = Picture::of(&blocks);
-    picture.labels = picture.labels.map(|&l| [0, 1, 1, 1, 1, 1, 2][l as usize]);
-    let graph = picture.forest(3);
-    assert_eq!(edges(&graph), [(0, 1, On, false), (1, 2, In, false)]);
-    // With two of the walls gone it is not enclosed.
     let mut picture = Picture::of(&[bottom, far, left, within]);
     picture.labels = picture.labels.map(|&l| [0, 1, 1, 1, 2][l as usize]);
     assert_eq!(edges(&picture.forest(3)), [(0, 1, On, false), (1, 2, On, false)]);
+}
+
+#[test]
+fn waves_are_no_rim_and_a_table_is_no_vessel() {
+    let within = block([0.0, 0.0, 0.05], [0.03, 0.03, 0.04]);
+    // 8 mm above the bottom.
+    assert_eq!(edges(&framed(0.018, within).forest(3)), [(0, 1, On, false), (1, 2, On, false)]);
+    let mut small = params();
+    small.objectness.max_side_m = 0.2;
+    let graph = framed(0.06, within).forest_of(3, &plane(), &small);
+    assert!(graph.edges.iter().all(|e| e.kind == On), "{:?}", graph.edges);
+}
+
+#[test]
+fn what_lies_in_something_unseen_to_touch_it_is_half_as_sure() {
+    let floating = block([0.0, 0.0, 0.09], [0.03, 0.03, 0.03]);
+    let graph = framed(0.12, floating).forest(3);
+    assert_eq!(edges(&graph), [(0, 1, On, false), (1, 2, In, true)]);
+    let confidence = graph.edges[1].confidence;
+    assert!(confidence > 0.3 && confidence <= 0.5, "{:?}", graph.edges);
+}
+
+#[test]
+fn far_away_heights_are_the_same_up_to_what_the_sensor_resolves() {
+    // The table is seen beside the box only; its plane lies 15 mm above where the box ends.
+    for (scale, expected) in [(1.0, vec![]), (3.0, vec![(0, 1, On, true)])] {
+        let mut picture = Picture::of(&[block([0.0, 0.0, 0.05], [0.05, 0.05, 0.05])]);
+        picture.points_m = picture.points_m.map(|p| p.map(|x| x * scale));
+        let beside = picture.labels.as_slice().iter().enumerate();
+        let labels = beside.map(|(i, &l)| if l == 0 && i >= 20 * SIZE.0 { -1 } else { l }).collect();
+        picture.labels = picture.labels.with_data(labels);
+        let plane = StructurePlane { offset_m: BELOW_M as f32 * scale - 0.015, ..plane() };
+        assert_eq!(edges(&picture.forest_of(2, &plane, &params())), expected, "{scale}");
+    }
+}
+
+#[test]
+fn a_ring_around_a_coin_is_the_same_whatever_their_numbers() {
+    let far = block([0.0, 0.035, 0.004], [0.045, 0.01, 0.004]);
+    let left = block([-0.035, 0.0, 0.004], [0.01, 0.025, 0.004]);
+    let mirrored = |wall: Block| Block { middle_m: [-wall.middle_m[0], -wall.middle_m[1], 0.004], ..wall };
+    let coin = block([0.0, 0.0, 0.004], [0.02, 0.02, 0.004]);
+    let picture = Picture::of(&[far, left, mirrored(far), mirrored(left), coin]);
+    let numbered = |ring: i32, coin: i32| {
+        let labels = picture.labels.map(|&l| [0, ring, ring, ring, ring, coin][l as usize]);
+        let graph = Picture { labels, points_m: picture.points_m.clone(), normals: picture.normals.clone() }
+            .forest(3);
+        let name = |node: NodeId| {
+            if node.0 == 0 {
+                "table"
+            } else if node.0 as i32 == ring {
+                "ring"
+            } else {
+                "coin"
+            }
+        };
+        let mut edges: Vec<_> =
+            graph.edges.iter().map(|e| (name(e.lower), name(e.upper), e.kind, e.contacts)).collect();
+        edges.sort();
+        edges
+    };
+    let edges = numbered(1, 2);
+    assert!(edges.len() >= 2, "{edges:?}");
+    assert_eq!(numbered(2, 1), edges);
 }
 
 #[test]
@@ -182,31 +269,14 @@ fn nothing_stands_on_a_wall_or_on_nothing() {
     let picture = Picture::of(&[block([0.0, 0.0, 0.05], [0.05, 0.05, 0.05])]);
     let segments = Segments::from_numbered(picture.labels.clone(), 2);
     let wall = StructurePlane { normal: [0.0, 0.6, -0.8], ..plane() };
-    let (points, normals) = (&picture.points_m, &picture.normals);
-    assert_eq!(forest(&segments, points, normals, &[wall], &up(), &CONTACT).edges, []);
-    assert_eq!(
-        forest(
-            &Segments::from_numbered(picture.labels.map(|&l| l - 1), 1),
-            points,
-            normals,
-            &[],
-            &up(),
-            &CONTACT
-        )
-        .edges,
-        []
-    );
-    assert_eq!(
-        forest(
-            &Segments::from_numbered(picture.labels.map(|_| -1), 0),
-            points,
-            normals,
-            &[],
-            &up(),
-            &CONTACT
-        ),
-        SupportGraph::default()
-    );
+    let forest_of = |segments: &Segments, planes: &[StructurePlane]| {
+        forest(segments, &picture.points_m, &picture.normals, planes, &up(), &camera(), &params())
+    };
+    assert_eq!(forest_of(&segments, &[wall]).edges, []);
+    let alone = Segments::from_numbered(picture.labels.map(|&l| l - 1), 1);
+    assert_eq!(forest_of(&alone, &[]).edges, []);
+    let nothing = Segments::from_numbered(picture.labels.map(|_| -1), 0);
+    assert_eq!(forest_of(&nothing, &[]), SupportGraph::default());
 }
 
 #[test]
@@ -242,7 +312,7 @@ proptest! {
             StructurePlane { normal: Vec3::from(n).normalize_or(Vec3::NEG_Y).to_array(), offset_m, inlier_share: 0.1 }
         }).collect();
         let segments = Segments::from_numbered(labels.clone(), 5);
-        let graph = forest(&segments, &points_m, &normals, &planes, &up(), &CONTACT);
+        let graph = forest(&segments, &points_m, &normals, &planes, &up(), &camera(), &params());
 
         // Without cycles: whatever carries can be taken away, one after the other.
         let mut left = graph.edges.clone();
@@ -283,7 +353,7 @@ proptest! {
         let movable = 5 - planes.len();
         let moved: Vec<usize> = (0..5).map(|r| if r < planes.len() { r } else { planes.len() + (5 - 1 - r + turn) % movable }).collect();
         let renumbered = labels.map(|&l| if l < 0 { l } else { moved[l as usize] as i32 });
-        let again = forest(&Segments::from_numbered(renumbered, 5), &points_m, &normals, &planes, &up(), &CONTACT);
+        let again = forest(&Segments::from_numbered(renumbered, 5), &points_m, &normals, &planes, &up(), &camera(), &params());
         let named: BTreeMap<_, _> = graph.edges.iter().map(|e| {
             let [lower, upper] = [e.lower, e.upper].map(|n| moved[n.0 as usize] as u32);
             ((lower, upper), (e.kind, e.confidence.to_bits(), e.hidden, e.contacts))
