@@ -83,10 +83,16 @@ fn check_decision(decision: &Value) {
     assert!(decision["reason"].is_string(), "{decision}");
     for check in decision["checks"].as_array().unwrap() {
         assert!(check["measured"].is_number() && check["limit"].is_number(), "{check}");
-        assert!(check["what"].is_string() && check["bound"].is_string(), "{check}");
+        assert!(
+            check["what"].is_string() && check["bound"].is_string() && check["holds"].is_boolean(),
+            "{check}"
+        );
     }
     match decision["flip"]["kind"].as_str().unwrap() {
-        "at" => assert!(decision["flip"]["to"].is_number() && decision["flip"]["parameter"].is_string()),
+        "at" => {
+            let (to, parameter) = (&decision["flip"]["to"], decision["flip"]["parameter"].as_str().unwrap());
+            assert!(to.is_number() && (to.is_i64() || !parameter.ends_with("size_px")), "{decision}");
+        }
         "nowhere" => assert!(decision["flip"]["tried"].is_array()),
         kind => assert_eq!(kind, "not_sought"),
     }

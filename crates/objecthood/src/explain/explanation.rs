@@ -1,6 +1,6 @@
 //! What an explanation says: plain data, from which text, JSON and pictures are made.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::objectness::check::Check;
 use crate::objectness::history::Rule;
@@ -184,6 +184,12 @@ pub enum Reason {
     Rule(Rule),
 }
 
+/// A value in the form in which it can be set: parameters that count take no fraction, not even of 0.
+fn as_set<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    let whole = *value as i64;
+    if whole as f64 == *value { serializer.serialize_i64(whole) } else { serializer.serialize_f64(*value) }
+}
+
 /// Which single parameter decides otherwise, and where.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -193,8 +199,10 @@ pub enum Flip {
         /// The parameter.
         parameter: &'static str,
         /// Its value now.
+        #[serde(serialize_with = "as_set")]
         from: f64,
         /// Its value then.
+        #[serde(serialize_with = "as_set")]
         to: f64,
         /// Whether half way to it the method does not decide otherwise yet: that was tried, or there is no value half way. If
         /// not, values nearer than `to` may do the same.

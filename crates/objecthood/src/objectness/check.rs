@@ -3,6 +3,7 @@
 //! A rule of stage 4 is a list of checks that all have to hold. The rule decides by them, and whoever asks why reads the same ones.
 
 use serde::Serialize;
+use serde::ser::{SerializeStruct, Serializer};
 
 /// On which side of its limit a measured value has to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -19,7 +20,7 @@ pub enum Bound {
 }
 
 /// One condition, with what was measured.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Check {
     /// What is measured, in words.
     pub what: &'static str,
@@ -32,8 +33,26 @@ pub struct Check {
     /// The limit.
     pub limit: f64,
     /// The parameter that the limit is proportional to; `None` = it is fixed.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub parameter: Option<&'static str>,
+}
+
+/// With whether it holds.
+impl Serialize for Check {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let &Self { what, unit, measured, bound, limit, parameter } = self;
+        let mut check = serializer.serialize_struct("Check", 7)?;
+        check.serialize_field("what", what)?;
+        check.serialize_field("unit", unit)?;
+        check.serialize_field("measured", &measured)?;
+        check.serialize_field("bound", &bound)?;
+        check.serialize_field("limit", &limit)?;
+        check.serialize_field("holds", &self.holds())?;
+        match parameter {
+            Some(parameter) => check.serialize_field("parameter", parameter)?,
+            None => check.skip_field("parameter")?,
+        }
+        check.end()
+    }
 }
 
 impl Check {
