@@ -22,7 +22,11 @@
 //!     let mut observer = StageObserver::new(&scene.truth);
 //!     let discovery = objecthood::discover_observed(&scene.frame, &params, &mut observer)?;
 //!     let stages = Some(observer.into_stages()?);
-//!     Ok::<_, Box<dyn std::error::Error + Send + Sync>>(Prediction { labels: discovery.labels, stages })
+//!     Ok::<_, Box<dyn std::error::Error + Send + Sync>>(Prediction {
+//!         labels: discovery.labels,
+//!         objects: Some(discovery.objects),
+//!         stages,
+//!     })
 //! })?;
 //! println!("{}", report.total);
 //! # Ok::<(), Box<dyn std::error::Error + Send + Sync>>(())

@@ -111,7 +111,7 @@ impl Totals {
             hypotheses: scores().map(|s| s.hypotheses).sum(),
             hypotheses_off_objects: scores().map(|s| s.hypotheses_off_objects).sum(),
             scenes: scored.len(),
-            ranking: Self::ranking(scenes.clone()),
+            ranking: Self::ranking(scenes),
             stages: Stages::mean(scored.iter().filter_map(|(scene, _)| scene.stages.as_ref())),
         })
     }

@@ -130,7 +130,9 @@ fn check_consistent(explainer: &Explainer<'_>, explanation: &Explanation) {
             (Reason::Steps, yes) => assert!(!yes && vote_mm <= 0.0 && border.stepped_mm > 0.0, "{border:?}"),
             (Reason::OtherBorders, yes) => assert_eq!(yes, vote_mm <= 0.0, "{border:?}"),
             (Reason::Rule(_), yes) => assert!(yes, "{border:?}"),
-            (Reason::Size | Reason::Objectness | Reason::Passed, _) => panic!("{border:?}"),
+            (Reason::Size | Reason::Objectness | Reason::Structure | Reason::Passed, _) => {
+                panic!("{border:?}")
+            }
         }
     }
     for decision in explanation.decisions() {

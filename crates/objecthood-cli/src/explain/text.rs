@@ -103,7 +103,7 @@ fn decision(text: &mut String, decision: &Decision) -> std::fmt::Result {
             writeln!(text, "  facets {a} and {b} {verb}: {}", in_words(*reason))?;
         }
         Question::Kept { .. } | Question::OfObject { .. } => {
-            writeln!(text, "  {answer}: {}", in_words(*reason))?
+            writeln!(text, "  {answer}: {}", in_words(*reason))?;
         }
         Question::Bottom { facet, patch: [u, v] } => {
             let verb = if *yes { "belongs" } else { "does not belong" };

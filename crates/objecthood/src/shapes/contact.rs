@@ -6,7 +6,11 @@ use crate::params;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 
-/// The number of point pairs in contact between any two regions, see [`touching_pairs`].
+/// The number of point pairs in contact between any two regions.
+///
+/// From every pixel with depth the four directions right, down, down-right and down-left are walked for at most
+/// `reach_px`, across pixels without depth or region and of the same region, to the first pixel of another region;
+/// the pair counts when its points are nearer than `distance_m`. O(pixels · `reach_px`).
 pub fn contacts(
     segments: &Segments,
     points_m: &Raster<[f32; 3]>,
@@ -17,11 +21,7 @@ pub fn contacts(
     RegionGraph::from_pairs(segments.count(), regions)
 }
 
-/// The pairs of pixels of different regions whose points are in contact.
-///
-/// From every pixel with depth the four directions right, down, down-right and down-left are walked for at most
-/// `reach_px`, across pixels without depth or region and of the same region, to the first pixel of another region;
-/// the pair counts when its points are nearer than `distance_m`. O(pixels · `reach_px`).
+/// The pairs that [`contacts`] counts, in scan order.
 pub(crate) fn touching_pairs<'a>(
     segments: &'a Segments,
     points_m: &'a Raster<[f32; 3]>,
