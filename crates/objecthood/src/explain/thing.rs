@@ -65,7 +65,9 @@ impl Explainer<'_> {
         if self.run.answer(question) {
             return self.decision(question, Reason::Rule(Rule::VesselBottom), Vec::new());
         }
-        self.decision(question, Reason::Structure, vec![near.set_by("structure.tolerance_quanta")])
+        // A pixel that is farther has it from its neighbours: by straightened borders, or to fill a hole.
+        let checks = Some(near.set_by("structure.tolerance_quanta")).filter(Check::holds);
+        self.decision(question, Reason::Structure, checks.into_iter().collect())
     }
 
     /// Why a cluster that is small enough for a fragment was given to nothing.
