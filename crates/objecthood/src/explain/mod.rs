@@ -143,7 +143,8 @@ impl<'a> Explainer<'a> {
         };
         let Some(facet) = self.facets().at(i) else { return Ok(explanation) };
 
-        explanation.facet = Some(self.facet(facet, i));
+        let report = self.facet(facet, i);
+        explanation.facet = Some(report);
         explanation.object = self.run.hypothesis_at(i).map(|hypothesis| self.object(hypothesis));
         explanation.outcome = self.outcome(facet, i);
         match self.run.free(facet) {
@@ -153,7 +154,7 @@ impl<'a> Explainer<'a> {
                 explanation.near_misses = self.near_misses(facet);
             }
             None => {
-                explanation.kept = Some(self.of_structure(facet, i));
+                explanation.kept = Some(self.of_structure([u, v], report.residual_quanta));
                 explanation.way = self.bottom(i);
             }
         }

@@ -7,7 +7,6 @@ use crate::objectness::check::{Bound, Check};
 use crate::objectness::history::{Rule, Source};
 use crate::objectness::{small, too_small};
 use crate::regions::SegmentId;
-use crate::surface::disparity::position;
 
 /// So many parts of an object are named at most, beside those on the way of the pixel's own.
 const PARTS: usize = 6;
@@ -55,13 +54,10 @@ impl Explainer<'_> {
     }
 
     /// Whether a pixel of a structure plane is of an object, and why: it can only be of a bottom.
-    pub(super) fn of_structure(&self, facet: SegmentId, pixel: usize) -> Decision {
-        let width = self.disparity.width();
-        let model = &self.run.filled.models[facet.index()];
-        let off = f64::from(self.disparity[pixel]) - model.value(position(pixel, width));
-        let limit = self.params.structure.tolerance_quanta;
-        let near = Check::new("its distance from the plane", "quanta", off.abs(), Bound::Below, limit);
-        let question = Question::OfObject { pixel: [pixel % width, pixel / width] };
+    pub(super) fn of_structure(&self, pixel: [usize; 2], residual_quanta: f64) -> Decision {
+        let (off, limit) = (residual_quanta.abs(), self.params.structure.tolerance_quanta);
+        let near = Check::new("its distance from the plane", "quanta", off, Bound::Below, limit);
+        let question = Question::OfObject { pixel };
         if self.run.answer(question) {
             return self.decision(question, Reason::Rule(Rule::VesselBottom), Vec::new());
         }

@@ -90,7 +90,7 @@ pub(crate) struct Clusters<'a> {
 }
 
 /// Pixels farther apart in a row or column (px at a focal length of 525 px) are no neighbours.
-const REACH_PX: usize = 24;
+pub(crate) const REACH_PX: usize = 24;
 /// How high a cluster is: this share of its pixels is lower.
 const TOP_SHARE: f64 = 0.98;
 /// Fewer pixels (at 525 px) tell nothing about convexity.

@@ -2,12 +2,10 @@
 
 use rayon::prelude::*;
 
+use crate::objectness::outline::STEP_QUANTA;
 use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::disparity::DisparitySpace;
-
-/// What is nearer than the region by more than this (quanta) hides it: a step as between side by side (METHOD 3.9).
-const HIDDEN_QUANTA: f64 = 6.0;
 
 /// The first and the last column of a region in a row of the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +18,7 @@ struct Run {
 /// For every region from number `first` on the share of its convex hull in the image that is its own, in [0, 1]; 0 of the others and
 /// without pixels.
 ///
-/// Pixels of the hull without depth, and those that show something nearer than the region is beside them, do not count: behind them
+/// Pixels of the hull without depth, and those that show something nearer, by a step, than the region is beside them, do not count: behind them
 /// it may go on. The pixel of the region beside another is the last one before it in scan order, at the beginning of a row
 /// the first one in it. O(pixels + area of the hulls); parallel over regions.
 pub fn compactness(
@@ -51,7 +49,7 @@ pub fn compactness(
             for i in row.first + row.v * width..=row.last + row.v * width {
                 if regions.labels()[i] == region as i32 {
                     beside_m = if z_m(i).is_nan() { beside_m } else { z_m(i) };
-                } else if z_m(i) >= beside_m - space.step_m(HIDDEN_QUANTA, beside_m) {
+                } else if z_m(i) >= beside_m - space.step_m(STEP_QUANTA, beside_m) {
                     empty += 1;
                 }
             }
@@ -159,7 +157,7 @@ mod tests {
                     let left = (row..*i).rev().find(is_own);
                     let beside = left.or((*i..row + width).find(is_own)).or((0..row).rev().find(is_own));
                     let beside_m = f64::from(points[beside.unwrap_or(*i)][2]);
-                    let hides = f64::from(points[*i][2]) < beside_m - space.step_m(HIDDEN_QUANTA, beside_m);
+                    let hides = f64::from(points[*i][2]) < beside_m - space.step_m(STEP_QUANTA, beside_m);
                     regions.labels()[*i] != region as i32 && !hides && is_inside(at(*i), &corners)
                 };
                 let empty = (0..width * height).filter(is_measured).filter(is_empty).count();

@@ -8,7 +8,7 @@ use crate::objectness::gravity::Up;
 use crate::objectness::join::Join;
 use crate::objectness::outline::outlines;
 use crate::objectness::size::{graspable, oriented_box};
-use crate::objectness::support::{NodeId, SupportGraph};
+use crate::objectness::support::SupportGraph;
 use crate::params::Params;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
@@ -61,6 +61,7 @@ pub fn hypotheses(
     let Evidence { regions, points_m, normals, support, up, space } = *evidence;
     let outlines = outlines(regions, first, points_m, normals, space, &params.contraction);
     let compactness = compactness(regions, first, points_m, space);
+    let carried = support.carried();
     let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); regions.count()];
     for (i, region) in regions.members().filter(|&(i, r)| r >= first && !points_m[i][2].is_nan()) {
         pixels[region].push(i);
@@ -74,7 +75,7 @@ pub fn hypotheses(
         let visibility = outlines[region].visibility();
         let parts = ObjectnessParts {
             size: graspable(&box_m, visibility, &params.objectness),
-            support: support.carried(NodeId(region as u32)),
+            support: carried[region],
             compactness: compactness[region],
             separation: outlines[region].separation(),
             visibility,

@@ -3,17 +3,15 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::objectness::clusters::REACH_PX;
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
 use crate::shapes::border::{Fold, fold_angle_deg};
 use crate::surface::disparity::DisparitySpace;
 
-/// How far (px at a focal length of 525 px) to look across pixels without depth for what lies beyond, as for neighbours of clusters
-/// (METHOD 3.9).
-const REACH_PX: usize = 24;
 /// A larger difference in disparity (quanta) between both sides is a step in depth, as between side by side (METHOD 3.9).
-const STEP_QUANTA: f64 = 6.0;
+pub(crate) const STEP_QUANTA: f64 = 6.0;
 /// The surfaces of both sides are looked at so far from the border (px at 525 px): nearer, windows of 7 px hold both.
 const ASIDE_PX: usize = 5;
 

@@ -98,12 +98,15 @@ impl SupportGraph {
         parents
     }
 
-    /// How surely a node is carried, in [0, 1]: its P(O), half of which is lost when its surest carrier is merely guessed (ours,
-    /// because in a forest whatever floats has a carrier too). O(edges).
-    pub(crate) fn carried(&self, node: NodeId) -> f32 {
-        let own = self.edges.iter().filter(|edge| edge.upper == node);
-        let surest = own.map(|edge| edge.confidence).fold(0.0, f32::max);
-        self.nodes[node.0 as usize].p_o * (1.0 + surest) / 2.0
+    /// How surely each node is carried, in [0, 1]: its P(O), half of which is lost when its surest carrier is merely guessed (ours,
+    /// because in a forest whatever floats has a carrier too). O(nodes + edges).
+    pub(crate) fn carried(&self) -> Vec<f32> {
+        let mut surest = vec![0.0_f32; self.nodes.len()];
+        for edge in &self.edges {
+            let surest = &mut surest[edge.upper.0 as usize];
+            *surest = surest.max(edge.confidence);
+        }
+        self.nodes.iter().zip(surest).map(|(node, surest)| node.p_o * (1.0 + surest) / 2.0).collect()
     }
 
     /// Marks the nodes that have turned out to be objects.
