@@ -52,6 +52,7 @@ mod random;
 pub mod raster;
 pub mod regions;
 pub mod shapes;
+mod simd;
 pub mod surface;
 #[cfg(test)]
 mod testing;

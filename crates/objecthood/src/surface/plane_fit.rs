@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::raster::Raster;
+use crate::simd::vectorized;
 
 /// A plane in disparity around one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,97 +34,173 @@ const LEAST_SPREAD: f64 = 1e-3;
 /// Rows that are summed up together. Fixed, so that rounding does not depend on the number of threads.
 const BAND: usize = 64;
 
-/// 1, u, v, uu, uv, vv, d, du, dv, dd.
-type Sums = [f64; 10];
+/// Windows that are fitted side by side.
+const LANES: usize = 16;
+/// One value for each of them.
+type Lanes = [f64; LANES];
+/// Sums over what of a row lies in the windows: 1, x, xx, d, dx, dd.
+type RowSums = [Lanes; 6];
 
 /// Least-squares plane through the disparities (quanta, `NaN` = none) in the square window of half size `radius_px`
 /// around every measured pixel.
 ///
 /// The residual is noise estimate, edge detector and watershed relief at once. In disparity and not in z, where the
-/// tolerance of the same fit would have to grow with z^2 and slanted planes would be biased. Sliding sums, first down
-/// the columns, then along the rows: O(pixels · (1 + radius / 32)), because each band of 64 rows starts anew.
+/// tolerance of the same fit would have to grow with z^2 and slanted planes would be biased. Sums over parts of rows are
+/// differences of sums from the row's start; those over windows slide down the rows: O(pixels · (1 + radius / 32)),
+/// because each band of 64 rows starts anew. Memory beside the result: 2 radius + 1 rows of such sums a thread.
 pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize) -> Raster<PlaneFit> {
-    let (width, height) = disparity.size();
+    let width = disparity.width();
     let mut fits = vec![PlaneFit::NONE; disparity.len()];
     fits.par_chunks_mut(BAND * width).enumerate().for_each(|(band, fits)| {
-        let first = band * BAND;
-        let mut columns = vec![[0.0; 10]; width];
-        for v in first.saturating_sub(radius_px)..(first + radius_px).min(height) {
-            slide_down(&mut columns, disparity, v, 1.0);
-        }
-        for (row, fits) in fits.chunks_mut(width).enumerate() {
-            let v = first + row;
-            if v + radius_px < height {
-                slide_down(&mut columns, disparity, v + radius_px, 1.0);
-            }
-            fit_row(&columns, disparity, v, radius_px, fits);
-            if v >= radius_px {
-                slide_down(&mut columns, disparity, v - radius_px, -1.0);
-            }
-        }
+        vectorized(
+            #[inline(always)]
+            || fit_band(disparity, band * BAND, radius_px, fits),
+        );
     });
     disparity.with_data(fits)
 }
 
-/// Adds row `v` to the sums of the columns (sign 1), or takes it away (sign -1).
-fn slide_down(columns: &mut [Sums], disparity: &Raster<f32>, v: usize, sign: f64) {
+/// Fits the windows of the rows from `first` on.
+#[inline(always)]
+fn fit_band(disparity: &Raster<f32>, first: usize, radius: usize, fits: &mut [PlaneFit]) {
     let (width, height) = disparity.size();
-    let row = &disparity.as_slice()[v * width..][..width];
-    // From the middle of the image, to keep the sums small.
-    let y = v as f64 - (height / 2) as f64;
-    for (u, (sums, &d)) in columns.iter_mut().zip(row).enumerate() {
-        if d.is_nan() {
-            continue;
-        }
-        let (x, d) = (u as f64 - (width / 2) as f64, f64::from(d));
-        let terms = [1.0, x, y, x * x, x * y, y * y, d, d * x, d * y, d * d];
-        sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += sign * term);
+    let mut windows = Windows::new(width, height, radius);
+    let row = |v: usize| disparity.as_slice().get(v * width..(v + 1) * width);
+    for v in first.saturating_sub(radius)..first + radius {
+        windows.slide_down(v, row(v));
+    }
+    for (v, fits) in (first..).zip(fits.chunks_mut(width)) {
+        windows.slide_down(v + radius, row(v + radius));
+        let measured = row(v).unwrap_or_default();
+        windows.fit(v, measured, fits);
     }
 }
 
-/// Fits the windows of row `v`, the sums of whose columns are given.
-fn fit_row(columns: &[Sums], disparity: &Raster<f32>, v: usize, radius: usize, fits: &mut [PlaneFit]) {
-    let (width, height) = disparity.size();
-    let y = v as f64 - (height / 2) as f64;
-    let side = 2 * radius + 1;
-    let least = LEAST_FILL * (side * side) as f64;
-    let mut window = [0.0; 10];
-    let mut slide = |column: &Sums, sign: f64| {
-        window.iter_mut().zip(column).for_each(|(sum, term)| *sum += sign * term);
-        window
-    };
-    for column in &columns[..radius.min(width)] {
-        slide(column, 1.0);
-    }
-    for (u, fit) in fits.iter_mut().enumerate() {
-        let entering = columns.get(u + radius).unwrap_or(&[0.0; 10]);
-        let sums = slide(entering, 1.0);
-        if !disparity[v * width + u].is_nan() && sums[0] >= least {
-            *fit = plane(&sums, u as f64 - (width / 2) as f64, y);
+/// The sums over the windows around the pixels of one row, in blocks.
+struct Windows {
+    radius: usize,
+    /// Whence x and y are counted, to keep the sums small (px).
+    middle: [f64; 2],
+    /// 1, x, y, xx, xy, yy, d, dx, dy, dd.
+    sums: Vec<[Lanes; 10]>,
+    /// What the last 2 radius + 1 rows gave, one after the other.
+    rows: Vec<Vec<RowSums>>,
+    /// Of a row: what is left of the window, from the first that is not outside on.
+    before: [Vec<f64>; 6],
+}
+
+impl Windows {
+    fn new(width: usize, height: usize, radius: usize) -> Self {
+        let blocks = width.div_ceil(LANES);
+        Self {
+            radius,
+            middle: [width, height].map(|side| (side / 2) as f64),
+            sums: vec![[[0.0; LANES]; 10]; blocks],
+            rows: vec![vec![[[0.0; LANES]; 6]; blocks]; 2 * radius + 1],
+            before: std::array::from_fn(|_| vec![0.0; blocks * LANES + 2 * radius + 1]),
         }
-        if u >= radius {
-            slide(&columns[u - radius], -1.0);
+    }
+
+    /// Moves the windows so far down that row `v`, `None` below the image, is their last.
+    #[inline(always)]
+    fn slide_down(&mut self, v: usize, row: Option<&[f32]>) {
+        let side = 2 * self.radius + 1;
+        self.sum_along(row.unwrap_or_default());
+        let entering_y = v as f64 - self.middle[1];
+        let leaving_y = entering_y - side as f64;
+        let rows = self.sums.iter_mut().zip(&mut self.rows[v % side]);
+        for (b, (sums, [n, x, xx, d, dx, dd])) in rows.enumerate() {
+            let [ns, xs, ys, xxs, xys, yys, ds, dxs, dys, dds] = sums;
+            let entering = self.before.each_ref().map(|before| {
+                let part: &[f64; LANES] = before[b * LANES..][..LANES].try_into().expect("so long");
+                let next: &[f64; LANES] = before[b * LANES + side..][..LANES].try_into().expect("so long");
+                (part, next)
+            });
+            for lane in 0..LANES {
+                let part = |k: usize| entering[k].1[lane] - entering[k].0[lane];
+                let [n_in, x_in, xx_in] = [part(0), part(1), part(2)];
+                let [d_in, dx_in, dd_in] = [part(3), part(4), part(5)];
+                let [y_in, y_out] = [entering_y, leaving_y];
+                ns[lane] += n_in - n[lane];
+                xs[lane] += x_in - x[lane];
+                ys[lane] += n_in * y_in - n[lane] * y_out;
+                xxs[lane] += xx_in - xx[lane];
+                xys[lane] += x_in * y_in - x[lane] * y_out;
+                yys[lane] += n_in * (y_in * y_in) - n[lane] * (y_out * y_out);
+                ds[lane] += d_in - d[lane];
+                dxs[lane] += dx_in - dx[lane];
+                dys[lane] += d_in * y_in - d[lane] * y_out;
+                dds[lane] += dd_in - dd[lane];
+                [n[lane], x[lane], xx[lane]] = [n_in, x_in, xx_in];
+                [d[lane], dx[lane], dd[lane]] = [d_in, dx_in, dd_in];
+            }
+        }
+    }
+
+    /// Sums up a row from its start on.
+    #[inline(always)]
+    fn sum_along(&mut self, row: &[f32]) {
+        let first = self.radius + 1;
+        let mut sums = [0.0; 6];
+        let [n, x, xx, d, dx, dd] = self.before.each_mut().map(|before| &mut before[first..][..row.len()]);
+        for (u, &disparity) in row.iter().enumerate() {
+            if !disparity.is_nan() {
+                let (at, disparity) = (u as f64 - self.middle[0], f64::from(disparity));
+                let terms = [1.0, at, at * at, disparity, disparity * at, disparity * disparity];
+                sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+            }
+            [n[u], x[u], xx[u], d[u], dx[u], dd[u]] = sums;
+        }
+        for (before, sum) in self.before.iter_mut().zip(sums) {
+            before[first + row.len()..].fill(sum);
+        }
+    }
+
+    /// Fits the windows around the measured pixels of row `v`.
+    #[inline(always)]
+    fn fit(&self, v: usize, measured: &[f32], fits: &mut [PlaneFit]) {
+        let side = (2 * self.radius + 1) as f64;
+        let y = v as f64 - self.middle[1];
+        let blocks = self.sums.iter().zip(measured.chunks(LANES).zip(fits.chunks_mut(LANES)));
+        for (b, (sums, (measured, fits))) in blocks.enumerate() {
+            if measured.iter().all(|d| d.is_nan()) {
+                continue;
+            }
+            let x = (b * LANES) as f64 - self.middle[0];
+            let [value, a, b, residual] = planes(sums, x, y, LEAST_FILL * side * side);
+            for (lane, (fit, d)) in fits.iter_mut().zip(measured).enumerate() {
+                if !d.is_nan() {
+                    *fit =
+                        PlaneFit { value: value[lane], slope: [a[lane], b[lane]], residual: residual[lane] };
+                }
+            }
         }
     }
 }
 
-/// The least-squares plane of a window with these sums, at the pixel (x, y).
-fn plane(&[n, x_sum, y_sum, xx, xy, yy, d, dx, dy, dd]: &Sums, x: f64, y: f64) -> PlaneFit {
-    let (mx, my, md) = (x_sum / n, y_sum / n, d / n);
-    let (xx, xy, yy) = (xx / n - mx * mx, xy / n - mx * my, yy / n - my * my);
-    let (dx, dy, dd) = (dx / n - md * mx, dy / n - md * my, dd / n - md * md);
-    let spread = xx * yy - xy * xy;
-    if spread < LEAST_SPREAD || n <= 3.0 {
-        return PlaneFit::NONE;
+/// The least-squares planes of windows with these sums and at least so many pixels, at the pixels from (x, y) on: value,
+/// slope along u and v, residual.
+#[inline(always)]
+fn planes(sums: &[Lanes; 10], x: f64, y: f64, least: f64) -> [[f32; LANES]; 4] {
+    let mut planes = [[0.0; LANES]; 4];
+    for lane in 0..LANES {
+        let [n, x_sum, y_sum, xx, xy, yy, d, dx, dy, dd] = sums.each_ref().map(|sums| sums[lane]);
+        let (x, share) = (x + lane as f64, 1.0 / n);
+        let (mx, my, md) = (x_sum * share, y_sum * share, d * share);
+        let (xx, xy, yy) = (xx * share - mx * mx, xy * share - mx * my, yy * share - my * my);
+        let (dx, dy, dd) = (dx * share - md * mx, dy * share - md * my, dd * share - md * md);
+        let spread = xx * yy - xy * xy;
+        let a = (dx * yy - dy * xy) / spread;
+        let b = (dy * xx - dx * xy) / spread;
+        let variance = (dd - a * dx - b * dy).max(0.0) * n / (n - 3.0);
+        let is_fit = (n >= least) & (spread >= LEAST_SPREAD) & (n > 3.0);
+        let or = |some: f64, none: f32| if is_fit { some as f32 } else { none };
+        planes[0][lane] = or(md + a * (x - mx) + b * (y - my), PlaneFit::NONE.value);
+        planes[1][lane] = or(a, PlaneFit::NONE.slope[0]);
+        planes[2][lane] = or(b, PlaneFit::NONE.slope[1]);
+        planes[3][lane] = or(variance.sqrt(), PlaneFit::NONE.residual);
     }
-    let a = (dx * yy - dy * xy) / spread;
-    let b = (dy * xx - dx * xy) / spread;
-    let variance = (dd - a * dx - b * dy).max(0.0) * n / (n - 3.0);
-    PlaneFit {
-        value: (md + a * (x - mx) + b * (y - my)) as f32,
-        slope: [a as f32, b as f32],
-        residual: variance.sqrt() as f32,
-    }
+    planes
 }
 
 #[cfg(test)]
@@ -191,6 +268,23 @@ mod tests {
                     prop_assert!(off.iter().all(|off| off.abs() < 2e-3), "{}: {:?} {:?}", i, got, expected);
                 }
             }
+        }
+    }
+
+    proptest! {
+        /// Whatever the machine has, and in bands of their own.
+        #[test]
+        fn vector_units_give_the_same_bits(
+            disparity in (1_usize..40, 1_usize..90).prop_flat_map(|size| {
+                raster(size, prop_oneof![1 => Just(f32::NAN), 4 => 20.0_f32..700.0])
+            }),
+            radius in 1_usize..=5,
+        ) {
+            let mut scalar = vec![PlaneFit::NONE; disparity.len()];
+            for (band, fits) in scalar.chunks_mut(BAND * disparity.width()).enumerate() {
+                fit_band(&disparity, band * BAND, radius, fits);
+            }
+            prop_assert_eq!(plane_fits(&disparity, radius).into_vec(), scalar);
         }
     }
 

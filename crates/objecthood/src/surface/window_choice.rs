@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use crate::params;
 use crate::raster::Raster;
-use crate::surface::disparity::{DisparitySpace, position};
+use crate::simd::vectorized;
+use crate::surface::disparity::DisparitySpace;
 use crate::surface::plane_fit::PlaneFit;
 
 /// The surface at every pixel.
@@ -33,24 +34,45 @@ pub fn orientation(
 ) -> Orientation {
     let width = disparity.width();
     let reach = space.length_px(params.radius_px) as isize - 1;
-    let (slope, normal) = (0..disparity.len())
-        .into_par_iter()
-        .map(|i| {
-            let own = &fits[i];
-            let chosen = if disparity[i].is_nan() {
-                None
-            } else if own.residual < params.own_window_residual_quanta {
-                Some(i)
-            } else {
-                best_window(i, disparity, fits, reach)
-            };
-            let Some(j) = chosen else { return ([0.0; 2], [0.0; 3]) };
-            let PlaneFit { value, slope, .. } = fits[j];
-            let normal = space.normal(position(j, width), f64::from(value), slope.map(f64::from));
-            (slope, normal.as_vec3().to_array())
-        })
-        .unzip();
+    let limit = params.own_window_residual_quanta;
+    let mut slope = vec![[0.0; 2]; disparity.len()];
+    let mut normal = vec![[0.0; 3]; disparity.len()];
+    slope.par_chunks_mut(width).zip(normal.par_chunks_mut(width)).enumerate().for_each(
+        |(v, (slope, normal))| {
+            let row = v * width..(v + 1) * width;
+            let (measured, own) =
+                (&disparity.as_slice()[row.clone()][..width], &fits.as_slice()[row][..width]);
+            let (slope, normal) = (&mut slope[..width], &mut normal[..width]);
+            vectorized(
+                #[inline(always)]
+                || {
+                    for u in 0..width {
+                        let (own_slope, own_normal) = turned(space, [u, v], &own[u]);
+                        let speaks = own[u].residual < limit && !measured[u].is_nan();
+                        slope[u] = if speaks { own_slope } else { [0.0; 2] };
+                        normal[u] = if speaks { own_normal } else { [0.0; 3] };
+                    }
+                },
+            );
+            for u in 0..width {
+                // Neither is there for a pixel without disparity.
+                if measured[u].is_nan() || own[u].residual < limit {
+                    continue;
+                }
+                if let Some(j) = best_window(v * width + u, disparity, fits, reach) {
+                    (slope[u], normal[u]) = turned(space, [j % width, j / width], &fits[j]);
+                }
+            }
+        },
+    );
     Orientation { slope: disparity.with_data(slope), normal: disparity.with_data(normal) }
+}
+
+/// Slope and unit normal of the plane fitted around the pixel in this column and row.
+#[inline(always)]
+fn turned(space: &DisparitySpace, [u, v]: [usize; 2], fit: &PlaneFit) -> ([f32; 2], [f32; 3]) {
+    let normal = space.normal([u as f64, v as f64], f64::from(fit.value), fit.slope.map(f64::from));
+    (fit.slope, normal.as_vec3().to_array())
 }
 
 /// The middle of the window whose plane passes nearest to pixel `i` and fits best; the first one on ties.
@@ -85,6 +107,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::surface::disparity::position;
     use crate::testing::{coarse_disparity, kinect, raster, small_size};
 
     /// Fits in coarse steps, so that scores tie; one in five is none.
