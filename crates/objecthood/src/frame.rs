@@ -81,12 +81,14 @@ impl Frame {
     pub fn points_m(&self) -> Raster<[f32; 3]> {
         let (width, height) = self.size();
         let mut points = vec![[f32::NAN; 3]; width * height];
+        let columns: Vec<f64> = (0..width).map(|u| self.camera.ray(u as f64, 0.0)[0]).collect();
         points.par_chunks_mut(width).zip(self.depth_m.as_slice().par_chunks(width)).enumerate().for_each(
             |(v, (points, depths))| {
-                for (u, (p, &z)) in points.iter_mut().zip(depths).enumerate() {
-                    if !z.is_nan() {
-                        *p = self.camera.back_project(u, v, z);
-                    }
+                let y = self.camera.ray(0.0, v as f64)[1];
+                for ((point, x), &z_m) in points.iter_mut().zip(&columns).zip(depths) {
+                    let z = f64::from(z_m);
+                    let [x, y] = [x * z, y * z].map(|x| x as f32);
+                    *point = [x, y, z_m];
                 }
             },
         );

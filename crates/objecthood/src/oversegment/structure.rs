@@ -3,8 +3,6 @@
 //! They are taken out first: they are support and background, they say what "up" and "height" are, and every later
 //! stage is cheaper without them.
 
-use std::collections::BTreeMap;
-
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -13,6 +11,7 @@ use crate::params;
 use crate::random::Lcg;
 use crate::raster::Raster;
 use crate::regions::Segments;
+use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::moments::{Basis, Model, Moments, length};
 use crate::surface::plane_fit::PlaneFit;
@@ -177,16 +176,32 @@ pub fn structure(
         .iter()
         .position(|s| s.normal.dot(camera_up) > UPWARD)
         .or((!surfaces.is_empty()).then_some(0));
-    let label = |i: usize| {
-        let (at, tilt) = (position(i, width), Tilt::at(i, orientation));
-        let lies_on = |s: &StructureSurface| {
-            let near = (f64::from(disparity[i]) - s.model.value(at)).abs() < params.tolerance_quanta;
-            let surface = || Tilt { normal: s.normal, slope: s.model.slope(at) };
-            near && (tilt.normal == DVec3::ZERO || alike.are(&surface(), &tilt))
-        };
-        surfaces.iter().position(lies_on).map_or(-1, |s| s as i32)
-    };
-    let labels = disparity.with_data((0..disparity.len()).into_par_iter().map(label).collect());
+    let mut labels = vec![Segments::NONE; disparity.len()];
+    labels.par_chunks_mut(width).enumerate().for_each(|(v, labels)| {
+        let row = &disparity.as_slice()[v * width..][..width];
+        let mut near = vec![false; width];
+        // From the last to the first, so that the first one has the last word.
+        for (s, surface) in surfaces.iter().enumerate().rev() {
+            vectorized(
+                #[inline(always)]
+                || {
+                    for (u, (near, d)) in near.iter_mut().zip(row).enumerate() {
+                        let misfit = f64::from(*d) - surface.model.value([u as f64, v as f64]);
+                        *near = misfit.abs() < params.tolerance_quanta;
+                    }
+                },
+            );
+            for u in (0..width).filter(|&u| near[u]) {
+                let tilt = Tilt::at(v * width + u, orientation);
+                let slope = surface.model.slope([u as f64, v as f64]);
+                let own = Tilt { normal: surface.normal, slope };
+                if tilt.normal == DVec3::ZERO || alike.are(&own, &tilt) {
+                    labels[u] = s as i32;
+                }
+            }
+        }
+    });
+    let labels = disparity.with_data(labels);
     Structure { surfaces, labels, support }
 }
 
@@ -242,6 +257,7 @@ impl StructureSurface {
 /// The plane a u + b v + c through three samples that passes near most of them; `None` when it is near to few.
 fn best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpace) -> Option<[f64; 3]> {
     let least_triangle = space.area_px(LEAST_TRIANGLE_PX) as f64;
+    let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
     let mut best: Option<(usize, [f64; 3])> = None;
     for _ in 0..TRIALS {
         let [p, q, r] = std::array::from_fn(|_| &pool[random.below(pool.len())]);
@@ -254,13 +270,57 @@ fn best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpace) -> Opti
         let a = (d1 * y2 - d2 * y1) / triangle;
         let b = (x1 * d2 - x2 * d1) / triangle;
         let c = p.disparity - a * p.at[0] - b * p.at[1];
-        let is_near = |s: &&Sample| (s.disparity - (a * s.at[0] + b * s.at[1] + c)).abs() < TRIAL_QUANTA;
-        let votes = pool.iter().filter(is_near).count();
-        if best.is_none_or(|(most, _)| votes > most) {
+        let most = best.map_or(0, |(most, _)| most);
+        if let Some(votes) = votes(&voters, pool.len(), [a, b, c], most) {
             best = Some((votes, [a, b, c]));
         }
     }
     best.filter(|&(votes, _)| votes >= LEAST_VOTES).map(|(_, plane)| plane)
+}
+
+/// How many samples lie near a plane, if they are more than `most`; given up when they cannot be any more.
+fn votes(voters: &[Voters], mut left: usize, plane: [f64; 3], most: usize) -> Option<usize> {
+    let mut votes = 0;
+    for voters in voters {
+        if votes + left <= most {
+            return None;
+        }
+        votes += vectorized(
+            #[inline(always)]
+            || voters.near(plane),
+        );
+        left = left.saturating_sub(VOTERS);
+    }
+    (votes > most).then_some(votes)
+}
+
+/// Samples that are counted together.
+const VOTERS: usize = 256;
+
+/// Column, row and disparity of samples, each in a list of its own; those that are missing vote for nothing.
+struct Voters {
+    u: [f64; VOTERS],
+    v: [f64; VOTERS],
+    disparity: [f64; VOTERS],
+}
+
+impl Voters {
+    fn of(pool: &[Sample]) -> Self {
+        let mut voters = Self { u: [0.0; VOTERS], v: [0.0; VOTERS], disparity: [f64::NAN; VOTERS] };
+        for (k, sample) in pool.iter().enumerate() {
+            ([voters.u[k], voters.v[k]], voters.disparity[k]) = (sample.at, sample.disparity);
+        }
+        voters
+    }
+
+    /// How many lie near a plane.
+    #[inline(always)]
+    fn near(&self, [a, b, c]: [f64; 3]) -> usize {
+        let Self { u, v, disparity } = self;
+        (0..VOTERS)
+            .map(|k| u64::from((disparity[k] - (a * u[k] + b * v[k] + c)).abs() < TRIAL_QUANTA))
+            .sum::<u64>() as usize
+    }
 }
 
 /// The quadratic through the samples near the plane that face the same way; `None` when they are few.
@@ -292,15 +352,21 @@ fn refit(
 /// The samples of the largest connected piece: tops of boxes that happen to be as high as a shelf are no surface.
 fn largest_piece(inliers: &[Sample], grid: usize) -> Vec<&Sample> {
     let cell = |s: &Sample| s.at.map(|x| (x / grid as f64) as usize);
-    let mut open: BTreeMap<[usize; 2], &Sample> = inliers.iter().map(|s| (cell(s), s)).collect();
+    let [columns, rows] = [0, 1].map(|k| inliers.iter().map(|s| cell(s)[k] + 1).max().unwrap_or(0));
+    let mut open: Vec<Option<&Sample>> = vec![None; columns * rows];
+    for sample in inliers {
+        let [u, v] = cell(sample);
+        open[u * rows + v] = Some(sample);
+    }
     let mut largest = Vec::new();
-    while let Some((first, sample)) = open.pop_first() {
+    for first in 0..open.len() {
+        let Some(sample) = open[first].take() else { continue };
         let mut piece = vec![sample];
-        let mut around = vec![first];
+        let mut around = vec![[first / rows, first % rows]];
         while let Some([u, v]) = around.pop() {
-            for u in u.saturating_sub(PIECE_GAP)..=u + PIECE_GAP {
-                for v in v.saturating_sub(PIECE_GAP)..=v + PIECE_GAP {
-                    if let Some(sample) = open.remove(&[u, v]) {
+            for u in u.saturating_sub(PIECE_GAP)..columns.min(u + PIECE_GAP + 1) {
+                for v in v.saturating_sub(PIECE_GAP)..rows.min(v + PIECE_GAP + 1) {
+                    if let Some(sample) = open[u * rows + v].take() {
                         piece.push(sample);
                         around.push([u, v]);
                     }

@@ -20,6 +20,8 @@ pub struct Links<'a> {
 const LEVELS_PER_QUANTUM: f32 = 40.0;
 /// The level of pixels without a fit, and the number of levels below it.
 const HIGHEST: usize = 255;
+/// Label of a pixel that no superpixel may have.
+const TAKEN: i32 = -2;
 
 impl<'a> Links<'a> {
     /// The links of a frame with these disparities and slopes.
@@ -77,14 +79,16 @@ pub fn watershed(
         e if e.is_finite() => ((LEVELS_PER_QUANTUM * e) as usize).min(HIGHEST - 1),
         _ => HIGHEST,
     };
-    let mut labels = vec![Segments::NONE; disparity.len()];
+    // What is not free is taken from the start, so that one look at the label tells.
+    let mut labels: Vec<i32> =
+        (0..disparity.len()).map(|i| if is_free(i) { Segments::NONE } else { TAKEN }).collect();
     let mut floods: Vec<VecDeque<u32>> = vec![VecDeque::new(); HIGHEST + 1];
     let mut count = 0;
     for top in (0..height).step_by(block) {
         for left in (0..width).step_by(block) {
             let rows = top..(top + block).min(height);
             let pixels = rows.flat_map(|v| (left..(left + block).min(width)).map(move |u| v * width + u));
-            let free = pixels.filter(|&i| is_free(i));
+            let free = pixels.filter(|&i| labels[i] == Segments::NONE);
             // The first of the least.
             let seed = free.min_by(|&i, &j| fits[i].residual.total_cmp(&fits[j].residual));
             if let Some(i) = seed {
@@ -95,37 +99,35 @@ pub fn watershed(
         }
     }
 
-    let reaches = |labels: &[i32], i: usize, (j, axis): (usize, usize)| {
-        labels[j] == Segments::NONE && is_free(j) && links.linked(i, j, axis)
-    };
     for now in 0..=HIGHEST {
         while let Some(i) = floods[now].pop_front() {
             let i = i as usize;
-            for near in neighbours(i, width, height) {
-                if reaches(&labels, i, near) {
-                    labels[near.0] = labels[i];
-                    floods[level(near.0).max(now)].push_back(near.0 as u32);
+            for (j, axis) in neighbours(i, width, height) {
+                if labels[j] == Segments::NONE && links.linked(i, j, axis) {
+                    labels[j] = labels[i];
+                    floods[level(j).max(now)].push_back(j as u32);
                 }
             }
         }
     }
     let mut open = Vec::new();
     for start in 0..labels.len() {
-        if labels[start] != Segments::NONE || !is_free(start) {
+        if labels[start] != Segments::NONE {
             continue;
         }
         labels[start] = count;
         open.push(start);
         while let Some(i) = open.pop() {
-            for near in neighbours(i, width, height) {
-                if reaches(&labels, i, near) {
-                    labels[near.0] = count;
-                    open.push(near.0);
+            for (j, axis) in neighbours(i, width, height) {
+                if labels[j] == Segments::NONE && links.linked(i, j, axis) {
+                    labels[j] = count;
+                    open.push(j);
                 }
             }
         }
         count += 1;
     }
+    labels.iter_mut().filter(|l| **l == TAKEN).for_each(|l| *l = Segments::NONE);
     Segments::from_numbered(disparity.with_data(labels), count as usize)
 }
 
