@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::raster::Raster;
+use crate::workspace::Workspace;
 
 /// Coordinates beyond this (m) are no measurements, and their squares would not be finite.
 const FARTHEST_M: f64 = 1e15;
@@ -79,8 +80,13 @@ impl Frame {
 
     /// The point of every pixel in the camera frame (m); all `NaN` where there is no depth.
     pub fn points_m(&self) -> Raster<[f32; 3]> {
+        self.points_in(&mut Workspace::default())
+    }
+
+    /// As [`points_m`](Self::points_m), in a buffer of the workspace.
+    pub(crate) fn points_in(&self, workspace: &mut Workspace) -> Raster<[f32; 3]> {
         let (width, height) = self.size();
-        let mut points = vec![[f32::NAN; 3]; width * height];
+        let mut points = workspace.stale(width * height, [f32::NAN; 3]);
         let columns: Vec<f64> = (0..width).map(|u| self.camera.ray(u as f64, 0.0)[0]).collect();
         points.par_chunks_mut(width).zip(self.depth_m.as_slice().par_chunks(width)).enumerate().for_each(
             |(v, (points, depths))| {

@@ -31,6 +31,7 @@
 //! | [`regions`] | label maps and region graphs, which the stages hand to each other | |
 //! | [`params`] | every parameter with unit, default and source | |
 //! | [`observe`] | the hook through which intermediate results are seen | |
+//! | [`workspace`] | buffers for a stream of frames | |
 //! | [`explain`] | why a pixel is what it is, and what it would take to decide otherwise | |
 //!
 //! The crate is pure: no files, no clock, no printing. The same frame gives the same labels on any number of
@@ -57,6 +58,7 @@ pub mod surface;
 #[cfg(test)]
 mod testing;
 mod union_find;
+pub mod workspace;
 
 pub use camera::Camera;
 pub use discovery::{Discovery, Notice, Object, ObjectId, ObjectnessParts, OrientedBox, PixelBox};
@@ -66,8 +68,9 @@ pub use observe::{Observer, Stage};
 pub use params::{Method, ParameterInfo, Params};
 pub use raster::Raster;
 pub use regions::{RegionEdge, RegionGraph, SegmentId, Segments};
+pub use workspace::Workspace;
 
-/// Looks at a frame and says what in it can be grasped and moved.
+/// Looks at a frame and says what in it can be grasped and moved. Who has many frames asks a [`Workspace`], which is faster.
 ///
 /// Lengths are metres in the camera frame, see [`Frame`]; the labels have the size of the frame. A frame in which
 /// nothing is found is no error: the discovery is empty. For a frame of n pixels O(n log n) time and O(n) memory, as
@@ -84,9 +87,5 @@ pub fn discover(frame: &Frame, params: &Params) -> Result<Discovery> {
 /// # Errors
 /// As [`discover`].
 pub fn discover_observed(frame: &Frame, params: &Params, observer: &mut dyn Observer) -> Result<Discovery> {
-    params.validate()?;
-    match params.method {
-        Method::Paper => method::paper(frame, params, observer),
-        Method::Context => method::context(frame, params, observer),
-    }
+    Workspace::default().discover_observed(frame, params, observer)
 }

@@ -37,11 +37,17 @@ use crate::surface::disparity::DisparitySpace;
 use crate::surface::normals::normals;
 use crate::surface::plane_fit::plane_fits;
 use crate::surface::window_choice::orientation;
+use crate::workspace::Workspace;
 
 /// The published method: "Unsupervised Object Exploration Using Context" (RO-MAN 2014).
-pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer) -> Result<Discovery> {
+pub(crate) fn paper(
+    frame: &Frame,
+    params: &Params,
+    workspace: &mut Workspace,
+    observer: &mut dyn Observer,
+) -> Result<Discovery> {
     let params = &without_missing_color(frame, params);
-    let points = frame.points_m();
+    let points = frame.points_in(workspace);
 
     // What single pixels tell: normals, and where they bend (eq. 2).
     let normals = normals(&points, &params.normals);
@@ -108,14 +114,19 @@ pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer)
 
 /// The same four stages, with surfaces fitted in disparity and the evidence of whole borders; what borders cannot tell the
 /// surroundings decide. Colour is asked only about parts behind an occluder.
-pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observer) -> Result<Discovery> {
+pub(crate) fn context(
+    frame: &Frame,
+    params: &Params,
+    workspace: &mut Workspace,
+    observer: &mut dyn Observer,
+) -> Result<Discovery> {
     let space = &DisparitySpace::new(frame.camera(), &params.sensor);
-    let points = frame.points_m();
+    let points = frame.points_in(workspace);
 
     // What single pixels tell: the plane that fits their surroundings best.
-    let disparity = space.disparity(frame.depth_m());
-    let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px));
-    let orientation = orientation(&disparity, &fits, space, &params.local_fit);
+    let disparity = space.disparity_in(frame.depth_m(), workspace);
+    let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px), workspace);
+    let orientation = orientation(&disparity, &fits, space, &params.local_fit, workspace);
     observer.observe(Stage::Normals(&orientation.normal));
 
     // 1. Over-segmentation: large planes, then a watershed of how badly a plane fits.
@@ -127,10 +138,12 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
         space,
         camera_up(&params.gravity),
         &params.structure,
+        workspace,
     );
     observer.observe(Stage::Structure(&structure.segments()));
     let links = Links::new(&disparity, &orientation.slope, space, &params.watershed);
-    let superpixels = watershed(&disparity, &fits, &structure.labels, &links, space, &params.watershed);
+    let superpixels =
+        watershed(&disparity, &fits, &structure.labels, &links, space, &params.watershed, workspace);
     observer.observe(Stage::Superpixels(&structure.with(&superpixels)));
 
     // 2. Facets: superpixels that lie on one surface.
@@ -196,6 +209,13 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
         notices: missing_plane.then_some(Notice::NoPlane).into_iter().collect(),
     };
     observer.observe(Stage::Objects(&discovery));
+    workspace.keep(points);
+    workspace.keep(disparity);
+    workspace.keep(fits);
+    workspace.keep(orientation.slope);
+    workspace.keep(orientation.normal);
+    workspace.keep(structure.labels);
+    workspace.keep(superpixels.into_labels());
     Ok(discovery)
 }
 

@@ -48,6 +48,11 @@ impl Segments {
         &self.labels
     }
 
+    /// The label of every pixel.
+    pub(crate) fn into_labels(self) -> Raster<i32> {
+        self.labels
+    }
+
     /// Number of segments.
     #[inline]
     pub fn count(&self) -> usize {

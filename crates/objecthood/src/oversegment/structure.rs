@@ -16,6 +16,7 @@ use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::moments::{Basis, Model, Moments, length};
 use crate::surface::plane_fit::PlaneFit;
 use crate::surface::window_choice::Orientation;
+use crate::workspace::Workspace;
 
 /// A large surface: almost a plane.
 #[derive(Clone, Debug)]
@@ -127,6 +128,7 @@ pub fn structure(
     space: &DisparitySpace,
     camera_up: [f32; 3],
     params: &params::Structure,
+    workspace: &mut Workspace,
 ) -> Structure {
     let (width, height) = disparity.size();
     let grid = space.length_px(GRID_PX);
@@ -176,7 +178,7 @@ pub fn structure(
         .iter()
         .position(|s| s.normal.dot(camera_up) > UPWARD)
         .or((!surfaces.is_empty()).then_some(0));
-    let mut labels = vec![Segments::NONE; disparity.len()];
+    let mut labels = workspace.filled(disparity.len(), Segments::NONE);
     labels.par_chunks_mut(width).enumerate().for_each(|(v, labels)| {
         let row = &disparity.as_slice()[v * width..][..width];
         let mut near = vec![false; width];
@@ -452,10 +454,11 @@ mod tests {
         let depth = Raster::from_vec(SIZE.0, SIZE.1, (0..SIZE.0 * SIZE.1).map(quantised).collect()).unwrap();
         let frame = Frame::new(depth.clone(), None, space.camera());
         let points = frame.map_or_else(|_| depth.map(|_| [f32::NAN; 3]), |frame| frame.points_m());
+        let workspace = &mut Workspace::default();
         let disparity = space.disparity(&depth);
-        let fits = plane_fits(&disparity, 2);
-        let orientation = orientation(&disparity, &fits, &space, &params::LocalFit::default());
-        structure(&disparity, &fits, &orientation, &points, &space, [0.0, -1.0, 0.0], params)
+        let fits = plane_fits(&disparity, 2, workspace);
+        let orientation = orientation(&disparity, &fits, &space, &params::LocalFit::default(), workspace);
+        structure(&disparity, &fits, &orientation, &points, &space, [0.0, -1.0, 0.0], params, workspace)
     }
 
     /// The depth of the plane normal · X = -offset along the ray of a pixel.

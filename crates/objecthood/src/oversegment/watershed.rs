@@ -7,6 +7,7 @@ use crate::raster::Raster;
 use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::plane_fit::PlaneFit;
+use crate::workspace::Workspace;
 
 /// Which neighbouring pixels lie on one surface.
 pub struct Links<'a> {
@@ -71,6 +72,7 @@ pub fn watershed(
     links: &Links<'_>,
     space: &DisparitySpace,
     params: &params::Watershed,
+    workspace: &mut Workspace,
 ) -> Segments {
     let (width, height) = disparity.size();
     let block = space.length_px(params.seed_block_px);
@@ -80,8 +82,10 @@ pub fn watershed(
         _ => HIGHEST,
     };
     // What is not free is taken from the start, so that one look at the label tells.
-    let mut labels: Vec<i32> =
-        (0..disparity.len()).map(|i| if is_free(i) { Segments::NONE } else { TAKEN }).collect();
+    let mut labels = workspace.stale(disparity.len(), TAKEN);
+    for (i, label) in labels.iter_mut().enumerate() {
+        *label = if is_free(i) { Segments::NONE } else { TAKEN };
+    }
     let mut floods: Vec<VecDeque<u32>> = vec![VecDeque::new(); HIGHEST + 1];
     let mut count = 0;
     for top in (0..height).step_by(block) {
@@ -247,7 +251,7 @@ mod tests {
             let params = params::Watershed { seed_block_px: block, link_jump_quanta: 2.5 };
             let Relief { disparity, slope, fits, structure } = &relief;
             let links = Links::new(disparity, slope, &kinect(), &params);
-            let superpixels = watershed(disparity, fits, structure, &links, &kinect(), &params);
+            let superpixels = watershed(disparity, fits, structure, &links, &kinect(), &params, &mut Workspace::default());
             let expected = naive(&relief, &links, block);
             prop_assert_eq!(superpixels.labels().as_slice(), expected.as_slice());
             prop_assert_eq!(superpixels.count() as i32, expected.iter().max().map_or(0, |most| most + 1));
@@ -258,7 +262,7 @@ mod tests {
             let params = params::Watershed { seed_block_px: 3, link_jump_quanta: 2.5 };
             let Relief { disparity, slope, fits, structure } = &relief;
             let links = Links::new(disparity, slope, &kinect(), &params);
-            let superpixels = watershed(disparity, fits, structure, &links, &kinect(), &params);
+            let superpixels = watershed(disparity, fits, structure, &links, &kinect(), &params, &mut Workspace::default());
             let size = disparity.size();
             let mut pairs: BTreeMap<(u32, u32), u32> = BTreeMap::new();
             let mut parts = crate::union_find::UnionFind::new(disparity.len());

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::camera::Camera;
 use crate::params;
 use crate::raster::Raster;
+use crate::workspace::Workspace;
 
 /// Depths (m) outside this range are no measurements for the method `context`.
 const RANGE_M: std::ops::Range<f32> = 0.1..20.0;
@@ -44,11 +45,18 @@ impl DisparitySpace {
 
     /// The disparity of every pixel (quanta); `NaN` without depth, or with one outside 0.1 to 20 m.
     pub fn disparity(&self, depth_m: &Raster<f32>) -> Raster<f32> {
+        self.disparity_in(depth_m, &mut Workspace::default())
+    }
+
+    /// As [`disparity`](Self::disparity), in a buffer of the workspace.
+    pub(crate) fn disparity_in(&self, depth_m: &Raster<f32>, workspace: &mut Workspace) -> Raster<f32> {
         let disparity = |z: &f32| {
             let is_measured = *z > RANGE_M.start && *z < RANGE_M.end;
             if is_measured { (1.0 / (f64::from(*z) * self.quantum_per_m)) as f32 } else { f32::NAN }
         };
-        depth_m.with_data(depth_m.as_slice().par_iter().map(disparity).collect())
+        let mut disparities = workspace.stale(depth_m.len(), f32::NAN);
+        disparities.par_iter_mut().zip(depth_m.as_slice()).for_each(|(d, z)| *d = disparity(z));
+        depth_m.with_data(disparities)
     }
 
     /// Depth (m) of a disparity (quanta).

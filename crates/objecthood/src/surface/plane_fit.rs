@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::raster::Raster;
 use crate::simd::vectorized;
+use crate::workspace::Workspace;
 
 /// A plane in disparity around one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,13 +49,15 @@ type RowSums = [Lanes; 6];
 /// tolerance of the same fit would have to grow with z^2 and slanted planes would be biased. Sums over parts of rows are
 /// differences of sums from the row's start; those over windows slide down the rows: O(pixels · (1 + radius / 32)),
 /// because each band of 64 rows starts anew. Memory beside the result: 2 radius + 1 rows of such sums a thread.
-pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize) -> Raster<PlaneFit> {
-    let width = disparity.width();
-    let mut fits = vec![PlaneFit::NONE; disparity.len()];
-    fits.par_chunks_mut(BAND * width).enumerate().for_each(|(band, fits)| {
+pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize, workspace: &mut Workspace) -> Raster<PlaneFit> {
+    let (width, height) = disparity.size();
+    let mut fits = workspace.stale(disparity.len(), PlaneFit::NONE);
+    workspace.windows.resize_with(height.div_ceil(BAND), Windows::default);
+    let bands = fits.par_chunks_mut(BAND * width).zip(&mut workspace.windows);
+    bands.enumerate().for_each(|(band, (fits, windows))| {
         vectorized(
             #[inline(always)]
-            || fit_band(disparity, band * BAND, radius_px, fits),
+            || fit_band(disparity, band * BAND, radius_px, windows, fits),
         );
     });
     disparity.with_data(fits)
@@ -62,9 +65,15 @@ pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize) -> Raster<PlaneFit>
 
 /// Fits the windows of the rows from `first` on.
 #[inline(always)]
-fn fit_band(disparity: &Raster<f32>, first: usize, radius: usize, fits: &mut [PlaneFit]) {
-    let (width, height) = disparity.size();
-    let mut windows = Windows::new(width, height, radius);
+fn fit_band(
+    disparity: &Raster<f32>,
+    first: usize,
+    radius: usize,
+    windows: &mut Windows,
+    fits: &mut [PlaneFit],
+) {
+    let width = disparity.width();
+    windows.clear(disparity.size(), radius);
     let row = |v: usize| disparity.as_slice().get(v * width..(v + 1) * width);
     for v in first.saturating_sub(radius)..first + radius {
         windows.slide_down(v, row(v));
@@ -77,7 +86,8 @@ fn fit_band(disparity: &Raster<f32>, first: usize, radius: usize, fits: &mut [Pl
 }
 
 /// The sums over the windows around the pixels of one row, in blocks.
-struct Windows {
+#[derive(Debug, Default)]
+pub(crate) struct Windows {
     radius: usize,
     /// Whence x and y are counted, to keep the sums small (px).
     middle: [f64; 2],
@@ -90,15 +100,15 @@ struct Windows {
 }
 
 impl Windows {
-    fn new(width: usize, height: usize, radius: usize) -> Self {
+    /// Makes them empty, of an image of this size.
+    fn clear(&mut self, (width, height): (usize, usize), radius: usize) {
         let blocks = width.div_ceil(LANES);
-        Self {
-            radius,
-            middle: [width, height].map(|side| (side / 2) as f64),
-            sums: vec![[[0.0; LANES]; 10]; blocks],
-            rows: vec![vec![[[0.0; LANES]; 6]; blocks]; 2 * radius + 1],
-            before: std::array::from_fn(|_| vec![0.0; blocks * LANES + 2 * radius + 1]),
-        }
+        self.radius = radius;
+        self.middle = [width, height].map(|side| (side / 2) as f64);
+        refill(&mut self.sums, blocks, [[0.0; LANES]; 10]);
+        self.rows.resize_with(2 * radius + 1, Vec::new);
+        self.rows.iter_mut().for_each(|row| refill(row, blocks, [[0.0; LANES]; 6]));
+        self.before.iter_mut().for_each(|before| refill(before, blocks * LANES + 2 * radius + 1, 0.0));
     }
 
     /// Moves the windows so far down that row `v`, `None` below the image, is their last.
@@ -163,6 +173,7 @@ impl Windows {
         let y = v as f64 - self.middle[1];
         let blocks = self.sums.iter().zip(measured.chunks(LANES).zip(fits.chunks_mut(LANES)));
         for (b, (sums, (measured, fits))) in blocks.enumerate() {
+            fits.fill(PlaneFit::NONE);
             if measured.iter().all(|d| d.is_nan()) {
                 continue;
             }
@@ -176,6 +187,12 @@ impl Windows {
             }
         }
     }
+}
+
+/// Makes `list` hold `len` times `value`.
+fn refill<T: Copy>(list: &mut Vec<T>, len: usize, value: T) {
+    list.clear();
+    list.resize(len, value);
 }
 
 /// The least-squares planes of windows with these sums and at least so many pixels, at the pixels from (x, y) on: value,
@@ -254,7 +271,7 @@ mod tests {
             }),
             radius in 1_usize..=5,
         ) {
-            let fits = plane_fits(&disparity, radius);
+            let fits = plane_fits(&disparity, radius, &mut Workspace::default());
             for i in 0..disparity.len() {
                 let (got, expected) = (fits[i], naive(&disparity, i, radius));
                 prop_assert_eq!(got.is_some(), expected.is_some(), "{}", i);
@@ -282,9 +299,9 @@ mod tests {
         ) {
             let mut scalar = vec![PlaneFit::NONE; disparity.len()];
             for (band, fits) in scalar.chunks_mut(BAND * disparity.width()).enumerate() {
-                fit_band(&disparity, band * BAND, radius, fits);
+                fit_band(&disparity, band * BAND, radius, &mut Windows::default(), fits);
             }
-            prop_assert_eq!(plane_fits(&disparity, radius).into_vec(), scalar);
+            prop_assert_eq!(plane_fits(&disparity, radius, &mut Workspace::default()).into_vec(), scalar);
         }
     }
 
@@ -292,7 +309,7 @@ mod tests {
     fn a_plane_is_its_own_fit() {
         let plane = |i: usize| 250.0 + 0.5 * (i % 20) as f32 - 0.25 * (i / 20) as f32;
         let disparity = Raster::from_vec(20, 16, (0..320).map(plane).collect()).unwrap();
-        for (i, fit) in plane_fits(&disparity, 3).as_slice().iter().enumerate() {
+        for (i, fit) in plane_fits(&disparity, 3, &mut Workspace::default()).as_slice().iter().enumerate() {
             // In a corner a window has 16 of its 49 pixels.
             let near_corner = [i % 20, 19 - i % 20].iter().min() == Some(&0)
                 && [i / 20, 15 - i / 20].iter().min() == Some(&0);

@@ -1,0 +1,101 @@
+//! Buffers that are used again from frame to frame.
+
+use crate::discovery::Discovery;
+use crate::error::Result;
+use crate::frame::Frame;
+use crate::method;
+use crate::observe::Observer;
+use crate::params::{Method, Params};
+use crate::raster::Raster;
+use crate::surface::plane_fit::{PlaneFit, Windows};
+
+/// What the stages that look at every pixel write to, kept from one frame to the next.
+///
+/// A stream of frames of one size asks the system for the memory of its images once; without, handing out and clearing
+/// the pages takes about a tenth of the time. What is found never depends on what was looked at before.
+///
+/// ```
+/// # use objecthood::{Camera, Frame, Params, Raster, Workspace};
+/// # let camera = Camera::new(52.5, 52.5, 31.5, 23.5)?;
+/// # let stream = vec![Frame::new(Raster::filled(64, 48, 1.2)?, None, camera)?];
+/// let mut workspace = Workspace::default();
+/// for frame in stream {
+///     let found = workspace.discover(&frame, &Params::default())?;
+///     assert!(found.objects.is_empty());
+/// }
+/// # Ok::<(), objecthood::Error>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct Workspace {
+    scalars: Vec<Vec<f32>>,
+    slopes: Vec<Vec<[f32; 2]>>,
+    vectors: Vec<Vec<[f32; 3]>>,
+    labels: Vec<Vec<i32>>,
+    fits: Vec<Vec<PlaneFit>>,
+    /// Of every band of rows its windows.
+    pub(crate) windows: Vec<Windows>,
+}
+
+/// What there are buffers of.
+pub(crate) trait Pixel: Copy {
+    /// The buffers that nobody uses.
+    fn shelf(workspace: &mut Workspace) -> &mut Vec<Vec<Self>>;
+}
+
+macro_rules! shelves {
+    ($($shelf:ident: $pixel:ty),*) => {
+        $(impl Pixel for $pixel {
+            fn shelf(workspace: &mut Workspace) -> &mut Vec<Vec<Self>> {
+                &mut workspace.$shelf
+            }
+        })*
+    };
+}
+
+shelves!(scalars: f32, slopes: [f32; 2], vectors: [f32; 3], labels: i32, fits: PlaneFit);
+
+impl Workspace {
+    /// As [`discover`](crate::discover).
+    ///
+    /// # Errors
+    /// As [`discover`](crate::discover).
+    pub fn discover(&mut self, frame: &Frame, params: &Params) -> Result<Discovery> {
+        self.discover_observed(frame, params, &mut ())
+    }
+
+    /// As [`discover_observed`](crate::discover_observed).
+    ///
+    /// # Errors
+    /// As [`discover`](crate::discover).
+    pub fn discover_observed(
+        &mut self,
+        frame: &Frame,
+        params: &Params,
+        observer: &mut dyn Observer,
+    ) -> Result<Discovery> {
+        params.validate()?;
+        match params.method {
+            Method::Paper => method::paper(frame, params, self, observer),
+            Method::Context => method::context(frame, params, self, observer),
+        }
+    }
+
+    /// A buffer of `len` values; those that were written before stay as they are, the others are `value`.
+    pub(crate) fn stale<T: Pixel>(&mut self, len: usize, value: T) -> Vec<T> {
+        let mut buffer = T::shelf(self).pop().unwrap_or_default();
+        buffer.resize(len, value);
+        buffer
+    }
+
+    /// A buffer of `len` times `value`.
+    pub(crate) fn filled<T: Pixel>(&mut self, len: usize, value: T) -> Vec<T> {
+        let mut buffer = self.stale(len, value);
+        buffer.fill(value);
+        buffer
+    }
+
+    /// Takes the buffer of a raster back.
+    pub(crate) fn keep<T: Pixel>(&mut self, raster: Raster<T>) {
+        T::shelf(self).push(raster.into_vec());
+    }
+}
