@@ -10,38 +10,121 @@ use crate::regions::{RegionGraph, Segments};
 ///
 /// From every pixel with depth the four directions right, down, down-right and down-left are walked for at most
 /// `reach_px`, across pixels without depth or region and of the same region, to the first pixel of another region;
-/// the pair counts when its points are nearer than `distance_m`. O(pixels · `reach_px`).
+/// the pair counts when its points are nearer than `distance_m`. O(pixels + pairs log pairs).
 pub fn contacts(
     segments: &Segments,
     points_m: &Raster<[f32; 3]>,
     params: &params::Contact,
 ) -> RegionGraph<u32> {
     let regions = touching_pairs(segments, points_m, params)
+        .into_iter()
         .filter_map(|(p, q)| Some((segments.at(p)?, segments.at(q)?)));
     RegionGraph::from_pairs(segments.count(), regions)
 }
 
 /// The pairs that [`contacts`] counts, in scan order.
-pub(crate) fn touching_pairs<'a>(
-    segments: &'a Segments,
-    points_m: &'a Raster<[f32; 3]>,
-    params: &'a params::Contact,
-) -> impl Iterator<Item = (usize, usize)> + 'a {
+///
+/// The image is gone through backwards, so that what lies ahead of a pixel follows from what lies ahead of the next one in
+/// that direction, and nothing is walked twice. O(pixels + pairs), whatever `reach_px`.
+pub(crate) fn touching_pairs(
+    segments: &Segments,
+    points_m: &Raster<[f32; 3]>,
+    params: &params::Contact,
+) -> Vec<(usize, usize)> {
     let labels = segments.labels();
     let (width, height) = labels.size();
-    let region = move |i: usize| segments.at(i).filter(|_| !points_m[i][2].is_nan());
-    let owned = (0..labels.len()).filter_map(move |p| Some((p, region(p)?)));
-    owned.flat_map(move |(p, own)| {
-        let (u, v) = (p % width, p / width);
-        let (right, down, left) = (width - 1 - u, height - 1 - v, u);
-        let ways = [(right, 1), (down, width), (down.min(right), width + 1), (down.min(left), width - 1)];
-        ways.into_iter().filter_map(move |(room, step)| {
-            let mut way = (1..=room.min(params.reach_px)).map(|t| p + t * step);
-            let other = way.find(|&q| region(q).is_some_and(|other| other != own))?;
-            let apart_m = Vec3::from(points_m[p]).distance(Vec3::from(points_m[other]));
-            (apart_m < params.distance_m).then_some((p, other))
-        })
-    })
+    let reach = params.reach_px.min(width.max(height)) as i32;
+    let (mut down, mut down_right, mut down_left) =
+        (Ahead::new(width), Ahead::new(width + height - 1), Ahead::new(width + height - 1));
+    let mut regions = vec![Segments::NONE; width];
+    let mut ways: [Vec<i32>; 4] = std::array::from_fn(|_| vec![0; width]);
+    let mut pairs = Vec::new();
+    for v in (0..height).rev() {
+        let row = v * width..(v + 1) * width;
+        let pixels = labels.as_slice()[row.clone()].iter().zip(&points_m.as_slice()[row]);
+        for (region, (&label, point)) in regions.iter_mut().zip(pixels) {
+            *region = if point[2].is_nan() { Segments::NONE } else { label };
+        }
+        let [along_row, along_column, to_right, to_left] = &mut ways;
+        right(&regions, reach, along_row);
+        down.meet(0, &regions, v, reach, along_column);
+        // Lanes of equal u - v and of equal u + v.
+        down_right.meet(height - 1 - v, &regions, v, reach, to_right);
+        down_left.meet(v, &regions, v, reach, to_left);
+        for u in (0..width).rev() {
+            let p = v * width + u;
+            let ahead = [ways[0][u], ways[1][u], ways[2][u], ways[3][u]];
+            if ahead == [0; 4] {
+                continue;
+            }
+            // The last direction first, because all is gone through backwards.
+            for (t, step) in ahead.into_iter().zip([1, width, width + 1, width - 1]).rev() {
+                let other = p + t as usize * step;
+                let apart_m = || Vec3::from(points_m[p]).distance(Vec3::from(points_m[other]));
+                if t > 0 && apart_m() < params.distance_m {
+                    pairs.push((p, other));
+                }
+            }
+        }
+    }
+    pairs.reverse();
+    pairs
+}
+
+/// What lies ahead of the pixels of a row in one direction, lane by lane: along columns, or along diagonals.
+struct Ahead {
+    /// The region that comes next.
+    region: Vec<i32>,
+    /// The row of its next pixel.
+    next: Vec<i32>,
+    /// The row of the first pixel after that which is of another region.
+    other: Vec<i32>,
+}
+
+/// A row so far ahead that no difference to it is within reach, nor too large for an `i32`.
+const NEVER: i32 = i32::MAX / 2;
+
+impl Ahead {
+    fn new(lanes: usize) -> Self {
+        Self { region: vec![Segments::NONE; lanes], next: vec![NEVER; lanes], other: vec![NEVER; lanes] }
+    }
+
+    /// In how many steps the pixels of row `v` meet another region, 0 = not within `reach`; then the row is what comes next.
+    /// The row's first pixel is in lane `first`.
+    fn meet(&mut self, first: usize, regions: &[i32], v: usize, reach: i32, steps: &mut [i32]) {
+        let v = v as i32;
+        let lanes = first..first + regions.len();
+        let (ahead, next, other) =
+            (&mut self.region[lanes.clone()], &mut self.next[lanes.clone()], &mut self.other[lanes]);
+        let pixels = regions.iter().zip(steps);
+        let lanes = ahead.iter_mut().zip(next).zip(other);
+        // Without branches, so that several pixels are done at once.
+        for ((&region, step), ((ahead, next), other)) in pixels.zip(lanes) {
+            let is_one = region >= 0;
+            *other = if is_one & (*ahead != region) { *next } else { *other };
+            *ahead = if is_one { region } else { *ahead };
+            *next = if is_one { v } else { *next };
+            let apart = *other - v;
+            *step = if is_one & (apart <= reach) { apart } else { 0 };
+        }
+    }
+}
+
+/// In how many steps to the right each pixel of a row meets another region, 0 = not within `reach`.
+fn right(regions: &[i32], reach: i32, steps: &mut [i32]) {
+    let (mut ahead, mut next, mut other) = (Segments::NONE, NEVER, NEVER);
+    for (u, (&region, step)) in regions.iter().zip(steps).enumerate().rev() {
+        *step = 0;
+        if region >= 0 {
+            if region != ahead {
+                (ahead, other) = (region, next);
+            }
+            next = u as i32;
+            if other - next <= reach {
+                *step = other - next;
+            }
+        }
+    }
 }
 
 #[cfg(test)]
