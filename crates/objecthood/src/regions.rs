@@ -1,5 +1,7 @@
 //! Label maps and graphs over their regions: what the stages hand to each other.
 
+use std::ops::Range;
+
 use crate::raster::Raster;
 
 /// Number of a segment (superpixel, facet, shape) within its [`Segments`], counted from 0.
@@ -72,6 +74,17 @@ impl Segments {
             .iter()
             .enumerate()
             .filter_map(|(i, &l)| usize::try_from(l).ok().map(|s| (i, s)))
+    }
+
+    /// The runs of one segment along the rows, as (pixel indices, segment index), in scan order.
+    pub(crate) fn runs(&self) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
+        let rows = self.labels.as_slice().chunks_exact(self.labels.width());
+        let mut start = 0;
+        rows.flat_map(|row| row.chunk_by(|a, b| a == b)).filter_map(move |run| {
+            let pixels = start..start + run.len();
+            start = pixels.end;
+            usize::try_from(run[0]).ok().map(|s| (pixels, s))
+        })
     }
 
     /// The coarser label map in which segment `s` has become segment `group_of[s]` of `count` groups.

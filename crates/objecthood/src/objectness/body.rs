@@ -1,5 +1,7 @@
 //! Regions against gravity: how high they stand, where they are in the plan view, how they are tilted.
 
+use std::ops::Range;
+
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::objectness::gravity::{StructurePlane, Up};
@@ -39,6 +41,8 @@ const LEAST_TILTED: f64 = 0.2;
 const LEAST_SLOPE_M: f64 = 0.07;
 /// ... and so large (m²): boards are, cables, handles and slivers of a bowl's wall are not.
 const LEAST_FACE_M2: f64 = 0.004;
+/// So many pixels side by side are asked together whether they widen the outline of their region.
+const PIECE_PX: usize = 32;
 /// Where the way along gravity is shorter than this in the image (sine; 6 degrees) its direction means nothing.
 const FORESHORTENED: f64 = 0.1;
 
@@ -73,7 +77,7 @@ impl Plan {
     /// Place in the plan view (m).
     pub(crate) fn place_m(&self, point_m: [f32; 3]) -> DVec2 {
         let point = Vec3::from(point_m).as_dvec3();
-        DVec2::from(self.across.map(|axis| axis.dot(point)))
+        DVec2::new(self.across[0].dot(point), self.across[1].dot(point))
     }
 
     /// The step to one of the eight neighbouring pixels that leads most nearly along gravity at a point, for square
@@ -145,18 +149,29 @@ impl<'a> Bodies<'a> {
         let plan = Plan::new(up);
         let mut all = vec![Body::default(); regions.count()];
         let mut looks = vec![Look::default(); regions.count()];
-        for (i, region) in regions.members().filter(|&(i, _)| !points_m[i][2].is_nan()) {
-            let (height_m, place_m) = (plan.height_m(points_m[i]), plan.place_m(points_m[i]));
-            all[region].add(i, height_m, place_m, &plan.directions);
-            if region >= planes.len() {
-                looks[region].add(points_m[i], normals[i], (height_m, place_m), &plan);
+        let mut piece = Piece::default();
+        for (run, region) in regions.runs() {
+            let (body, is_thing) = (&mut all[region], region >= planes.len());
+            for start in run.clone().step_by(PIECE_PX) {
+                piece.clear();
+                let pixels = start..run.end.min(start + PIECE_PX);
+                for i in pixels.filter(|&i| !points_m[i][2].is_nan()) {
+                    let (height_m, place_m) = (plan.height_m(points_m[i]), plan.place_m(points_m[i]));
+                    body.add(i, height_m, place_m);
+                    piece.add(place_m);
+                    if is_thing {
+                        looks[region].add(i, (points_m[i], normals[i]), (height_m, place_m), &plan);
+                    }
+                }
+                piece.push_out(&mut body.reach_m, &plan.directions);
             }
         }
+        let pixels = (points_m, normals);
         for (body, look) in all.iter_mut().zip(looks) {
             let count = body.size_px.max(1) as f64;
             body.mean_m /= count;
             body.middle_m /= count;
-            body.take(look, &plan, space);
+            body.take(look, pixels, &plan, space);
         }
         Self { plan, all, planes }
     }
@@ -240,7 +255,7 @@ impl<'a> Bodies<'a> {
 }
 
 impl Body {
-    fn add(&mut self, i: usize, height_m: f64, place_m: DVec2, directions: &[DVec2; DIRECTIONS]) {
+    fn add(&mut self, i: usize, height_m: f64, place_m: DVec2) {
         if self.size_px == 0 {
             self.first = i;
             self.reach_m = [f64::NEG_INFINITY; DIRECTIONS];
@@ -248,48 +263,91 @@ impl Body {
         self.size_px += 1;
         self.mean_m += height_m;
         self.middle_m += place_m;
-        for (reach_m, direction) in self.reach_m.iter_mut().zip(directions) {
-            *reach_m = reach_m.max(place_m.dot(*direction));
-        }
     }
 
     /// What follows from all that is seen of it.
-    fn take(&mut self, look: Look, plan: &Plan, space: &DisparitySpace) {
-        let mut heights_m: Vec<f64> = look.points.iter().map(|point| point.1).collect();
-        self.foot_m = element_at(&mut heights_m, FOOT_SHARE);
-        self.top_m = element_at(&mut heights_m, TOP_SHARE);
+    fn take(&mut self, mut look: Look, pixels: Pixels<'_>, plan: &Plan, space: &DisparitySpace) {
+        self.cells = look.cells();
+        self.foot_m = element_at(&mut look.heights_m, FOOT_SHARE);
+        self.top_m = element_at(&mut look.heights_m, TOP_SHARE);
         let depth_m = look.depth_m / self.size_px.max(1) as f64;
         self.level_m = space.step_m(LEVEL_QUANTA, depth_m).max(LEVEL_M);
         self.normal = look.normal / look.normals.max(1) as f64;
-        self.tilt = Tilt::of(&look.sides, self.size_px, plan, space);
-        self.cells = look.cells();
+        self.tilt = Tilt::of(&look.tilted, self.size_px, pixels, plan, space);
     }
 }
+
+/// Some pixels of a region side by side, which lie close together in the plan view.
+#[derive(Default)]
+struct Piece {
+    places_m: Vec<DVec2>,
+    low_m: DVec2,
+    high_m: DVec2,
+}
+
+impl Piece {
+    fn clear(&mut self) {
+        self.places_m.clear();
+        (self.low_m, self.high_m) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    }
+
+    fn add(&mut self, place_m: DVec2) {
+        self.places_m.push(place_m);
+        self.low_m = self.low_m.min(place_m);
+        self.high_m = self.high_m.max(place_m);
+    }
+
+    /// Pushes the outline of its region out to where it reaches. Most pieces lie inside, and the box around them tells: rounding
+    /// keeps the order of products and sums, so nothing of a piece reaches farther than the box.
+    fn push_out(&self, reach_m: &mut [f64; DIRECTIONS], directions: &[DVec2; DIRECTIONS]) {
+        for (reach_m, way) in reach_m.iter_mut().zip(directions) {
+            let [low, high] = [self.low_m * *way, self.high_m * *way];
+            if low.x.max(high.x) + low.y.max(high.y) > *reach_m {
+                let reached_m = self.places_m.iter().map(|place_m| place_m.dot(*way));
+                *reach_m = reached_m.fold(*reach_m, f64::max);
+            }
+        }
+    }
+}
+
+/// Points and normals of the image.
+type Pixels<'a> = (&'a Raster<[f32; 3]>, &'a Raster<[f32; 3]>);
 
 /// What is seen of a thing.
 #[derive(Clone, Default)]
 struct Look {
-    /// Cell of the plan view and height (m) of every point.
-    points: Vec<([i32; 2], f64)>,
+    /// Of every point (m).
+    heights_m: Vec<f64>,
+    /// Neighbouring points in one cell of the plan view: the cell, and where they begin among the heights.
+    runs: Vec<([i32; 2], u32)>,
     depth_m: f64,
     normal: DVec3,
     normals: usize,
-    sides: Vec<Side>,
+    tilted: Vec<Side>,
 }
 
-/// A pixel of a face that is no top.
+/// A pixel of a face that is tilted, and no top.
 #[derive(Clone, Copy)]
 struct Side {
-    point_m: [f32; 3],
-    normal: [f32; 3],
+    pixel: u32,
     /// What of its normal is upwards.
     upward: f64,
     height_m: f64,
 }
 
 impl Look {
-    fn add(&mut self, point_m: [f32; 3], normal: [f32; 3], (height_m, place_m): (f64, DVec2), plan: &Plan) {
-        self.points.push((cell(place_m), height_m));
+    fn add(
+        &mut self,
+        i: usize,
+        (point_m, normal): ([f32; 3], [f32; 3]),
+        (height_m, place_m): (f64, DVec2),
+        plan: &Plan,
+    ) {
+        let cell = cell(place_m);
+        if self.runs.last().is_none_or(|run| run.0 != cell) {
+            self.runs.push((cell, self.heights_m.len() as u32));
+        }
+        self.heights_m.push(height_m);
         self.depth_m += f64::from(point_m[2]);
         if normal == [0.0; 3] {
             return;
@@ -297,55 +355,81 @@ impl Look {
         self.normal += Vec3::from(normal).as_dvec3();
         self.normals += 1;
         let upward = plan.upward(normal);
-        if upward < TOP_FACE {
-            self.sides.push(Side { point_m, normal, upward, height_m });
+        if upward < TOP_FACE && upward.abs() > LEAST_TILT {
+            self.tilted.push(Side { pixel: i as u32, upward, height_m });
         }
     }
 
-    /// The height of every cell (m). O(points · log of them).
-    fn cells(mut self) -> Vec<([i32; 2], f64)> {
-        self.points.sort_unstable_by_key(|point| point.0);
-        let height = |of_cell: &mut [([i32; 2], f64)]| {
-            let place = (CELL_SHARE * of_cell.len() as f64) as usize;
-            *of_cell.select_nth_unstable_by(place, |a, b| a.1.total_cmp(&b.1)).1
+    /// The height of every cell (m). O(points + runs · log of them).
+    fn cells(&self) -> Vec<([i32; 2], f64)> {
+        let ends = self.runs[1.min(self.runs.len())..].iter().map(|run| run.1);
+        let ends = ends.chain([self.heights_m.len() as u32]);
+        let mut runs: Vec<([i32; 2], Range<u32>)> =
+            self.runs.iter().zip(ends).map(|(&(cell, start), end)| (cell, start..end)).collect();
+        runs.sort_unstable_by_key(|run| order(run.0));
+        let mut heights_m = Vec::new();
+        let height = |runs: &[([i32; 2], Range<u32>)]| {
+            heights_m.clear();
+            for (_, run) in runs {
+                heights_m.extend(&self.heights_m[run.start as usize..run.end as usize]);
+            }
+            (runs[0].0, element_at(&mut heights_m, CELL_SHARE))
         };
-        self.points.chunk_by_mut(|a, b| a.0 == b.0).map(height).collect()
+        runs.chunk_by(|a, b| a.0 == b.0).map(height).collect()
     }
 }
 
+/// Cells by column, then row, as one number.
+fn order([x, y]: [i32; 2]) -> u64 {
+    let [x, y] = [x, y].map(|x| u64::from(x.wrapping_sub(i32::MIN) as u32));
+    x << 32 | y
+}
+
 impl Tilt {
-    /// Of the faces of something of `size_px` pixels that are no tops.
-    fn of(sides: &[Side], size_px: usize, plan: &Plan, space: &DisparitySpace) -> Option<Self> {
-        let tilted = || sides.iter().filter(|side| side.upward.abs() > LEAST_TILT);
-        let mut upward: Vec<f64> = tilted().map(|side| side.upward).collect();
+    /// Of the tilted faces of something of `size_px` pixels.
+    fn of(
+        tilted: &[Side],
+        size_px: usize,
+        (points_m, normals): Pixels<'_>,
+        plan: &Plan,
+        space: &DisparitySpace,
+    ) -> Option<Self> {
+        let mut upward: Vec<f64> = tilted.iter().map(|side| side.upward).collect();
         let middle = element_at(&mut upward, 0.5);
-        let alike: Vec<_> = tilted().filter(|side| (side.upward - middle).abs() <= ALIKE).collect();
+        let alike: Vec<_> = tilted.iter().filter(|side| (side.upward - middle).abs() <= ALIKE).collect();
         let share = alike.len() as f64 / upward.len().max(1) as f64;
         if share < LEAST_ALIKE || (alike.len() as f64) < LEAST_TILTED * size_px as f64 {
             return None;
         }
-        let outward: DVec2 = alike.iter().map(|side| plan.place_m(side.normal)).sum();
+        let at = |raster: &Raster<[f32; 3]>, side: &Side| raster[side.pixel as usize];
+        let outward: DVec2 = alike.iter().map(|side| plan.place_m(at(normals, side))).sum();
         // What shows its upper side leans away from where that faces.
         let toward = (-middle.signum() * outward).try_normalize()?;
         let mut heights_m: Vec<f64> = alike.iter().map(|side| side.height_m).collect();
         let rise_m = element_at(&mut heights_m, TOP_SHARE) - element_at(&mut heights_m, FOOT_SHARE);
         let is_long = rise_m >= LEAST_SLOPE_M * (1.0 - middle * middle).max(0.0).sqrt();
-        let is_large = alike.iter().map(|side| side.area_m2(space)).sum::<f64>() >= LEAST_FACE_M2;
-        (is_long && is_large).then_some(Self { toward, alike: share })
+        let area_m2 = |side: &&Side| area_m2(at(points_m, side), at(normals, side), space);
+        let is_large = || alike.iter().map(area_m2).sum::<f64>() >= LEAST_FACE_M2;
+        (is_long && is_large()).then_some(Self { toward, alike: share })
     }
 }
 
-impl Side {
-    /// Area of the face that the pixel shows (m^2).
-    fn area_m2(&self, space: &DisparitySpace) -> f64 {
-        let camera = space.camera();
-        let [point, normal] = [self.point_m, self.normal].map(|v| Vec3::from(v).as_dvec3());
-        // Along the face one sees next to nothing, and normals err.
-        let slant = (normal.dot(point) / point.length()).abs().max(FORESHORTENED);
-        point.z.powi(3) / (camera.fx_px * camera.fy_px * point.length() * slant)
-    }
+/// Area of the face that a pixel shows (m^2).
+fn area_m2(point_m: [f32; 3], normal: [f32; 3], space: &DisparitySpace) -> f64 {
+    let camera = space.camera();
+    let [point, normal] = [point_m, normal].map(|v| Vec3::from(v).as_dvec3());
+    // Along the face one sees next to nothing, and normals err.
+    let slant = (normal.dot(point) / point.length()).abs().max(FORESHORTENED);
+    point.z.powi(3) / (camera.fx_px * camera.fy_px * point.length() * slant)
 }
 
 fn cell(place_m: DVec2) -> [i32; 2] {
-    (place_m / CELL_M).floor().to_array().map(|x| x as i32)
+    let [x, y] = (place_m / CELL_M).to_array();
+    [floor(x), floor(y)]
+}
+
+/// The integer below, saturating: a conversion and a comparison, which a library's `floor` on the oldest x86-64 is not.
+fn floor(x: f64) -> i32 {
+    let toward_zero = x as i32;
+    toward_zero.saturating_sub(i32::from(f64::from(toward_zero) > x))
 }

@@ -96,18 +96,28 @@ impl Ahead {
         let lanes = first..first + regions.len();
         let (ahead, next, other) =
             (&mut self.region[lanes.clone()], &mut self.next[lanes.clone()], &mut self.other[lanes]);
-        let pixels = regions.iter().zip(steps);
-        let lanes = ahead.iter_mut().zip(next).zip(other);
-        // Without branches, so that several pixels are done at once.
-        for ((&region, step), ((ahead, next), other)) in pixels.zip(lanes) {
-            let is_one = region >= 0;
-            *other = if is_one & (*ahead != region) { *next } else { *other };
-            *ahead = if is_one { region } else { *ahead };
-            *next = if is_one { v } else { *next };
-            let apart = *other - v;
-            *step = if is_one & (apart <= reach) { apart } else { 0 };
+        let steps = &mut steps[..regions.len()];
+        // Without branches, so that several lanes are done at once.
+        for (u, &region) in regions.iter().enumerate() {
+            let is_one = mask(region >= 0);
+            other[u] = select(is_one & mask(ahead[u] != region), next[u], other[u]);
+            ahead[u] = select(is_one, region, ahead[u]);
+            next[u] = select(is_one, v, next[u]);
+            let apart = other[u] - v;
+            steps[u] = apart & is_one & mask(apart <= reach);
         }
     }
+}
+
+/// All bits or none.
+#[inline]
+fn mask(holds: bool) -> i32 {
+    -i32::from(holds)
+}
+
+#[inline]
+fn select(mask: i32, a: i32, b: i32) -> i32 {
+    (a & mask) | (b & !mask)
 }
 
 /// In how many steps to the right each pixel of a row meets another region, 0 = not within `reach`.
