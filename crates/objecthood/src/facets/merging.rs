@@ -72,10 +72,9 @@ pub fn merge_surfaces(
     space: &DisparitySpace,
     params: &params::Merging,
 ) -> Facets {
-    let mut pixels: Vec<Vec<u32>> = vec![Vec::new(); superpixels.count()];
-    superpixels.members().for_each(|(i, s)| pixels[s].push(i as u32));
+    let moments = Moments::of_segments(superpixels, disparity);
     let mut forest = Forest {
-        regions: pixels.iter().map(|pixels| Some(Region::new(Moments::of(pixels, disparity)))).collect(),
+        regions: moments.into_iter().map(|moments| Some(Region::new(moments))).collect(),
         sets: UnionFind::new(superpixels.count()),
         space,
         small_px: space.area_px(SMALL_PX).max(1) as f64,
@@ -116,12 +115,13 @@ impl Forest<'_> {
             region.steepness = fit.model.steepness();
             region.version = 0;
         }
-        let mut heap = BinaryHeap::new();
+        let mut candidates = Vec::new();
         for a in 0..self.regions.len() as u32 {
             let Some(region) = &self.regions[a as usize] else { continue };
             let later = region.neighbours.iter().filter(|&&b| b > a);
-            heap.extend(later.filter_map(|&b| self.candidate(a, b, basis, tolerance)).map(Reverse));
+            candidates.extend(later.filter_map(|&b| self.candidate(a, b, basis, tolerance)).map(Reverse));
         }
+        let mut heap = BinaryHeap::from(candidates);
         while let Some(Reverse(Merge { a, b, versions, .. })) = heap.pop() {
             if [a, b].map(|k| self.regions[k as usize].as_ref().map(|r| r.version)) != versions.map(Some) {
                 continue;
@@ -145,7 +145,7 @@ impl Forest<'_> {
     /// surface a constant, the offset of one region from the other, whatever their sizes.
     fn cost(&self, x: &Region, y: &Region, basis: Basis) -> f64 {
         let (n, m) = (x.moments.count(), y.moments.count());
-        let union = fit(&x.moments.merged(&y.moments), basis, QUADRATIC_TRIAL_PX);
+        let union = x.moments.fit_with(&y.moments, basis_of(n + m, basis, QUADRATIC_TRIAL_PX));
         let added = (union.squared_error - x.squared_error - y.squared_error).max(0.0);
         let disagreement = (added * (n + m) / (n * m)).sqrt();
         let smaller = n.min(m);
@@ -186,7 +186,7 @@ impl Forest<'_> {
     fn into_facets(mut self, superpixels: &Segments, structure: &Structure, min_facet_px: usize) -> Facets {
         let is_large = |r: &&Region| r.moments.count() >= min_facet_px as f64;
         let mut models: Vec<Model> = structure.surfaces.iter().map(|s| s.model).collect();
-        let mut facets = 0;
+        let mut facets = models.len() as i32;
         let mut facet_of_root = vec![Segments::NONE; self.regions.len()];
         for (root, region) in self.regions.iter().enumerate() {
             if let Some(region) = region.as_ref().filter(is_large) {
@@ -195,17 +195,26 @@ impl Forest<'_> {
                 models.push(fit(&region.moments, Basis::Quadratic, QUADRATIC_PX).model);
             }
         }
-        let label =
-            |&s: &i32| usize::try_from(s).map_or(Segments::NONE, |s| facet_of_root[self.sets.find(s)]);
-        let labels = superpixels.labels().map(label);
-        let facets = Segments::from_numbered(labels, facets as usize);
-        Facets { segments: structure.with(&facets), models, structure: structure.surfaces.len() }
+        let facet_of: Vec<i32> = (0..self.regions.len()).map(|s| facet_of_root[self.sets.find(s)]).collect();
+        let label = |(&surface, &s): (&i32, &i32)| match (surface, usize::try_from(s)) {
+            (Segments::NONE, Ok(s)) => facet_of[s],
+            (surface, _) => surface,
+        };
+        let labels = structure.labels.as_slice().iter().zip(superpixels.labels().as_slice());
+        let labels = structure.labels.with_data(labels.map(label).collect());
+        let segments = Segments::from_numbered(labels, models.len());
+        Facets { segments, models, structure: structure.surfaces.len() }
     }
 }
 
 /// The surface of a region: with fewer than `least_px` pixels a plane.
 fn fit(moments: &Moments, basis: Basis, least_px: f64) -> Fit {
-    moments.fit(if moments.count() < least_px { Basis::Plane } else { basis })
+    moments.fit(basis_of(moments.count(), basis, least_px))
+}
+
+/// What fits the surface of `count` pixels: fewer than `least_px` are a plane.
+fn basis_of(count: f64, basis: Basis, least_px: f64) -> Basis {
+    if count < least_px { Basis::Plane } else { basis }
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 #![allow(clippy::needless_range_loop, reason = "indices are exponents, as in the formulae")]
 
 use crate::raster::Raster;
+use crate::regions::Segments;
 use crate::surface::disparity::position;
 
 /// Exponents of x and y of the six terms of a quadratic; a plane uses the first three.
@@ -59,6 +60,27 @@ impl Moments {
         Self { center, powers: [[0.0; 5]; 5], products: [[0.0; 3]; 3], squares: 0.0 }
     }
 
+    /// Of all segments of a label map, each about its centroid; an empty one about the first pixel. O(pixels).
+    pub fn of_segments(segments: &Segments, disparity: &Raster<f32>) -> Vec<Self> {
+        let width = disparity.width();
+        // Sums of whole numbers, which are exact in any order.
+        let mut sums = vec![[0_u64; 3]; segments.count()];
+        for (run, s) in segments.runs() {
+            let (n, u, v) = (run.len() as u64, (run.start % width) as u64, (run.start / width) as u64);
+            let [count, across, down] = &mut sums[s];
+            *count += n;
+            *across += n * u + n * (n - 1) / 2;
+            *down += n * v;
+        }
+        let centroid = |[n, across, down]: [u64; 3]| [across, down].map(|sum| sum as f64 / n.max(1) as f64);
+        let mut moments: Vec<Self> = sums.into_iter().map(|sums| Self::about(centroid(sums))).collect();
+        for (run, s) in segments.runs() {
+            let [u, v] = position(run.start, width);
+            moments[s].add_run([u, v], &disparity.as_slice()[run]);
+        }
+        moments
+    }
+
     /// Of the pixels with these indices, about their centroid; at least one.
     pub fn of(pixels: &[u32], disparity: &Raster<f32>) -> Self {
         let width = disparity.width();
@@ -76,8 +98,20 @@ impl Moments {
 
     /// Adds a pixel (px) with its disparity (quanta).
     pub fn add(&mut self, [u, v]: [f64; 2], d: f64) {
-        let (x, y) = (u - self.center[0], v - self.center[1]);
-        let (x, y) = ([1.0, x, x * x, x * x * x, x * x * x * x], [1.0, y, y * y, y * y * y, y * y * y * y]);
+        self.add_at(u - self.center[0], powers(v - self.center[1]), d);
+    }
+
+    /// Adds pixels side by side, the first of which is at (u, v).
+    fn add_run(&mut self, [u, v]: [f64; 2], disparity: &[f32]) {
+        let y = powers(v - self.center[1]);
+        for (k, &d) in disparity.iter().enumerate() {
+            self.add_at((u + k as f64) - self.center[0], y, d.into());
+        }
+    }
+
+    #[inline]
+    fn add_at(&mut self, x: f64, y: [f64; 5], d: f64) {
+        let x = powers(x);
         for i in 0..5 {
             for j in 0..5 - i {
                 self.powers[i][j] += x[i] * y[j];
@@ -99,27 +133,54 @@ impl Moments {
 
     /// The same sums about another centre, by binomials: exact but for rounding.
     pub fn shifted(&self, center: [f64; 2]) -> Self {
-        let shift = [self.center[0] - center[0], self.center[1] - center[1]];
-        Self {
-            center,
-            powers: shifted(&self.powers, shift),
-            products: shifted(&self.products, shift),
-            squares: self.squares,
-        }
+        self.shifted_for::<2>(center)
     }
 
     /// Of the union of two regions, about its centroid.
     pub fn merged(&self, other: &Self) -> Self {
+        self.merged_for::<2>(other)
+    }
+
+    /// The least-squares surface of the union of two regions, from those moments only that it needs: for a plane a quarter of
+    /// the work of [`Self::merged`].
+    pub fn fit_with(&self, other: &Self, basis: Basis) -> Fit {
+        match basis {
+            Basis::Plane => self.merged_for::<1>(other).fit(basis),
+            Basis::Quadratic => self.merged_for::<2>(other).fit(basis),
+        }
+    }
+
+    /// What a surface of this degree needs: moments of up to twice its order. The others are 0.
+    #[inline]
+    fn shifted_for<const DEGREE: usize>(&self, center: [f64; 2]) -> Self {
+        let shift = [self.center[0] - center[0], self.center[1] - center[1]];
+        let along = [powers(shift[0]), powers(shift[1])];
+        let powers = match DEGREE {
+            1 => shifted::<5, 2>(&self.powers, &along),
+            _ => shifted::<5, 4>(&self.powers, &along),
+        };
+        Self { center, powers, products: shifted::<3, DEGREE>(&self.products, &along), squares: self.squares }
+    }
+
+    #[inline]
+    fn merged_for<const DEGREE: usize>(&self, other: &Self) -> Self {
         let n = self.count() + other.count();
         let sum = |k: usize| {
             let first = |m: &Self| [m.powers[1][0], m.powers[0][1]][k];
             (self.count() * self.center[k] + first(self) + other.count() * other.center[k] + first(other)) / n
         };
         let center = [sum(0), sum(1)];
-        let (mut union, other) = (self.shifted(center), other.shifted(center));
-        let sums = union.powers.as_flattened_mut().iter_mut().chain(union.products.as_flattened_mut());
-        let others = other.powers.as_flattened().iter().chain(other.products.as_flattened());
-        sums.zip(others).for_each(|(sum, other)| *sum += other);
+        let (mut union, other) = (self.shifted_for::<DEGREE>(center), other.shifted_for::<DEGREE>(center));
+        for i in 0..=2 * DEGREE {
+            for j in 0..=2 * DEGREE - i {
+                union.powers[i][j] += other.powers[i][j];
+            }
+        }
+        for i in 0..=DEGREE {
+            for j in 0..=DEGREE - i {
+                union.products[i][j] += other.products[i][j];
+            }
+        }
         union.squares += other.squares;
         union
     }
@@ -135,13 +196,19 @@ impl Moments {
     fn fit_terms<const K: usize>(&self) -> Fit {
         let n = self.count();
         let spread = (self.powers[2][0] + self.powers[0][2]) / n;
-        let t = 1.0 / spread.max(LEAST_SPREAD).sqrt();
-        let t = [1.0, t, t * t, t * t * t, t * t * t * t];
+        let t = powers(1.0 / spread.max(LEAST_SPREAD).sqrt());
+        let order = if K == 3 { 2 } else { 4 };
+        let mut means = [[0.0; 5]; 5];
+        for i in 0..=order {
+            for j in 0..=order - i {
+                means[i][j] = self.powers[i][j] * t[i + j] / n;
+            }
+        }
         let mut matrix = [[0.0; K]; K];
         let mut right = [0.0; K];
         for (r, &(i, j)) in TERMS[..K].iter().enumerate() {
             for (c, &(p, q)) in TERMS[..K].iter().enumerate() {
-                matrix[r][c] = self.powers[i + p][j + q] * t[i + j + p + q] / n;
+                matrix[r][c] = means[i + p][j + q];
             }
             matrix[r][r] += RIDGE;
             right[r] = self.products[i][j] * t[i + j] / n;
@@ -190,8 +257,19 @@ pub(crate) fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Moves a table of moments by `shift` = old centre - new centre: first along x, then along y.
-fn shifted<const N: usize>(table: &[[f64; N]; N], shift: [f64; 2]) -> [[f64; N]; N] {
+/// 1, x, x^2, x^3, x^4.
+#[inline]
+fn powers(x: f64) -> [f64; 5] {
+    [1.0, x, x * x, x * x * x, x * x * x * x]
+}
+
+/// Moves a table of moments of up to this order by old centre - new centre, of which the powers are given: first along x,
+/// then along y.
+#[inline]
+fn shifted<const N: usize, const ORDER: usize>(
+    table: &[[f64; N]; N],
+    along: &[[f64; 5]; 2],
+) -> [[f64; N]; N] {
     const BINOMIALS: [[f64; 5]; 5] = [
         [1.0, 0.0, 0.0, 0.0, 0.0],
         [1.0, 1.0, 0.0, 0.0, 0.0],
@@ -199,18 +277,25 @@ fn shifted<const N: usize>(table: &[[f64; N]; N], shift: [f64; 2]) -> [[f64; N];
         [1.0, 3.0, 3.0, 1.0, 0.0],
         [1.0, 4.0, 6.0, 4.0, 1.0],
     ];
-    let powers = |s: f64| [1.0, s, s * s, s * s * s, s * s * s * s];
-    let [along_x, along_y] = shift.map(powers);
+    let [along_x, along_y] = along;
     let mut half = [[0.0; N]; N];
-    for i in 0..N {
-        for j in 0..N - i {
-            half[i][j] = (0..=i).map(|p| BINOMIALS[i][p] * along_x[i - p] * table[p][j]).sum();
+    for i in 0..=ORDER {
+        for p in 0..=i {
+            let factor = BINOMIALS[i][p] * along_x[i - p];
+            for j in 0..=ORDER - i {
+                let term = factor * table[p][j];
+                half[i][j] = if p == 0 { term } else { half[i][j] + term };
+            }
         }
     }
     let mut moved = [[0.0; N]; N];
-    for i in 0..N {
-        for j in 0..N - i {
-            moved[i][j] = (0..=j).map(|q| BINOMIALS[j][q] * along_y[j - q] * half[i][q]).sum();
+    for j in 0..=ORDER {
+        for q in 0..=j {
+            let factor = BINOMIALS[j][q] * along_y[j - q];
+            for i in 0..=ORDER - j {
+                let term = factor * half[i][q];
+                moved[i][j] = if q == 0 { term } else { moved[i][j] + term };
+            }
         }
     }
     moved
