@@ -50,7 +50,7 @@ impl Segments {
         &self.labels
     }
 
-    /// The label of every pixel.
+    /// The label of every pixel, to make another label map of.
     pub(crate) fn into_labels(self) -> Raster<i32> {
         self.labels
     }

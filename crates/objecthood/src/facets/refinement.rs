@@ -19,30 +19,69 @@ const INERTIA: f64 = 0.1;
 
 /// Gives border pixels and those without a facet to the facet of a neighbour that fits their disparity best and
 /// holds most of their neighbours: iterated conditional modes (Besag 1986), synchronous, so that no order of the pixels
-/// matters. The models stay. O(passes · border pixels).
+/// matters. The models stay.
+///
+/// After the first pass only those are looked at again around which something changed: the others would stay as they are.
+/// O(pixels + border pixels + passes · changes).
 pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refinement) -> Facets {
     let Facets { segments, models, structure } = facets;
     let count = segments.count();
-    let mut labels = segments.labels().clone();
-    for _ in 0..PASSES {
-        let (width, height) = labels.size();
-        let mut next = labels.as_slice().to_vec();
-        next.par_chunks_mut(width).enumerate().skip(1).take(height.saturating_sub(2)).for_each(|(v, row)| {
-            for (u, label) in row.iter_mut().enumerate().skip(1).take(width.saturating_sub(2)) {
-                let i = v * width + u;
-                if is_open(i, &labels, disparity) {
-                    let value = |l: usize| models[l].value(position(i, width));
-                    *label = best(i, &labels, disparity, value, params.agreement_quanta);
+    let mut labels = segments.into_labels();
+    let (width, height) = labels.size();
+    let mut active = open_pixels(&labels, disparity);
+    let mut pass_of = vec![0_u8; labels.len()];
+    for pass in 1..=PASSES as u8 {
+        let change = |&i: &u32| {
+            let i = i as usize;
+            let at = position(i, width);
+            let value = |l: usize| models[l].value(at);
+            let label = best(i, &labels, disparity, value, params.agreement_quanta);
+            (label != labels[i]).then_some((i, label))
+        };
+        let changes: Vec<(usize, i32)> = active.par_iter().filter_map(change).collect();
+        changes.iter().for_each(|&(i, label)| labels.as_mut_slice()[i] = label);
+        active.clear();
+        for (i, _) in changes {
+            for j in [i - width, i, i + width].into_iter().flat_map(|i| [i - 1, i, i + 1]) {
+                let is_new = std::mem::replace(&mut pass_of[j], pass) != pass;
+                if is_new && is_inside(j, width, height) && is_open(j, &labels, disparity) {
+                    active.push(j as u32);
                 }
             }
-        });
-        let changed = next != labels.as_slice();
-        labels = labels.with_data(next);
-        if !changed {
-            break;
         }
     }
     Facets { segments: Segments::from_numbered(labels, count), models, structure }
+}
+
+/// Whether a pixel is not at the edge of the image.
+fn is_inside(i: usize, width: usize, height: usize) -> bool {
+    let (u, v) = (i % width, i / width);
+    u > 0 && u + 1 < width && v > 0 && v + 1 < height
+}
+
+/// The pixels inside the image that are [`is_open`]. O(pixels).
+fn open_pixels(labels: &Raster<i32>, disparity: &Raster<f32>) -> Vec<u32> {
+    let (width, height) = labels.size();
+    let mut open = Vec::new();
+    let mut is_candidate = vec![false; width];
+    for v in 1..height.max(2) - 1 {
+        let [above, own, below] = [v - 1, v, v + 1].map(|v| &labels.as_slice()[v * width..(v + 1) * width]);
+        // Most pixels are of one facet with their neighbours, or have no depth; no branches, so that many are told at once.
+        let inner = 1..width.max(2) - 1;
+        let beside = own.iter().zip(&own[2.min(width)..]);
+        let across = above[inner.clone()].iter().zip(&below[inner.clone()]);
+        let pixels = own[inner.clone()].iter().zip(&disparity.as_slice()[v * width..][inner.clone()]);
+        let marks = is_candidate[inner].iter_mut();
+        for (mark, ((&own, d), ((left, right), (above, below)))) in marks.zip(pixels.zip(beside.zip(across)))
+        {
+            let differs = (*left != own) | (*right != own) | (*above != own) | (*below != own);
+            *mark = !d.is_nan() & (differs | (own < 0));
+        }
+        let marked = is_candidate.iter().enumerate().filter(|(_, is_candidate)| **is_candidate);
+        let pixels = marked.map(|(u, _)| v * width + u);
+        open.extend(pixels.filter(|&i| is_open(i, labels, disparity)).map(|i| i as u32));
+    }
+    open
 }
 
 /// Whether a pixel inside the image is measured and has no facet, or a 4-neighbour of another.
