@@ -5,6 +5,7 @@
 //! behind what stands on it, with a step at every near side. Through a handle or a ring it is seen across such a step.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use crate::facets::Facets;
 use crate::objectness::check::{Bound, Check, Checks};
@@ -12,26 +13,27 @@ use crate::objectness::clusters::{Clusters, Scene};
 use crate::objectness::history::{Event, Miss, Rule, Source};
 use crate::objectness::join::{Join, JoinEvidence, JoinedPart};
 use crate::objectness::objects::pixel_box;
-use crate::oversegment::watershed::neighbours;
 use crate::params;
-use crate::raster::Raster;
-use crate::regions::SegmentId;
+use crate::regions::{SegmentId, Segments};
+use crate::union_find::UnionFind;
 
-/// Who a pixel belongs to.
+/// Who a facet belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Owner {
-    /// Not measured, or of a wall.
+    /// It is a wall.
     Nobody,
     Background,
-    /// Background that has been looked at.
-    Visited,
     Cluster(SegmentId),
 }
+
+/// Pixels of the background side by side in a row.
+type Run = Range<usize>;
 
 /// A connected piece of background.
 #[derive(Default)]
 struct Patch {
-    pixels: Vec<u32>,
+    /// In scan order.
+    runs: Vec<Run>,
     /// Sides of its pixels beyond which it ends.
     border: u32,
     /// Those without a step in depth, by cluster.
@@ -50,14 +52,9 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, support: Option<usize>, 
     let Some(support) = support else { return };
     let scene = clusters.scene;
     let least_px = scene.space.area_px(BOTTOM_PX);
-    let mut owners = owners(clusters, support);
     let mut misses = Vec::new();
     let mut gains: BTreeMap<SegmentId, Vec<u32>> = BTreeMap::new();
-    for start in 0..owners.len() {
-        if owners[start] != Owner::Background {
-            continue;
-        }
-        let Patch { pixels, border, touch } = scene.patch(start, &mut owners);
+    for Patch { runs, border, touch } in scene.patches(&owners(clusters, support)) {
         // The first of those touched most.
         let Some((&id, &most)) = touch.iter().rev().max_by_key(|(_, touch)| **touch) else { continue };
         let contact_share = f64::from(touch.values().sum::<u32>()) / f64::from(border);
@@ -79,19 +76,20 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, support: Option<usize>, 
             Bound::Above,
             0.5,
         ));
-        let is_noted = pixels.len() >= least_px;
-        let (rule, from) = (Rule::VesselBottom, Source::Patch(start as u32));
+        let size_px = runs.iter().map(Run::len).sum();
+        let is_noted = size_px >= least_px;
+        let (rule, from) = (Rule::VesselBottom, Source::Patch(runs[0].start as u32));
         if !is_bottom {
             misses.extend(is_noted.then_some(Miss { rule, from, into: Some(id), checks: checks.0 }));
             continue;
         }
         if is_noted {
-            let box_px = pixel_box(pixels.iter().map(|&i| i as usize), scene.disparity.width());
-            let parts = [clusters.part(id), JoinedPart { size_px: pixels.len(), box_px }];
+            let box_px = pixel_box(runs.iter().cloned().flatten(), scene.disparity.width());
+            let parts = [clusters.part(id), JoinedPart { size_px, box_px }];
             let join = Join { parts, evidence: JoinEvidence::VesselBottom { contact_share }, behind: None };
             clusters.give(Event { rule, from, into: Some(id), checks: checks.0, join: Some((join, None)) });
         }
-        gains.entry(id).or_default().extend(pixels);
+        gains.entry(id).or_default().extend(runs.into_iter().flatten().map(|i| i as u32));
     }
     for (id, pixels) in gains {
         clusters.extend(id, &pixels);
@@ -99,14 +97,15 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, support: Option<usize>, 
     clusters.note_misses(misses);
 }
 
-fn owners(clusters: &Clusters<'_>, support: usize) -> Raster<Owner> {
+/// The owner of every facet.
+fn owners(clusters: &Clusters<'_>, support: usize) -> Vec<Owner> {
     let Facets { segments, structure, .. } = clusters.scene.facets;
     let owner = |facet: usize| match facet.checked_sub(*structure) {
         None if facet == support => Owner::Background,
         None => Owner::Nobody,
         Some(free) => clusters.of_facet(free).map_or(Owner::Background, Owner::Cluster),
     };
-    segments.labels().map(|&facet| usize::try_from(facet).map_or(Owner::Nobody, owner))
+    (0..segments.count()).map(owner).collect()
 }
 
 impl Scene<'_> {
@@ -116,33 +115,81 @@ impl Scene<'_> {
         (d_i - d_j).abs() <= self.steps.touch_quanta && (z_i - z_j).abs() <= STEP_M
     }
 
-    /// The patch that holds `start`, which is marked as visited.
-    fn patch(&self, start: usize, owners: &mut Raster<Owner>) -> Patch {
-        let (width, height) = owners.size();
-        let owners = owners.as_mut_slice();
-        owners[start] = Owner::Visited;
-        let mut patch = Patch { pixels: vec![start as u32], ..Patch::default() };
-        let mut looked_at = 0;
-        while let Some(&i) = patch.pixels.get(looked_at) {
-            let i = i as usize;
-            looked_at += 1;
-            let mut inside = 0;
-            for (j, _) in neighbours(i, width, height) {
-                match owners[j] {
-                    Owner::Visited => inside += 1,
-                    Owner::Background => {
-                        inside += 1;
-                        owners[j] = Owner::Visited;
-                        patch.pixels.push(j as u32);
+    /// The patches of background in the order of their first pixels: runs that lie above each other are of one. What ends a
+    /// patch lies where they do not. O(pixels + border pixels).
+    fn patches(&self, owners: &[Owner]) -> Vec<Patch> {
+        let segments = &self.facets.segments;
+        let (width, height) = segments.labels().size();
+        let runs = background(segments, owners);
+        // The runs of row v are first_of[v]..first_of[v + 1].
+        let first_of: Vec<usize> =
+            (0..=height).map(|v| runs.partition_point(|run| run.start < v * width)).collect();
+        let mut sets = UnionFind::new(runs.len());
+        let mut borders = vec![0_u32; runs.len()];
+        let mut touches: Vec<(usize, SegmentId)> = Vec::new();
+        let mut end = |run: usize, i: usize, beyond: Option<usize>| {
+            borders[run] += 1;
+            let Some((j, facet)) = beyond.and_then(|j| Some((j, segments.at(j)?))) else { return };
+            if let Owner::Cluster(id) = owners[facet.index()]
+                && self.touch(i, j)
+            {
+                touches.push((run, id));
+            }
+        };
+        for v in 0..height {
+            for run in first_of[v]..first_of[v + 1] {
+                let Run { start, end: last } = runs[run];
+                end(run, start, (start % width > 0).then(|| start - 1));
+                end(run, last - 1, (last % width > 0).then_some(last));
+                let above = v.checked_sub(1).map(|above| first_of[above]..first_of[v]);
+                let below = (v + 1 < height).then(|| first_of[v + 1]..first_of[v + 2]);
+                for (others, step) in [(above, -(width as isize)), (below, width as isize)] {
+                    let Some(others) = others else {
+                        (start..last).for_each(|i| end(run, i, None));
+                        continue;
+                    };
+                    let beyond = |i: usize| i.wrapping_add_signed(step);
+                    let mut i = start;
+                    let from = others.start
+                        + runs[others.clone()].partition_point(|other| other.end <= beyond(start));
+                    for other in (from..others.end).take_while(|&other| runs[other].start < beyond(last)) {
+                        while beyond(i) < runs[other].start {
+                            end(run, i, Some(beyond(i)));
+                            i += 1;
+                        }
+                        i = last.min(runs[other].end.wrapping_add_signed(-step));
+                        let [a, b] = [run, other].map(|run| sets.find(run));
+                        sets.link(a.min(b), a.max(b));
                     }
-                    Owner::Cluster(id) if self.touch(i, j) => *patch.touch.entry(id).or_default() += 1,
-                    Owner::Cluster(_) | Owner::Nobody => {}
+                    (i..last).for_each(|i| end(run, i, Some(beyond(i))));
                 }
             }
-            patch.border += 4 - inside;
         }
-        patch
+        let (patch_of, count) = sets.groups();
+        let mut patches: Vec<Patch> = (0..count).map(|_| Patch::default()).collect();
+        for ((run, border), &patch) in runs.into_iter().zip(borders).zip(&patch_of) {
+            let patch = &mut patches[patch as usize];
+            patch.runs.push(run);
+            patch.border += border;
+        }
+        for (run, id) in touches {
+            *patches[patch_of[run] as usize].touch.entry(id).or_default() += 1;
+        }
+        patches
     }
+}
+
+/// The longest runs of background along the rows, in scan order. O(pixels).
+fn background(segments: &Segments, owners: &[Owner]) -> Vec<Run> {
+    let width = segments.labels().width();
+    let mut background: Vec<Run> = Vec::new();
+    for (run, _) in segments.runs().filter(|&(_, facet)| owners[facet] == Owner::Background) {
+        match background.last_mut() {
+            Some(last) if last.end == run.start && run.start % width > 0 => last.end = run.end,
+            _ => background.push(run),
+        }
+    }
+    background
 }
 
 #[cfg(test)]

@@ -100,16 +100,27 @@ const CONVEXITY_SAMPLES: usize = 48;
 /// ... and at pairs of them whose squared distance (m^2) is at least this.
 const CONVEXITY_APART_M2: f64 = 1e-5;
 
-/// Gives measured pixels without a facet to the facet of a neighbour that they touch, breadth first. O(pixels).
+/// Gives measured pixels without a facet to the facet of a neighbour that they touch, breadth first, in scan order at first.
+/// O(pixels).
 pub(crate) fn fill(facets: Facets, disparity: &Raster<f32>, steps: Steps) -> Facets {
     let count = facets.segments.count();
-    let mut labels = facets.segments.labels().clone();
+    let mut labels = facets.segments.into_labels();
     let (width, height) = labels.size();
     let slice = labels.as_mut_slice();
-    let mut open: VecDeque<usize> = (0..slice.len()).filter(|&i| slice[i] >= 0).collect();
+    let touch = |i: usize, j: usize| (disparity[j] - disparity[i]).abs() <= steps.touch_quanta;
+    // Only what touches something without a facet has anything to give.
+    let measured = disparity.as_slice().iter();
+    let bare = (0..).zip(slice.iter().zip(measured)).filter(|(_, (label, d))| **label < 0 && !d.is_nan());
+    let mut givers: Vec<usize> = Vec::new();
+    for (i, _) in bare {
+        givers.extend(neighbours(i, width, height).map(|(j, _)| j).filter(|&j| slice[j] >= 0 && touch(i, j)));
+    }
+    givers.sort_unstable();
+    givers.dedup();
+    let mut open = VecDeque::from(givers);
     while let Some(i) = open.pop_front() {
         for (j, _) in neighbours(i, width, height) {
-            if slice[j] < 0 && (disparity[j] - disparity[i]).abs() <= steps.touch_quanta {
+            if slice[j] < 0 && touch(i, j) {
                 slice[j] = slice[i];
                 open.push_back(j);
             }
@@ -141,9 +152,9 @@ impl<'a> Clusters<'a> {
         let of_facet: Vec<_> = shape_of.iter().map(|&shape| Some(SegmentId(shape))).collect();
         let mut clusters = vec![Cluster::default(); *count];
         let Facets { segments, structure, .. } = scene.facets;
-        for (i, facet) in segments.members() {
+        for (run, facet) in segments.runs() {
             if let Some(shape) = facet.checked_sub(*structure) {
-                clusters[shape_of[shape] as usize].pixels.push(i as u32);
+                clusters[shape_of[shape] as usize].pixels.extend(run.map(|i| i as u32));
             }
         }
         for edge in lie_of_clusters(scene, shapes).edges() {
@@ -328,43 +339,62 @@ impl Scene<'_> {
     }
 }
 
-/// How any two clusters lie to each other; region 0 is the background, region k + 1 is cluster k.
+/// How any two clusters lie to each other; region 0 is the background, region k + 1 is cluster k. Neighbours in a row or column
+/// are those with nothing but holes between them. O(pixels + border pixels · log of them).
 fn lie_of_clusters(scene: &Scene<'_>, shapes: &Shapes) -> RegionGraph<Borders> {
+    /// What was seen last in a row or column: the region, and where.
+    #[derive(Clone, Copy)]
+    struct Last {
+        region: u32,
+        pixel: usize,
+    }
     let Facets { segments, structure, .. } = scene.facets;
-    let (width, height) = segments.labels().size();
+    let width = segments.labels().width();
     let Steps { touch_quanta, level_quanta } = scene.steps;
     let reach = scene.space.length_px(REACH_PX);
-    let region = |i: usize| {
-        let facet = segments.at(i)?.index();
-        Some(facet.checked_sub(*structure).map_or(0, |shape| shapes.of_facet[shape] + 1))
-    };
+    let region = |facet: usize| facet.checked_sub(*structure).map_or(0, |shape| shapes.of_facet[shape] + 1);
     let mut samples = Vec::new();
-    // Along a line of pixels, `stride` apart: neighbours are those with nothing but holes between them.
-    let mut walk = |start: usize, stride: usize, length: usize| {
-        let mut last: Option<(usize, u32)> = None;
-        for t in 0..length {
-            let Some(b) = region(start + t * stride) else { continue };
-            if let Some((s, a)) = last
-                && a != b
-                && t - s <= reach
-            {
-                let [d_a, d_b] = [s, t].map(|t| scene.disparity[start + t * stride]);
-                let rise = if a < b { d_a - d_b } else { d_b - d_a };
-                let borders = match (rise.abs(), t - s) {
-                    (step, 1) if step <= touch_quanta => Borders { touch: 1, ..Default::default() },
-                    (step, _) if step <= level_quanta => Borders { level: 1, ..Default::default() },
-                    _ if rise > 0.0 => Borders { in_front: 1, ..Default::default() },
-                    _ => Borders { behind: 1, ..Default::default() },
-                };
-                samples.push((SegmentId(a), SegmentId(b), borders));
-            }
-            last = Some((t, b));
+    // Two regions that meet at pixels so many steps apart.
+    let mut meet = |a: Last, b: Last, apart: usize| {
+        if a.region == b.region || apart > reach {
+            return;
         }
+        let [d_a, d_b] = [a, b].map(|last| scene.disparity[last.pixel]);
+        let rise = if a.region < b.region { d_a - d_b } else { d_b - d_a };
+        let borders = match (rise.abs(), apart) {
+            (step, 1) if step <= touch_quanta => Borders { touch: 1, ..Default::default() },
+            (step, _) if step <= level_quanta => Borders { level: 1, ..Default::default() },
+            _ if rise > 0.0 => Borders { in_front: 1, ..Default::default() },
+            _ => Borders { behind: 1, ..Default::default() },
+        };
+        samples.push((SegmentId(a.region), SegmentId(b.region), borders));
     };
-    (0..height).for_each(|v| walk(v * width, 1, width));
-    (0..width).for_each(|u| walk(u, width, height));
+    let mut left: Option<Last> = None;
+    // Column by column: the region, and the row.
+    let mut above: Vec<u32> = vec![NOTHING; width];
+    let mut row_of_above = vec![0; width];
+    for (run, facet) in segments.runs() {
+        let (own, v) = (region(facet), run.start / width);
+        let at = |pixel: usize| Last { region: own, pixel };
+        if let Some(left) = left.filter(|left| left.pixel / width == v) {
+            meet(left, at(run.start), run.start - left.pixel);
+        }
+        left = Some(at(run.end - 1));
+        let columns = run.start % width..run.start % width + run.len();
+        let lanes = above[columns.clone()].iter().zip(&row_of_above[columns.clone()]);
+        for ((u, i), (&region, &row)) in columns.clone().zip(run).zip(lanes) {
+            if region != own && region != NOTHING {
+                meet(Last { region, pixel: row * width + u }, at(i), v - row);
+            }
+        }
+        above[columns.clone()].fill(own);
+        row_of_above[columns].fill(v);
+    }
     RegionGraph::gather(shapes.count + 1, samples, |sum: &mut Borders, borders| *sum += borders)
 }
+
+/// Of no region.
+const NOTHING: u32 = u32::MAX;
 
 #[cfg(test)]
 mod tests {

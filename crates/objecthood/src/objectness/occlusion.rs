@@ -118,13 +118,19 @@ fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
     };
     let least_px = scene.space.area_px(FACET_PX).max(LEAST_FACET_PX);
     let least_hidden = scene.space.length_px(OCCLUDED_PX) as u32;
-    let mut pixels: Vec<Vec<u32>> = vec![Vec::new(); facets.segments.count()];
-    facets.segments.members().for_each(|(i, facet)| pixels[facet].push(i as u32));
-    let judge = |(facet, pixels): (usize, Vec<u32>)| {
-        let cluster = clusters.of_facet(facet.checked_sub(facets.structure)?)?;
+    let mut pixels: Vec<Vec<u32>> = vec![Vec::new(); facets.segments.count() - facets.structure];
+    for id in clusters.alive().into_iter().filter(|&id| hidden_along(id) >= least_hidden) {
+        for &i in &clusters.get(id).pixels {
+            // Also patches of the background may be of a cluster.
+            let facet =
+                facets.segments.at(i as usize).and_then(|facet| facet.index().checked_sub(facets.structure));
+            facet.into_iter().for_each(|free| pixels[free].push(i));
+        }
+    }
+    let judge = |(free, pixels): (usize, Vec<u32>)| {
+        let cluster = clusters.of_facet(free)?;
         let share = pixels.len() as f64 / clusters.get(cluster).pixels.len() as f64;
-        let is_large = pixels.len() >= least_px && share >= FACET_SHARE;
-        if !is_large || hidden_along(cluster) < least_hidden {
+        if pixels.len() < least_px || share < FACET_SHARE {
             return None;
         }
         let sum = pixels.iter().fold([0.0; 2], |[x, y], &i| {
@@ -133,7 +139,7 @@ fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
         });
         let centroid = sum.map(|sum| sum / pixels.len() as f64);
         let colors = scene.color.map(|color| histogram(&pixels, |i| color[i])).unwrap_or_default();
-        Some(Piece { facet: SegmentId(facet as u32), cluster, pixels, centroid, colors })
+        Some(Piece { facet: SegmentId((facets.structure + free) as u32), cluster, pixels, centroid, colors })
     };
     pixels.into_iter().enumerate().filter_map(judge).collect()
 }

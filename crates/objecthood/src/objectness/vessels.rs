@@ -155,9 +155,12 @@ impl Rules<'_> {
         let space = clusters.scene.space;
         let rule = Rule::VesselWall;
         for inside in clusters.alive() {
-            let convexity = clusters.convexity(inside);
             let is_large = clusters.get(inside).pixels.len() >= space.area_px(PART_PX);
-            if !is_large || vessels.contains(&inside) || convexity > FLAT {
+            if !is_large || vessels.contains(&inside) {
+                continue;
+            }
+            let convexity = clusters.convexity(inside);
+            if convexity > FLAT {
                 continue;
             }
             let walls = self.walls(clusters, inside, misses);
