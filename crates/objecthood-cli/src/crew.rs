@@ -10,17 +10,18 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::terminal;
 
-/// Calls `work` on every item and `report` with the results, in the order of the items.
+/// Calls `work` on every item and `report` with the results, in the order of the items. Each thread that takes items has
+/// a `Tool` of its own, which `work` finds as the item before left it.
 ///
 /// As many items are worked on at a time as there are threads, and each has an equal share of the threads to itself.
 /// A common pool would let a thread that waits within one item start another, so that ever more are open at once.
 ///
 /// # Errors
 /// When the threads cannot be had.
-pub(crate) fn in_order<T: Sync, R: Send>(
+pub(crate) fn in_order<T: Sync, Tool: Default + Send, R: Send>(
     items: &[T],
     threads: usize,
-    work: impl Fn(&T) -> R + Sync,
+    work: impl Fn(&mut Tool, &T) -> R + Sync,
     mut report: impl FnMut(&T, R),
 ) -> Result<()> {
     let workers = threads.min(items.len());
@@ -36,8 +37,9 @@ pub(crate) fn in_order<T: Sync, R: Send>(
         for pool in &pools {
             let (sender, next, work) = (sender.clone(), &next, &work);
             let worker = move || {
+                let mut tool = Tool::default();
                 while let Some((k, item)) = take(items, next) {
-                    if sender.send((k, pool.install(|| work(item)))).is_err() {
+                    if sender.send((k, pool.install(|| work(&mut tool, item)))).is_err() {
                         break;
                     }
                 }
@@ -74,11 +76,11 @@ pub(crate) struct Reported {
 ///
 /// # Errors
 /// When the threads cannot be had.
-pub(crate) fn report_in_order<T: Sync, D: Send>(
+pub(crate) fn report_in_order<T: Sync, Tool: Default + Send, D: Send>(
     items: &[T],
     threads: usize,
     bar: &ProgressBar,
-    work: impl Fn(&T) -> Result<D> + Sync,
+    work: impl Fn(&mut Tool, &T) -> Result<D> + Sync,
     mut text: impl FnMut(&T, D) -> String,
 ) -> Result<Reported> {
     let mut reported = Reported { failed: 0, printed: Ok(()) };
@@ -130,7 +132,8 @@ mod tests {
     fn results_come_in_order_and_no_more_items_are_open_than_threads() {
         for threads in [1, 2, 3, 8] {
             let (open, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
-            let work = |&k: &usize| {
+            let work = |uses: &mut usize, &k: &usize| {
+                *uses += 1;
                 most.fetch_max(open.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
                 // Parallel work within an item, of uneven length.
                 let sum: usize = (0..64)
@@ -141,16 +144,18 @@ mod tests {
                     })
                     .sum();
                 open.fetch_sub(1, Ordering::SeqCst);
-                (sum, rayon::current_num_threads())
+                (sum, rayon::current_num_threads(), *uses)
             };
             let items: Vec<usize> = (0..20).collect();
-            let mut seen = Vec::new();
-            in_order(&items, threads, work, |&k, (sum, share)| {
+            let (mut seen, mut tools) = (Vec::new(), 0);
+            in_order(&items, threads, work, |&k, (sum, share, uses)| {
                 assert_eq!((sum, share), (2016 * k, 1));
                 seen.push(k);
+                tools += usize::from(uses == 1);
             })
             .unwrap();
             assert_eq!(seen, items);
+            assert!(tools <= threads, "a thread keeps its tool: {tools} of {threads}");
             assert!(most.into_inner() <= threads);
         }
     }
@@ -158,9 +163,10 @@ mod tests {
     #[test]
     fn few_items_share_all_threads() {
         let mut shares = Vec::new();
-        in_order(&[(); 2], 5, |()| rayon::current_num_threads(), |(), share| shares.push(share)).unwrap();
+        in_order(&[(); 2], 5, |(): &mut (), ()| rayon::current_num_threads(), |(), share| shares.push(share))
+            .unwrap();
         shares.sort_unstable();
         assert!(shares == [2, 3] || shares == [2, 2] || shares == [3, 3], "{shares:?}");
-        in_order(&[(); 0], 5, |()| (), |(), ()| panic!("nothing to report")).unwrap();
+        in_order(&[(); 0], 5, |(): &mut (), ()| (), |(), ()| panic!("nothing to report")).unwrap();
     }
 }

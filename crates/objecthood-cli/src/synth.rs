@@ -30,7 +30,7 @@ pub(crate) fn run(args: &SynthArgs) -> Result<Outcome> {
     }
 
     let bar = terminal::progress_bar(recipes.len(), false);
-    let work = |recipe: &Recipe| write(recipe, &args.out);
+    let work = |(): &mut (), recipe: &Recipe| write(recipe, &args.out);
     let Reported { failed, printed } =
         crew::report_in_order(&recipes, args.threads.count(), &bar, work, |_, text| text)?;
     printed?;

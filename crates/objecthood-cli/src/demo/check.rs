@@ -1,7 +1,7 @@
 //! `objecthood demo --check`: the method on scenes of every family.
 
 use anyhow::{Context, Result};
-use objecthood::Params;
+use objecthood::{Params, Workspace};
 use objecthood_eval::{Prediction, Report, SceneReport, VerdictsTable};
 
 use super::{SENSOR, Shot};
@@ -25,7 +25,7 @@ pub(super) fn run(args: &DemoArgs, params: &Params) -> Result<Outcome> {
     crew::in_order(
         &recipes,
         args.settings.threads(),
-        |recipe| judge(recipe, params).with_context(|| recipe.name()),
+        |workspace, recipe| judge(workspace, recipe, params).with_context(|| recipe.name()),
         |_, scene| {
             scenes.push(scene);
             bar.inc(1);
@@ -43,11 +43,11 @@ pub(super) fn run(args: &DemoArgs, params: &Params) -> Result<Outcome> {
     Ok(Outcome::AllDone)
 }
 
-fn judge(recipe: &Recipe, params: &Params) -> Result<SceneReport> {
+fn judge(workspace: &mut Workspace, recipe: &Recipe, params: &Params) -> Result<SceneReport> {
     let shot = Shot::of(*recipe)?;
     let mut laps = Laps::start();
     let mut watch = Watch { laps: &mut laps, next: &mut () };
-    let discovery = objecthood::discover_observed(&shot.capture.frame, params, &mut watch)?;
+    let discovery = workspace.discover_observed(&shot.capture.frame, params, &mut watch)?;
     tracing::info!("{}: {laps}", recipe.name());
     let prediction = Prediction { labels: discovery.labels, objects: Some(discovery.objects), stages: None };
     Ok(SceneReport::of(recipe.name(), recipe.family.name().to_owned(), &shot.truth, &prediction)?)

@@ -38,7 +38,7 @@ pub(super) fn run(args: &EvalArgs) -> Result<Outcome> {
     crew::in_order(
         &recipes,
         args.settings.threads(),
-        |recipe| {
+        |(): &mut (), recipe| {
             SceneSupport::of(recipe.family, recipe.seed, recipe.sensor, &params)
                 .with_context(|| recipe.name())
         },
