@@ -113,7 +113,7 @@ pub(crate) struct Body {
     /// How far it reaches in the plan view in each of [`DIRECTIONS`] (m).
     reach_m: [f64; DIRECTIONS],
     /// Of a thing, how high it is cell by cell (m), in the order of cells.
-    cells: Vec<([i32; 2], f64)>,
+    cells: Vec<(Cell, f64)>,
     /// Which way its sides lean, if they are one flat face that is tilted.
     pub(crate) tilt: Option<Tilt>,
 }
@@ -149,11 +149,10 @@ impl<'a> Bodies<'a> {
         let plan = Plan::new(up);
         let mut all = vec![Body::default(); regions.count()];
         let mut looks = vec![Look::default(); regions.count()];
-        let mut piece = Piece::default();
         for (run, region) in regions.runs() {
             let (body, is_thing) = (&mut all[region], region >= planes.len());
             for start in run.clone().step_by(PIECE_PX) {
-                piece.clear();
+                let mut piece = Piece::new();
                 let pixels = start..run.end.min(start + PIECE_PX);
                 for i in pixels.filter(|&i| !points_m[i][2].is_nan()) {
                     let (height_m, place_m) = (plan.height_m(points_m[i]), plan.place_m(points_m[i]));
@@ -209,11 +208,11 @@ impl<'a> Bodies<'a> {
 
     /// How high a thing is seen at a place and about 1 cm around it (m).
     pub(crate) fn top_near_m(&self, region: usize, place_m: DVec2) -> Option<f64> {
-        let [x, y] = cell(place_m);
+        let [x, y] = Cell::at(place_m).place();
         let cells = &self.all[region].cells;
         let column = |x: i32| {
-            let first = cells.partition_point(|of_cell| of_cell.0 < [x, y.saturating_sub(1)]);
-            cells[first..].iter().take_while(move |of_cell| of_cell.0 <= [x, y.saturating_add(1)])
+            let first = cells.partition_point(|of_cell| of_cell.0 < Cell::new(x, y.saturating_sub(1)));
+            cells[first..].iter().take_while(move |of_cell| of_cell.0 <= Cell::new(x, y.saturating_add(1)))
         };
         let around = [x.saturating_sub(1), x, x.saturating_add(1)].into_iter().flat_map(column);
         around.map(|of_cell| of_cell.1).reduce(f64::max)
@@ -245,7 +244,8 @@ impl<'a> Bodies<'a> {
     /// Around a place, in how many of [`SECTORS`] directions a region is seen above a height.
     pub(crate) fn sectors_above(&self, region: usize, place_m: DVec2, height_m: f64) -> usize {
         let mut seen = [false; SECTORS];
-        for &([x, y], _) in self.all[region].cells.iter().filter(|of_cell| of_cell.1 > height_m) {
+        for (cell, _) in self.all[region].cells.iter().filter(|of_cell| of_cell.1 > height_m) {
+            let [x, y] = cell.place();
             let way = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) * CELL_M - place_m;
             let turn = libm::atan2(way.y, way.x) / std::f64::consts::TAU + 0.5;
             seen[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
@@ -278,23 +278,34 @@ impl Body {
 }
 
 /// Some pixels of a region side by side, which lie close together in the plan view.
-#[derive(Default)]
 struct Piece {
-    places_m: Vec<DVec2>,
+    places_m: [DVec2; PIECE_PX],
+    count: usize,
     low_m: DVec2,
     high_m: DVec2,
 }
 
 impl Piece {
-    fn clear(&mut self) {
-        self.places_m.clear();
-        (self.low_m, self.high_m) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    fn new() -> Self {
+        Self {
+            places_m: [DVec2::ZERO; PIECE_PX],
+            count: 0,
+            low_m: DVec2::INFINITY,
+            high_m: DVec2::NEG_INFINITY,
+        }
     }
 
+    #[inline]
     fn add(&mut self, place_m: DVec2) {
-        self.places_m.push(place_m);
-        self.low_m = self.low_m.min(place_m);
-        self.high_m = self.high_m.max(place_m);
+        self.places_m[self.count] = place_m;
+        self.count += 1;
+        let DVec2 { x, y } = place_m;
+        let (low, high) = (&mut self.low_m, &mut self.high_m);
+        // One instruction each, where `min` minds what is no number.
+        low.x = if x < low.x { x } else { low.x };
+        low.y = if y < low.y { y } else { low.y };
+        high.x = if x > high.x { x } else { high.x };
+        high.y = if y > high.y { y } else { high.y };
     }
 
     /// Pushes the outline of its region out to where it reaches. Most pieces lie inside, and the box around them tells: rounding
@@ -303,7 +314,7 @@ impl Piece {
         for (reach_m, way) in reach_m.iter_mut().zip(directions) {
             let [low, high] = [self.low_m * *way, self.high_m * *way];
             if low.x.max(high.x) + low.y.max(high.y) > *reach_m {
-                let reached_m = self.places_m.iter().map(|place_m| place_m.dot(*way));
+                let reached_m = self.places_m[..self.count].iter().map(|place_m| place_m.dot(*way));
                 *reach_m = reached_m.fold(*reach_m, f64::max);
             }
         }
@@ -318,8 +329,8 @@ type Pixels<'a> = (&'a Raster<[f32; 3]>, &'a Raster<[f32; 3]>);
 struct Look {
     /// Of every point (m).
     heights_m: Vec<f64>,
-    /// Neighbouring points in one cell of the plan view: the cell, and where they begin among the heights.
-    runs: Vec<([i32; 2], u32)>,
+    /// Neighbouring points in one cell of the plan view, and where they begin among the heights.
+    runs: Vec<(Cell, u32)>,
     depth_m: f64,
     normal: DVec3,
     normals: usize,
@@ -343,7 +354,7 @@ impl Look {
         (height_m, place_m): (f64, DVec2),
         plan: &Plan,
     ) {
-        let cell = cell(place_m);
+        let cell = Cell::at(place_m);
         if self.runs.last().is_none_or(|run| run.0 != cell) {
             self.runs.push((cell, self.heights_m.len() as u32));
         }
@@ -361,14 +372,14 @@ impl Look {
     }
 
     /// The height of every cell (m). O(points + runs · log of them).
-    fn cells(&self) -> Vec<([i32; 2], f64)> {
+    fn cells(&self) -> Vec<(Cell, f64)> {
         let ends = self.runs[1.min(self.runs.len())..].iter().map(|run| run.1);
         let ends = ends.chain([self.heights_m.len() as u32]);
-        let mut runs: Vec<([i32; 2], Range<u32>)> =
+        let mut runs: Vec<(Cell, Range<u32>)> =
             self.runs.iter().zip(ends).map(|(&(cell, start), end)| (cell, start..end)).collect();
-        runs.sort_unstable_by_key(|run| order(run.0));
+        runs.sort_unstable_by_key(|run| run.0);
         let mut heights_m = Vec::new();
-        let height = |runs: &[([i32; 2], Range<u32>)]| {
+        let height = |runs: &[(Cell, Range<u32>)]| {
             heights_m.clear();
             for (_, run) in runs {
                 heights_m.extend(&self.heights_m[run.start as usize..run.end as usize]);
@@ -377,12 +388,6 @@ impl Look {
         };
         runs.chunk_by(|a, b| a.0 == b.0).map(height).collect()
     }
-}
-
-/// Cells by column, then row, as one number.
-fn order([x, y]: [i32; 2]) -> u64 {
-    let [x, y] = [x, y].map(|x| u64::from(x.wrapping_sub(i32::MIN) as u32));
-    x << 32 | y
 }
 
 impl Tilt {
@@ -423,12 +428,30 @@ fn area_m2(point_m: [f32; 3], normal: [f32; 3], space: &DisparitySpace) -> f64 {
     point.z.powi(3) / (camera.fx_px * camera.fy_px * point.length() * slant)
 }
 
-fn cell(place_m: DVec2) -> [i32; 2] {
-    let [x, y] = (place_m / CELL_M).to_array();
-    [floor(x), floor(y)]
+/// A cell of the plan view. In one number, so that many are sorted fast: by column, then by row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Cell(u64);
+
+impl Cell {
+    #[inline]
+    fn at(place_m: DVec2) -> Self {
+        let place = place_m / CELL_M;
+        Self::new(floor(place.x), floor(place.y))
+    }
+
+    #[inline]
+    fn new(x: i32, y: i32) -> Self {
+        let ascending = |x: i32| u64::from(x.wrapping_sub(i32::MIN) as u32);
+        Self(ascending(x) << 32 | ascending(y))
+    }
+
+    fn place(self) -> [i32; 2] {
+        [self.0 >> 32, self.0].map(|x| (x as u32 as i32).wrapping_add(i32::MIN))
+    }
 }
 
 /// The integer below, saturating: a conversion and a comparison, which a library's `floor` on the oldest x86-64 is not.
+#[inline]
 fn floor(x: f64) -> i32 {
     let toward_zero = x as i32;
     toward_zero.saturating_sub(i32::from(f64::from(toward_zero) > x))

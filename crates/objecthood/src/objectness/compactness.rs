@@ -30,12 +30,16 @@ pub fn compactness(
     let width = regions.labels().width();
     let mut runs: Vec<Vec<Run>> = vec![Vec::new(); regions.count()];
     let mut own = vec![0_usize; regions.count()];
-    for (i, region) in regions.members().filter(|&(i, r)| r >= first && !points_m[i][2].is_nan()) {
-        let (u, v) = (i % width, i / width);
-        own[region] += 1;
+    let is_measured = |i: &usize| !points_m[*i][2].is_nan();
+    for (mut run, region) in regions.runs().filter(|&(_, region)| region >= first) {
+        own[region] += run.clone().filter(is_measured).count();
+        let (Some(start), Some(end)) = (run.clone().find(is_measured), run.rfind(is_measured)) else {
+            continue;
+        };
+        let (v, start, end) = (start / width, start % width, end % width);
         match runs[region].last_mut() {
-            Some(run) if run.v == v => run.last = u,
-            _ => runs[region].push(Run { v, first: u, last: u }),
+            Some(run) if run.v == v => run.last = end,
+            _ => runs[region].push(Run { v, first: start, last: end }),
         }
     }
     let z_m = |i: usize| f64::from(points_m[i][2]);

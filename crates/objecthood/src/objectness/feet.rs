@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::objectness::body::Bodies;
+use crate::objectness::body::{Bodies, Body};
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
@@ -34,12 +34,11 @@ pub(crate) fn feet(
     let mut feet = vec![Foot::default(); regions.count()];
     let (width, height) = points_m.size();
     let reach = params.reach_px.min(width.max(height)) as i64;
-    let is_foot = |i: usize, region: usize| {
-        let body = &bodies.all[region];
-        region >= bodies.planes.len() && bodies.plan.height_m(points_m[i]) < body.foot_m + body.level_m
-    };
     // False without depth.
-    for (i, region) in regions.members().filter(|&(i, region)| is_foot(i, region)) {
+    let is_foot = |i: usize, body: &Body| bodies.plan.height_m(points_m[i]) < body.foot_m + body.level_m;
+    let things = regions.runs().filter(|&(_, region)| region >= bodies.planes.len());
+    let pixels = things.flat_map(|(run, region)| run.map(move |i| (i, region)));
+    for (i, region) in pixels.filter(|&(i, region)| is_foot(i, &bodies.all[region])) {
         let Some(step) = bodies.plan.step_down(points_m[i]) else { continue };
         let pixel = |t: i64| {
             let [u, v] = [(i % width) as i64 + t * step[0], (i / width) as i64 + t * step[1]];

@@ -143,10 +143,13 @@ fn enclosed(
     let enclosed = |lower: usize, upper: usize| {
         let (outer, inner) = (&bodies.all[lower], &bodies.all[upper]);
         let may = outer.foot_m <= inner.foot_m && is_cavity(bodies, lower, upper, max_side_m);
+        if !may {
+            return None;
+        }
         // Above its foot, and above the floor around it as far as that is seen.
         let floor_m = bodies.top_near_m(lower, inner.middle_m).unwrap_or(inner.foot_m);
         let rim_m = inner.foot_m.max(floor_m) + inner.level_m;
-        let sectors = if may { bodies.sectors_above(lower, inner.middle_m, rim_m) } else { 0 };
+        let sectors = bodies.sectors_above(lower, inner.middle_m, rim_m);
         let contacts = meetings.get(&(lower, upper)).map_or(0, |meeting| meeting.foot + meeting.side);
         let seen = if contacts == 0 { HIDDEN } else { 1.0 };
         (sectors >= LEAST_ENCLOSED).then(|| SupportEdge {

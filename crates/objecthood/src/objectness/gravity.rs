@@ -74,13 +74,9 @@ pub fn dominant_plane(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> 
 
 /// The plane that fits points best (total least squares); all of them lie on it. `None` of fewer than three. O(points).
 pub fn fitted_plane(points_m: &[[f32; 3]]) -> Option<StructurePlane> {
-    let points: Vec<DVec3> = points_m.iter().map(|&p| Vec3::from(p).as_dvec3()).collect();
-    let plane = Plane::fitted(points.iter())?;
-    Some(StructurePlane {
-        normal: plane.normal.as_vec3().to_array(),
-        offset_m: plane.offset_m as f32,
-        inlier_share: 1.0,
-    })
+    let mut sums = PointSums::default();
+    points_m.iter().for_each(|&p| sums.add(Vec3::from(p).as_dvec3()));
+    sums.fitted_plane()
 }
 
 /// The points of the plane that belong to no object: 1 on the plane, 0 elsewhere.
@@ -136,22 +132,56 @@ impl Plane {
 
     /// Total least squares: the direction in which the points vary least.
     fn fitted<'a>(points: impl Iterator<Item = &'a DVec3>) -> Option<Self> {
-        let (mut n, mut sum, mut products) = (0.0, DVec3::ZERO, DMat3::ZERO);
-        for &p in points {
-            n += 1.0;
-            sum += p;
-            products += DMat3::from_cols(p * p.x, p * p.y, p * p.z);
-        }
-        if n < 3.0 {
-            return None;
-        }
-        let mean = sum / n;
-        let covariance = products / n - DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);
-        Some(Self::new(least_eigenvector(covariance), mean))
+        let mut sums = PointSums::default();
+        points.for_each(|&p| sums.add(p));
+        sums.plane()
     }
 
     fn distance_m(&self, p: DVec3) -> f64 {
         (self.normal.dot(p) + self.offset_m).abs()
+    }
+}
+
+/// What the plane through some points follows from: their number and the sums of x, y, z and of their products.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct PointSums {
+    n: f64,
+    sum: DVec3,
+    /// xx, yy, zz.
+    squares: DVec3,
+    /// xy, yz, zx.
+    mixed: DVec3,
+}
+
+impl PointSums {
+    #[inline]
+    pub(crate) fn add(&mut self, p: DVec3) {
+        self.n += 1.0;
+        self.sum += p;
+        self.squares += p * p;
+        self.mixed += p * DVec3::new(p.y, p.z, p.x);
+    }
+
+    /// The plane that fits the points best; `None` of fewer than three.
+    pub(crate) fn fitted_plane(&self) -> Option<StructurePlane> {
+        let plane = self.plane()?;
+        Some(StructurePlane {
+            normal: plane.normal.as_vec3().to_array(),
+            offset_m: plane.offset_m as f32,
+            inlier_share: 1.0,
+        })
+    }
+
+    fn plane(&self) -> Option<Plane> {
+        let &Self { n, sum, squares, mixed } = self;
+        let ([xx, yy, zz], [xy, yz, zx]) = (squares.to_array(), mixed.to_array());
+        if n < 3.0 {
+            return None;
+        }
+        let products = DMat3::from_cols_array_2d(&[[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]);
+        let mean = sum / n;
+        let covariance = products / n - DMat3::from_cols(mean * mean.x, mean * mean.y, mean * mean.z);
+        Some(Plane::new(least_eigenvector(covariance), mean))
     }
 }
 

@@ -63,8 +63,8 @@ pub fn hypotheses(
     let compactness = compactness(regions, first, points_m, space);
     let carried = support.carried();
     let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); regions.count()];
-    for (i, region) in regions.members().filter(|&(i, r)| r >= first && !points_m[i][2].is_nan()) {
-        pixels[region].push(i);
+    for (run, region) in regions.runs().filter(|&(_, region)| region >= first) {
+        pixels[region].extend(run.filter(|&i| !points_m[i][2].is_nan()));
     }
     let judge = |(region, pixels): (usize, Vec<usize>)| {
         if pixels.len() < min_size_px.max(1) {

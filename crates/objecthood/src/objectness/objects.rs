@@ -30,6 +30,7 @@ pub fn objects(
     let parents = support.parents();
     let mut labels = vec![0; points_m.len()];
     let mut objects = Vec::with_capacity(hypotheses.len());
+    let mut seen = vec![0; facets.count() + 1];
     for (number, hypothesis) in (1..=u16::MAX).zip(hypotheses) {
         let Hypothesis { region, pixels, box_m, objectness, parts, top_m, joins } = hypothesis;
         pixels.iter().for_each(|&i| labels[i] = number);
@@ -41,7 +42,7 @@ pub fn objects(
             box_px: pixel_box(pixels.iter().copied(), points_m.width()),
             centroid_m: centroid_m(&pixels, points_m),
             box_m,
-            facets: facets_among(&pixels, facets),
+            facets: facets_among(&pixels, facets, number, &mut seen),
             top_m,
             joins,
             node: NodeId(region.0),
@@ -68,11 +69,15 @@ fn centroid_m(pixels: &[usize], points_m: &Raster<[f32; 3]>) -> [f32; 3] {
     (sum / pixels.len() as f64).as_vec3().to_array()
 }
 
-fn facets_among(pixels: &[usize], facets: &Segments) -> usize {
-    let mut labels: Vec<i32> = pixels.iter().map(|&i| facets.labels()[i]).collect();
-    labels.sort_unstable();
-    labels.dedup();
-    labels.len()
+/// How many facets some pixels are of; no facet counts as one. `seen` tells when a facet, after the first place, was seen last.
+fn facets_among(pixels: &[usize], facets: &Segments, now: u16, seen: &mut [u16]) -> usize {
+    let mut count = 0;
+    for &i in pixels {
+        let last = &mut seen[facets.at(i).map_or(0, |facet| facet.index() + 1)];
+        count += usize::from(*last != now);
+        *last = now;
+    }
+    count
 }
 
 #[cfg(test)]

@@ -79,7 +79,19 @@ pub fn outlines(
         reach: space.length_px(REACH_PX),
         aside: space.length_px(ASIDE_PX),
     };
-    let of_row = |v: usize| (0..width).flat_map(|u| view.sides(u, v)).collect();
+    let labels = regions.labels().as_slice();
+    let of_row = |v: usize| {
+        let own = &labels[v * width..(v + 1) * width];
+        let above = v.checked_sub(1).map(|above| &labels[above * width..v * width]).unwrap_or_default();
+        let below = labels.get((v + 1) * width..(v + 2) * width).unwrap_or_default();
+        // Within a region there is no outline.
+        let is_border = |&u: &usize| {
+            let label = own[u];
+            let others = [own.get(u.wrapping_sub(1)), own.get(u + 1), above.get(u), below.get(u)];
+            label >= first as i32 && others.into_iter().any(|other| other != Some(&label))
+        };
+        (0..width).filter(is_border).flat_map(|u| view.sides(u, v)).collect()
+    };
     let rows: Vec<Vec<(SegmentId, Outline)>> = (0..height).into_par_iter().map(of_row).collect();
     let mut outlines = vec![Outline::default(); regions.count()];
     for (region, side) in rows.into_iter().flatten() {

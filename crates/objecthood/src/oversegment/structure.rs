@@ -6,7 +6,7 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::objectness::gravity::{StructurePlane, fitted_plane};
+use crate::objectness::gravity::{PointSums, StructurePlane};
 use crate::params;
 use crate::random::Lcg;
 use crate::raster::Raster;
@@ -217,16 +217,20 @@ impl Structure {
     /// The surfaces as planes, each fitted to its own pixels. `regions` say how much is counted as theirs in the end: the
     /// first of them are the surfaces, now with whatever else was found to be background.
     pub(crate) fn planes(&self, regions: &Segments, points_m: &Raster<[f32; 3]>) -> Vec<StructurePlane> {
-        let mut own: Vec<Vec<[f32; 3]>> = vec![Vec::new(); self.surfaces.len()];
-        self.segments().members().for_each(|(i, surface)| own[surface].push(points_m[i]));
+        let mut own = vec![PointSums::default(); self.surfaces.len()];
+        for (&label, &point) in self.labels.as_slice().iter().zip(points_m.as_slice()) {
+            if let Ok(surface) = usize::try_from(label) {
+                own[surface].add(Vec3::from(point).as_dvec3());
+            }
+        }
         let mut size_px = vec![0_usize; regions.count()];
-        regions.members().for_each(|(_, region)| size_px[region] += 1);
+        regions.runs().for_each(|(run, region)| size_px[region] += run.len());
         let measured = points_m.as_slice().iter().filter(|point| !point[2].is_nan()).count();
-        let plane = |((surface, own), size): ((&StructureSurface, Vec<[f32; 3]>), usize)| {
+        let plane = |((surface, own), size): ((&StructureSurface, PointSums), usize)| {
             let inlier_share = (size as f64 / measured as f64) as f32;
             let (normal, offset_m) = (surface.normal.as_vec3().to_array(), surface.offset_m as f32);
             let started = StructurePlane { normal, offset_m, inlier_share };
-            StructurePlane { inlier_share, ..fitted_plane(&own).unwrap_or(started) }
+            StructurePlane { inlier_share, ..own.fitted_plane().unwrap_or(started) }
         };
         self.surfaces.iter().zip(own).zip(size_px).map(plane).collect()
     }

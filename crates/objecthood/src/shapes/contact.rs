@@ -22,6 +22,9 @@ pub fn contacts(
     RegionGraph::from_pairs(segments.count(), regions)
 }
 
+/// So many pixels are passed over together when nothing is within reach of any.
+const STRETCH_PX: usize = 16;
+
 /// The pairs that [`contacts`] counts, in scan order.
 ///
 /// The image is gone through backwards, so that what lies ahead of a pixel follows from what lies ahead of the next one in
@@ -51,18 +54,21 @@ pub(crate) fn touching_pairs(
         // Lanes of equal u - v and of equal u + v.
         down_right.meet(height - 1 - v, &regions, v, reach, to_right);
         down_left.meet(v, &regions, v, reach, to_left);
-        for u in (0..width).rev() {
-            let p = v * width + u;
-            let ahead = [ways[0][u], ways[1][u], ways[2][u], ways[3][u]];
-            if ahead == [0; 4] {
+        for start in (0..width).step_by(STRETCH_PX).rev() {
+            let stretch = start..width.min(start + STRETCH_PX);
+            let is_quiet = |way: &Vec<i32>| way[stretch.clone()].iter().fold(0, |any, t| any | t) == 0;
+            if ways.iter().all(is_quiet) {
                 continue;
             }
-            // The last direction first, because all is gone through backwards.
-            for (t, step) in ahead.into_iter().zip([1, width, width + 1, width - 1]).rev() {
-                let other = p + t as usize * step;
-                let apart_m = || Vec3::from(points_m[p]).distance(Vec3::from(points_m[other]));
-                if t > 0 && apart_m() < params.distance_m {
-                    pairs.push((p, other));
+            for u in stretch.rev() {
+                let p = v * width + u;
+                // The last direction first, because all is gone through backwards.
+                for (way, step) in ways.iter().zip([1, width, width + 1, width - 1]).rev() {
+                    let t = way[u] as usize;
+                    let apart_m = || Vec3::from(points_m[p]).distance(Vec3::from(points_m[p + t * step]));
+                    if t > 0 && apart_m() < params.distance_m {
+                        pairs.push((p, p + t * step));
+                    }
                 }
             }
         }
