@@ -149,20 +149,14 @@ impl<'a> Bodies<'a> {
         let plan = Plan::new(up);
         let mut all = vec![Body::default(); regions.count()];
         let mut looks = vec![Look::default(); regions.count()];
+        let mut piece = Piece::new();
         for (run, region) in regions.runs() {
-            let (body, is_thing) = (&mut all[region], region >= planes.len());
             for start in run.clone().step_by(PIECE_PX) {
-                let mut piece = Piece::new();
-                let pixels = start..run.end.min(start + PIECE_PX);
-                for i in pixels.filter(|&i| !points_m[i][2].is_nan()) {
-                    let (height_m, place_m) = (plan.height_m(points_m[i]), plan.place_m(points_m[i]));
-                    body.add(i, height_m, place_m);
-                    piece.add(place_m);
-                    if is_thing {
-                        looks[region].add(i, (points_m[i], normals[i]), (height_m, place_m), &plan);
-                    }
+                piece.fill(start..run.end.min(start + PIECE_PX), points_m, &plan);
+                all[region].add(&piece, &plan.directions);
+                if region >= planes.len() {
+                    looks[region].add(&piece, points_m, normals, &plan);
                 }
-                piece.push_out(&mut body.reach_m, &plan.directions);
             }
         }
         let pixels = (points_m, normals);
@@ -255,14 +249,16 @@ impl<'a> Bodies<'a> {
 }
 
 impl Body {
-    fn add(&mut self, i: usize, height_m: f64, place_m: DVec2) {
+    fn add(&mut self, piece: &Piece, directions: &[DVec2; DIRECTIONS]) {
+        let Some(&first) = piece.pixels().first() else { return };
         if self.size_px == 0 {
-            self.first = i;
+            self.first = first as usize;
             self.reach_m = [f64::NEG_INFINITY; DIRECTIONS];
         }
-        self.size_px += 1;
-        self.mean_m += height_m;
-        self.middle_m += place_m;
+        self.size_px += piece.count;
+        self.mean_m = piece.heights_m().iter().fold(self.mean_m, |sum, height_m| sum + height_m);
+        self.middle_m = piece.places_m().iter().fold(self.middle_m, |sum, place_m| sum + place_m);
+        piece.push_out(&mut self.reach_m, directions);
     }
 
     /// What follows from all that is seen of it.
@@ -279,42 +275,59 @@ impl Body {
 
 /// Some pixels of a region side by side, which lie close together in the plan view.
 struct Piece {
-    places_m: [DVec2; PIECE_PX],
     count: usize,
-    low_m: DVec2,
-    high_m: DVec2,
+    pixels: [u32; PIECE_PX],
+    heights_m: [f64; PIECE_PX],
+    places_m: [DVec2; PIECE_PX],
 }
 
 impl Piece {
     fn new() -> Self {
-        Self {
-            places_m: [DVec2::ZERO; PIECE_PX],
-            count: 0,
-            low_m: DVec2::INFINITY,
-            high_m: DVec2::NEG_INFINITY,
+        let (pixels, heights_m, places_m) = ([0; PIECE_PX], [0.0; PIECE_PX], [DVec2::ZERO; PIECE_PX]);
+        Self { count: 0, pixels, heights_m, places_m }
+    }
+
+    /// Those that are measured among these pixels.
+    fn fill(&mut self, pixels: Range<usize>, points_m: &Raster<[f32; 3]>, plan: &Plan) {
+        self.count = 0;
+        for (i, &point_m) in pixels.clone().zip(&points_m.as_slice()[pixels]) {
+            if !point_m[2].is_nan() {
+                let k = self.count;
+                self.pixels[k] = i as u32;
+                self.heights_m[k] = plan.height_m(point_m);
+                self.places_m[k] = plan.place_m(point_m);
+                self.count += 1;
+            }
         }
     }
 
-    #[inline]
-    fn add(&mut self, place_m: DVec2) {
-        self.places_m[self.count] = place_m;
-        self.count += 1;
-        let DVec2 { x, y } = place_m;
-        let (low, high) = (&mut self.low_m, &mut self.high_m);
-        // One instruction each, where `min` minds what is no number.
-        low.x = if x < low.x { x } else { low.x };
-        low.y = if y < low.y { y } else { low.y };
-        high.x = if x > high.x { x } else { high.x };
-        high.y = if y > high.y { y } else { high.y };
+    fn pixels(&self) -> &[u32] {
+        &self.pixels[..self.count]
+    }
+
+    fn heights_m(&self) -> &[f64] {
+        &self.heights_m[..self.count]
+    }
+
+    fn places_m(&self) -> &[DVec2] {
+        &self.places_m[..self.count]
     }
 
     /// Pushes the outline of its region out to where it reaches. Most pieces lie inside, and the box around them tells: rounding
     /// keeps the order of products and sums, so nothing of a piece reaches farther than the box.
     fn push_out(&self, reach_m: &mut [f64; DIRECTIONS], directions: &[DVec2; DIRECTIONS]) {
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for &DVec2 { x, y } in self.places_m() {
+            // One instruction each, where `min` minds what is no number.
+            low.x = if x < low.x { x } else { low.x };
+            low.y = if y < low.y { y } else { low.y };
+            high.x = if x > high.x { x } else { high.x };
+            high.y = if y > high.y { y } else { high.y };
+        }
         for (reach_m, way) in reach_m.iter_mut().zip(directions) {
-            let [low, high] = [self.low_m * *way, self.high_m * *way];
-            if low.x.max(high.x) + low.y.max(high.y) > *reach_m {
-                let reached_m = self.places_m[..self.count].iter().map(|place_m| place_m.dot(*way));
+            let [x, y] = [[low.x * way.x, high.x * way.x], [low.y * way.y, high.y * way.y]];
+            if x[0].max(x[1]) + y[0].max(y[1]) > *reach_m {
+                let reached_m = self.places_m().iter().map(|place_m| place_m.dot(*way));
                 *reach_m = reached_m.fold(*reach_m, f64::max);
             }
         }
@@ -347,27 +360,26 @@ struct Side {
 }
 
 impl Look {
-    fn add(
-        &mut self,
-        i: usize,
-        (point_m, normal): ([f32; 3], [f32; 3]),
-        (height_m, place_m): (f64, DVec2),
-        plan: &Plan,
-    ) {
-        let cell = Cell::at(place_m);
-        if self.runs.last().is_none_or(|run| run.0 != cell) {
-            self.runs.push((cell, self.heights_m.len() as u32));
+    fn add(&mut self, piece: &Piece, points_m: &Raster<[f32; 3]>, normals: &Raster<[f32; 3]>, plan: &Plan) {
+        for (k, &place_m) in piece.places_m().iter().enumerate() {
+            let cell = Cell::at(place_m);
+            if self.runs.last().is_none_or(|run| run.0 != cell) {
+                self.runs.push((cell, (self.heights_m.len() + k) as u32));
+            }
         }
-        self.heights_m.push(height_m);
-        self.depth_m += f64::from(point_m[2]);
-        if normal == [0.0; 3] {
-            return;
-        }
-        self.normal += Vec3::from(normal).as_dvec3();
-        self.normals += 1;
-        let upward = plan.upward(normal);
-        if upward < TOP_FACE && upward.abs() > LEAST_TILT {
-            self.tilted.push(Side { pixel: i as u32, upward, height_m });
+        self.heights_m.extend(piece.heights_m());
+        for (&pixel, &height_m) in piece.pixels().iter().zip(piece.heights_m()) {
+            let normal = normals[pixel as usize];
+            self.depth_m += f64::from(points_m[pixel as usize][2]);
+            if normal == [0.0; 3] {
+                continue;
+            }
+            self.normal += Vec3::from(normal).as_dvec3();
+            self.normals += 1;
+            let upward = plan.upward(normal);
+            if upward < TOP_FACE && upward.abs() > LEAST_TILT {
+                self.tilted.push(Side { pixel, upward, height_m });
+            }
         }
     }
 
