@@ -78,13 +78,14 @@ impl Segments {
 
     /// The runs of one segment along the rows, as (pixel indices, segment index), in scan order.
     pub(crate) fn runs(&self) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
-        let rows = self.labels.as_slice().chunks_exact(self.labels.width());
-        let mut start = 0;
-        rows.flat_map(|row| row.chunk_by(|a, b| a == b)).filter_map(move |run| {
-            let pixels = start..start + run.len();
-            start = pixels.end;
-            usize::try_from(run[0]).ok().map(|s| (pixels, s))
-        })
+        let (labels, width) = (self.labels.as_slice(), self.labels.width());
+        let mut end = 0;
+        let run = std::iter::from_fn(move || {
+            let (start, &label) = (end, labels.get(end)?);
+            end += run_length(&labels[start..start / width * width + width]);
+            Some((start..end, label))
+        });
+        run.filter_map(|(pixels, label)| usize::try_from(label).ok().map(|s| (pixels, s)))
     }
 
     /// The coarser label map in which segment `s` has become segment `group_of[s]` of `count` groups.
@@ -92,6 +93,18 @@ impl Segments {
         let label = |&l: &i32| usize::try_from(l).map_or(Self::NONE, |s| group_of[s] as i32);
         Self::from_numbered(self.labels.map(label), count)
     }
+}
+
+/// How many of these labels, from the first on, are the same. Long runs are passed over in strides.
+fn run_length(labels: &[i32]) -> usize {
+    const STRIDE_PX: usize = 8;
+    let Some(&own) = labels.first() else { return 0 };
+    let is_other = |label: &i32| i32::from(*label != own);
+    let strides = labels.chunks_exact(STRIDE_PX);
+    let passed =
+        strides.take_while(|stride| stride.iter().map(is_other).fold(0, |any, other| any | other) == 0);
+    let passed = STRIDE_PX * passed.count();
+    passed + labels[passed..].iter().take_while(|label| **label == own).count()
 }
 
 /// An undirected edge between two regions, with what is known about their common border.

@@ -279,22 +279,31 @@ fn shifted<const N: usize, const ORDER: usize>(
     ];
     let [along_x, along_y] = along;
     let mut half = [[0.0; N]; N];
-    for i in 0..=ORDER {
-        for p in 0..=i {
-            let factor = BINOMIALS[i][p] * along_x[i - p];
-            for j in 0..=ORDER - i {
-                let term = factor * table[p][j];
-                half[i][j] = if p == 0 { term } else { half[i][j] + term };
+    let mut moved = [[0.0; N]; N];
+    // Bounds that do not depend on each other, so that the loops are unrolled.
+    for i in 0..N {
+        for j in 0..N {
+            if i + j <= ORDER {
+                let mut sum = along_x[i] * table[0][j];
+                for p in 1..N {
+                    if p <= i {
+                        sum += BINOMIALS[i][p] * along_x[i - p] * table[p][j];
+                    }
+                }
+                half[i][j] = sum;
             }
         }
     }
-    let mut moved = [[0.0; N]; N];
-    for j in 0..=ORDER {
-        for q in 0..=j {
-            let factor = BINOMIALS[j][q] * along_y[j - q];
-            for i in 0..=ORDER - j {
-                let term = factor * half[i][q];
-                moved[i][j] = if q == 0 { term } else { moved[i][j] + term };
+    for i in 0..N {
+        for j in 0..N {
+            if i + j <= ORDER {
+                let mut sum = along_y[j] * half[i][0];
+                for q in 1..N {
+                    if q <= j {
+                        sum += BINOMIALS[j][q] * along_y[j - q] * half[i][q];
+                    }
+                }
+                moved[i][j] = sum;
             }
         }
     }
