@@ -113,6 +113,20 @@ impl<T> std::ops::Index<usize> for Raster<T> {
     }
 }
 
+/// The places of the marks that are not 0, in ascending order. Few are: stretches without any are passed over at once.
+pub(crate) fn marked(marks: &[i32]) -> impl Iterator<Item = usize> + '_ {
+    const STRETCH: usize = 16;
+    let stretches = marks.chunks(STRETCH).enumerate();
+    let busy = stretches.filter(|(_, stretch)| stretch.iter().fold(0, |any, mark| any | mark) != 0);
+    busy.flat_map(|(k, stretch)| (k * STRETCH..).zip(stretch).filter(|(_, mark)| **mark != 0).map(|(u, _)| u))
+}
+
+/// `count` values of a row from `u` on; of none, wherever that is.
+#[inline]
+pub(crate) fn part<T>(row: &[T], u: usize, count: usize) -> &[T] {
+    &row[u.min(row.len())..][..count]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

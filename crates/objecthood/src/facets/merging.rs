@@ -196,9 +196,10 @@ impl Forest<'_> {
             }
         }
         let facet_of: Vec<i32> = (0..self.regions.len()).map(|s| facet_of_root[self.sets.find(s)]).collect();
-        let label = |(&surface, &s): (&i32, &i32)| match (surface, usize::try_from(s)) {
-            (Segments::NONE, Ok(s)) => facet_of[s],
-            (surface, _) => surface,
+        let label = |(&surface, &s): (&i32, &i32)| match (surface, s) {
+            (0.., _) => surface,
+            (_, 0..) => facet_of[s as usize],
+            _ => Segments::NONE,
         };
         let labels = structure.labels.as_slice().iter().zip(superpixels.labels().as_slice());
         let labels = structure.labels.with_data(labels.map(label).collect());

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::facets::Facets;
 use crate::params;
-use crate::raster::Raster;
+use crate::raster::{Raster, marked, part};
 use crate::regions::Segments;
 use crate::surface::disparity::position;
 
@@ -63,22 +63,22 @@ fn is_inside(i: usize, width: usize, height: usize) -> bool {
 fn open_pixels(labels: &Raster<i32>, disparity: &Raster<f32>) -> Vec<u32> {
     let (width, height) = labels.size();
     let mut open = Vec::new();
-    let mut is_candidate = vec![false; width];
+    let inner = width.saturating_sub(2);
+    let mut row = vec![0; inner];
+    let marks = &mut row[..inner];
     for v in 1..height.max(2) - 1 {
         let [above, own, below] = [v - 1, v, v + 1].map(|v| &labels.as_slice()[v * width..(v + 1) * width]);
-        // Most pixels are of one facet with their neighbours, or have no depth; no branches, so that many are told at once.
-        let inner = 1..width.max(2) - 1;
-        let beside = own.iter().zip(&own[2.min(width)..]);
-        let across = above[inner.clone()].iter().zip(&below[inner.clone()]);
-        let pixels = own[inner.clone()].iter().zip(&disparity.as_slice()[v * width..][inner.clone()]);
-        let marks = is_candidate[inner].iter_mut();
-        for (mark, ((&own, d), ((left, right), (above, below)))) in marks.zip(pixels.zip(beside.zip(across)))
-        {
-            let differs = (*left != own) | (*right != own) | (*above != own) | (*below != own);
-            *mark = !d.is_nan() & (differs | (own < 0));
+        let (left, right) = (part(own, 0, inner), part(own, 2, inner));
+        let [above, own, below] = [above, own, below].map(|row| part(row, 1, inner));
+        let measured = part(&disparity.as_slice()[v * width..], 1, inner);
+        // Most pixels are of one facet with their neighbours, or have no depth: of slices of one length and without branches,
+        // so that many are told at once.
+        for (k, mark) in marks.iter_mut().enumerate() {
+            let label = own[k];
+            let differs = (left[k] ^ label) | (right[k] ^ label) | (above[k] ^ label) | (below[k] ^ label);
+            *mark = i32::from((differs != 0) | (label < 0)) & i32::from(!measured[k].is_nan());
         }
-        let marked = is_candidate.iter().enumerate().filter(|(_, is_candidate)| **is_candidate);
-        let pixels = marked.map(|(u, _)| v * width + u);
+        let pixels = marked(marks).map(|k| v * width + 1 + k);
         open.extend(pixels.filter(|&i| is_open(i, labels, disparity)).map(|i| i as u32));
     }
     open

@@ -13,7 +13,7 @@ use crate::objectness::objects::pixel_box;
 use crate::oversegment::structure::{StructureSurface, element_at};
 use crate::oversegment::watershed::neighbours;
 use crate::params;
-use crate::raster::Raster;
+use crate::raster::{Raster, marked};
 use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::shapes::contraction::Shapes;
 use crate::surface::disparity::{DisparitySpace, position};
@@ -109,10 +109,10 @@ pub(crate) fn fill(facets: Facets, disparity: &Raster<f32>, steps: Steps) -> Fac
     let slice = labels.as_mut_slice();
     let touch = |i: usize, j: usize| (disparity[j] - disparity[i]).abs() <= steps.touch_quanta;
     // Only what touches something without a facet has anything to give.
-    let measured = disparity.as_slice().iter();
-    let bare = (0..).zip(slice.iter().zip(measured)).filter(|(_, (label, d))| **label < 0 && !d.is_nan());
+    let pixels = slice.iter().zip(disparity.as_slice());
+    let bare: Vec<i32> = pixels.map(|(label, d)| i32::from(*label < 0) & i32::from(!d.is_nan())).collect();
     let mut givers: Vec<usize> = Vec::new();
-    for (i, _) in bare {
+    for i in marked(&bare) {
         givers.extend(neighbours(i, width, height).map(|(j, _)| j).filter(|&j| slice[j] >= 0 && touch(i, j)));
     }
     givers.sort_unstable();

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::objectness::clusters::REACH_PX;
 use crate::params;
-use crate::raster::Raster;
+use crate::raster::{Raster, marked, part};
 use crate::regions::{SegmentId, Segments};
 use crate::shapes::border::{Fold, fold_angle_deg};
 use crate::surface::disparity::DisparitySpace;
@@ -81,16 +81,21 @@ pub fn outlines(
     };
     let labels = regions.labels().as_slice();
     let of_row = |v: usize| {
-        let own = &labels[v * width..(v + 1) * width];
-        let above = v.checked_sub(1).map(|above| &labels[above * width..v * width]).unwrap_or_default();
-        let below = labels.get((v + 1) * width..(v + 2) * width).unwrap_or_default();
-        // Within a region there is no outline.
-        let is_border = |&u: &usize| {
-            let label = own[u];
-            let others = [own.get(u.wrapping_sub(1)), own.get(u + 1), above.get(u), below.get(u)];
-            label >= first as i32 && others.into_iter().any(|other| other != Some(&label))
-        };
-        (0..width).filter(is_border).flat_map(|u| view.sides(u, v)).collect()
+        let row = |v: usize| &labels[v * width..(v + 1) * width];
+        let (own, above, below) = (row(v), row(v.saturating_sub(1)), row((v + 1).min(height - 1)));
+        // Within a region there is no outline; all pixels at the edge of the image may have one.
+        let mut marks = vec![1; width];
+        let inner = width.saturating_sub(2);
+        let (left, right) = (part(own, 0, inner), part(own, 2, inner));
+        let [above, own, below] = [above, own, below].map(|row| part(row, 1, inner));
+        let is_edge = v == 0 || v + 1 == height;
+        // Of slices of one length and without branches, so that many are told at once.
+        for (k, mark) in marks[1.min(width)..][..inner].iter_mut().enumerate() {
+            let label = own[k];
+            let differs = (left[k] ^ label) | (right[k] ^ label) | (above[k] ^ label) | (below[k] ^ label);
+            *mark = i32::from(label >= first as i32) & i32::from((differs != 0) | is_edge);
+        }
+        marked(&marks).flat_map(|u| view.sides(u, v)).collect()
     };
     let rows: Vec<Vec<(SegmentId, Outline)>> = (0..height).into_par_iter().map(of_row).collect();
     let mut outlines = vec![Outline::default(); regions.count()];

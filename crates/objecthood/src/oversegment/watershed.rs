@@ -137,18 +137,23 @@ pub fn watershed(
 
 /// How many linked pairs of 4-neighbours join any two superpixels.
 pub fn linked_pairs(superpixels: &Segments, links: &Links<'_>) -> RegionGraph<u32> {
-    let (width, height) = superpixels.labels().size();
+    let width = superpixels.labels().width();
     let labels = superpixels.labels().as_slice();
     let mut pairs = Vec::new();
-    for (i, &a) in labels.iter().enumerate().filter(|&(_, &a)| a >= 0) {
-        let (u, v) = (i % width, i / width);
-        let right = (u + 1 < width).then(|| (i + 1, 0));
-        let down = (v + 1 < height).then(|| (i + width, 1));
-        for (j, axis) in [right, down].into_iter().flatten() {
-            let b = labels[j];
-            if b >= 0 && b != a && links.linked(i, j, axis) {
-                pairs.push((SegmentId(a as u32), SegmentId(b as u32)));
+    for (run, a) in superpixels.runs() {
+        let mut look = |i: usize, j: usize, axis: usize| {
+            if let Ok(b) = u32::try_from(labels[j])
+                && b != a as u32
+                && links.linked(i, j, axis)
+            {
+                pairs.push((SegmentId(a as u32), SegmentId(b)));
             }
+        };
+        if run.end % width > 0 {
+            look(run.end - 1, run.end, 0);
+        }
+        if run.end + width <= labels.len() {
+            run.for_each(|i| look(i, i + width, 1));
         }
     }
     RegionGraph::from_pairs(superpixels.count(), pairs)

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::params;
-use crate::raster::Raster;
+use crate::raster::{Raster, marked, part};
 use crate::regions::{RegionGraph, Segments};
 
 /// The number of point pairs in contact between any two regions.
@@ -76,8 +76,8 @@ fn changes(segments: &Segments) -> Vec<usize> {
     let inner = width.saturating_sub(2);
     while let Some((v, own)) = rows.next() {
         let below = rows.peek().map_or(own, |(_, below)| below);
-        let (label, right) = (shifted(own, 1, inner), shifted(own, 2, inner));
-        let below = [0, 1, 2].map(|u| shifted(below, u, inner));
+        let (label, right) = (part(own, 1, inner), part(own, 2, inner));
+        let below = [0, 1, 2].map(|u| part(below, u, inner));
         let marks_inner = &mut marks[1.min(width)..][..inner];
         // Of slices of one length and without branches, so that many are told at once.
         for k in 0..inner {
@@ -86,23 +86,10 @@ fn changes(segments: &Segments) -> Vec<usize> {
                 (right[k] != own) | (below[0][k] != own) | (below[1][k] != own) | (below[2][k] != own);
             marks_inner[k] = i32::from((own >= 0) & differs);
         }
-        for (k, stretch) in marks.chunks(STRETCH_PX).enumerate() {
-            if stretch.iter().fold(0, |any, mark| any | mark) != 0 {
-                let marked = (k * STRETCH_PX..).zip(stretch).filter(|&(u, mark)| *mark != 0 && own[u] >= 0);
-                changes.extend(marked.map(|(u, _)| v * width + u));
-            }
-        }
+        changes.extend(marked(&marks).filter(|&u| own[u] >= 0).map(|u| v * width + u));
     }
     changes
 }
-
-/// `count` labels of a row from `u` on; there is no pixel there when the count is 0.
-fn shifted(row: &[i32], u: usize, count: usize) -> &[i32] {
-    &row[u.min(row.len())..][..count]
-}
-
-/// So many pixels are passed over at once when none is a change.
-const STRETCH_PX: usize = 16;
 
 #[cfg(test)]
 mod tests {
