@@ -4,7 +4,7 @@
 
 use crate::oversegment::Superpixels;
 use crate::oversegment::felzenszwalb::Components;
-use crate::oversegment::graph::PixelGraph;
+use crate::oversegment::graph::{PixelEdge, PixelGraph};
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
@@ -13,6 +13,9 @@ use crate::union_find::UnionFind;
 
 /// Marks a pixel without a label.
 const NONE: u32 = u32::MAX;
+
+/// The part that all pixels with a label are.
+const SEED: u32 = PixelGraph::NO_PART - 1;
 
 /// A minimum spanning forest seeded by the components of at least `min_size_px` pixels: each loose pixel, of high
 /// curvature or of a smaller component, takes the label it reaches over its cheapest path. No path crosses
@@ -34,8 +37,10 @@ pub fn absorb(
     let core = borders.with_data(label.iter().map(|&l| l != NONE).collect());
 
     let mut sets = UnionFind::new(graph.pixels());
-    for edge in graph.edges() {
-        let (p, q) = (edge.p as usize, edge.q as usize);
+    // Between two seeds nothing is decided; every other pixel is a part of its own.
+    let part: Vec<u32> = (0..).zip(&label).map(|(i, &l)| if l == NONE { i } else { SEED }).collect();
+    for PixelEdge { p, q, .. } in graph.ascending(&part, f32::NEG_INFINITY, f32::INFINITY).iter() {
+        let (p, q) = (p as usize, q as usize);
         if changes(depth_m[p], depth_m[q], params.depth_gate_per_m) {
             continue;
         }
@@ -79,6 +84,7 @@ mod tests {
     use crate::frame::Frame;
     use crate::oversegment::felzenszwalb::segment;
     use crate::oversegment::graph::Unmeasured;
+    use crate::oversegment::graph::testing::naive_edges;
 
     /// One row: depth per pixel (`NaN` = none), which pixels are borders, minimum size.
     fn superpixels(depth: &[f32], borders: &[bool], min_size_px: u32) -> Superpixels {
@@ -133,7 +139,7 @@ mod tests {
             (p, q) if p.is_nan() || q.is_nan() => p.is_nan() && q.is_nan(),
             (p, q) => (p - q).abs() <= gate_per_m * f32::max(p * p, q * q),
         };
-        let ends: Vec<_> = graph.edges().iter().map(|e| (e.p as usize, e.q as usize)).collect();
+        let ends: Vec<_> = naive_edges(graph).iter().map(|e| (e.p as usize, e.q as usize)).collect();
         while let Some(&(p, q)) =
             ends.iter().find(|&&(p, q)| label[p].is_some() != label[q].is_some() && open(p, q))
         {

@@ -1,6 +1,7 @@
 //! The graph over the pixels and its edge weights (paper, eq. 1).
 
-use glam::Vec3;
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::frame::Frame;
@@ -12,6 +13,9 @@ const STEPS: [(isize, usize); 4] = [(1, 0), (0, 1), (1, 1), (-1, 1)];
 
 /// Weight of an edge that only the minimum-size pass may cross: heavier than any colour or disparity difference.
 const APART: f32 = f32::INFINITY;
+
+/// Rows that are worked on together.
+const BAND_ROWS: usize = 64;
 
 /// How pixels without depth enter the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,26 +37,22 @@ pub(crate) struct PixelEdge {
     pub(crate) q: u32,
 }
 
-/// The edges of the graph over all pixels, lightest first; equal weights in scan order of p, then right, down,
-/// down-right, down-left.
+/// The graph over all pixels. Its edges are implicit: number 4·p + d is the edge from pixel p in the direction d of [`STEPS`];
+/// only the weights are stored.
 #[derive(Clone, Debug)]
 pub struct PixelGraph {
-    pixels: usize,
-    edges: Vec<PixelEdge>,
+    width: usize,
+    /// Row by row; of each row first all weights to the right, then all downwards, down-right, down-left.
+    weights: Vec<f32>,
 }
 
 impl PixelGraph {
     /// Number of pixels.
     pub fn pixels(&self) -> usize {
-        self.pixels
+        self.weights.len() / STEPS.len()
     }
 
-    /// The edges, lightest first.
-    pub(crate) fn edges(&self) -> &[PixelEdge] {
-        &self.edges
-    }
-
-    /// Builds the edges between 8-neighbours and sorts them.
+    /// Weighs the edges between 8-neighbours.
     ///
     /// Between two pixels with depth the weight is eq. 1: α·‖ΔRGB‖ + (1 - α)·|ΔD|, with the colours of `smoothed`
     /// (grey levels 0..255, [`super::smoothing::smooth`]) and D = disparity in quanta of the sensor. Where a pixel
@@ -60,7 +60,7 @@ impl PixelGraph {
     ///
     /// *Differs from the paper:* eq. 1 says depth, its text disparity; in metres the term would vanish against
     /// colours, so it is disparity, in units of what the sensor resolves.
-    /// O(pixels): the sort is a radix sort.
+    /// O(pixels).
     pub fn new(
         frame: &Frame,
         smoothed: Option<&Raster<[f32; 3]>>,
@@ -69,48 +69,258 @@ impl PixelGraph {
         params: &params::Graph,
     ) -> Self {
         let (width, height) = frame.size();
-        let quantum = sensor.disparity_quantum_per_m;
-        let disparity = frame.depth_m().map(|&z| (1.0 / (f64::from(z) * quantum)) as f32);
-        let alpha = match params.channels {
-            Channels::Color => 1.0,
-            Channels::Depth => 0.0,
-            Channels::Both => params.color_weight,
+        let weigh = Weigh {
+            alpha: match params.channels {
+                Channels::Color => 1.0,
+                Channels::Depth => 0.0,
+                Channels::Both => params.color_weight,
+            },
+            by_color: unmeasured == Unmeasured::ByColor,
         };
-        let weight = |p: usize, q: usize| {
-            let color = || smoothed.map_or(0.0, |s| Vec3::from(s[p]).distance(Vec3::from(s[q])));
-            match (frame.is_valid(p), frame.is_valid(q)) {
-                (true, true) if alpha == 0.0 => (disparity[p] - disparity[q]).abs(),
-                (true, true) => alpha * color() + (1.0 - alpha) * (disparity[p] - disparity[q]).abs(),
-                _ if unmeasured == Unmeasured::ByColor => color(),
-                (false, false) => 0.0,
-                _ => APART,
-            }
+        let read = |planes: &mut Planes, v: usize| {
+            let row = v * width..(v + 1) * width;
+            let color = smoothed.map(|s| &s.as_slice()[row.clone()]);
+            planes.read(&frame.depth_m().as_slice()[row], color, sensor.disparity_quantum_per_m);
         };
-        // Every row has an edge to the right, down and to both sides downwards from each pixel but those at the
-        // ends; the last row only has those to the right.
-        let (edges_of_a_row, edges_of_the_last) = (4 * width - 3, width - 1);
-        let none = PixelEdge { weight: 0.0, p: 0, q: 0 };
-        let mut edges = vec![none; (height - 1) * edges_of_a_row + edges_of_the_last];
-        edges.par_chunks_mut(edges_of_a_row).enumerate().for_each(|(v, row)| {
-            let mut row = row.iter_mut();
-            for u in 0..width {
-                for (du, dv) in STEPS {
-                    let (un, vn) = (u.wrapping_add_signed(du), v + dv);
-                    let inside = un < width && vn < height;
-                    if let Some(edge) = if inside { row.next() } else { None } {
-                        let (p, q) = (v * width + u, vn * width + un);
-                        *edge = PixelEdge { weight: weight(p, q), p: p as u32, q: q as u32 };
+        let mut weights = vec![APART; STEPS.len() * width * height];
+        weights.par_chunks_mut(BAND_ROWS * STEPS.len() * width).enumerate().for_each(|(band, weights)| {
+            let [mut here, mut below] = [Planes::new(width), Planes::new(width)];
+            read(&mut below, band * BAND_ROWS);
+            for (v, weights) in (band * BAND_ROWS..).zip(weights.chunks_exact_mut(STEPS.len() * width)) {
+                std::mem::swap(&mut here, &mut below);
+                if v + 1 < height {
+                    read(&mut below, v + 1);
+                }
+                for ((du, dv), weights) in STEPS.into_iter().zip(weights.chunks_exact_mut(width)) {
+                    if v + dv < height {
+                        let (from, to) = columns(du, width);
+                        let other = if dv == 0 { &here } else { &below };
+                        weigh.row(here.part(from.clone()), other.part(to), &mut weights[from]);
                     }
                 }
             }
         });
-        radsort::sort_by_key(&mut edges, |e| e.weight);
-        Self { pixels: width * height, edges }
+        Self { width, weights }
+    }
+
+    /// The edges between pixels of different parts, lightest first; equal weights in the order of their numbers. Left out are
+    /// those that weigh no more than `over`, those heavier than `upto` and those of pixels whose part is [`Self::NO_PART`].
+    ///
+    /// Only what is asked for is sorted, so that a stage that needs few edges pays for few. O(pixels + edges found).
+    pub(crate) fn ascending(&self, part: &[u32], over: f32, upto: f32) -> SortedEdges {
+        let width = self.width;
+        let bands =
+            self.weights.par_chunks(BAND_ROWS * STEPS.len() * width).enumerate().map(|(band, weights)| {
+                // What stays untouched of it costs nothing.
+                let mut keys = Vec::with_capacity(weights.len());
+                let mut of_row = vec![0_u64; STEPS.len() * width];
+                let mut wanted = vec![0_u32; width];
+                for (v, weights) in (band * BAND_ROWS..).zip(weights.chunks_exact(STEPS.len() * width)) {
+                    // Bit d of a pixel says whether its edge in direction d is wanted.
+                    wanted.fill(0);
+                    for (d, (du, dv)) in STEPS.into_iter().enumerate() {
+                        let Some(others) = part.get((v + dv) * width..(v + dv + 1) * width) else { continue };
+                        let (from, to) = columns(du, width);
+                        let weights = &weights[d * width..][from.clone()];
+                        let ends = part[v * width..][from.clone()].iter().zip(&others[to]);
+                        for ((wanted, &weight), (&p, &q)) in wanted[from].iter_mut().zip(weights).zip(ends) {
+                            let apart = (p != q) & (p != Self::NO_PART) & (q != Self::NO_PART);
+                            *wanted |= u32::from(apart & (weight > over) & (weight <= upto)) << d;
+                        }
+                    }
+                    let [right, down, down_right, down_left] = four(weights);
+                    let four = right.iter().zip(down).zip(down_right.iter().zip(down_left));
+                    let mut count = 0;
+                    let mut number = (STEPS.len() * v * width) as u64;
+                    for (&wanted, ((a, b), (c, d))) in wanted.iter().zip(four) {
+                        if wanted != 0 {
+                            for (k, weight) in (0_u32..).zip([a, b, c, d]) {
+                                of_row[count] = u64::from(weight.to_bits()) << 32 | (number + u64::from(k));
+                                count += (wanted >> k & 1) as usize;
+                            }
+                        }
+                        number += STEPS.len() as u64;
+                    }
+                    keys.extend_from_slice(&of_row[..count]);
+                }
+                keys
+            });
+        let ahead = STEPS.map(|(du, dv)| (dv * width).wrapping_add_signed(du) as u32);
+        SortedEdges { keys: sorted_by_upper_half(&bands.collect::<Vec<_>>()), ahead }
+    }
+
+    /// Marks a pixel whose edges are not asked for.
+    pub(crate) const NO_PART: u32 = u32::MAX;
+
+    /// A weight that about this share of the edges does not exceed, from every 61st of them.
+    pub(crate) fn quantile(&self, share: f64) -> f32 {
+        let mut sample: Vec<f32> = self.weights.iter().step_by(61).copied().collect();
+        let middle = ((sample.len() - 1) as f64 * share) as usize;
+        *sample.select_nth_unstable_by(middle, f32::total_cmp).1
+    }
+}
+
+/// The weights of a row in each direction.
+fn four(row: &[f32]) -> [&[f32]; 4] {
+    let (level, below) = row.split_at(row.len() / 2);
+    let ((right, down), (down_right, down_left)) =
+        (level.split_at(level.len() / 2), below.split_at(below.len() / 2));
+    [right, down, down_right, down_left]
+}
+
+/// The columns from which a step of `du` stays in the image, and those to which it leads.
+fn columns(du: isize, width: usize) -> (Range<usize>, Range<usize>) {
+    match du {
+        1 => (0..width - 1, 1..width),
+        -1 => (1..width, 0..width - 1),
+        _ => (0..width, 0..width),
+    }
+}
+
+/// Edges, lightest first.
+pub(crate) struct SortedEdges {
+    /// The bits of the weight, below them the number of the edge.
+    keys: Vec<u64>,
+    /// From p to q in each direction.
+    ahead: [u32; 4],
+}
+
+impl SortedEdges {
+    /// The edges in their order.
+    pub(crate) fn iter(&self) -> impl ExactSizeIterator<Item = PixelEdge> {
+        self.keys.iter().map(|&key| {
+            let p = key as u32 / STEPS.len() as u32;
+            let q = p.wrapping_add(self.ahead[key as usize % STEPS.len()]);
+            PixelEdge { weight: f32::from_bits((key >> 32) as u32), p, q }
+        })
+    }
+}
+
+/// The colours and disparities of one row, a slice each, so that many edges are weighed at once.
+struct Planes {
+    color: [Vec<f32>; 3],
+    /// Quanta; `NaN` = none.
+    disparity: Vec<f32>,
+}
+
+/// A part of [`Planes`].
+type Part<'a> = ([&'a [f32]; 3], &'a [f32]);
+
+impl Planes {
+    fn new(width: usize) -> Self {
+        Self { color: [(); 3].map(|()| vec![0.0; width]), disparity: vec![0.0; width] }
+    }
+
+    fn read(&mut self, depth_m: &[f32], color: Option<&[[f32; 3]]>, quantum_per_m: f64) {
+        for (disparity, &z) in self.disparity.iter_mut().zip(depth_m) {
+            // No difference of finite disparities is NaN.
+            let finite = (1.0 / (f64::from(z) * quantum_per_m)).min(f64::from(f32::MAX));
+            *disparity = if z.is_nan() { f32::NAN } else { finite as f32 };
+        }
+        let [r, g, b] = &mut self.color;
+        if let Some(color) = color {
+            for (((r, g), b), color) in r.iter_mut().zip(g).zip(b).zip(color) {
+                [*r, *g, *b] = *color;
+            }
+        }
+    }
+
+    fn part(&self, columns: Range<usize>) -> Part<'_> {
+        (self.color.each_ref().map(|c| &c[columns.clone()]), &self.disparity[columns])
+    }
+}
+
+/// How edges are weighed, see [`PixelGraph::new`].
+struct Weigh {
+    alpha: f32,
+    by_color: bool,
+}
+
+impl Weigh {
+    /// The weights between the pixels of `p` and those of `q`.
+    #[inline]
+    fn row(&self, ([r_p, g_p, b_p], d_p): Part<'_>, ([r_q, g_q, b_q], d_q): Part<'_>, weights: &mut [f32]) {
+        let n = weights.len();
+        let (r_p, g_p, b_p, d_p) = (&r_p[..n], &g_p[..n], &b_p[..n], &d_p[..n]);
+        let (r_q, g_q, b_q, d_q) = (&r_q[..n], &g_q[..n], &b_q[..n], &d_q[..n]);
+        for i in 0..n {
+            let (r, g, b) = (r_p[i] - r_q[i], g_p[i] - g_q[i], b_p[i] - b_q[i]);
+            let color = (r * r + g * g + b * b).sqrt();
+            let both = self.alpha * color + (1.0 - self.alpha) * (d_p[i] - d_q[i]).abs();
+            let apart = if d_p[i].is_nan() & d_q[i].is_nan() { 0.0 } else { APART };
+            let unmeasured = if self.by_color { color } else { apart };
+            weights[i] = if both.is_nan() { unmeasured } else { both };
+        }
+    }
+}
+
+/// The keys of all bands sorted by their upper 32 bits; equal ones stay in their order.
+///
+/// A radix sort from the least digit on (Knuth 5.2.5) with digits of eleven bits. Weights are not negative, so their order
+/// is that of their bits. O(keys).
+fn sorted_by_upper_half(bands: &[Vec<u64>]) -> Vec<u64> {
+    const DIGIT_BITS: usize = 11;
+    let digit = |key: u64, pass: usize| (key >> (32 + pass * DIGIT_BITS)) as usize % (1 << DIGIT_BITS);
+    let mut places = [[0_u32; 1 << DIGIT_BITS]; 3];
+    for band in bands {
+        for &key in band {
+            for (pass, places) in places.iter_mut().enumerate() {
+                places[digit(key, pass)] += 1;
+            }
+        }
+    }
+    let mut sorted: Vec<u64> = Vec::new();
+    let mut next = vec![0; bands.iter().map(Vec::len).sum()];
+    for (pass, places) in places.iter_mut().enumerate() {
+        let mut place = 0;
+        for count in &mut *places {
+            place += std::mem::replace(count, place);
+        }
+        let mut put = |keys: &[u64]| {
+            for &key in keys {
+                let place = &mut places[digit(key, pass)];
+                next[*place as usize] = key;
+                *place += 1;
+            }
+        };
+        if pass == 0 {
+            bands.iter().for_each(|band| put(band));
+            sorted.resize(next.len(), 0);
+        } else {
+            put(&sorted);
+        }
+        std::mem::swap(&mut next, &mut sorted);
+    }
+    sorted
+}
+
+#[cfg(test)]
+pub(crate) mod testing {
+    use super::*;
+
+    /// All edges, pixel by pixel, sorted by comparisons.
+    pub(crate) fn naive_edges(graph: &PixelGraph) -> Vec<PixelEdge> {
+        let (width, height) = (graph.width, graph.pixels() / graph.width);
+        let mut edges = Vec::new();
+        for (u, v) in (0..height).flat_map(|v| (0..width).map(move |u| (u, v))) {
+            for (d, (du, dv)) in STEPS.into_iter().enumerate() {
+                let (un, vn) = (u.wrapping_add_signed(du), v + dv);
+                if un < width && vn < height {
+                    let weight = graph.weights[(4 * v + d) * width + u];
+                    edges.push(PixelEdge { weight, p: (v * width + u) as u32, q: (vn * width + un) as u32 });
+                }
+            }
+        }
+        edges.sort_by(|a, b| a.weight.partial_cmp(&b.weight).unwrap());
+        edges
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
+    use super::testing::naive_edges;
     use super::*;
     use crate::camera::Camera;
 
@@ -121,7 +331,7 @@ mod tests {
     }
 
     fn weight_between(graph: &PixelGraph, p: u32, q: u32) -> f32 {
-        graph.edges().iter().find(|e| (e.p, e.q) == (p, q)).unwrap().weight
+        naive_edges(graph).iter().find(|e| (e.p, e.q) == (p, q)).unwrap().weight
     }
 
     #[test]
@@ -155,8 +365,33 @@ mod tests {
             &params::Sensor::default(),
             &params::Graph { channels: Channels::Color, ..Default::default() },
         );
-        let pairs: Vec<_> = graph.edges().iter().map(|e| (e.p, e.q)).collect();
+        let all = graph.ascending(&[0, 1, 2, 3, 4, 5], f32::NEG_INFINITY, f32::INFINITY);
+        let pairs: Vec<_> = all.iter().map(|e| (e.p, e.q)).collect();
         let scan = [(0, 1), (0, 3), (0, 4), (1, 2), (1, 4), (1, 5), (1, 3), (2, 5), (2, 4), (3, 4), (4, 5)];
         assert_eq!(pairs, scan, "all weights are 0");
+    }
+
+    proptest! {
+        #[test]
+        fn edges_are_those_of_a_sort_by_comparisons(
+            (width, pixels) in (1_usize..9, 1_usize..9).prop_flat_map(|(w, h)| {
+                // Weights of all magnitudes, and many equal ones.
+                let weight = prop_oneof![0.0_f32..1e-30, 0.0_f32..4.0, 0.0_f32..1e30, Just(0.5), Just(APART)];
+                (Just(w), prop::collection::vec((prop::array::uniform4(weight), 0_u32..4), w * h))
+            }),
+            over in prop::sample::select(vec![f32::NEG_INFINITY, 0.5, 1.0]),
+            upto in prop::sample::select(vec![0.5, 2.0, f32::INFINITY]),
+        ) {
+            let rows = pixels.chunks_exact(width);
+            let weights = rows.flat_map(|row| (0..4).flat_map(move |d| row.iter().map(move |p| p.0[d]))).collect();
+            let graph = PixelGraph { width, weights };
+            let part: Vec<u32> = pixels.iter().map(|p| if p.1 == 0 { PixelGraph::NO_PART } else { p.1 }).collect();
+            let wanted = |e: &PixelEdge| {
+                let (p, q) = (part[e.p as usize], part[e.q as usize]);
+                p != q && p != PixelGraph::NO_PART && q != PixelGraph::NO_PART && e.weight > over && e.weight <= upto
+            };
+            let expected: Vec<_> = naive_edges(&graph).into_iter().filter(wanted).collect();
+            prop_assert_eq!(graph.ascending(&part, over, upto).iter().collect::<Vec<_>>(), expected);
+        }
     }
 }
