@@ -1,17 +1,22 @@
 //! Gaussian smoothing of the colour image (paper, III-A).
 
-use glam::Vec4;
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::params;
 use crate::raster::Raster;
+
+/// Rows and columns that are smoothed together.
+const TILE_PX: usize = 64;
 
 /// The colour image in grey levels 0..255, smoothed by a separable Gaussian; not rounded.
 ///
 /// Pixels with depth and pixels without are smoothed each among themselves, the weights normalised over those
 /// in the window (normalised convolution, Knutsson and Westin 1993): the colour of what was not measured
 /// does not bleed into what was. The kernel reaches 4σ, rounded up (5 taps at the default); the border is
-/// mirrored without repeating the edge pixel. O(pixels · taps).
+/// mirrored without repeating the edge pixel. Tile by tile, so that a kind of pixels costs nothing where there are none.
+/// O(pixels · taps).
 pub fn smooth(
     color: &Raster<[u8; 3]>,
     depth_m: &Raster<f32>,
@@ -19,24 +24,126 @@ pub fn smooth(
 ) -> Raster<[f32; 3]> {
     let kernel = kernel(params.sigma_px);
     let (width, height) = color.size();
-    let measured = |i: usize| usize::from(!depth_m[i].is_nan());
-    let weighted = |(i, &[r, g, b]): (usize, &[u8; 3])| {
-        let mut sums = [Vec4::ZERO; 2];
-        sums[measured(i)] = Vec4::new(r.into(), g.into(), b.into(), 1.0);
-        sums
-    };
-    let source = color.with_data(color.as_slice().iter().enumerate().map(weighted).collect());
-    let along_rows = filter(&source, &kernel, |u, v, t| v * width + mirror(u as isize + t, width));
-    let sums = filter(&along_rows, &kernel, |u, v, t| mirror(v as isize + t, height) * width + u);
-    let mean = |(i, sums): (usize, &Sums)| {
-        let sum = sums[measured(i)];
-        (sum.truncate() / sum.w).to_array()
-    };
-    color.with_data(sums.as_slice().iter().enumerate().map(mean).collect())
+    let mut smoothed = vec![[0.0; 3]; color.len()];
+    smoothed.par_chunks_mut(TILE_PX * width).enumerate().for_each(|(band, smoothed)| {
+        let rows = band * TILE_PX..height.min((band + 1) * TILE_PX);
+        let mut tile = Tile::new(kernel.len() - 1);
+        for left in (0..width).step_by(TILE_PX) {
+            let columns = left..width.min(left + TILE_PX);
+            for measured in [true, false] {
+                tile.smooth(color, depth_m, measured, &kernel, (columns.clone(), rows.clone()), smoothed);
+            }
+        }
+    });
+    color.with_data(smoothed)
 }
 
-/// Weighted sums of red, green, blue and one: of the pixels without depth, and of those with.
-type Sums = [Vec4; 2];
+/// Red, green, blue and one, a row each.
+type Planes = [[f32; TILE_PX]; 4];
+
+/// The working memory of one tile.
+struct Tile {
+    reach: usize,
+    /// The columns of the tile and its surroundings, mirrored into the image.
+    columns: Vec<usize>,
+    /// One row of the source and its surroundings; zero where pixels are of the other kind.
+    source: [Vec<f32>; 4],
+    /// The rows around the present one, smoothed along themselves; row v stands at v modulo their number.
+    along: Vec<Planes>,
+}
+
+impl Tile {
+    fn new(reach: usize) -> Self {
+        Self {
+            reach,
+            columns: vec![0; TILE_PX + 2 * reach],
+            source: [(); 4].map(|()| vec![0.0; TILE_PX + 2 * reach]),
+            along: vec![[[0.0; TILE_PX]; 4]; 2 * reach + 1],
+        }
+    }
+
+    /// Smooths the pixels of the tile that are measured or not, into their places in `smoothed`, the rows of the band.
+    fn smooth(
+        &mut self,
+        color: &Raster<[u8; 3]>,
+        depth_m: &Raster<f32>,
+        measured: bool,
+        kernel: &[f32],
+        (columns, rows): (Range<usize>, Range<usize>),
+        smoothed: &mut [[f32; 3]],
+    ) {
+        let width = color.width();
+        let of_kind = |i: usize| depth_m[i].is_nan() != measured;
+        let row_of = |v: usize| v * width + columns.start..v * width + columns.end;
+        if !rows.clone().flat_map(row_of).any(of_kind) {
+            return;
+        }
+        let reach = self.reach as isize;
+        let left = columns.start as isize - reach;
+        for (u, at) in (left..).zip(&mut self.columns) {
+            *at = mirror(u, width);
+        }
+        let ring = self.along.len() as isize;
+        let mut sums = [[0.0; TILE_PX]; 4];
+        for v in rows.start as isize - reach..rows.end as isize + reach {
+            self.smooth_along(color, of_kind, mirror(v, color.height()), kernel, v.rem_euclid(ring) as usize);
+            // The row whose surroundings are complete.
+            let v = v - reach;
+            if v < rows.start as isize {
+                continue;
+            }
+            let at = |t: isize| &self.along[(v + t).rem_euclid(ring) as usize];
+            for (c, sums) in sums.iter_mut().enumerate() {
+                filtered(sums, kernel, |t| (&at(-(t as isize))[c], &at(t as isize)[c]));
+            }
+            let [r, g, b, one] = &sums;
+            let row = row_of(v as usize);
+            let out = &mut smoothed[row.start - rows.start * width..][..columns.len()];
+            for (k, (out, i)) in out.iter_mut().zip(row).enumerate() {
+                if of_kind(i) {
+                    *out = [r[k] / one[k], g[k] / one[k], b[k] / one[k]];
+                }
+            }
+        }
+    }
+
+    /// Smooths row `v` along itself.
+    fn smooth_along(
+        &mut self,
+        color: &Raster<[u8; 3]>,
+        of_kind: impl Fn(usize) -> bool,
+        v: usize,
+        kernel: &[f32],
+        place: usize,
+    ) {
+        let reach = self.reach;
+        let [r, g, b, one] = &mut self.source;
+        let source = r.iter_mut().zip(g).zip(b.iter_mut().zip(one));
+        for (((r, g), (b, one)), &u) in source.zip(&self.columns) {
+            let i = v * color.width() + u;
+            *one = f32::from(u8::from(of_kind(i)));
+            let [red, green, blue] = color[i];
+            (*r, *g, *b) = (*one * f32::from(red), *one * f32::from(green), *one * f32::from(blue));
+        }
+        for (sums, source) in self.along[place].iter_mut().zip(&self.source) {
+            filtered(sums, kernel, |t| (&source[reach - t..], &source[reach + t..]));
+        }
+    }
+}
+
+/// Sums up the middle values and the pairs at every distance from them, each weighted by its tap.
+#[inline]
+fn filtered<'a>(sums: &mut [f32; TILE_PX], kernel: &[f32], pair: impl Fn(usize) -> (&'a [f32], &'a [f32])) {
+    for (sum, middle) in sums.iter_mut().zip(pair(0).0) {
+        *sum = kernel[0] * middle;
+    }
+    for (t, &weight) in kernel.iter().enumerate().skip(1) {
+        let (before, after) = pair(t);
+        for (sum, (before, after)) in sums.iter_mut().zip(before.iter().zip(after)) {
+            *sum += weight * (before + after);
+        }
+    }
+}
 
 /// The right half of the kernel, the middle tap first.
 fn kernel(sigma_px: f64) -> Vec<f32> {
@@ -53,28 +160,6 @@ fn mirror(i: isize, n: usize) -> usize {
     let period = (2 * n as isize - 2).max(1);
     let i = i.rem_euclid(period) as usize;
     if i < n { i } else { period as usize - i }
-}
-
-fn filter(
-    image: &Raster<Sums>,
-    kernel: &[f32],
-    neighbour: impl Fn(usize, usize, isize) -> usize + Sync,
-) -> Raster<Sums> {
-    let width = image.width();
-    let mut out = vec![[Vec4::ZERO; 2]; image.len()];
-    out.par_chunks_mut(width).enumerate().for_each(|(v, row)| {
-        for (u, sums) in row.iter_mut().enumerate() {
-            *sums = image[v * width + u].map(|sum| kernel[0] * sum);
-            for (t, &weight) in kernel.iter().enumerate().skip(1) {
-                let left = image[neighbour(u, v, -(t as isize))];
-                let right = image[neighbour(u, v, t as isize)];
-                for class in 0..2 {
-                    sums[class] += weight * (left[class] + right[class]);
-                }
-            }
-        }
-    });
-    image.with_data(out)
 }
 
 #[cfg(test)]
