@@ -1,5 +1,6 @@
 //! Kinds of scenes: each a distribution of things, places, light and camera.
 
+mod crowd;
 mod room;
 
 use std::fmt;
@@ -17,6 +18,8 @@ use crate::solid::Solid;
 use crate::thing;
 use crate::view::View;
 use crate::world::{Sight, Viewpoint, World};
+
+pub use crowd::crowd;
 
 /// A kind of scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
@@ -151,9 +154,13 @@ fn viewpoint(rng: &mut Rng) -> Viewpoint {
     let target = DVec3::new(rng.range(-0.04..0.04), rng.range(-0.04..0.04), room::TABLE_M + 0.03);
     let eye = target + DVec3::new(sin_a * cos_e, -cos_a * cos_e, sin_e) * distance;
     let pose = Pose::looking_at(eye.into(), target.into());
-    // The nominal intrinsics of a Kinect v1, which mOSD has too.
+    kinect_at(pose.turned(2, rng.range(-4.0..4.0)))
+}
+
+/// A camera with the nominal intrinsics of a Kinect v1, which mOSD has too.
+fn kinect_at(pose: Pose) -> Viewpoint {
     let camera = Camera { fx_px: 525.0, fy_px: 525.0, cx_px: 319.5, cy_px: 239.5 };
-    Viewpoint { camera, size_px: (640, 480), pose: pose.turned(2, rng.range(-4.0..4.0)) }
+    Viewpoint { camera, size_px: (640, 480), pose }
 }
 
 /// A lamp between warm and cold, above and to one side, and the light of the room.

@@ -41,7 +41,7 @@ mod world;
 
 pub use contact::{Contact, ContactKind};
 pub use error::{Error, Result};
-pub use family::{Family, generate};
+pub use family::{Family, crowd, generate};
 pub use pose::Pose;
 pub use render::{Rendered, render};
 pub use sensor::Sensor;

@@ -51,6 +51,12 @@ pub(crate) fn slab(rng: &mut Rng) -> Solid {
     block("box", Role::Object, sides, paint(rng, 0.6, 0.1))
 }
 
+/// A small box of any proportion.
+pub(crate) fn brick(rng: &mut Rng) -> Solid {
+    let sides = [0, 1, 2].map(|_| rng.range(0.03..0.06));
+    block("box", Role::Object, sides, paint(rng, 0.3, 0.2))
+}
+
 /// A book that lies: two covers, a spine, and pages that stand back from the covers.
 pub(crate) fn book(rng: &mut Rng) -> Solid {
     let (width, depth, height) = (rng.range(0.12..0.17), rng.range(0.18..0.24), rng.range(0.018..0.045));
