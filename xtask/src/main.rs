@@ -1,17 +1,29 @@
-//! The tasks of the house. `cargo xtask test` checks everything there is to check.
+//! The tasks of the house. `cargo xtask test` checks everything there is to check; `cargo xtask bench` says what it costs.
 
 #![expect(clippy::print_stdout, reason = "talks to whoever develops, on a terminal or in CI")]
 
+mod aarch64;
+mod bench;
+mod house;
+mod instructions;
 mod python;
 mod tally;
 mod test;
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 
-const USAGE: &str = "usage: cargo xtask test    formatting, lints, documentation and every test";
+use crate::house::House;
+
+const USAGE: &str = "usage: cargo xtask TASK
+  test                 formatting, lints, documentation, every test, and what else must not change unnoticed
+  bench [--quick] [--rounds N] [--frames N]
+                       times and memory, beside other libraries; writes docs/performance.md (not with --quick)
+                       --rounds: how often everything is measured; --frames: how many frames memory must not grow over
+  bench --scaling      how time and memory grow with pixels and things; the same file
+  bench --instructions counts instructions anew and writes the file that `test` compares with
+  aarch64              builds for aarch64 and compares labels under qemu-user with those of this machine";
 
 fn main() -> ExitCode {
     match run() {
@@ -27,15 +39,16 @@ fn main() -> ExitCode {
 /// Runs the task named on the command line; whether all of it went well.
 fn run() -> Result<bool> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let house = House::find()?;
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["test"] => test::run(&workspace()?),
+        ["test"] => test::run(&house),
+        ["bench", "--scaling"] => bench::scaling::run(&house),
+        ["bench", "--instructions"] => instructions::bless(&house),
+        ["bench", ref options @ ..] => match bench::Options::parse(options) {
+            Some(options) => bench::run(&house, &options),
+            None => bail!("{USAGE}"),
+        },
+        ["aarch64"] => aarch64::run(&house),
         _ => bail!("{USAGE}"),
     }
-}
-
-/// The root of the workspace: the folder above this package.
-fn workspace() -> Result<PathBuf> {
-    let package = std::env::var_os("CARGO_MANIFEST_DIR").context("run me as `cargo xtask`")?;
-    let root = PathBuf::from(package).parent().map(PathBuf::from);
-    root.context("the package xtask has no folder above it")
 }

@@ -2,14 +2,14 @@
 
 use std::ffi::OsString;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
 
-use crate::python;
+use crate::house::House;
 use crate::tally::Tally;
+use crate::{aarch64, instructions, python};
 
 /// One thing that was checked.
 struct Step {
@@ -22,12 +22,8 @@ struct Step {
 ///
 /// # Errors
 /// When `cargo` itself cannot be run.
-pub(crate) fn run(root: &Path) -> Result<bool> {
-    let cargo = |arguments: &str| {
-        let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        command.current_dir(root).args(arguments.split_whitespace());
-        command
-    };
+pub(crate) fn run(house: &House) -> Result<bool> {
+    let cargo = |arguments: &str| house.cargo(arguments);
     let mut steps = Vec::new();
     let mut tally = Tally::default();
 
@@ -40,7 +36,7 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     let mut docs = cargo("doc --workspace --no-deps --locked");
     quiet("documentation", docs.env("RUSTDOCFLAGS", "-D warnings"))?;
 
-    let python = python_for_tests(root, &mut tally);
+    let python = python_for_tests(house, &mut tally);
     let mut tests = |name, arguments: &str| -> Result<()> {
         let mut command = cargo(arguments);
         if let Some(python) = &python {
@@ -55,19 +51,20 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
         "examples in the documentation",
         "test --workspace --doc --locked --no-fail-fast -- --show-output",
     )?;
+    steps.push(timed("builds for aarch64", || aarch64::check(house, &mut tally))?);
+    steps.push(timed("instructions", || instructions::check(house, &mut tally))?);
 
     summarize(&steps, &tally);
     Ok(steps.iter().all(|step| step.passed))
 }
 
 /// The Python that the tests may use, if one can be had. `OBJECTHOOD_PYTHON` names another one.
-fn python_for_tests(root: &Path, tally: &mut Tally) -> Option<OsString> {
+fn python_for_tests(house: &House, tally: &mut Tally) -> Option<OsString> {
     if let Some(python) = std::env::var_os("OBJECTHOOD_PYTHON") {
         return Some(python);
     }
     println!("\n== Python for the tests");
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-    match python::prepare(&root.join(target).join("test-tools"), &root.join("xtask/requirements.txt")) {
+    match python::prepare(&house.target.join("test-tools"), &house.root.join("xtask/requirements.txt")) {
         Ok(python) => Some(python.into_os_string()),
         Err(e) => {
             tally.skip(format!("what needs Python: {e:#}"));

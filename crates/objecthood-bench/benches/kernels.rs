@@ -1,0 +1,89 @@
+//! The kernels on one synthetic frame of 640 x 480, on one thread.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use objecthood::objectness::gravity::camera_up;
+use objecthood::oversegment::graph::{PixelGraph, Unmeasured};
+use objecthood::oversegment::smoothing::smooth;
+use objecthood::oversegment::structure::structure;
+use objecthood::oversegment::watershed::{Links, watershed};
+use objecthood::surface::curvature::curvature;
+use objecthood::surface::disparity::DisparitySpace;
+use objecthood::surface::normals::normals;
+use objecthood::surface::plane_fit::plane_fits;
+use objecthood::surface::window_choice::orientation;
+use objecthood::{Frame, Params};
+use objecthood_bench::graph::{color_alone, graph_segmentation};
+use objecthood_scene::{Family, Sensor, generate, render};
+use rayon::ThreadPoolBuilder;
+
+/// The scene of `objecthood demo`, which has colour.
+#[expect(clippy::expect_used, reason = "a fixed scene of a known camera")]
+fn frame() -> Frame {
+    render(&generate(Family::Tabletop, 34), Sensor::Kinect).expect("the demo's scene").frame
+}
+
+fn paper(c: &mut Criterion) {
+    let (frame, params) = (frame(), Params::default());
+    let points = frame.points_m();
+    let per_pixel = normals(&points, &params.normals);
+    let mut group = c.benchmark_group("paper");
+    group.sample_size(20);
+    group.bench_function("normals", |b| b.iter(|| normals(black_box(&points), &params.normals)));
+    group.bench_function("curvature", |b| b.iter(|| curvature(black_box(&per_pixel), &params.curvature)));
+    if let Some(color) = frame.color() {
+        let smoothed = smooth(color, frame.depth_m(), &params.smoothing);
+        group.bench_function("smoothing", |b| {
+            b.iter(|| smooth(black_box(color), frame.depth_m(), &params.smoothing));
+        });
+        group.bench_function("graph: edges and sort", |b| {
+            let (sensor, graph) = (&params.sensor, &params.graph);
+            b.iter(|| PixelGraph::new(black_box(&frame), Some(&smoothed), Unmeasured::Apart, sensor, graph));
+        });
+        let (borders, color_alone) = (color.map(|_| false), color_alone());
+        group.bench_function("graph segmentation of colour alone", |b| {
+            b.iter(|| graph_segmentation(black_box(&frame), &borders, &color_alone));
+        });
+    }
+    group.finish();
+}
+
+fn context(c: &mut Criterion) {
+    let (frame, params) = (frame(), Params::default());
+    let space = DisparitySpace::new(frame.camera(), &params.sensor);
+    let (points, disparity) = (frame.points_m(), space.disparity(frame.depth_m()));
+    let radius_px = space.length_px(params.local_fit.radius_px);
+    let fits = plane_fits(&disparity, radius_px);
+    let oriented = orientation(&disparity, &fits, &space, &params.local_fit);
+    let up = camera_up(&params.gravity);
+    let planes = structure(&disparity, &fits, &oriented, &points, &space, up, &params.structure);
+    let links = Links::new(&disparity, &oriented.slope, &space, &params.watershed);
+
+    let mut group = c.benchmark_group("context");
+    group.sample_size(20);
+    group.bench_function("plane fits", |b| b.iter(|| plane_fits(black_box(&disparity), radius_px)));
+    group.bench_function("orientation", |b| {
+        b.iter(|| orientation(black_box(&disparity), &fits, &space, &params.local_fit));
+    });
+    group.bench_function("structure", |b| {
+        b.iter(|| structure(black_box(&disparity), &fits, &oriented, &points, &space, up, &params.structure));
+    });
+    group.bench_function("watershed", |b| {
+        b.iter(|| watershed(black_box(&disparity), &fits, &planes.labels, &links, &space, &params.watershed));
+    });
+    group.finish();
+}
+
+/// One thread for all, so that a kernel's figure is its work.
+#[expect(clippy::expect_used, reason = "nothing is measured without a thread")]
+fn on_one_thread(c: &mut Criterion) {
+    let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().expect("a thread");
+    pool.install(|| {
+        paper(c);
+        context(c);
+    });
+}
+
+criterion_group!(kernels, on_one_thread);
+criterion_main!(kernels);

@@ -1,0 +1,143 @@
+//! Every method, stage and kernel on one frame after the other.
+
+use std::alloc::System;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use objecthood::surface::disparity::DisparitySpace;
+use objecthood::surface::normals::normals;
+use objecthood::surface::plane_fit::plane_fits;
+use objecthood::surface::window_choice::orientation;
+use objecthood::{Frame, Method, Params, Raster, discover_observed};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use stats_alloc::{Region, StatsAlloc};
+
+use crate::figure::{Figure, timed};
+use crate::graph::{color_alone, flat_frame, graph_segmentation};
+use crate::laps::Laps;
+use crate::normals::{median_angle_deg, table};
+use crate::peer::Peer;
+
+/// The methods and their names.
+pub const METHODS: [(&str, Method); 2] = [("context", Method::Context), ("paper", Method::Paper)];
+
+/// A frame and what it is called.
+pub struct Named {
+    /// Its file without folder and ending.
+    pub name: String,
+    /// What the camera saw.
+    pub frame: Frame,
+}
+
+/// Reads a frame.
+///
+/// # Errors
+/// When the file cannot be read.
+pub fn open(file: &Path) -> Result<Named> {
+    let capture = objecthood_io::open(file, None, objecthood_io::images::DEFAULT_MAX_PIXELS)?;
+    let name = file.file_stem().context("a file without a name")?.to_string_lossy().into_owned();
+    Ok(Named { name, frame: capture.frame })
+}
+
+/// Measures frames.
+pub struct Bench<'a> {
+    /// One pool for each number of threads.
+    pools: Vec<(usize, ThreadPool)>,
+    allocator: &'a StatsAlloc<System>,
+    peer: Option<Peer>,
+}
+
+impl<'a> Bench<'a> {
+    /// With pools of 1 and 2 threads; `allocator` counts what the whole program asks for.
+    ///
+    /// # Errors
+    /// When the threads cannot be had.
+    pub fn new(allocator: &'a StatsAlloc<System>, peer: Option<Peer>) -> Result<Self> {
+        let pool = |threads| Ok((threads, ThreadPoolBuilder::new().num_threads(threads).build()?));
+        Ok(Self { pools: [1, 2].into_iter().map(pool).collect::<Result<_>>()?, allocator, peer })
+    }
+
+    /// Both methods on 1 and 2 threads, with all stages; kernels; and the peer, all on this frame.
+    ///
+    /// # Errors
+    /// When a method refuses the frame or the peer has ended.
+    pub fn measure(&mut self, named: &Named, figures: &mut Vec<Figure>) -> Result<()> {
+        let Named { name, frame } = named;
+        for (threads, pool) in &self.pools {
+            for (method_name, method) in METHODS {
+                let params = Params { method, ..Params::default() };
+                let before = Region::new(self.allocator);
+                let mut laps = Laps::start();
+                let (found, spent) = timed(|| pool.install(|| discover_observed(frame, &params, &mut laps)));
+                found?;
+                let asked = before.change();
+
+                let series = format!("{method_name}/{threads}");
+                figures.extend(spent.figures(name, &format!("{series}/total")));
+                for (stage, spent) in laps.laps {
+                    figures.extend(spent.figures(name, &format!("{series}/{stage}")));
+                }
+                if *threads == 1 {
+                    let count = (asked.allocations + asked.reallocations) as f64;
+                    let mega = asked.bytes_allocated as f64 / 1e6;
+                    for (quantity, value) in [("allocations", count), ("allocated_mb", mega)] {
+                        figures.push(Figure {
+                            frame: name.clone(),
+                            series: format!("{series}/{quantity}"),
+                            value,
+                        });
+                    }
+                }
+            }
+        }
+        let one = &self.pools[0].1;
+        one.install(|| measure_normals(name, frame, figures));
+        if let Some(color) = frame.color() {
+            one.install(|| measure_graph(name, color, figures))?;
+            if let Some(peer) = &mut self.peer {
+                let said = peer.segment(color)?.into_iter();
+                figures.extend(said.map(|(series, value)| Figure { frame: name.clone(), series, value }));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The normals of both methods: time, and angle to the table's plane.
+fn measure_normals(name: &str, frame: &Frame, figures: &mut Vec<Figure>) {
+    let params = Params::default();
+    let points = frame.points_m();
+    let plane = table(&points);
+    let mut report = |series: &str, spent: crate::figure::Spent, normals: &Raster<[f32; 3]>| {
+        figures.extend(spent.figures(name, series));
+        let angle = plane.as_ref().and_then(|plane| median_angle_deg(normals, &points, plane));
+        figures.extend(angle.map(|value| Figure {
+            frame: name.to_owned(),
+            series: format!("{series}/angle_deg"),
+            value,
+        }));
+    };
+
+    let (integral, spent) = timed(|| normals(&points, &params.normals));
+    report("integral-image normals", spent, &integral);
+
+    let space = DisparitySpace::new(frame.camera(), &params.sensor);
+    let (fitted, spent) = timed(|| {
+        let disparity = space.disparity(frame.depth_m());
+        let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px));
+        orientation(&disparity, &fits, &space, &params.local_fit)
+    });
+    report("plane fits", spent, &fitted.normal);
+}
+
+/// The graph segmentation of the colour image alone: time, and how many segments.
+fn measure_graph(name: &str, color: &Raster<[u8; 3]>, figures: &mut Vec<Figure>) -> Result<()> {
+    let (frame, params) = (flat_frame(color)?, color_alone());
+    let borders = color.map(|_| false);
+    let (components, spent) = timed(|| graph_segmentation(&frame, &borders, &params));
+    figures.extend(spent.figures(name, "graph"));
+    let roots = components.root.iter().enumerate().filter(|&(i, &root)| i == root as usize);
+    let segments = roots.count() as f64;
+    figures.push(Figure { frame: name.to_owned(), series: "graph/segments".into(), value: segments });
+    Ok(())
+}

@@ -1,0 +1,151 @@
+//! What was measured, as a section of the document.
+
+use std::fmt::Write;
+
+use super::Options;
+use super::figures::Figures;
+use super::machine::Machine;
+use super::ours::METHODS;
+use super::targets::TARGETS;
+
+/// The stages in the order in which they are done; those of the other method are left out where there is nothing.
+const STAGES: [&str; 12] = [
+    "normals",
+    "curvature",
+    "structure",
+    "superpixels",
+    "facets",
+    "borders",
+    "shapes",
+    "clusters",
+    "support",
+    "hypotheses",
+    "objects",
+    "total",
+];
+
+/// What is measured beside the methods: series and what it is.
+const KERNELS: [(&str, &str); 11] = [
+    ("graph", "graph segmentation of the colour image, ours"),
+    ("opencv graph", "the same by OpenCV `createGraphSegmentation`"),
+    ("skimage graph", "the same by scikit-image `felzenszwalb`"),
+    ("integral-image normals", "integral-image normals of `paper`"),
+    ("plane fits", "plane fits and windows of `context`: normals too"),
+    ("pcl_normals/AVERAGE_3D_GRADIENT", "PCL normals, average 3D gradient"),
+    ("pcl_normals/COVARIANCE_MATRIX", "PCL normals, covariance matrix"),
+    ("pcl_normals/AVERAGE_DEPTH_CHANGE", "PCL normals, average depth change"),
+    ("pcl_normals/SIMPLE_3D_GRADIENT", "PCL normals, simple 3D gradient"),
+    ("lccp/TOTAL without load", "PCL VCCS and LCCP, tuned, all but reading"),
+    ("omps/TOTAL without load", "PCL organized multi-plane and connected components, all but reading"),
+];
+
+/// The section.
+pub(crate) fn markdown(
+    figures: &Figures,
+    machine: &Machine,
+    options: &Options,
+    frames: usize,
+    skipped: &[String],
+) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail, here and below.
+    let _ = writeln!(text, "{machine}\n");
+    let _ = writeln!(
+        text,
+        "{} rounds over {frames} frames of mOSD learn. Within a round our methods, kernels and the Python peers take turns on every \
+         frame; the programs around PCL and `objecthood segment` take turns as whole processes, whose medians over the frames \
+         count once a round. The graph segmentation has σ = 0.5, k = 100 and at least 100 px everywhere.\n",
+        options.rounds
+    );
+    for why in skipped {
+        let _ = writeln!(text, "Skipped: {why}\n");
+    }
+    targets(&mut text, figures);
+    stages(&mut text, figures);
+    kernels(&mut text, figures);
+    costs(&mut text, figures, options);
+    text
+}
+
+fn targets(text: &mut String, figures: &Figures) {
+    text.push_str("| | measured | target | stretch | |\n|---|---|---|---|---|\n");
+    for target in &TARGETS {
+        let measured = target.measured(figures);
+        let value = measured.map_or_else(|| "–".to_owned(), |value| format!("{value:.3}{}", target.unit));
+        let stretch = target.stretch.map_or_else(String::new, |limit| target.limit(limit));
+        let verdict = target.verdict(measured);
+        let _ = writeln!(
+            text,
+            "| {} | {value} | {} | {stretch} | {verdict} |",
+            target.what,
+            target.limit(target.target)
+        );
+    }
+}
+
+fn stages(text: &mut String, figures: &Figures) {
+    text.push_str("\nMilliseconds a frame, median and quartiles:\n\n");
+    text.push_str("| | stage | CPU, 1 thread | wall, 1 thread | CPU, 2 threads | wall, 2 threads |\n|---|---|---|---|---|---|\n");
+    for method in METHODS {
+        for stage in STAGES {
+            if figures.count(&format!("{method}/1/{stage}/cpu_ms")) == 0 {
+                continue;
+            }
+            let cell = |threads, quantity| spread(figures, &format!("{method}/{threads}/{stage}/{quantity}"));
+            let cells = [cell(1, "cpu_ms"), cell(1, "wall_ms"), cell(2, "cpu_ms"), cell(2, "wall_ms")];
+            let _ = writeln!(text, "| `{method}` | {stage} | {} |", cells.join(" | "));
+        }
+    }
+}
+
+fn kernels(text: &mut String, figures: &Figures) {
+    text.push_str("\n| alone, 1 thread | CPU ms | wall ms | |\n|---|---|---|---|\n");
+    for (series, what) in KERNELS {
+        let segments = figures.median(&format!("{series}/segments")).map(|n| format!("{n:.0} segments"));
+        let ours = figures.median(&format!("{series}/angle_deg"));
+        // Angles are printed by the program around PCL as if they were times.
+        let theirs = series.split_once('/').map(|(tag, kind)| format!("{tag}/deg to table {kind}/wall_ms"));
+        let angle = ours.or_else(|| figures.median(&theirs?));
+        let angle = angle.map(|angle| format!("{angle:.2}° to the table's plane"));
+        let [cpu, wall] =
+            ["cpu_ms", "wall_ms"].map(|quantity| spread(figures, &format!("{series}/{quantity}")));
+        let _ = writeln!(text, "| {what} | {cpu} | {wall} | {} |", segments.or(angle).unwrap_or_default());
+    }
+}
+
+fn costs(text: &mut String, figures: &Figures, options: &Options) {
+    text.push_str(
+        "\n| | allocations a frame | allocated a frame | peak of a process | resident after 100 frames | resident at the end | \
+         45 frames on 1 thread | on 2 |\n|---|---|---|---|---|---|---|---|\n",
+    );
+    for method in METHODS {
+        let cell = |series: &str, unit: &str, scale: f64, digits: usize| {
+            let median = figures.median(&series.replace('*', method));
+            median.map_or_else(|| "–".to_owned(), |value| format!("{:.digits$}{unit}", value * scale))
+        };
+        let cells = [
+            cell("*/1/allocations", "", 1.0, 0),
+            cell("*/1/allocated_mb", " MB", 1.0, 1),
+            cell("*/peak/mb", " MB", 1.0, 1),
+            cell("*/resident warm/mb", " MB", 1.0, 1),
+            cell("*/resident end/mb", " MB", 1.0, 1),
+            cell("stream/*/1/wall_ms", " s", 1e-3, 2),
+            cell("stream/*/2/wall_ms", " s", 1e-3, 2),
+        ];
+        let _ = writeln!(text, "| `{method}` | {} |", cells.join(" | "));
+    }
+    let _ = writeln!(
+        text,
+        "\nThe peak is that of `objecthood segment` on one frame, the streams those of the folder, file to label image; the end is \
+         after {} frames in one process; allocations are those of one thread.",
+        options.frames
+    );
+}
+
+/// Median and quartiles of a series.
+fn spread(figures: &Figures, series: &str) -> String {
+    figures.spread(series).map_or_else(
+        || "–".to_owned(),
+        |spread| format!("{:.2} ({:.2} .. {:.2})", spread.median, spread.low, spread.high),
+    )
+}
