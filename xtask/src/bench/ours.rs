@@ -1,5 +1,6 @@
 //! Our own programs: `measure` for what happens within a frame, `objecthood` for what a user waits for.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -105,11 +106,18 @@ impl Program {
         ]);
         command.arg("--out").arg(self.out.join(method)).stdout(Stdio::null());
         let start = Instant::now();
-        let child = command.spawn().with_context(|| format!("cannot run {}", self.objecthood.display()))?;
+        let mut child = command
+            .stderr(Stdio::piped())
+            .spawn()
+            .with_context(|| format!("cannot run {}", self.objecthood.display()))?;
+        let mut complaint = String::new();
+        if let Some(mut stderr) = child.stderr.take() {
+            stderr.read_to_string(&mut complaint).context("objecthood does not write UTF-8")?;
+        }
         let used = child.wait4().context("objecthood did not end")?;
         let wall_ms = 1e3 * start.elapsed().as_secs_f64();
         if !used.status.success() {
-            bail!("objecthood segment {} failed", input.display());
+            bail!("objecthood segment {} failed: {}", input.display(), complaint.trim());
         }
         Ok(Taken { wall_ms, peak_mb: used.rusage.maxrss as f64 / 1e6 })
     }

@@ -52,7 +52,7 @@ pub(crate) fn markdown(
     let _ = writeln!(text, "{machine}\n");
     let _ = writeln!(
         text,
-        "{} rounds over {frames} frames of mOSD learn. Within a round our methods, kernels and the Python peers take turns on every \
+        "Rounds: {}; frames: {frames} of mOSD learn. Within a round our methods, kernels and the Python peers take turns on every \
          frame; the programs around PCL and `objecthood segment` take turns as whole processes, whose medians over the frames \
          count once a round. The graph segmentation has σ = 0.5, k = 100 and at least 100 px everywhere.\n",
         options.rounds

@@ -10,7 +10,7 @@ use super::plot::Plot;
 use super::{build, write};
 use crate::house::{House, files};
 
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 3;
 /// The least things and the most that are compared, and how much longer the most may take.
 const THINGS: [&str; 2] = ["5", "80"];
 const THINGS_LIMIT: f64 = 1.7;
@@ -93,7 +93,7 @@ fn points(figures: &Figures, method: &str, kind: &str) -> Vec<Point> {
 fn markdown(sizes: &[(&str, Vec<Point>)], things: &[(&str, Vec<Point>)]) -> String {
     let mut text = String::new();
     text.push_str(
-        "Median over three scenes and five rounds, CPU on one thread; memory is the peak of `objecthood segment`, what is paid \
+        "Median over three scenes and three rounds, CPU on one thread; memory is the peak of `objecthood segment`, what is paid \
          for the program itself included.\n\n",
     );
     text.push_str("| 20 things on a table | image | megapixels | ms | µs a pixel | peak MB | bytes a pixel more |\n|---|---|---|---|---|---|---|\n");
