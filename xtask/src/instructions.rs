@@ -17,8 +17,8 @@ use crate::tally::Tally;
 type Counts = BTreeMap<String, u64>;
 
 const METHODS: [&str; 2] = ["context", "paper"];
-/// A count that grows by more than this share has to be accepted by writing the file anew.
-const TOLERATED: f64 = 0.03;
+/// A count that grows by more than this has to be accepted by writing the file anew.
+const TOLERATED_PERCENT: u128 = 3;
 const COUNTED: &str = "*counted*the_counted_part*";
 const HEADER: &str = "# Instructions of one frame of 640 x 480 (the scene of `objecthood demo`) on one thread of x86-64, by method.
 # `cargo xtask test` fails when one grows by more than 3 %; `cargo xtask bench --instructions` writes this file.
@@ -101,7 +101,8 @@ impl Verdict {
             None | Some(0) => Self::Unknown,
             Some(known) => {
                 let growth = now as f64 / known as f64 - 1.0;
-                if growth > TOLERATED { Self::Grown(growth) } else { Self::Fine(growth) }
+                let limit = u128::from(known) * (100 + TOLERATED_PERCENT);
+                if u128::from(now) * 100 > limit { Self::Grown(growth) } else { Self::Fine(growth) }
             }
         }
     }
