@@ -30,3 +30,13 @@ pub(crate) fn prepare(tools: &Path, requirements: &Path) -> Result<PathBuf> {
     fs::write(&stamp, wanted).with_context(|| format!("{}", stamp.display()))?;
     Ok(python)
 }
+
+/// The packages that are pinned in `requirements`, with their versions.
+///
+/// # Errors
+/// When the file cannot be read.
+pub(crate) fn pins(requirements: &Path) -> Result<Vec<String>> {
+    let text = fs::read_to_string(requirements).with_context(|| format!("{}", requirements.display()))?;
+    let pins = text.lines().filter(|line| !line.starts_with('#'));
+    Ok(pins.map(|line| line.replace("==", " ")).collect())
+}

@@ -1,15 +1,13 @@
 //! On what was measured: a figure without its machine says nothing.
 
 use std::fmt;
-use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use super::pcl::Pcl;
 use crate::house::{House, output};
 
-/// The machine, the day, and the versions of everything that took part.
+/// The machine, the day, and the versions of what was measured.
 pub(crate) struct Machine {
     processor: String,
     cores: usize,
@@ -17,15 +15,14 @@ pub(crate) struct Machine {
     date: String,
     commit: String,
     compiler: String,
-    peers: Vec<String>,
 }
 
 impl Machine {
-    /// This machine, now. `requirements` pins the Python packages.
+    /// This machine, now.
     ///
     /// # Errors
     /// When the system does not say.
-    pub(crate) fn here(house: &House, pcl: Option<&Pcl>, requirements: &Path) -> Result<Self> {
+    pub(crate) fn here(house: &House) -> Result<Self> {
         let said = |program: &str, arguments: &[&str]| -> Result<String> {
             let mut command = Command::new(program);
             Ok(output(command.current_dir(&house.root).args(arguments))?.trim().to_owned())
@@ -34,9 +31,6 @@ impl Machine {
             std::fs::read_to_string("/proc/cpuinfo").context("the processor is read on Linux only")?;
         let processor = processors.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
         let dirty = if said("git", &["status", "--porcelain"])?.is_empty() { "" } else { " with changes" };
-        let pins =
-            std::fs::read_to_string(requirements).with_context(|| format!("{}", requirements.display()))?;
-        let pins = pins.lines().filter(|line| !line.starts_with('#')).map(|line| line.replace("==", " "));
         Ok(Self {
             processor: processor.map_or("an unnamed processor", |(_, name)| name).to_owned(),
             cores: std::thread::available_parallelism().context("the system does not say its cores")?.get(),
@@ -44,19 +38,17 @@ impl Machine {
             date: said("date", &["-u", "+%Y-%m-%d"])?,
             commit: said("git", &["rev-parse", "--short=10", "HEAD"])? + dirty,
             compiler: said("rustc", &["--version"])?,
-            peers: pins.chain(pcl.map(|pcl| format!("PCL {} at -O2", pcl.version))).collect(),
         })
     }
 }
 
 impl fmt::Display for Machine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { processor, cores, kernel, date, commit, compiler, peers } = self;
+        let Self { processor, cores, kernel, date, commit, compiler } = self;
         write!(
             f,
-            "{processor}, {cores} cores, {kernel}; {date}; commit {commit}; {compiler}, release profile, baseline of the \
-             architecture. Beside it: {}.",
-            peers.join(", ")
+            "{processor}, {cores} cores, {kernel}; {date}; commit {commit}; {compiler}, release profile, for any processor \
+             of the architecture."
         )
     }
 }

@@ -19,6 +19,7 @@ use self::figures::Figures;
 use self::machine::Machine;
 use self::ours::Program;
 use self::pcl::Pcl;
+use self::report::Run;
 use crate::house::{House, files, pass_on};
 use crate::python;
 
@@ -93,8 +94,14 @@ pub(crate) fn run(house: &House, options: &Options) -> Result<bool> {
     println!("memory over {} frames", options.frames);
     program.growth(options.frames, &frames, &mut figures)?;
 
-    let machine = Machine::here(house, pcl.as_ref(), &requirements)?;
-    let text = report::markdown(&figures, &machine, options, frames.len(), &skipped);
+    let mut peers = Vec::new();
+    if python.is_some() {
+        peers.extend(python::pins(&requirements)?);
+    }
+    peers.extend(pcl.map(|pcl| format!("PCL {} at -O2", pcl.version)));
+    let run =
+        Run { machine: Machine::here(house)?, peers, skipped, rounds: options.rounds, frames: frames.len() };
+    let text = report::markdown(&figures, &run, options.frames);
     println!("\n{text}");
     if !options.quick {
         write(house, "bench", &text)?;

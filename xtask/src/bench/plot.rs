@@ -79,7 +79,7 @@ impl Plot<'_> {
     }
 }
 
-/// A round step that divides the way to `most` into three to six.
+/// A round step that divides the way to `most` into three to seven.
 fn step(most: f64) -> f64 {
     let power = 10_f64.powf((most / 3.0).log10().floor());
     let fits = |&factor: &f64| most / (factor * power) >= 3.0;

@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use super::Options;
 use super::figures::Figures;
 use super::machine::Machine;
 use super::ours::METHODS;
@@ -39,31 +38,37 @@ const KERNELS: [(&str, &str); 11] = [
     ("omps/TOTAL without load", "PCL organized multi-plane and connected components, all but reading"),
 ];
 
-/// The section.
-pub(crate) fn markdown(
-    figures: &Figures,
-    machine: &Machine,
-    options: &Options,
-    frames: usize,
-    skipped: &[String],
-) -> String {
+/// The circumstances of the figures.
+pub(crate) struct Run {
+    pub(crate) machine: Machine,
+    /// Other libraries with their versions.
+    pub(crate) peers: Vec<String>,
+    /// What was not there, with reasons.
+    pub(crate) skipped: Vec<String>,
+    pub(crate) rounds: usize,
+    pub(crate) frames: usize,
+}
+
+/// The section; `growth` is over how many frames memory must not grow.
+pub(crate) fn markdown(figures: &Figures, run: &Run, growth: usize) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail, here and below.
-    let _ = writeln!(text, "{machine}\n");
+    let _ = writeln!(text, "{} Beside it: {}.\n", run.machine, run.peers.join(", "));
     let _ = writeln!(
         text,
-        "Rounds: {}; frames: {frames} of mOSD learn. Within a round our methods, kernels and the Python peers take turns on every \
+        "Rounds: {}; frames: {} of mOSD learn. Within a round our methods, kernels and the Python peers take turns on every \
          frame; the programs around PCL and `objecthood segment` take turns as whole processes, whose medians over the frames \
-         count once a round. The graph segmentation has σ = 0.5, k = 100 and at least 100 px everywhere.\n",
-        options.rounds
+         count once a round. The graph segmentation has σ = 0.5, k = 100 and at least 100 px everywhere, smoothing included. Ratios \
+         are of medians, of CPU time where nothing else is said.\n",
+        run.rounds, run.frames
     );
-    for why in skipped {
+    for why in &run.skipped {
         let _ = writeln!(text, "Skipped: {why}\n");
     }
     targets(&mut text, figures);
     stages(&mut text, figures);
     kernels(&mut text, figures);
-    costs(&mut text, figures, options);
+    costs(&mut text, figures, growth);
     text
 }
 
@@ -113,7 +118,7 @@ fn kernels(text: &mut String, figures: &Figures) {
     }
 }
 
-fn costs(text: &mut String, figures: &Figures, options: &Options) {
+fn costs(text: &mut String, figures: &Figures, growth: usize) {
     text.push_str(
         "\n| | allocations a frame | allocated a frame | peak of a process | resident after 100 frames | resident at the end | \
          45 frames on 1 thread | on 2 |\n|---|---|---|---|---|---|---|---|\n",
@@ -137,8 +142,7 @@ fn costs(text: &mut String, figures: &Figures, options: &Options) {
     let _ = writeln!(
         text,
         "\nThe peak is that of `objecthood segment` on one frame, the streams those of the folder, file to label image; the end is \
-         after {} frames in one process; allocations are those of one thread.",
-        options.frames
+         after {growth} frames in one process; allocations are those of one thread."
     );
 }
 

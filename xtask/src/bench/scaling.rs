@@ -5,6 +5,7 @@ use std::fmt::Write;
 use anyhow::{Context, Result};
 
 use super::figures::Figures;
+use super::machine::Machine;
 use super::ours::{METHODS, Program};
 use super::plot::Plot;
 use super::{build, write};
@@ -69,7 +70,7 @@ pub(crate) fn run(house: &House) -> Result<bool> {
         METHODS.iter().map(|method| (*method, points(&figures, method, kind))).collect()
     };
     let (sizes, things) = (curves("size"), curves("objects"));
-    let text = markdown(&sizes, &things);
+    let text = format!("{}\n\n{}", Machine::here(house)?, markdown(&sizes, &things));
     println!("\n{text}");
     draw(house, &sizes, &things)?;
     write(house, "scaling", &text)?;
