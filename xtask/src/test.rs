@@ -52,7 +52,7 @@ pub(crate) fn run(house: &House) -> Result<bool> {
         "test --workspace --doc --locked --no-fail-fast -- --show-output",
     )?;
     steps.push(timed("builds for aarch64", || aarch64::check(house, &mut tally))?);
-    steps.push(timed("instructions", || instructions::check(house, &mut tally))?);
+    steps.push(timed("instructions", || Ok(instructions::check(house, &mut tally)))?);
 
     summarize(&steps, &tally);
     Ok(steps.iter().all(|step| step.passed))

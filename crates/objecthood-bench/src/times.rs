@@ -12,7 +12,7 @@ use objecthood::{Frame, Method, Params, Raster, discover_observed};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use stats_alloc::{Region, StatsAlloc};
 
-use crate::figure::{Figure, timed};
+use crate::figure::{Figure, Spent, timed};
 use crate::graph::{color_alone, flat_frame, graph_segmentation};
 use crate::laps::Laps;
 use crate::normals::{median_angle_deg, table};
@@ -92,6 +92,9 @@ impl<'a> Bench<'a> {
         }
         let one = &self.pools[0].1;
         one.install(|| measure_normals(name, frame, figures));
+        // What every stage that looks at each pixel once must cost at least.
+        let (_, spent) = timed(|| frame.depth_m().map(|z| 2.0 * z));
+        figures.extend(spent.figures(name, "one pass"));
         if let Some(color) = frame.color() {
             one.install(|| measure_graph(name, color, figures))?;
             if let Some(peer) = &mut self.peer {
@@ -108,7 +111,7 @@ fn measure_normals(name: &str, frame: &Frame, figures: &mut Vec<Figure>) {
     let params = Params::default();
     let points = frame.points_m();
     let plane = table(&points);
-    let mut report = |series: &str, spent: crate::figure::Spent, normals: &Raster<[f32; 3]>| {
+    let mut report = |series: &str, spent: Spent, normals: &Raster<[f32; 3]>| {
         figures.extend(spent.figures(name, series));
         let angle = plane.as_ref().and_then(|plane| median_angle_deg(normals, &points, plane));
         figures.extend(angle.map(|value| Figure {

@@ -10,8 +10,6 @@ mod report;
 pub(crate) mod scaling;
 mod targets;
 
-use std::path::Path;
-
 use anyhow::{Context, Result, bail};
 
 use self::document::Document;
@@ -116,11 +114,12 @@ fn build(house: &House) -> Result<()> {
 
 /// Puts a text into the section of this name of the document.
 fn write(house: &House, section: &str, text: &str) -> Result<()> {
-    let file: &Path = &house.root.join("docs/performance.md");
-    let mut document = Document::read(file)?;
+    const FILE: &str = "docs/performance.md";
+    let file = house.root.join(FILE);
+    let mut document = Document::read(&file)?;
     document.set(section, text)?;
-    document.write(file)?;
-    println!("written: {}", file.display());
+    document.write(&file)?;
+    println!("written: {FILE}");
     Ok(())
 }
 
