@@ -8,7 +8,7 @@ use objecthood::surface::disparity::DisparitySpace;
 use objecthood::surface::normals::normals;
 use objecthood::surface::plane_fit::plane_fits;
 use objecthood::surface::window_choice::orientation;
-use objecthood::{Frame, Method, Params, Raster, discover_observed};
+use objecthood::{Frame, Method, Params, Raster, discover, discover_observed};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use stats_alloc::{Region, StatsAlloc};
 
@@ -104,6 +104,24 @@ impl<'a> Bench<'a> {
         }
         Ok(())
     }
+}
+
+/// Each method on one frame after the other, on one thread and with nothing in between.
+///
+/// # Errors
+/// When a method refuses a frame.
+pub fn alone(frames: &[Named]) -> Result<Vec<Figure>> {
+    let pool = ThreadPoolBuilder::new().num_threads(1).build()?;
+    let mut figures = Vec::new();
+    for (method_name, method) in METHODS {
+        let params = Params { method, ..Params::default() };
+        for Named { name, frame } in frames {
+            let (found, spent) = timed(|| pool.install(|| discover(frame, &params)));
+            found?;
+            figures.extend(spent.figures(name, &format!("{method_name}/alone")));
+        }
+    }
+    Ok(figures)
 }
 
 /// The normals of both methods: time, and angle to the table's plane.

@@ -83,6 +83,7 @@ pub(crate) fn run(house: &House, options: &Options) -> Result<bool> {
             if let Some(pcl) = &pcl {
                 pcl.run(block, &learn, every, &mut figures)?;
             }
+            program.alone(&frames, &mut figures)?;
             program.stream(&learn, &mut figures)?;
         }
     }

@@ -63,6 +63,22 @@ impl Program {
         output(measure.args(files))
     }
 
+    /// Each method alone; the medians over the frames, as those of the programs around PCL.
+    pub(crate) fn alone(&self, files: &[PathBuf], figures: &mut Figures) -> Result<()> {
+        let mut block = Figures::default();
+        block.read(&output(Command::new(&self.measure).arg("alone").args(files))?, |_, series| {
+            series.to_owned()
+        })?;
+        for method in METHODS {
+            for quantity in ["wall_ms", "cpu_ms"] {
+                let series = format!("{method}/alone/{quantity}");
+                let median = block.median(&series).context("`measure alone` printed no times")?;
+                figures.add(series, median);
+            }
+        }
+        Ok(())
+    }
+
     /// A folder of frames from files to label images, on 1 and on 2 threads.
     pub(crate) fn stream(&self, folder: &Path, figures: &mut Figures) -> Result<()> {
         for method in METHODS {

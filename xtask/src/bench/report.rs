@@ -24,7 +24,9 @@ const STAGES: [&str; 12] = [
 ];
 
 /// What is measured beside the methods: series and what it is.
-const KERNELS: [(&str, &str); 12] = [
+const KERNELS: [(&str, &str); 14] = [
+    ("context/alone", "`context`, one frame after the other"),
+    ("paper/alone", "`paper`, one frame after the other"),
     ("one pass", "one pass over the frame, 4 bytes a pixel read and 4 written: the yardstick"),
     ("graph", "graph segmentation of the colour image, ours"),
     ("opencv graph", "the same by OpenCV `createGraphSegmentation`"),
@@ -58,8 +60,8 @@ pub(crate) fn markdown(figures: &Figures, run: &Run, growth: usize) -> String {
     let _ = writeln!(
         text,
         "Rounds: {}; frames: {} of mOSD learn. Within a round our methods, kernels and the Python peers take turns on every \
-         frame; the programs around PCL and `objecthood segment` take turns as whole processes, whose medians over the frames \
-         count once a round. The graph segmentation has σ = 0.5, k = 100 and at least 100 px everywhere, smoothing included. Ratios \
+         frame; the programs around PCL, our methods alone and `objecthood segment` take turns as whole processes, whose medians over \
+         the frames count as one value. The graph segmentation has σ = 0.5, k = 100 and at least 100 px everywhere, smoothing included. Ratios \
          are of medians, of CPU time where nothing else is said.\n",
         run.rounds, run.frames
     );
@@ -143,7 +145,7 @@ fn costs(text: &mut String, figures: &Figures, growth: usize) {
     let _ = writeln!(
         text,
         "\nThe peak is that of `objecthood segment` on one frame, the streams those of the folder, file to label image; the end is \
-         after {growth} frames in one process; allocations are those of one thread."
+         after {growth} frames in one process that also holds all frames decoded; allocations are those of one thread."
     );
 }
 

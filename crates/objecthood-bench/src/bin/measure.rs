@@ -10,7 +10,7 @@ use clap::Parser;
 use objecthood_bench::figure::Figure;
 use objecthood_bench::graph::color_alone;
 use objecthood_bench::peer::Peer;
-use objecthood_bench::times::{Bench, METHODS, open};
+use objecthood_bench::times::{Bench, METHODS, alone, open};
 use objecthood_bench::{growth, scenes};
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
 
@@ -28,6 +28,8 @@ enum Task {
         script: Option<PathBuf>,
         files: Vec<PathBuf>,
     },
+    /// Times of each method alone, frame after frame on one thread, as peers in processes of their own run.
+    Alone { files: Vec<PathBuf> },
     /// Memory after 100 and after COUNT frames, for each method.
     Growth { count: usize, files: Vec<PathBuf> },
     /// Writes synthetic scenes of growing size and growing number of things to a folder.
@@ -53,6 +55,10 @@ fn main() -> Result<()> {
                 bench.measure(frame, &mut figures)?;
                 figures.iter().for_each(|figure| println!("{figure}"));
             }
+        }
+        Task::Alone { files } => {
+            let frames = files.iter().map(|file| open(file)).collect::<Result<Vec<_>>>()?;
+            alone(&frames)?.iter().for_each(|figure| println!("{figure}"));
         }
         Task::Growth { count, files } => {
             let frames = files.iter().map(|file| Ok(open(file)?.frame)).collect::<Result<Vec<_>>>()?;
