@@ -149,7 +149,9 @@ fn prepare() -> Result<()> {
 
 /// Builds the program and has valgrind count one frame by each method.
 fn count(house: &House) -> Result<Counts> {
-    pass_on(&mut house.cargo("build --release --locked -p objecthood-bench --bin counted"))?;
+    pass_on(
+        &mut house.cargo("build --release --locked -p objecthood-bench --bin counted --features scalar"),
+    )?;
     let (program, folder) = (house.program("counted"), house.folder("instructions")?);
     let scene = folder.join("scene.pcd");
     output(Command::new(&program).arg("scene").arg(&scene))?;

@@ -13,7 +13,7 @@ use objecthood::surface::disparity::DisparitySpace;
 use objecthood::surface::normals::normals;
 use objecthood::surface::plane_fit::plane_fits;
 use objecthood::surface::window_choice::orientation;
-use objecthood::{Frame, Params};
+use objecthood::{Frame, Params, Workspace};
 use objecthood_bench::graph::{color_alone, graph_segmentation};
 use objecthood_scene::{Family, Sensor, generate, render};
 use rayon::ThreadPoolBuilder;
@@ -54,23 +54,47 @@ fn context(c: &mut Criterion) {
     let space = DisparitySpace::new(frame.camera(), &params.sensor);
     let (points, disparity) = (frame.points_m(), space.disparity(frame.depth_m()));
     let radius_px = space.length_px(params.local_fit.radius_px);
-    let fits = plane_fits(&disparity, radius_px);
-    let oriented = orientation(&disparity, &fits, &space, &params.local_fit);
+    let workspace = &mut Workspace::default();
+    let fits = plane_fits(&disparity, radius_px, workspace);
+    let oriented = orientation(&disparity, &fits, &space, &params.local_fit, workspace);
     let up = camera_up(&params.gravity);
-    let planes = structure(&disparity, &fits, &oriented, &points, &space, up, &params.structure);
+    let planes = structure(&disparity, &fits, &oriented, &points, &space, up, &params.structure, workspace);
     let links = Links::new(&disparity, &oriented.slope, &space, &params.watershed);
 
     let mut group = c.benchmark_group("context");
     group.sample_size(20);
-    group.bench_function("plane fits", |b| b.iter(|| plane_fits(black_box(&disparity), radius_px)));
+    group.bench_function("plane fits", |b| {
+        b.iter(|| plane_fits(black_box(&disparity), radius_px, workspace));
+    });
     group.bench_function("orientation", |b| {
-        b.iter(|| orientation(black_box(&disparity), &fits, &space, &params.local_fit));
+        b.iter(|| orientation(black_box(&disparity), &fits, &space, &params.local_fit, workspace));
     });
     group.bench_function("structure", |b| {
-        b.iter(|| structure(black_box(&disparity), &fits, &oriented, &points, &space, up, &params.structure));
+        b.iter(|| {
+            structure(
+                black_box(&disparity),
+                &fits,
+                &oriented,
+                &points,
+                &space,
+                up,
+                &params.structure,
+                workspace,
+            )
+        });
     });
     group.bench_function("watershed", |b| {
-        b.iter(|| watershed(black_box(&disparity), &fits, &planes.labels, &links, &space, &params.watershed));
+        b.iter(|| {
+            watershed(
+                black_box(&disparity),
+                &fits,
+                &planes.labels,
+                &links,
+                &space,
+                &params.watershed,
+                workspace,
+            )
+        });
     });
     group.finish();
 }

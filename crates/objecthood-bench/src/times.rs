@@ -8,7 +8,7 @@ use objecthood::surface::disparity::DisparitySpace;
 use objecthood::surface::normals::normals;
 use objecthood::surface::plane_fit::plane_fits;
 use objecthood::surface::window_choice::orientation;
-use objecthood::{Frame, Method, Params, Raster, discover, discover_observed};
+use objecthood::{Frame, Method, Params, Raster, Workspace};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use stats_alloc::{Region, StatsAlloc};
 
@@ -45,6 +45,8 @@ pub struct Bench<'a> {
     pools: Vec<(usize, ThreadPool)>,
     allocator: &'a StatsAlloc<System>,
     peer: Option<Peer>,
+    /// As a stream of frames keeps it.
+    workspace: Workspace,
 }
 
 impl<'a> Bench<'a> {
@@ -54,7 +56,8 @@ impl<'a> Bench<'a> {
     /// When the threads cannot be had.
     pub fn new(allocator: &'a StatsAlloc<System>, peer: Option<Peer>) -> Result<Self> {
         let pool = |threads| Ok((threads, ThreadPoolBuilder::new().num_threads(threads).build()?));
-        Ok(Self { pools: [1, 2].into_iter().map(pool).collect::<Result<_>>()?, allocator, peer })
+        let pools = [1, 2].into_iter().map(pool).collect::<Result<_>>()?;
+        Ok(Self { pools, allocator, peer, workspace: Workspace::default() })
     }
 
     /// Both methods on 1 and 2 threads, with all stages; kernels; and the peer, all on this frame.
@@ -63,12 +66,14 @@ impl<'a> Bench<'a> {
     /// When a method refuses the frame or the peer has ended.
     pub fn measure(&mut self, named: &Named, figures: &mut Vec<Figure>) -> Result<()> {
         let Named { name, frame } = named;
+        let workspace = &mut self.workspace;
         for (threads, pool) in &self.pools {
             for (method_name, method) in METHODS {
                 let params = Params { method, ..Params::default() };
                 let before = Region::new(self.allocator);
                 let mut laps = Laps::start();
-                let (found, spent) = timed(|| pool.install(|| discover_observed(frame, &params, &mut laps)));
+                let discover = || workspace.discover_observed(frame, &params, &mut laps);
+                let (found, spent) = timed(|| pool.install(discover));
                 found?;
                 let asked = before.change();
 
@@ -91,7 +96,7 @@ impl<'a> Bench<'a> {
             }
         }
         let one = &self.pools[0].1;
-        one.install(|| measure_normals(name, frame, figures));
+        one.install(|| measure_normals(name, frame, workspace, figures));
         // What every stage that looks at each pixel once must cost at least.
         let (_, spent) = timed(|| frame.depth_m().map(|z| 2.0 * z));
         figures.extend(spent.figures(name, "one pass"));
@@ -115,8 +120,9 @@ pub fn alone(frames: &[Named]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (method_name, method) in METHODS {
         let params = Params { method, ..Params::default() };
+        let mut workspace = Workspace::default();
         for Named { name, frame } in frames {
-            let (found, spent) = timed(|| pool.install(|| discover(frame, &params)));
+            let (found, spent) = timed(|| pool.install(|| workspace.discover(frame, &params)));
             found?;
             figures.extend(spent.figures(name, &format!("{method_name}/alone")));
         }
@@ -125,7 +131,7 @@ pub fn alone(frames: &[Named]) -> Result<Vec<Figure>> {
 }
 
 /// The normals of both methods: time, and angle to the table's plane.
-fn measure_normals(name: &str, frame: &Frame, figures: &mut Vec<Figure>) {
+fn measure_normals(name: &str, frame: &Frame, workspace: &mut Workspace, figures: &mut Vec<Figure>) {
     let params = Params::default();
     let points = frame.points_m();
     let plane = table(&points);
@@ -145,8 +151,8 @@ fn measure_normals(name: &str, frame: &Frame, figures: &mut Vec<Figure>) {
     let space = DisparitySpace::new(frame.camera(), &params.sensor);
     let (fitted, spent) = timed(|| {
         let disparity = space.disparity(frame.depth_m());
-        let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px));
-        orientation(&disparity, &fits, &space, &params.local_fit)
+        let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px), workspace);
+        orientation(&disparity, &fits, &space, &params.local_fit, workspace)
     });
     report("plane fits", spent, &fitted.normal);
 }
