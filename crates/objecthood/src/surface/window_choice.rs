@@ -42,32 +42,42 @@ pub fn orientation(
     slope.par_chunks_mut(width).zip(normal.par_chunks_mut(width)).enumerate().for_each(
         |(v, (slope, normal))| {
             let row = v * width..(v + 1) * width;
-            let (measured, own) =
-                (&disparity.as_slice()[row.clone()][..width], &fits.as_slice()[row][..width]);
-            let (slope, normal) = (&mut slope[..width], &mut normal[..width]);
+            let (measured, own) = (&disparity.as_slice()[row.clone()], &fits.as_slice()[row]);
             vectorized(
                 #[inline(always)]
-                || {
-                    for u in 0..width {
-                        let (own_slope, own_normal) = turned(space, [u, v], &own[u]);
-                        let speaks = own[u].residual < limit && !measured[u].is_nan();
-                        slope[u] = if speaks { own_slope } else { [0.0; 2] };
-                        normal[u] = if speaks { own_normal } else { [0.0; 3] };
-                    }
-                },
+                || speak_for_themselves(space, v, measured, own, limit, slope, normal),
             );
-            for u in 0..width {
-                // Neither is there for a pixel without disparity.
-                if measured[u].is_nan() || own[u].residual < limit {
-                    continue;
-                }
-                if let Some(j) = best_window(v * width + u, disparity, fits, reach) {
+            for (u, (d, own)) in measured.iter().zip(own).enumerate() {
+                if !d.is_nan()
+                    && own.residual >= limit
+                    && let Some(j) = best_window([u, v], *d, fits, reach)
+                {
                     (slope[u], normal[u]) = turned(space, [j % width, j / width], &fits[j]);
                 }
             }
         },
     );
     Orientation { slope: disparity.with_data(slope), normal: disparity.with_data(normal) }
+}
+
+/// Row `v` as the pixels' own windows have it, zero where they do not speak.
+#[inline(always)]
+fn speak_for_themselves(
+    space: &DisparitySpace,
+    v: usize,
+    measured: &[f32],
+    own: &[PlaneFit],
+    limit: f32,
+    slope: &mut [[f32; 2]],
+    normal: &mut [[f32; 3]],
+) {
+    let windows = measured.iter().zip(own).zip(slope.iter_mut().zip(normal));
+    for (u, ((d, own), (slope, normal))) in windows.enumerate() {
+        let (own_slope, own_normal) = turned(space, [u, v], own);
+        let speaks = (own.residual < limit) & !d.is_nan();
+        *slope = own_slope.map(|x| if speaks { x } else { 0.0 });
+        *normal = own_normal.map(|x| if speaks { x } else { 0.0 });
+    }
 }
 
 /// Slope and unit normal of the plane fitted around the pixel in this column and row.
@@ -77,11 +87,12 @@ fn turned(space: &DisparitySpace, [u, v]: [usize; 2], fit: &PlaneFit) -> ([f32; 
     (fit.slope, normal.as_vec3().to_array())
 }
 
-/// The middle of the window whose plane passes nearest to pixel `i` and fits best; the first one on ties.
-fn best_window(i: usize, disparity: &Raster<f32>, fits: &Raster<PlaneFit>, reach: isize) -> Option<usize> {
-    let (width, height) = disparity.size();
-    let (u, v) = ((i % width) as isize, (i / width) as isize);
-    let mut best: Option<(f32, usize)> = None;
+/// The middle of the window whose plane passes nearest to a pixel with this disparity and fits best; the first one on
+/// ties.
+fn best_window([u, v]: [usize; 2], disparity: f32, fits: &Raster<PlaneFit>, reach: isize) -> Option<usize> {
+    let (width, height) = fits.size();
+    let (u, v) = (u as isize, v as isize);
+    let (mut least, mut best) = (f32::INFINITY, None);
     for dv in [-reach, 0, reach] {
         for du in [-reach, 0, reach] {
             let (x, y) = (u + du, v + dv);
@@ -89,19 +100,17 @@ fn best_window(i: usize, disparity: &Raster<f32>, fits: &Raster<PlaneFit>, reach
                 continue;
             }
             let j = y as usize * width + x as usize;
-            let fit = &fits[j];
-            if !fit.is_some() {
-                continue;
-            }
-            let at_pixel = fit.value - fit.slope[0] * du as f32 - fit.slope[1] * dv as f32;
-            let score = fit.residual + MISFIT_WEIGHT * (at_pixel - disparity[i]).abs();
-            let score = if j == i { score * OWN_PREFERENCE } else { score };
-            if best.is_none_or(|(least, _)| score < least) {
-                best = Some((score, j));
+            let PlaneFit { value, slope, residual } = fits[j];
+            let at_pixel = value - slope[0] * du as f32 - slope[1] * dv as f32;
+            // Infinite without a fit.
+            let score = residual + MISFIT_WEIGHT * (at_pixel - disparity).abs();
+            let score = if du == 0 && dv == 0 { score * OWN_PREFERENCE } else { score };
+            if score < least {
+                (least, best) = (score, Some(j));
             }
         }
     }
-    best.map(|(_, j)| j)
+    best
 }
 
 #[cfg(test)]
