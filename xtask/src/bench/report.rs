@@ -56,7 +56,8 @@ pub(crate) struct Run {
 pub(crate) fn markdown(figures: &Figures, run: &Run, growth: usize) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail, here and below.
-    let _ = writeln!(text, "{} Beside it: {}.\n", run.machine, run.peers.join(", "));
+    let beside = if run.peers.is_empty() { "no other library".to_owned() } else { run.peers.join(", ") };
+    let _ = writeln!(text, "{} Beside it: {beside}.\n", run.machine);
     let _ = writeln!(
         text,
         "Rounds: {}; frames: {} of mOSD learn. Within a round our methods, kernels and the Python peers take turns on every \
