@@ -1,0 +1,70 @@
+//! A workspace that is used again: nothing of it is seen in what is found, and nothing is asked of the system.
+
+mod common;
+
+use std::alloc::System;
+use std::sync::Mutex;
+
+use common::{cut_box, stack, two_boxes};
+use objecthood::{Camera, Frame, Method, Observer, Params, Raster, Stage, Workspace, discover};
+use rayon::ThreadPoolBuilder;
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+/// The allocator counts what all threads ask for, so that one test runs after the other.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// A frame of another size.
+fn wall() -> Frame {
+    let depth_m = Raster::filled(90, 70, 1.1).unwrap();
+    Frame::new(depth_m, None, Camera::new(80.0, 80.0, 44.5, 34.5).unwrap()).unwrap()
+}
+
+#[test]
+fn what_was_looked_at_before_is_not_seen() {
+    let _alone = ALONE.lock();
+    let mut workspace = Workspace::default();
+    let frames = [two_boxes(), wall(), stack(), wall(), cut_box(), two_boxes()];
+    for (k, frame) in frames.iter().enumerate() {
+        for method in [Method::Context, Method::Paper] {
+            let params = Params { method, ..Params::default() };
+            let again = workspace.discover(frame, &params).unwrap();
+            let fresh = discover(frame, &params).unwrap();
+            assert_eq!(format!("{again:?}"), format!("{fresh:?}"), "frame {k}, {method}");
+        }
+    }
+}
+
+/// How many times memory was asked for until the first stage was done.
+struct ToNormals<'a> {
+    region: Region<'a, System>,
+    asked: usize,
+}
+
+impl Observer for ToNormals<'_> {
+    fn observe(&mut self, stage: Stage<'_>) {
+        if let Stage::Normals(_) = stage {
+            let change = self.region.change();
+            self.asked = change.allocations + change.reallocations;
+        }
+    }
+}
+
+#[test]
+fn what_looks_at_every_pixel_asks_for_no_memory_from_the_second_frame_on() {
+    let _alone = ALONE.lock();
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let (frames, params) = ([two_boxes(), stack(), cut_box(), two_boxes()], Params::default());
+    let mut workspace = Workspace::default();
+    let asked = frames.each_ref().map(|frame| {
+        pool.install(|| {
+            let mut to_normals = ToNormals { region: Region::new(ALLOCATOR), asked: 0 };
+            workspace.discover_observed(frame, &params, &mut to_normals).unwrap();
+            to_normals.asked
+        })
+    });
+    assert!(asked[0] > 4, "the first frame asks for its images: {asked:?}");
+    assert_eq!(asked[1..], [1, 1, 1], "only for the rays of the columns");
+}
