@@ -76,16 +76,9 @@ impl Segments {
             .filter_map(|(i, &l)| usize::try_from(l).ok().map(|s| (i, s)))
     }
 
-    /// The runs of one segment along the rows, as (pixel indices, segment index), in scan order.
+    /// The [`runs`] of its labels.
     pub(crate) fn runs(&self) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
-        let (labels, width) = (self.labels.as_slice(), self.labels.width());
-        let mut end = 0;
-        let run = std::iter::from_fn(move || {
-            let (start, &label) = (end, labels.get(end)?);
-            end += run_length(&labels[start..start / width * width + width]);
-            Some((start..end, label))
-        });
-        run.filter_map(|(pixels, label)| usize::try_from(label).ok().map(|s| (pixels, s)))
+        runs(&self.labels)
     }
 
     /// The coarser label map in which segment `s` has become segment `group_of[s]` of `count` groups.
@@ -93,6 +86,18 @@ impl Segments {
         let label = |&l: &i32| usize::try_from(l).map_or(Self::NONE, |s| group_of[s] as i32);
         Self::from_numbered(self.labels.map(label), count)
     }
+}
+
+/// The runs of one label along the rows, as (pixel indices, label), in scan order; without those of negative labels.
+pub(crate) fn runs(labels: &Raster<i32>) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
+    let (labels, width) = (labels.as_slice(), labels.width());
+    let mut end = 0;
+    let run = std::iter::from_fn(move || {
+        let (start, &label) = (end, labels.get(end)?);
+        end += run_length(&labels[start..start / width * width + width]);
+        Some((start..end, label))
+    });
+    run.filter_map(|(pixels, label)| usize::try_from(label).ok().map(|label| (pixels, label)))
 }
 
 /// How many of these labels, from the first on, are the same. Long runs are passed over in strides.

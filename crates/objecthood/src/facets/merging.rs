@@ -33,28 +33,14 @@ struct Region {
     version: u32,
 }
 
-/// An order on the heap: by cost, then by both regions.
-#[derive(Clone, Copy, PartialEq)]
+/// A merge on the heap: by cost, then by both regions.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Merge {
-    cost: f32,
+    /// The bits of the cost, which are in its order because it is not negative.
+    cost: u32,
     a: u32,
     b: u32,
     versions: [u32; 2],
-}
-
-impl Eq for Merge {}
-
-impl Ord for Merge {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        let by_regions = || (self.a, self.b, self.versions).cmp(&(other.a, other.b, other.versions));
-        self.cost.total_cmp(&other.cost).then_with(by_regions)
-    }
-}
-
-impl PartialOrd for Merge {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
 }
 
 /// Merges superpixels to facets, those whose common surface disagrees least with both first.
@@ -138,7 +124,7 @@ impl Forest<'_> {
         let (a, b) = (a.min(b), a.max(b));
         let (x, y) = (self.regions[a as usize].as_ref()?, self.regions[b as usize].as_ref()?);
         let cost = self.cost(x, y, basis) as f32;
-        (cost < tolerance).then_some(Merge { cost, a, b, versions: [x.version, y.version] })
+        (cost < tolerance).then_some(Merge { cost: cost.to_bits(), a, b, versions: [x.version, y.version] })
     }
 
     /// The disagreement (quanta) that a common surface adds, per degree of freedom of the smaller region: were the

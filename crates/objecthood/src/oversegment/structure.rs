@@ -10,7 +10,7 @@ use crate::objectness::gravity::{PointSums, StructurePlane};
 use crate::params;
 use crate::random::Lcg;
 use crate::raster::Raster;
-use crate::regions::Segments;
+use crate::regions::{Segments, runs};
 use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::moments::{Basis, Model, Moments, length};
@@ -218,10 +218,10 @@ impl Structure {
     /// first of them are the surfaces, now with whatever else was found to be background.
     pub(crate) fn planes(&self, regions: &Segments, points_m: &Raster<[f32; 3]>) -> Vec<StructurePlane> {
         let mut own = vec![PointSums::default(); self.surfaces.len()];
-        for (&label, &point) in self.labels.as_slice().iter().zip(points_m.as_slice()) {
-            if let Ok(surface) = usize::try_from(label) {
-                own[surface].add(Vec3::from(point).as_dvec3());
-            }
+        for (run, surface) in runs(&self.labels) {
+            let mut sums = own[surface];
+            points_m.as_slice()[run].iter().for_each(|&point| sums.add(Vec3::from(point).as_dvec3()));
+            own[surface] = sums;
         }
         let mut size_px = vec![0_usize; regions.count()];
         regions.runs().for_each(|(run, region)| size_px[region] += run.len());
