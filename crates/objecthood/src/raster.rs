@@ -129,7 +129,19 @@ pub(crate) fn part<T>(row: &[T], u: usize, count: usize) -> &[T] {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    proptest! {
+        #[test]
+        fn marked_places_are_those_that_are_not_zero(
+            marks in prop::collection::vec(prop_oneof![20 => Just(0), 1 => -2_i32..3], 0..100),
+        ) {
+            let expected: Vec<usize> = (0..marks.len()).filter(|&u| marks[u] != 0).collect();
+            prop_assert_eq!(marked(&marks).collect::<Vec<_>>(), expected);
+        }
+    }
 
     #[test]
     fn a_raster_has_one_value_a_pixel() {

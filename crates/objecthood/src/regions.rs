@@ -184,7 +184,29 @@ impl RegionGraph<u32> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+    use crate::testing::raster;
+
+    proptest! {
+        #[test]
+        fn runs_are_the_longest_in_their_rows(
+            labels in (1_usize..40, 1_usize..4)
+                .prop_flat_map(|size| raster(size, prop_oneof![1 => Just(-1), 1 => Just(3), 9 => Just(0)])),
+        ) {
+            let width = labels.width();
+            let segments = Segments::from_numbered(labels, 4);
+            let runs: Vec<_> = segments.runs().collect();
+            let members: Vec<_> = runs.iter().flat_map(|(run, s)| run.clone().map(move |i| (i, *s))).collect();
+            prop_assert_eq!(members, segments.members().collect::<Vec<_>>());
+            prop_assert!(runs.iter().all(|(run, _)| run.start / width == (run.end - 1) / width));
+            for pair in runs.windows(2) {
+                let [(a, own), (b, next)] = pair else { continue };
+                prop_assert!(a.end < b.start || own != next || b.start % width == 0, "{:?}", runs);
+            }
+        }
+    }
 
     #[test]
     fn any_label_map_becomes_dense() {

@@ -468,3 +468,71 @@ fn floor(x: f64) -> i32 {
     let toward_zero = x as i32;
     toward_zero.saturating_sub(i32::from(f64::from(toward_zero) > x))
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::objectness::gravity::UpSource;
+
+    #[test]
+    fn integers_below_are_those_of_the_library() {
+        let edges =
+            [0.0, -0.0, 0.5, -0.5, 2.0, -2.0, 1e300, -1e300, 2_147_483_647.5, -2_147_483_648.5, f64::NAN];
+        for x in edges.into_iter().chain([f64::INFINITY, f64::NEG_INFINITY]) {
+            assert_eq!(floor(x), x.floor() as i32, "{x}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn cells_are_in_the_order_of_columns_then_rows(
+            [a, b] in prop::array::uniform2(prop::array::uniform2(prop_oneof![
+                Just(i32::MIN), Just(i32::MAX), -3_i32..3, any::<i32>()
+            ])),
+        ) {
+            let [cell_a, cell_b] = [a, b].map(|[x, y]| Cell::new(x, y));
+            prop_assert_eq!((cell_a.place(), cell_a.cmp(&cell_b)), (a, a.cmp(&b)));
+        }
+
+        /// Of every region: what its pixels reach, one by one.
+        #[test]
+        fn outlines_are_as_far_out_as_any_pixel(
+            pixels in (1_usize..80, 1_usize..6).prop_flat_map(|size| crate::testing::raster(
+                size, (0_i32..2, prop::array::uniform3(-1.0_f32..1.0), prop::bool::weighted(0.9)),
+            )),
+            direction in prop::array::uniform3(-1.0_f32..1.0),
+        ) {
+            let up = Vec3::from(direction).try_normalize().unwrap_or(Vec3::NEG_Y).to_array();
+            let up = Up { direction: up, source: UpSource::Camera };
+            let points = pixels.map(|&(_, point, is_measured)| if is_measured { point } else { [f32::NAN; 3] });
+            let regions = Segments::from_numbered(pixels.map(|pixel| pixel.0), 2);
+            let normals = points.map(|_| [0.0, 0.0, -1.0]);
+            let bodies = Bodies::new(&regions, &points, &normals, &[], &up, &crate::testing::kinect());
+            let plan = Plan::new(&up);
+            for (region, body) in bodies.all.iter().enumerate() {
+                let own = || regions.members().filter(|&(i, r)| r == region && !points[i][2].is_nan()).map(|(i, _)| i);
+                prop_assert_eq!((body.size_px, body.first), (own().count(), own().next().unwrap_or(0)));
+                let mut cells: std::collections::BTreeMap<[i32; 2], Vec<f64>> = Default::default();
+                for i in own() {
+                    let place = plan.place_m(points[i]) / CELL_M;
+                    let cell = [place.x.floor() as i32, place.y.floor() as i32];
+                    cells.entry(cell).or_default().push(plan.height_m(points[i]));
+                }
+                let cells = cells.into_iter().map(|(cell, mut heights_m)| {
+                    heights_m.sort_by(f64::total_cmp);
+                    (cell, heights_m[(CELL_SHARE * heights_m.len() as f64) as usize])
+                });
+                prop_assert_eq!(
+                    body.cells.iter().map(|(cell, height_m)| (cell.place(), *height_m)).collect::<Vec<_>>(),
+                    cells.collect::<Vec<_>>()
+                );
+                for (reach_m, way) in body.reach_m.iter().zip(plan.directions) {
+                    let expected = own().map(|i| plan.place_m(points[i]).dot(way)).reduce(f64::max);
+                    prop_assert_eq!(*reach_m, expected.unwrap_or(0.0));
+                }
+            }
+        }
+    }
+}

@@ -194,8 +194,12 @@ fn background(segments: &Segments, owners: &[Owner]) -> Vec<Run> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::objectness::testing::{Table, single};
+    use crate::oversegment::watershed::neighbours;
+    use crate::testing::{raster, small_size};
 
     /// How many pixels of the table each of the facets a, b, .. gets.
     fn gained(rows: &[&str], heights_m: &[f64]) -> Vec<usize> {
@@ -214,6 +218,56 @@ mod tests {
             );
         }
         sizes(&clusters).iter().zip(before).map(|(after, before)| after - before).collect()
+    }
+
+    proptest! {
+        /// Pixel by pixel, from the first one that belongs to no patch yet.
+        #[test]
+        fn patches_are_those_of_a_flood(
+            pixels in small_size().prop_flat_map(|size| raster(size, prop_oneof![
+                1 => Just(None), 4 => Just(Some((0, 0.0))), 1 => Just(Some((1, 0.005))), 1 => Just(Some((2, 0.03))),
+                1 => Just(Some((3, 0.004))),
+            ])),
+        ) {
+            let (width, height) = pixels.size();
+            let table = Table::new((width, height), |u, v| pixels[v * width + u]);
+            let scene = table.scene();
+            let segments = &scene.facets.segments;
+            // Facet 3 was found to be a part of the table.
+            let all = [Owner::Background, Owner::Cluster(SegmentId(0)), Owner::Cluster(SegmentId(1)), Owner::Background];
+            let owners = &all[..segments.count()];
+            let owner = |i: usize| segments.at(i).map(|facet| owners[facet.index()]);
+            let mut is_taken = vec![false; pixels.len()];
+            let mut expected = Vec::new();
+            for start in 0..pixels.len() {
+                if is_taken[start] || owner(start) != Some(Owner::Background) {
+                    continue;
+                }
+                let (mut open, mut flood, mut border, mut touch) = (vec![start], Vec::new(), 0, BTreeMap::new());
+                is_taken[start] = true;
+                while let Some(i) = open.pop() {
+                    flood.push(i);
+                    border += 4;
+                    for (j, _) in neighbours(i, width, height) {
+                        match owner(j) {
+                            Some(Owner::Background) => {
+                                border -= 1;
+                                if !std::mem::replace(&mut is_taken[j], true) {
+                                    open.push(j);
+                                }
+                            }
+                            Some(Owner::Cluster(id)) if scene.touch(i, j) => *touch.entry(id).or_insert(0) += 1,
+                            _ => {}
+                        }
+                    }
+                }
+                flood.sort_unstable();
+                expected.push((flood, border, touch));
+            }
+            let patches = scene.patches(owners).into_iter();
+            let got: Vec<_> = patches.map(|p| (p.runs.into_iter().flatten().collect::<Vec<_>>(), p.border, p.touch)).collect();
+            prop_assert_eq!(got, expected);
+        }
     }
 
     #[test]

@@ -513,6 +513,18 @@ mod tests {
             let steps = Steps { touch_quanta: 3.0, level_quanta: 2.0 };
             let filled = fill(facets, &disparity, steps).segments;
             let (width, height) = labels.size();
+            // Breadth first from every pixel that has a facet.
+            let mut expected = labels.as_slice().to_vec();
+            let mut open: VecDeque<usize> = (0..expected.len()).filter(|&i| expected[i] >= 0).collect();
+            while let Some(i) = open.pop_front() {
+                for (j, _) in neighbours(i, width, height) {
+                    if expected[j] < 0 && (disparity[j] - disparity[i]).abs() <= 3.0 {
+                        expected[j] = expected[i];
+                        open.push_back(j);
+                    }
+                }
+            }
+            prop_assert_eq!(filled.labels().as_slice(), expected);
             for i in 0..labels.len() {
                 let own = filled.labels()[i];
                 let near = neighbours(i, width, height).map(|(j, _)| j);

@@ -319,10 +319,12 @@ impl BorderEvidence {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::regions::Segments;
     use crate::surface::moments::{Basis, Moments};
-    use crate::testing::space;
+    use crate::testing::{kinect, raster, space};
 
     const WIDTH: usize = 80;
     const HEIGHT: usize = 60;
@@ -372,6 +374,38 @@ mod tests {
             let graph = borders(&self.facets, &self.disparity, &self.space, &params);
             let [edge] = graph.edges() else { panic!("one border: {graph:?}") };
             edge.evidence.clone()
+        }
+    }
+
+    proptest! {
+        /// Pixel by pixel, term by term.
+        #[test]
+        fn sums_of_both_sides_are_the_naive_ones(
+            (labels, disparity) in (1_usize..20, 1_usize..20)
+                .prop_flat_map(|size| (raster(size, -1_i32..3), raster(size, 17.0_f32..3500.0))),
+            at in 0_usize..400,
+            radius in 0_usize..8,
+        ) {
+            let (space, params) = (kinect(), params::Border::default());
+            let facets = Facets { segments: Segments::from_numbered(labels.clone(), 3), models: Vec::new(), structure: 0 };
+            let border = Border { facets: &facets, disparity: &disparity, space: &space, params: &params, radius };
+            let width = labels.width();
+            let middle = position(at % labels.len(), width);
+            let got = border.sums([SegmentId(0), SegmentId(2)], middle);
+            for (label, got) in [0, 2].into_iter().zip(got) {
+                let mut expected = Sums::default();
+                for i in (0..labels.len()).filter(|&i| labels[i] == label) {
+                    let [x, y] = [0, 1].map(|k| position(i, width)[k] - middle[k]);
+                    if x.abs().max(y.abs()) > radius as f64 {
+                        continue;
+                    }
+                    let d = f64::from(disparity[i]);
+                    let terms = [x, y, d, x * x, x * y, y * y, x * d, y * d];
+                    expected.terms.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+                    expected.n += 1;
+                }
+                prop_assert_eq!((got.n, got.terms), (expected.n, expected.terms));
+            }
         }
     }
 

@@ -416,6 +416,19 @@ mod tests {
         }
 
         #[test]
+        fn moments_of_segments_and_trial_surfaces_are_the_same_bit_for_bit((disparity, a, b) in two_regions()) {
+            let labels = (0..disparity.len() as u32).map(|i| if a.contains(&i) { 0 } else if b.contains(&i) { 2 } else { -1 });
+            let segments = Segments::from_numbered(disparity.with_data(labels.collect()), 3);
+            let [of_a, of_none, of_b] = &Moments::of_segments(&segments, &disparity)[..] else { panic!("three") };
+            prop_assert_eq!([of_a, of_b], [&Moments::of(&a, &disparity), &Moments::of(&b, &disparity)]);
+            prop_assert_eq!(of_none.count(), 0.0);
+            for basis in [Basis::Plane, Basis::Quadratic] {
+                let (trial, whole) = (of_a.fit_with(of_b, basis), of_a.merged(of_b).fit(basis));
+                prop_assert_eq!((trial.model, trial.squared_error), (whole.model, whole.squared_error));
+            }
+        }
+
+        #[test]
         fn moments_are_shifted_as_if_summed_there(
             (disparity, pixels, _) in two_regions(),
             center in prop::array::uniform2(-20.0..20.0),
