@@ -102,13 +102,10 @@ pub(crate) fn runs(labels: &Raster<i32>) -> impl Iterator<Item = (Range<usize>, 
 
 /// How many of these labels, from the first on, are the same. Long runs are passed over in strides.
 fn run_length(labels: &[i32]) -> usize {
-    const STRIDE_PX: usize = 8;
+    const STRIDE_PX: usize = 16;
     let Some(&own) = labels.first() else { return 0 };
-    let is_other = |label: &i32| i32::from(*label != own);
-    let strides = labels.chunks_exact(STRIDE_PX);
-    let passed =
-        strides.take_while(|stride| stride.iter().map(is_other).fold(0, |any, other| any | other) == 0);
-    let passed = STRIDE_PX * passed.count();
+    let is_same = |stride: &&[i32]| stride.iter().fold(0, |any, label| any | (label ^ own)) == 0;
+    let passed = STRIDE_PX * labels.chunks_exact(STRIDE_PX).take_while(is_same).count();
     passed + labels[passed..].iter().take_while(|label| **label == own).count()
 }
 
