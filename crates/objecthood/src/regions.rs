@@ -175,7 +175,15 @@ impl<E: Default> RegionGraph<E> {
 impl RegionGraph<u32> {
     /// Counts how often each unordered pair of different regions occurs in `pairs`. O(n log n).
     pub fn from_pairs(regions: usize, pairs: impl IntoIterator<Item = (SegmentId, SegmentId)>) -> Self {
-        Self::gather(regions, pairs.into_iter().map(|(a, b)| (a, b, ())), |count, ()| *count += 1)
+        // Along a border the same pair comes often in a row, and then is sorted once.
+        let mut counted: Vec<(SegmentId, SegmentId, u32)> = Vec::new();
+        for (a, b) in pairs {
+            match counted.last_mut() {
+                Some(last) if (last.0, last.1) == (a, b) => last.2 += 1,
+                _ => counted.push((a, b, 1)),
+            }
+        }
+        Self::gather(regions, counted, |count, times| *count += times)
     }
 }
 
