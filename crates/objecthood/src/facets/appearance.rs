@@ -1,8 +1,8 @@
 //! How a superpixel looks: its colours and the directions it faces (paper, eq. 3).
 
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_PI_2, PI};
 
-use crate::color::lab;
+use crate::color::{NEARLY_LAB_ERROR, lab, nearly_lab};
 use crate::oversegment::Superpixels;
 use crate::params;
 use crate::raster::Raster;
@@ -30,7 +30,7 @@ impl Appearance {
         segments.members().filter(|&(i, _)| superpixels.core[i]).for_each(|(_, s)| has_core[s] = true);
 
         let speaking = || segments.members().filter(|&(i, s)| superpixels.core[i] || !has_core[s]);
-        let colors = speaking().filter_map(|(i, s)| Some((s, lab_bin(lab(color?[i]), params.lab_bins))));
+        let colors = speaking().filter_map(|(i, s)| Some((s, color_bin(color?[i], params.lab_bins))));
         let directions = speaking()
             .filter(|&(i, _)| normals[i] != [0.0; 3])
             .map(|(i, s)| (s, direction_bin(normals[i], params)));
@@ -102,20 +102,69 @@ impl Histograms {
 }
 
 /// The bin of a colour: L over [0, 100], a and b over [-64, 64], what lies beyond in the outermost bin.
-fn lab_bin([l, a, b]: [f32; 3], bins: usize) -> usize {
-    let axis = |share: f32| bin_of(share, bins);
-    (axis(l / 100.0) * bins + axis((a + 64.0) / 128.0)) * bins + axis((b + 64.0) / 128.0)
+///
+/// What is nearly the colour decides where its error cannot change the bin, which is nearly always.
+fn color_bin(rgb: [u8; 3], bins: usize) -> usize {
+    let joint = |[l, a, b]: [Option<usize>; 3]| Some((l? * bins + a?) * bins + b?);
+    let [l, a, b] = shares(nearly_lab(rgb));
+    let (error_l, error_ab) = (NEARLY_LAB_ERROR / 100.0, NEARLY_LAB_ERROR / 128.0);
+    let near = [sure_bin(l, error_l, bins), sure_bin(a, error_ab, bins), sure_bin(b, error_ab, bins)];
+    joint(near).unwrap_or_else(|| lab_bin(lab(rgb), bins))
+}
+
+fn lab_bin(lab: [f32; 3], bins: usize) -> usize {
+    let [l, a, b] = shares(lab);
+    (bin_of(l, bins) * bins + bin_of(a, bins)) * bins + bin_of(b, bins)
+}
+
+fn shares([l, a, b]: [f32; 3]) -> [f32; 3] {
+    [l / 100.0, (a + 64.0) / 128.0, (b + 64.0) / 128.0]
 }
 
 /// The bin of a normal: its inclination from the camera's up (acos of -y) and its azimuth around it.
+///
+/// Polynomials decide where their error cannot change the bin, which is nearly always.
 fn direction_bin([x, y, z]: [f32; 3], params: &params::Appearance) -> usize {
-    let inclination = libm::acosf((-y).clamp(-1.0, 1.0)) / PI;
-    let azimuth = (libm::atan2f(x, -z) + PI) / (2.0 * PI);
-    bin_of(inclination, params.inclination_bins) * params.azimuth_bins + bin_of(azimuth, params.azimuth_bins)
+    let up = (-y).clamp(-1.0, 1.0);
+    let inclination = sure_bin(nearly_acos(up) / PI, ANGLE_ERROR, params.inclination_bins)
+        .unwrap_or_else(|| bin_of(libm::acosf(up) / PI, params.inclination_bins));
+    let azimuth = sure_bin((nearly_atan2(x, -z) + PI) / (2.0 * PI), ANGLE_ERROR, params.azimuth_bins)
+        .unwrap_or_else(|| bin_of((libm::atan2f(x, -z) + PI) / (2.0 * PI), params.azimuth_bins));
+    inclination * params.azimuth_bins + azimuth
 }
 
 fn bin_of(share: f32, bins: usize) -> usize {
     ((share * bins as f32).max(0.0) as usize).min(bins - 1)
+}
+
+/// The bin of what is `share` but for an `error`, if it is the same either way.
+#[inline]
+fn sure_bin(share: f32, error: f32, bins: usize) -> Option<usize> {
+    let bin = bin_of(share - error, bins);
+    (!share.is_nan() && bin == bin_of(share + error, bins)).then_some(bin)
+}
+
+/// More than [`nearly_acos`] errs in shares of π, and [`nearly_atan2`] in shares of 2π.
+const ANGLE_ERROR: f32 = 3e-5;
+
+/// The arc cosine but for 6.8e-5 (Abramowitz and Stegun 4.4.45).
+#[inline]
+fn nearly_acos(x: f32) -> f32 {
+    let t = x.abs();
+    let positive = (1.0 - t).sqrt() * (1.570_728_8 + t * (-0.212_114_4 + t * (0.074_261 - 0.018_729_3 * t)));
+    if x < 0.0 { PI - positive } else { positive }
+}
+
+/// The angle of (x, y) in -π..π but for 1.2e-5 (Abramowitz and Stegun 4.4.49); `NaN` of (0, 0).
+#[inline]
+fn nearly_atan2(y: f32, x: f32) -> f32 {
+    let ratio = x.abs().min(y.abs()) / x.abs().max(y.abs());
+    let s = ratio * ratio;
+    let first =
+        ratio * (0.999_866 + s * (-0.330_299_5 + s * (0.180_141 + s * (-0.085_133 + s * 0.020_835_1))));
+    let steep = if y.abs() > x.abs() { FRAC_PI_2 - first } else { first };
+    let right = if x < 0.0 { PI - steep } else { steep };
+    right.copysign(y)
 }
 
 #[cfg(test)]
@@ -160,7 +209,7 @@ mod tests {
 
             let of = |s: usize, f: &dyn Fn(usize) -> usize| (s..n).step_by(2).map(f).collect::<Vec<_>>();
             let by_color = |i: usize| lab_bin(lab(color[i]), 8);
-            let by_normal = |i: usize| direction_bin(normals[i], &params);
+            let by_normal = |i: usize| exact_direction_bin(normals[i], &params);
             let expected = 1.0
                 - omega * naive(&of(0, &by_color), &of(1, &by_color))
                 - (1.0 - omega) * naive(&of(0, &by_normal), &of(1, &by_normal));
@@ -168,6 +217,40 @@ mod tests {
             prop_assert!((got - expected).abs() < 1e-5, "{} {}", got, expected);
             prop_assert!((got - appearance.difference(1, 0)).abs() < 1e-12);
             prop_assert!(appearance.difference(0, 0).abs() < 1e-5);
+        }
+    }
+
+    fn exact_direction_bin([x, y, z]: [f32; 3], params: &params::Appearance) -> usize {
+        let inclination = libm::acosf((-y).clamp(-1.0, 1.0)) / PI;
+        let azimuth = (libm::atan2f(x, -z) + PI) / (2.0 * PI);
+        bin_of(inclination, params.inclination_bins) * params.azimuth_bins
+            + bin_of(azimuth, params.azimuth_bins)
+    }
+
+    proptest! {
+        #[test]
+        fn bins_are_the_exact_ones(
+            rgb in any::<[u8; 3]>(),
+            // Also along the axes, where angles are the limits of bins.
+            normal in prop::array::uniform3(prop_oneof![-1.0_f32..1.0, Just(0.0), Just(-0.0), Just(1.0), Just(-1.0)]),
+            lab_bins in 1_usize..=32,
+            inclination_bins in 1_usize..=180,
+            azimuth_bins in 1_usize..=360,
+        ) {
+            prop_assert_eq!(color_bin(rgb, lab_bins), lab_bin(lab(rgb), lab_bins));
+            let params = params::Appearance { inclination_bins, azimuth_bins, ..Default::default() };
+            let unit = glam::Vec3::from(normal).normalize_or_zero().to_array();
+            prop_assert_eq!(direction_bin(unit, &params), exact_direction_bin(unit, &params));
+        }
+    }
+
+    #[test]
+    fn polynomials_are_within_their_error() {
+        for k in -100_000..=100_000 {
+            let x = k as f32 / 100_000.0;
+            assert!((nearly_acos(x) - libm::acosf(x)).abs() < ANGLE_ERROR * PI, "{x}");
+            let (y, x) = (libm::sinf(x * PI), libm::cosf(x * PI));
+            assert!((nearly_atan2(y, x) - libm::atan2f(y, x)).abs() < ANGLE_ERROR * 2.0 * PI, "{x} {y}");
         }
     }
 
