@@ -62,19 +62,41 @@ struct Histograms {
 }
 
 impl Histograms {
-    /// Counts (superpixel, bin) for `count` superpixels. O(n) for n observations: the sort is a radix sort.
+    /// Counts (superpixel, bin) for `count` superpixels: first all bins of each superpixel side by side, then how often each
+    /// occurs. O(n + k log k) for n observations that occupy k bins.
     fn new(count: usize, observed: impl Iterator<Item = (usize, usize)>) -> Self {
-        let mut keys: Vec<u64> = observed.map(|(s, bin)| ((s as u64) << 32) | bin as u64).collect();
-        radsort::sort(&mut keys);
-        let mut bins = Vec::new();
-        let mut starts = vec![0];
-        let mut rest = keys.as_slice();
-        for s in 0..count {
-            let (own, others) = rest.split_at(rest.partition_point(|key| key >> 32 <= s as u64));
-            let runs = own.chunk_by(|a, b| a == b);
-            bins.extend(runs.map(|run| (run[0] as u32, run.len() as f32 / own.len() as f32)));
+        let observed: Vec<(u32, u32)> = observed.map(|(s, bin)| (s as u32, bin as u32)).collect();
+        let mut ends = vec![0_usize; count];
+        observed.iter().for_each(|&(s, _)| ends[s as usize] += 1);
+        let mut start = 0;
+        for end in &mut ends {
+            start += std::mem::replace(end, start);
+        }
+        let mut grouped = vec![0; observed.len()];
+        for &(s, bin) in &observed {
+            let end = &mut ends[s as usize];
+            grouped[*end] = bin;
+            *end += 1;
+        }
+
+        let mut times = vec![0_u32; grouped.iter().max().map_or(0, |&most| most as usize + 1)];
+        let mut occupied = Vec::new();
+        let (mut bins, mut starts, mut start) = (Vec::new(), vec![0], 0);
+        for end in ends {
+            let own = &grouped[start..end];
+            for &bin in own {
+                if times[bin as usize] == 0 {
+                    occupied.push(bin);
+                }
+                times[bin as usize] += 1;
+            }
+            occupied.sort_unstable();
+            for bin in occupied.drain(..) {
+                let times = std::mem::take(&mut times[bin as usize]);
+                bins.push((bin, times as f32 / own.len() as f32));
+            }
             starts.push(bins.len());
-            rest = others;
+            start = end;
         }
         Self { bins, starts }
     }
@@ -137,11 +159,13 @@ fn bin_of(share: f32, bins: usize) -> usize {
     ((share * bins as f32).max(0.0) as usize).min(bins - 1)
 }
 
-/// The bin of what is `share` but for an `error`, if it is the same either way.
+/// The bin of what is `share` but for an `error`, if it lies farther than that from the limits of the bin.
 #[inline]
 fn sure_bin(share: f32, error: f32, bins: usize) -> Option<usize> {
-    let bin = bin_of(share - error, bins);
-    (!share.is_nan() && bin == bin_of(share + error, bins)).then_some(bin)
+    let place = share * bins as f32;
+    let bin = place as i32;
+    let (past, margin) = (place - bin as f32, error * bins as f32);
+    (past > margin && past < 1.0 - margin && (bin as usize) < bins).then_some(bin as usize)
 }
 
 /// More than [`nearly_acos`] errs in shares of π, and [`nearly_atan2`] in shares of 2π.

@@ -26,48 +26,81 @@ pub fn changes(z_p: f32, z_q: f32, change_per_m: f32) -> bool {
     }
 }
 
-/// Squared distance (px²) of every pixel to the nearest pixel beside a depth change, at most `reach_px`² + 1.
+/// The farthest that [`squared_distance`] looks: its square and that of one more fit 16 bits.
+const FARTHEST_REACH_PX: usize = 180;
+
+/// Squared distance (px²) of every pixel to the nearest pixel beside a depth change, at most `reach_px`² + 1; `reach_px`
+/// is at most 180.
 ///
 /// A pixel is beside a change when it differs from its right, left, lower or upper neighbour ([`changes`]).
-/// Two passes, columns then rows, exact in integers. O(pixels · `reach_px`).
-pub fn squared_distance(depth_m: &Raster<f32>, change_per_m: f32, reach_px: usize) -> Raster<u32> {
+/// Two passes, columns then rows, exact in integers of 16 bits: eight pixels at once. O(pixels · `reach_px`).
+pub fn squared_distance(depth_m: &Raster<f32>, change_per_m: f32, reach_px: usize) -> Raster<i16> {
     let (width, height) = depth_m.size();
+    let reach_px = reach_px.min(FARTHEST_REACH_PX);
     let z = depth_m.as_slice();
-    let far = (reach_px + 1) as u32;
+    let far = (reach_px + 1) as i16;
     // Distance along the column, first downwards, then upwards.
     let mut column = vec![far; z.len()];
+    let mut change = vec![false; width];
     for v in 0..height {
-        for u in 0..width {
-            let i = v * width + u;
-            if u + 1 < width && changes(z[i], z[i + 1], change_per_m) {
-                column[i] = 0;
-                column[i + 1] = 0;
-            }
-            if v + 1 < height && changes(z[i], z[i + width], change_per_m) {
-                column[i] = 0;
-                column[i + width] = 0;
-            }
+        let (row, below) = z[v * width..].split_at(width);
+        let (here, next) = column[v * width..].split_at_mut(width);
+        mark(&mut change, &row[..width - 1], &row[1..], change_per_m);
+        bring_near(&mut here[..width - 1], &change);
+        bring_near(&mut here[1..], &change);
+        if v + 1 < height {
+            mark(&mut change, row, &below[..width], change_per_m);
+            bring_near(here, &change);
+            bring_near(&mut next[..width], &change);
         }
     }
-    for i in width..z.len() {
-        column[i] = column[i].min(column[i - width] + 1);
+    for v in 1..height {
+        let (above, below) = column.split_at_mut(v * width);
+        one_farther(&mut below[..width], &above[(v - 1) * width..]);
     }
-    for i in (0..z.len() - width).rev() {
-        column[i] = column[i].min(column[i + width] + 1);
+    for v in (1..height).rev() {
+        let (above, below) = column.split_at_mut(v * width);
+        one_farther(&mut above[(v - 1) * width..], &below[..width]);
     }
     // Then the best column within reach.
-    let cap = (reach_px * reach_px + 1) as u32;
+    let cap = (reach_px * reach_px + 1) as i16;
     let mut squared = vec![cap; z.len()];
-    squared.par_chunks_mut(width).zip(column.par_chunks(width)).for_each(|(squared, column)| {
-        for (u, best) in squared.iter_mut().enumerate() {
-            let window = u.saturating_sub(reach_px)..(u + reach_px + 1).min(width);
-            for (q, &rows) in window.clone().zip(&column[window]) {
-                let columns = u.abs_diff(q) as u32;
-                *best = (*best).min(columns * columns + rows * rows);
-            }
+    squared.par_chunks_mut(width).zip(column.par_chunks_mut(width)).for_each(|(squared, column)| {
+        column.iter_mut().for_each(|rows| *rows *= *rows);
+        for columns in 0..=reach_px.min(width - 1) {
+            let add = (columns * columns) as i16;
+            nearest(&mut squared[columns..], &column[..width - columns], add);
+            nearest(&mut squared[..width - columns], &column[columns..], add);
         }
     });
     depth_m.with_data(squared)
+}
+
+/// Marks where depth changes between two rows of pixels.
+fn mark(change: &mut [bool], z_p: &[f32], z_q: &[f32], change_per_m: f32) {
+    for (change, (&z_p, &z_q)) in change.iter_mut().zip(z_p.iter().zip(z_q)) {
+        *change = changes(z_p, z_q, change_per_m);
+    }
+}
+
+/// Pixels beside a change are at distance 0.
+fn bring_near(distance: &mut [i16], change: &[bool]) {
+    for (distance, &change) in distance.iter_mut().zip(change) {
+        *distance *= i16::from(!change);
+    }
+}
+
+/// No pixel is more than one farther from a change than its neighbour.
+fn one_farther(distance: &mut [i16], neighbour: &[i16]) {
+    for (distance, &neighbour) in distance.iter_mut().zip(neighbour) {
+        *distance = (*distance).min(neighbour + 1);
+    }
+}
+
+fn nearest(squared: &mut [i16], rows_squared: &[i16], columns_squared: i16) {
+    for (squared, &rows) in squared.iter_mut().zip(rows_squared) {
+        *squared = (*squared).min(rows.saturating_add(columns_squared));
+    }
 }
 
 #[cfg(test)]
@@ -105,7 +138,7 @@ mod tests {
                         }
                     }
                 }
-                assert_eq!(squared[v as usize * width + u as usize], best as u32, "at {u}, {v}");
+                assert_eq!(i32::from(squared[v as usize * width + u as usize]), best, "at {u}, {v}");
             }
         }
     }

@@ -10,7 +10,6 @@
 pub mod curvature;
 pub mod depth_change;
 pub mod disparity;
-pub mod integral;
 pub mod moments;
 pub mod normals;
 pub mod plane_fit;

@@ -3,75 +3,117 @@
 //! The tangents ∂X/∂u and ∂X/∂v are averaged over a window that does not reach across a depth change; their
 //! cross product is the normal (Holzer et al., IROS 2012: average 3-D gradient; paper, III-A; METHOD 2.2).
 //!
-//! 1. mark depth changes, 2. distance to the nearest one, 3. window half size from it, 4. integral images of the
-//!    tangents, 5. cross product, turned towards the camera.
+//! 1. mark depth changes, 2. distance to the nearest one, 3. window half size from it, 4. sums along rows and columns,
+//!    5. cross product, turned towards the camera.
+
+use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::params;
 use crate::raster::Raster;
-use crate::surface::depth_change::{changes, squared_distance};
-use crate::surface::integral::IntegralImage;
+use crate::surface::depth_change::squared_distance;
+
+/// Rows whose sums are held together, so that they fit a cache.
+const BAND_ROWS: usize = 32;
 
 /// The unit normal of every pixel, towards the camera (n · X < 0); zero where there is none: no depth, or a
 /// depth change so near that no window fits.
 ///
-/// `points_m`: camera frame, `NaN` = none. O(pixels · window).
+/// No window holds a depth change, so its tangents form chains of neighbours and their sums telescope: what is left of those
+/// along a row are its last and first point. The points are summed along rows and columns, in f64, and four sums give
+/// the average of a direction.
+///
+/// `points_m`: camera frame, `NaN` = none. O(pixels · window) for the distances, else O(pixels).
 pub fn normals(points_m: &Raster<[f32; 3]>, params: &params::Normals) -> Raster<[f32; 3]> {
     let (width, height) = points_m.size();
-    let depth_m = points_m.map(|p| p[2]);
     let half_limit = (params.window_px / 2.0) as usize;
     // A square of half size h reaches sqrt(2) h at its corners.
     let reach = half_limit * 3 / 2 + 1;
-    let distance = squared_distance(&depth_m, params.depth_change_per_m, reach);
+    let distance = squared_distance(&points_m.map(|p| p[2]), params.depth_change_per_m, reach);
+    let half: Vec<u16> = (0..=reach * reach + 1).map(|d| half_window(d, half_limit) as u16).collect();
 
-    let points = points_m.as_slice();
-    // No window holds a change, but one leap in depth would cost the sums behind it their precision.
-    let tangent = |i: usize, next: usize| -> [f64; 4] {
-        let (p, q) = (points[i], points[next]);
-        if p[2].is_nan() || q[2].is_nan() || changes(p[2], q[2], params.depth_change_per_m) {
-            return [0.0; 4];
-        }
-        let d = Vec3::from(q).as_dvec3() - Vec3::from(p).as_dvec3();
-        [d.x, d.y, d.z, 1.0]
-    };
-    let (along_u, along_v) = rayon::join(
-        || IntegralImage::new(points_m, |i| if i % width + 1 < width { tangent(i, i + 1) } else { [0.0; 4] }),
-        || {
-            IntegralImage::new(points_m, |i| {
-                if i + width < points.len() { tangent(i, i + width) } else { [0.0; 4] }
-            })
-        },
-    );
-
-    let mut normals = vec![[0.0; 3]; points.len()];
-    normals.par_chunks_mut(width).enumerate().for_each(|(v, row)| {
-        for (u, normal) in row.iter_mut().enumerate() {
-            let i = v * width + u;
-            let half = half_window(distance[i], half_limit);
-            if half == 0 || depth_m[i].is_nan() {
-                continue;
-            }
-            let us = u.saturating_sub(half)..(u + half + 1).min(width);
-            let vs = v.saturating_sub(half)..(v + half + 1).min(height);
-            let [ux, uy, uz, nu] = along_u.sum(us.clone(), vs.clone());
-            let [vx, vy, vz, nv] = along_v.sum(us, vs);
-            if nu > 0.0 && nv > 0.0 {
-                let cross = DVec3::new(ux, uy, uz).cross(DVec3::new(vx, vy, vz));
-                let towards_camera = -cross.dot(Vec3::from(points[i]).as_dvec3()).signum();
+    let mut normals = vec![[0.0; 3]; points_m.len()];
+    normals.par_chunks_mut(BAND_ROWS * width).enumerate().for_each_init(
+        Sums::default,
+        |sums, (band, normals)| {
+            let rows = band * BAND_ROWS..height.min((band + 1) * BAND_ROWS);
+            let around = rows.start.saturating_sub(half_limit)..height.min(rows.end + half_limit + 1);
+            sums.take(points_m, around);
+            for (normal, i) in normals.iter_mut().zip(rows.start * width..) {
+                let (u, v, half) = (i % width, i / width, usize::from(half[distance[i] as usize]));
+                let point = Vec3::from(points_m[i]);
+                if half == 0 || point.z.is_nan() {
+                    continue;
+                }
+                let (us, ue) = (u.saturating_sub(half), (u + half + 1).min(width));
+                let (vs, ve) = (v.saturating_sub(half), (v + half + 1).min(height));
+                // The tangents end one pixel farther, but for those that would leave the image.
+                let (last_u, last_v) = (ue.min(width - 1), ve.min(height - 1));
+                let along_u = sums.of_column(last_u, vs..ve) - sums.of_column(us, vs..ve);
+                let along_v = sums.of_row(last_v, us..ue) - sums.of_row(vs, us..ue);
+                let cross = along_u.cross(along_v);
+                let towards_camera = -cross.dot(point.as_dvec3()).signum();
                 *normal = (cross.normalize_or_zero() * towards_camera).as_vec3().to_array();
             }
-        }
-    });
+        },
+    );
     points_m.with_data(normals)
+}
+
+/// The points of some rows summed up along rows and along columns.
+#[derive(Default)]
+struct Sums {
+    first_row: usize,
+    width: usize,
+    /// Of each pixel, and of the place behind every row: the sum over its row before it.
+    before: Vec<DVec3>,
+    /// Of each pixel, and of the row below the last: the sum over its column above it.
+    above: Vec<DVec3>,
+}
+
+impl Sums {
+    /// Sums up `rows` of `points_m`; missing points count as zero.
+    fn take(&mut self, points_m: &Raster<[f32; 3]>, rows: Range<usize>) {
+        let width = points_m.width();
+        (self.first_row, self.width) = (rows.start, width);
+        self.before.clear();
+        self.above.clear();
+        self.above.resize(width, DVec3::ZERO);
+        let points = &points_m.as_slice()[rows.start * width..rows.end * width];
+        for (v, row) in points.chunks_exact(width).enumerate() {
+            let mut before = DVec3::ZERO;
+            for (u, &point) in row.iter().enumerate() {
+                let point = if point[2].is_nan() { DVec3::ZERO } else { Vec3::from(point).as_dvec3() };
+                self.before.push(before);
+                before += point;
+                self.above.push(self.above[v * width + u] + point);
+            }
+            self.before.push(before);
+        }
+    }
+
+    /// The sum over column `u` within the rows `vs`.
+    #[inline]
+    fn of_column(&self, u: usize, vs: Range<usize>) -> DVec3 {
+        let at = |v: usize| self.above[(v - self.first_row) * self.width + u];
+        at(vs.end) - at(vs.start)
+    }
+
+    /// The sum over row `v` within the columns `us`.
+    #[inline]
+    fn of_row(&self, v: usize, us: Range<usize>) -> DVec3 {
+        let row = &self.before[(v - self.first_row) * (self.width + 1)..][..=self.width];
+        row[us.end] - row[us.start]
+    }
 }
 
 /// The greatest h up to `limit` such that a square of half size h stays nearer than the depth change.
 #[inline]
-fn half_window(squared_distance: u32, limit: usize) -> usize {
+fn half_window(squared_distance: usize, limit: usize) -> usize {
     let mut half = 0;
-    while half < limit && 2 * ((half + 1) * (half + 1)) < squared_distance as usize {
+    while half < limit && 2 * ((half + 1) * (half + 1)) < squared_distance {
         half += 1;
     }
     half
