@@ -21,7 +21,7 @@ pub(crate) fn nearly_lab(rgb: [u8; 3]) -> [f32; 3] {
     let table = &*LIGHTNESS;
     lab_by(rgb, |t| {
         let place = t * CELLS as f32;
-        let cell = (place as usize).min(CELLS - 1);
+        let cell = (place as u32 as usize).min(CELLS - 1);
         table[cell] + (place - cell as f32) * (table[cell + 1] - table[cell])
     })
 }

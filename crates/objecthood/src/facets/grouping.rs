@@ -2,28 +2,26 @@
 
 use crate::facets::appearance::Appearance;
 use crate::oversegment::Superpixels;
+use crate::oversegment::graph::{STEPS, columns};
 use crate::params;
 use crate::raster::Raster;
-use crate::regions::{RegionGraph, Segments};
+use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::union_find::UnionFind;
 
 /// Which superpixels touch: the number of 8-neighbour pixel pairs between any two.
 pub fn neighbours(segments: &Segments) -> RegionGraph<u32> {
     let labels = segments.labels();
     let (width, height) = labels.size();
-    let pairs = (0..labels.len()).flat_map(move |p| {
-        let (u, v) = (p % width, p / width);
-        let right = u + 1 < width;
-        let down = v + 1 < height;
-        [
-            (right, p + 1),
-            (down, p + width),
-            (down && right, p + width + 1),
-            (down && u > 0, (p + width).wrapping_sub(1)),
-        ]
-        .into_iter()
-        .filter_map(move |(inside, q)| if inside { Some((segments.at(p)?, segments.at(q)?)) } else { None })
-    });
+    let row = |v: usize| &labels.as_slice()[v * width..][..width];
+    let id = |l: i32| u32::try_from(l).ok().map(SegmentId);
+    let mut pairs = Vec::new();
+    for (du, dv) in STEPS {
+        let (from, to) = columns(du, width);
+        for v in 0..height - dv {
+            let ends = row(v)[from.clone()].iter().zip(&row(v + dv)[to.clone()]);
+            pairs.extend(ends.filter(|(a, b)| a != b).filter_map(|(&a, &b)| Some((id(a)?, id(b)?))));
+        }
+    }
     RegionGraph::from_pairs(segments.count(), pairs)
 }
 

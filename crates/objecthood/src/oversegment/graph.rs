@@ -9,7 +9,7 @@ use crate::params::{self, Channels};
 use crate::raster::Raster;
 
 /// Column and row steps to the four neighbours that follow a pixel in the graph: right, down, down-right, down-left.
-const STEPS: [(isize, usize); 4] = [(1, 0), (0, 1), (1, 1), (-1, 1)];
+pub(crate) const STEPS: [(isize, usize); 4] = [(1, 0), (0, 1), (1, 1), (-1, 1)];
 
 /// Weight of an edge that only the minimum-size pass may cross: heavier than any colour or disparity difference.
 const APART: f32 = f32::INFINITY;
@@ -169,7 +169,7 @@ fn four(row: &[f32]) -> [&[f32]; 4] {
 }
 
 /// The columns from which a step of `du` stays in the image, and those to which it leads.
-fn columns(du: isize, width: usize) -> (Range<usize>, Range<usize>) {
+pub(crate) fn columns(du: isize, width: usize) -> (Range<usize>, Range<usize>) {
     match du {
         1 => (0..width - 1, 1..width),
         -1 => (1..width, 0..width - 1),
