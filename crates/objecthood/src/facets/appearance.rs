@@ -30,14 +30,13 @@ impl Appearance {
         segments.members().filter(|&(i, _)| superpixels.core[i]).for_each(|(_, s)| has_core[s] = true);
 
         let speaking = || segments.members().filter(|&(i, s)| superpixels.core[i] || !has_core[s]);
-        let colors = speaking().filter_map(|(i, s)| Some((s, color_bin(color?[i], params.lab_bins))));
-        let directions = speaking()
-            .filter(|&(i, _)| normals[i] != [0.0; 3])
-            .map(|(i, s)| (s, direction_bin(normals[i], params)));
+        let colored = || speaking().filter(|_| color.is_some());
+        let color_of = |i: usize| color.map_or(0, |color| color_bin(color[i], params.lab_bins));
+        let facing = || speaking().filter(|&(i, _)| normals[i] != [0.0; 3]);
         Self {
             color_weight: params.color_weight,
-            color: Histograms::new(segments.count(), colors),
-            normal: Histograms::new(segments.count(), directions),
+            color: Histograms::new(segments.count(), colored, color_of),
+            normal: Histograms::new(segments.count(), facing, |i| direction_bin(normals[i], params)),
         }
     }
 
@@ -62,21 +61,23 @@ struct Histograms {
 }
 
 impl Histograms {
-    /// Counts (superpixel, bin) for `count` superpixels: first all bins of each superpixel side by side, then how often each
-    /// occurs. O(n + k log k) for n observations that occupy k bins.
-    fn new(count: usize, observed: impl Iterator<Item = (usize, usize)>) -> Self {
-        let observed: Vec<(u32, u32)> = observed.map(|(s, bin)| (s as u32, bin as u32)).collect();
+    /// Counts the bins of `members`, (pixel, superpixel), for `count` superpixels: first all bins of each superpixel side by
+    /// side, then how often each occurs. O(n + k log k) for n members that occupy k bins.
+    fn new<M: Iterator<Item = (usize, usize)>>(
+        count: usize,
+        members: impl Fn() -> M,
+        bin: impl Fn(usize) -> usize,
+    ) -> Self {
         let mut ends = vec![0_usize; count];
-        observed.iter().for_each(|&(s, _)| ends[s as usize] += 1);
+        members().for_each(|(_, s)| ends[s] += 1);
         let mut start = 0;
         for end in &mut ends {
             start += std::mem::replace(end, start);
         }
-        let mut grouped = vec![0; observed.len()];
-        for &(s, bin) in &observed {
-            let end = &mut ends[s as usize];
-            grouped[*end] = bin;
-            *end += 1;
+        let mut grouped = vec![0_u32; start];
+        for (i, s) in members() {
+            grouped[ends[s]] = bin(i) as u32;
+            ends[s] += 1;
         }
 
         let mut times = vec![0_u32; grouped.iter().max().map_or(0, |&most| most as usize + 1)];
