@@ -1,6 +1,8 @@
 //! Diagnostics of the stages before there are objects (METHOD 4.5): do superpixels, facets and shapes keep to the
 //! borders of the truth, and how much of an object does one of them hold?
 
+use std::borrow::Cow;
+
 use objecthood::{Observer, Segments, Stage};
 use serde::Serialize;
 
@@ -252,12 +254,12 @@ impl Observer for StageObserver<'_> {
     fn observe(&mut self, stage: Stage<'_>) {
         let Ok(stages) = &mut self.stages else { return };
         let (segments, metrics) = match stage {
-            Stage::Superpixels(segments) => (segments, &mut stages.superpixels),
-            Stage::Facets(segments) => (segments, &mut stages.facets),
-            Stage::Shapes(segments) => (segments, &mut stages.shapes),
+            Stage::Superpixels(map) => (map.segments(), &mut stages.superpixels),
+            Stage::Facets(segments) => (Cow::Borrowed(segments), &mut stages.facets),
+            Stage::Shapes(map) => (map.segments(), &mut stages.shapes),
             _ => return,
         };
-        match StageMetrics::of(segments, self.truth) {
+        match StageMetrics::of(&segments, self.truth) {
             Ok(measured) => *metrics = measured,
             Err(error) => self.stages = Err(error),
         }
@@ -426,8 +428,8 @@ mod tests {
         let [one, two] =
             [[0, 0], [0, 1]].map(|r| Segments::from_labels(&Raster::from_vec(2, 1, r.to_vec()).unwrap()));
         let mut observer = StageObserver::new(&truth);
-        observer.observe(Stage::Superpixels(&two));
-        observer.observe(Stage::Shapes(&one));
+        observer.observe(Stage::Superpixels((&two).into()));
+        observer.observe(Stage::Shapes((&one).into()));
         let stages = observer.into_stages().unwrap();
         let regions = stages.by_name().map(|(_, metrics)| metrics.map(|m| m.regions));
         assert_eq!(regions, [Some(2.0), None, Some(1.0)]);
@@ -435,7 +437,7 @@ mod tests {
         let wide = Segments::from_labels(&Raster::from_vec(3, 1, vec![0; 3]).unwrap());
         let mut observer = StageObserver::new(&truth);
         observer.observe(Stage::Facets(&wide));
-        observer.observe(Stage::Shapes(&one));
+        observer.observe(Stage::Shapes((&one).into()));
         assert!(matches!(observer.into_stages(), Err(Error::SegmentsSize { .. })));
     }
 }

@@ -64,7 +64,7 @@ fn every_setting_has_a_report_with_its_stages() {
         }
         let mut observer = StageObserver::new(&scene.truth);
         let segments = Segments::from_labels(&prediction.labels.map(|&l| i32::from(l)));
-        observer.observe(Stage::Shapes(&segments));
+        observer.observe(Stage::Shapes((&segments).into()));
         Ok::<_, Error>(Prediction { stages: Some(observer.into_stages()?), ..prediction })
     };
     let reports = evaluate_settings(&scenes, None, &[true, false], predict).unwrap();

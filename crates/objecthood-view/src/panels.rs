@@ -153,9 +153,9 @@ mod tests {
         let regions = testing::segments(width, height, |i| (i % 97 / 3) as i32 - 1);
         let mut recording = Recording::default();
         recording.observe(Stage::Normals(&testing::raster(width, height, |_| [0.6, 0.0, -0.8])));
-        recording.observe(Stage::Superpixels(&regions));
+        recording.observe(Stage::Superpixels((&regions).into()));
         recording.observe(Stage::Facets(&regions));
-        recording.observe(Stage::Shapes(&regions));
+        recording.observe(Stage::Shapes((&regions).into()));
         let discovery = testing::discovery(testing::raster(width, height, label));
         (testing::frame(depth_m, color), recording, discovery)
     }

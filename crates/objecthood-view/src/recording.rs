@@ -22,10 +22,10 @@ impl Observer for Recording {
     fn observe(&mut self, stage: Stage<'_>) {
         match stage {
             Stage::Normals(normals) => self.normals = Some(normals.clone()),
-            Stage::Superpixels(segments) => self.superpixels = Some(segments.clone()),
+            Stage::Superpixels(map) => self.superpixels = Some(map.segments().into_owned()),
             Stage::Facets(segments) => self.facets = Some(segments.clone()),
-            Stage::Shapes(segments) => self.shapes = Some(segments.clone()),
-            Stage::Structure(segments) => self.structure = segments.count(),
+            Stage::Shapes(map) => self.shapes = Some(map.segments().into_owned()),
+            Stage::Structure(map) => self.structure = map.segments().count(),
             Stage::Support { regions, .. } => self.supports = Some(regions.clone()),
             _ => {}
         }
@@ -47,10 +47,10 @@ mod tests {
         let normals = Raster::filled(4, 1, [0.0, 0.0, -1.0]).unwrap();
         let mut recording = Recording::default();
         recording.observe(Stage::Normals(&normals));
-        recording.observe(Stage::Superpixels(&segments(4)));
+        recording.observe(Stage::Superpixels((&segments(4)).into()));
         recording.observe(Stage::Facets(&segments(3)));
-        recording.observe(Stage::Shapes(&segments(2)));
-        recording.observe(Stage::Structure(&segments(3)));
+        recording.observe(Stage::Shapes((&segments(2)).into()));
+        recording.observe(Stage::Structure((&segments(3)).into()));
         recording.observe(Stage::Support { graph: &SupportGraph::default(), regions: &segments(1) });
         assert_eq!(recording.structure, 3);
         assert_eq!(recording.supports, Some(segments(1)));

@@ -64,7 +64,7 @@ pub use camera::Camera;
 pub use discovery::{Discovery, Notice, Object, ObjectId, ObjectnessParts, OrientedBox, PixelBox};
 pub use error::{Error, Result};
 pub use frame::Frame;
-pub use observe::{Observer, Stage};
+pub use observe::{LabelMap, Observer, Stage};
 pub use params::{Method, ParameterInfo, Params};
 pub use raster::Raster;
 pub use regions::{RegionEdge, RegionGraph, SegmentId, Segments};

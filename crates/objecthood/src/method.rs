@@ -18,7 +18,7 @@ use crate::objectness::{
     Clusters, Scene, Steps, absorb_fragments, drop_low, fill, join_behind_occluders, join_bottoms,
     join_vessels, outcome,
 };
-use crate::observe::{Observer, Stage};
+use crate::observe::{LabelMap, Observer, Stage};
 use crate::oversegment::absorb::absorb;
 use crate::oversegment::felzenszwalb::segment;
 use crate::oversegment::graph::{PixelGraph, Unmeasured};
@@ -62,7 +62,7 @@ pub(crate) fn paper(
     let components = segment(&graph, &borders, &params.graph);
     let min_size = params.graph.min_size_px;
     let superpixels = absorb(&graph, &components, &borders, frame.depth_m(), &params.absorption, min_size);
-    observer.observe(Stage::Superpixels(&superpixels.segments));
+    observer.observe(Stage::Superpixels((&superpixels.segments).into()));
 
     // 2. Facets: superpixels that look alike (eq. 3).
     let appearance = Appearance::new(&superpixels, frame.color(), &normals, &params.appearance);
@@ -73,7 +73,7 @@ pub(crate) fn paper(
     let described = descriptors(&facets, &superpixels.core, &points, &normals);
     let convexities = convexities(&contacts(&facets, &points, &params.contact), &described);
     let shapes = shapes(&facets, &described, &convexities);
-    observer.observe(Stage::Shapes(&shapes));
+    observer.observe(Stage::Shapes((&shapes).into()));
 
     // 4. Objectness: size, and support against gravity (eq. 6 to 8).
     let plane = dominant_plane(&points, &params.gravity);
@@ -140,11 +140,11 @@ pub(crate) fn context(
         &params.structure,
         workspace,
     );
-    observer.observe(Stage::Structure(&structure.segments()));
+    observer.observe(Stage::Structure(LabelMap::structure(&structure)));
     let links = Links::new(&disparity, &orientation.slope, space, &params.watershed);
     let superpixels =
         watershed(&disparity, &fits, &structure.labels, &links, space, &params.watershed, workspace);
-    observer.observe(Stage::Superpixels(&structure.with(&superpixels)));
+    observer.observe(Stage::Superpixels(LabelMap::superpixels(&structure, &superpixels)));
 
     // 2. Facets: superpixels that lie on one surface.
     let joined = linked_pairs(&superpixels, &links);
@@ -156,7 +156,7 @@ pub(crate) fn context(
     let borders = borders(&facets, &disparity, space, &params.border);
     observer.observe(Stage::Borders { facets: &facets, evidence: &borders });
     let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
-    observer.observe(Stage::Shapes(&shapes.with_structure(&facets)));
+    observer.observe(Stage::Shapes(LabelMap::shapes(&facets, &shapes)));
 
     // 4. Objectness: what the surroundings of a shape tell, and support against gravity.
     let steps = Steps::of(&params.watershed);

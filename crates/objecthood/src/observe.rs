@@ -1,13 +1,17 @@
 //! The one hook through which pictures, timings and tests see intermediate results.
 
+use std::borrow::Cow;
+
 use crate::discovery::Discovery;
 use crate::facets::Facets;
 use crate::objectness::history::History;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::support::SupportGraph;
+use crate::oversegment::structure::Structure as Planes;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 use crate::shapes::border::BorderEvidence;
+use crate::shapes::contraction::Shapes as Grouping;
 
 /// What a stage has just produced. Each is announced at most once a frame, in this order.
 #[derive(Clone, Copy, Debug)]
@@ -18,9 +22,9 @@ pub enum Stage<'a> {
     /// Curvature of every pixel, eq. 2 (`paper`).
     Curvature(&'a Raster<f32>),
     /// Large planes that carry or enclose the objects (`context`). They come first among superpixels and facets.
-    Structure(&'a Segments),
+    Structure(LabelMap<'a>),
     /// Stage 1: small regions of one surface, in `paper` also of one colour.
-    Superpixels(&'a Segments),
+    Superpixels(LabelMap<'a>),
     /// Stage 2: one face each of a convex shape.
     Facets(&'a Segments),
     /// What the common borders of facets tell (`context`), before stage 3 and all that comes after it.
@@ -31,7 +35,7 @@ pub enum Stage<'a> {
         evidence: &'a RegionGraph<BorderEvidence>,
     },
     /// Stage 3: facets joined across convex edges. In `context` shape 0 is all structure.
-    Shapes(&'a Segments),
+    Shapes(LabelMap<'a>),
     /// What the surroundings made of the shapes (`context`).
     Clusters {
         /// The facets, and what was missing between them filled.
@@ -50,6 +54,51 @@ pub enum Stage<'a> {
     Hypotheses(&'a [Hypothesis]),
     /// Stage 4: the outcome.
     Objects(&'a Discovery),
+}
+
+/// A label map, put together only for who looks at it: the method itself keeps structure and superpixels apart.
+#[derive(Clone, Copy, Debug)]
+pub struct LabelMap<'a>(Parts<'a>);
+
+#[derive(Clone, Copy, Debug)]
+enum Parts<'a> {
+    Whole(&'a Segments),
+    Structure(&'a Planes),
+    Superpixels(&'a Planes, &'a Segments),
+    Shapes(&'a Facets, &'a Grouping),
+}
+
+impl<'a> LabelMap<'a> {
+    /// Of the structure alone.
+    pub(crate) fn structure(structure: &'a Planes) -> Self {
+        Self(Parts::Structure(structure))
+    }
+
+    /// First the structure, then superpixels where none is.
+    pub(crate) fn superpixels(structure: &'a Planes, superpixels: &'a Segments) -> Self {
+        Self(Parts::Superpixels(structure, superpixels))
+    }
+
+    /// First all structure, then the shapes of the other facets.
+    pub(crate) fn shapes(facets: &'a Facets, shapes: &'a Grouping) -> Self {
+        Self(Parts::Shapes(facets, shapes))
+    }
+
+    /// The label map. O(pixels), unless it is there already.
+    pub fn segments(self) -> Cow<'a, Segments> {
+        match self.0 {
+            Parts::Whole(segments) => Cow::Borrowed(segments),
+            Parts::Structure(structure) => Cow::Owned(structure.segments()),
+            Parts::Superpixels(structure, superpixels) => Cow::Owned(structure.with(superpixels)),
+            Parts::Shapes(facets, shapes) => Cow::Owned(shapes.with_structure(facets)),
+        }
+    }
+}
+
+impl<'a> From<&'a Segments> for LabelMap<'a> {
+    fn from(segments: &'a Segments) -> Self {
+        Self(Parts::Whole(segments))
+    }
 }
 
 /// Sees every stage of one frame; the algorithms know nothing of it beyond one call per stage.

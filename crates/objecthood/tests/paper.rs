@@ -262,7 +262,7 @@ impl Observer for Bends {
     fn observe(&mut self, stage: Stage<'_>) {
         match stage {
             Stage::Curvature(curvature) => self.0 = curvature.as_slice().to_vec(),
-            Stage::Superpixels(segments) => self.1 = segments.labels().as_slice().to_vec(),
+            Stage::Superpixels(map) => self.1 = map.segments().labels().as_slice().to_vec(),
             _ => {}
         }
     }

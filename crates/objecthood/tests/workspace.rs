@@ -17,16 +17,16 @@ static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 static ALONE: Mutex<()> = Mutex::new(());
 
 /// A frame of another size.
-fn wall() -> Frame {
-    let depth_m = Raster::filled(90, 70, 1.1).unwrap();
-    Frame::new(depth_m, None, Camera::new(80.0, 80.0, 44.5, 34.5).unwrap()).unwrap()
+fn wall() -> objecthood::Result<Frame> {
+    Frame::new(Raster::filled(90, 70, 1.1)?, None, Camera::new(80.0, 80.0, 44.5, 34.5)?)
 }
 
 #[test]
 fn what_was_looked_at_before_is_not_seen() {
     let _alone = ALONE.lock();
     let mut workspace = Workspace::default();
-    let frames = [two_boxes(), wall(), stack(), wall(), cut_box(), two_boxes()];
+    let wall = wall().unwrap();
+    let frames = [two_boxes(), wall.clone(), stack(), wall, cut_box(), two_boxes()];
     for (k, frame) in frames.iter().enumerate() {
         for method in [Method::Context, Method::Paper] {
             let params = Params { method, ..Params::default() };

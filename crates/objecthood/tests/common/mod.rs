@@ -58,10 +58,10 @@ pub(crate) struct Maps(pub(crate) Vec<(&'static str, Segments)>);
 impl Observer for Maps {
     fn observe(&mut self, stage: Stage<'_>) {
         match stage {
-            Stage::Structure(s) => self.0.push(("structure", s.clone())),
-            Stage::Superpixels(s) => self.0.push(("superpixels", s.clone())),
+            Stage::Structure(s) => self.0.push(("structure", s.segments().into_owned())),
+            Stage::Superpixels(s) => self.0.push(("superpixels", s.segments().into_owned())),
             Stage::Facets(s) => self.0.push(("facets", s.clone())),
-            Stage::Shapes(s) => self.0.push(("shapes", s.clone())),
+            Stage::Shapes(s) => self.0.push(("shapes", s.segments().into_owned())),
             _ => {}
         }
     }
