@@ -37,8 +37,8 @@ pub(crate) struct PixelEdge {
     pub(crate) q: u32,
 }
 
-/// The graph over all pixels. Its edges are implicit: number 4·p + d is the edge from pixel p in the direction d of [`STEPS`];
-/// only the weights are stored.
+/// The graph over all pixels. Its edges are implicit: number 4·p + d is the edge from pixel p in direction d of right,
+/// down, down-right, down-left; only the weights are stored.
 #[derive(Clone, Debug)]
 pub struct PixelGraph {
     width: usize,
