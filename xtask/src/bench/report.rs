@@ -93,15 +93,24 @@ fn targets(text: &mut String, figures: &Figures) {
 }
 
 fn stages(text: &mut String, figures: &Figures) {
-    text.push_str("\nMilliseconds a frame, median and quartiles:\n\n");
-    text.push_str("| | stage | CPU, 1 thread | wall, 1 thread | CPU, 2 threads | wall, 2 threads |\n|---|---|---|---|---|---|\n");
+    text.push_str(
+        "\nMilliseconds a frame, median and quartiles; passes: how often the frame could have been read and written, 4 bytes a pixel \
+         each, in the time on 1 thread:\n\n",
+    );
+    text.push_str(
+        "| | stage | CPU, 1 thread | passes | wall, 1 thread | CPU, 2 threads | wall, 2 threads |\n|---|---|---|---|---|---|---|\n",
+    );
+    let one_pass = figures.median("one pass/cpu_ms");
     for method in METHODS {
         for stage in STAGES {
             if figures.count(&format!("{method}/1/{stage}/cpu_ms")) == 0 {
                 continue;
             }
             let cell = |threads, quantity| spread(figures, &format!("{method}/{threads}/{stage}/{quantity}"));
-            let cells = [cell(1, "cpu_ms"), cell(1, "wall_ms"), cell(2, "cpu_ms"), cell(2, "wall_ms")];
+            let passes = figures.median(&format!("{method}/1/{stage}/cpu_ms")).zip(one_pass);
+            let passes = passes.map_or_else(|| "–".to_owned(), |(stage, one)| format!("{:.0}", stage / one));
+            let cells =
+                [cell(1, "cpu_ms"), passes, cell(1, "wall_ms"), cell(2, "cpu_ms"), cell(2, "wall_ms")];
             let _ = writeln!(text, "| `{method}` | {stage} | {} |", cells.join(" | "));
         }
     }
