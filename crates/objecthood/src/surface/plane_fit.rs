@@ -50,7 +50,7 @@ type Count = [f32; LANES];
 /// tolerance of the same fit would have to grow with z^2 and slanted planes would be biased. Sums over the parts of rows
 /// that lie in windows are taken term by term, for many windows side by side; those over windows slide down the rows.
 /// O(pixels · radius); differences of sums from the row's start would not depend on the radius, but each of those waits
-/// for the one before, and at a radius of 3 px that takes four times as long. Memory beside the result: for a tile only.
+/// for the one before, and at a radius of 3 px that takes twice as long. Memory beside the result: for a tile only.
 pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize, workspace: &mut Workspace) -> Raster<PlaneFit> {
     let (width, height) = disparity.size();
     let mut fits = workspace.stale(disparity.len(), PlaneFit::NONE);
