@@ -27,23 +27,35 @@ fn frame() -> Frame {
 fn paper(c: &mut Criterion) {
     let (frame, params) = (frame(), Params::default());
     let points = frame.points_m();
-    let per_pixel = normals(&points, &params.normals);
+    let workspace = &mut Workspace::default();
+    let per_pixel = normals(&points, &params.normals, workspace);
     let mut group = c.benchmark_group("paper");
     group.sample_size(20);
-    group.bench_function("normals", |b| b.iter(|| normals(black_box(&points), &params.normals)));
-    group.bench_function("curvature", |b| b.iter(|| curvature(black_box(&per_pixel), &params.curvature)));
+    group.bench_function("normals", |b| b.iter(|| normals(black_box(&points), &params.normals, workspace)));
+    group.bench_function("curvature", |b| {
+        b.iter(|| curvature(black_box(&per_pixel), &params.curvature, workspace))
+    });
     if let Some(color) = frame.color() {
-        let smoothed = smooth(color, frame.depth_m(), &params.smoothing);
+        let smoothed = smooth(color, frame.depth_m(), &params.smoothing, workspace);
         group.bench_function("smoothing", |b| {
-            b.iter(|| smooth(black_box(color), frame.depth_m(), &params.smoothing));
+            b.iter(|| smooth(black_box(color), frame.depth_m(), &params.smoothing, workspace));
         });
         group.bench_function("graph: edges and sort", |b| {
             let (sensor, graph) = (&params.sensor, &params.graph);
-            b.iter(|| PixelGraph::new(black_box(&frame), Some(&smoothed), Unmeasured::Apart, sensor, graph));
+            b.iter(|| {
+                PixelGraph::new(
+                    black_box(&frame),
+                    Some(&smoothed),
+                    Unmeasured::Apart,
+                    sensor,
+                    graph,
+                    workspace,
+                )
+            });
         });
         let (borders, color_alone) = (color.map(|_| false), color_alone());
         group.bench_function("graph segmentation of colour alone", |b| {
-            b.iter(|| graph_segmentation(black_box(&frame), &borders, &color_alone));
+            b.iter(|| graph_segmentation(black_box(&frame), &borders, &color_alone, workspace));
         });
     }
     group.finish();

@@ -101,7 +101,7 @@ impl<'a> Bench<'a> {
         let (_, spent) = timed(|| frame.depth_m().map(|z| 2.0 * z));
         figures.extend(spent.figures(name, "one pass"));
         if let Some(color) = frame.color() {
-            one.install(|| measure_graph(name, color, figures))?;
+            one.install(|| measure_graph(name, color, workspace, figures))?;
             if let Some(peer) = &mut self.peer {
                 let said = peer.segment(color)?.into_iter();
                 figures.extend(said.map(|(series, value)| Figure { frame: name.clone(), series, value }));
@@ -145,7 +145,7 @@ fn measure_normals(name: &str, frame: &Frame, workspace: &mut Workspace, figures
         }));
     };
 
-    let (integral, spent) = timed(|| normals(&points, &params.normals));
+    let (integral, spent) = timed(|| normals(&points, &params.normals, workspace));
     report("integral-image normals", spent, &integral);
 
     let space = DisparitySpace::new(frame.camera(), &params.sensor);
@@ -158,10 +158,15 @@ fn measure_normals(name: &str, frame: &Frame, workspace: &mut Workspace, figures
 }
 
 /// The graph segmentation of the colour image alone: time, and how many segments.
-fn measure_graph(name: &str, color: &Raster<[u8; 3]>, figures: &mut Vec<Figure>) -> Result<()> {
+fn measure_graph(
+    name: &str,
+    color: &Raster<[u8; 3]>,
+    workspace: &mut Workspace,
+    figures: &mut Vec<Figure>,
+) -> Result<()> {
     let (frame, params) = (flat_frame(color)?, color_alone());
     let borders = color.map(|_| false);
-    let (components, spent) = timed(|| graph_segmentation(&frame, &borders, &params));
+    let (components, spent) = timed(|| graph_segmentation(&frame, &borders, &params, workspace));
     figures.extend(spent.figures(name, "graph"));
     let roots = components.root.iter().enumerate().filter(|&(i, &root)| i == root as usize);
     let segments = roots.count() as f64;

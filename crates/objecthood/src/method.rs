@@ -50,18 +50,25 @@ pub(crate) fn paper(
     let points = frame.points_in(workspace);
 
     // What single pixels tell: normals, and where they bend (eq. 2).
-    let normals = normals(&points, &params.normals);
+    let normals = normals(&points, &params.normals, workspace);
     observer.observe(Stage::Normals(&normals));
-    let curvature = curvature(&normals, &params.curvature);
+    let curvature = curvature(&normals, &params.curvature, workspace);
     observer.observe(Stage::Curvature(&curvature));
     let borders = high_curvature(frame, &curvature, params);
 
     // 1. Over-segmentation on colour, depth and curvature (eq. 1).
-    let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing));
-    let graph = PixelGraph::new(frame, smoothed.as_ref(), unmeasured(params), &params.sensor, &params.graph);
-    let components = segment(&graph, &borders, &params.graph);
+    workspace.keep(curvature);
+    let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing, workspace));
+    let unmeasured = unmeasured(params);
+    let graph =
+        PixelGraph::new(frame, smoothed.as_ref(), unmeasured, &params.sensor, &params.graph, workspace);
+    smoothed.into_iter().for_each(|smoothed| workspace.keep(smoothed));
+    let components = segment(&graph, &borders, &params.graph, workspace);
     let min_size = params.graph.min_size_px;
-    let superpixels = absorb(&graph, &components, &borders, frame.depth_m(), &params.absorption, min_size);
+    let superpixels =
+        absorb(&graph, &components, &borders, frame.depth_m(), &params.absorption, min_size, workspace);
+    graph.leave(workspace);
+    components.leave(workspace);
     observer.observe(Stage::Superpixels((&superpixels.segments).into()));
 
     // 2. Facets: superpixels that look alike (eq. 3).
@@ -76,7 +83,7 @@ pub(crate) fn paper(
     observer.observe(Stage::Shapes((&shapes).into()));
 
     // 4. Objectness: size, and support against gravity (eq. 6 to 8).
-    let plane = dominant_plane(&points, &params.gravity);
+    let plane = dominant_plane(&points, &params.gravity, workspace);
     let up = up(plane.as_ref(), &params.gravity);
     let described = descriptors(&shapes, &superpixels.core, &points, &normals);
     let touching = contacts(&shapes, &points, &params.contact);
@@ -109,6 +116,9 @@ pub(crate) fn paper(
         notices: notices.into_iter().filter_map(|(holds, notice)| holds.then_some(notice)).collect(),
     };
     observer.observe(Stage::Objects(&discovery));
+    workspace.keep(points);
+    workspace.keep(normals);
+    workspace.keep(superpixels.segments.into_labels());
     Ok(discovery)
 }
 

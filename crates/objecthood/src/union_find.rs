@@ -12,6 +12,17 @@ impl UnionFind {
         Self { parent: (0..n as u32).collect() }
     }
 
+    /// As [`new`](Self::new) of as many sets as there are `parents`, in their memory; what they are does not matter.
+    pub(crate) fn within(mut parents: Vec<u32>) -> Self {
+        (0..).zip(&mut parents).for_each(|(i, parent)| *parent = i);
+        Self { parent: parents }
+    }
+
+    /// The memory it stood in.
+    pub(crate) fn into_parents(self) -> Vec<u32> {
+        self.parent
+    }
+
     /// The root of the set of `i`; shortens the path on the way (path halving). Amortised O(log n).
     #[inline]
     pub(crate) fn find(&mut self, mut i: usize) -> usize {

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::frame::Frame;
 use crate::method;
 use crate::observe::Observer;
+use crate::oversegment::felzenszwalb::Node;
 use crate::params::{Method, Params};
 use crate::raster::Raster;
 use crate::surface::plane_fit::{PlaneFit, Windows};
@@ -31,6 +32,10 @@ pub struct Workspace {
     slopes: Vec<Vec<[f32; 2]>>,
     vectors: Vec<Vec<[f32; 3]>>,
     labels: Vec<Vec<i32>>,
+    distances: Vec<Vec<i16>>,
+    pixels: Vec<Vec<u32>>,
+    keys: Vec<Vec<u64>>,
+    nodes: Vec<Vec<Node>>,
     fits: Vec<Vec<PlaneFit>>,
     /// Of every band of rows its windows.
     pub(crate) windows: Vec<Windows>,
@@ -52,7 +57,17 @@ macro_rules! shelves {
     };
 }
 
-shelves!(scalars: f32, slopes: [f32; 2], vectors: [f32; 3], labels: i32, fits: PlaneFit);
+shelves!(
+    scalars: f32,
+    slopes: [f32; 2],
+    vectors: [f32; 3],
+    labels: i32,
+    distances: i16,
+    pixels: u32,
+    keys: u64,
+    nodes: Node,
+    fits: PlaneFit
+);
 
 impl Workspace {
     /// As [`discover`](crate::discover).
@@ -82,7 +97,8 @@ impl Workspace {
 
     /// A buffer of `len` values; those that were written before stay as they are, the others are `value`.
     pub(crate) fn stale<T: Pixel>(&mut self, len: usize, value: T) -> Vec<T> {
-        let mut buffer = T::shelf(self).pop().unwrap_or_default();
+        // What the system hands out is zero already, and costs nothing before it is touched.
+        let Some(mut buffer) = T::shelf(self).pop() else { return vec![value; len] };
         buffer.resize(len, value);
         buffer
     }
@@ -94,8 +110,21 @@ impl Workspace {
         buffer
     }
 
+    /// A buffer of these values.
+    pub(crate) fn collected<T: Pixel>(&mut self, values: impl Iterator<Item = T>) -> Vec<T> {
+        let mut buffer = T::shelf(self).pop().unwrap_or_default();
+        buffer.clear();
+        buffer.extend(values);
+        buffer
+    }
+
     /// Takes the buffer of a raster back.
     pub(crate) fn keep<T: Pixel>(&mut self, raster: Raster<T>) {
-        T::shelf(self).push(raster.into_vec());
+        self.shelve(raster.into_vec());
+    }
+
+    /// Takes a buffer back.
+    pub(crate) fn shelve<T: Pixel>(&mut self, buffer: Vec<T>) {
+        T::shelf(self).push(buffer);
     }
 }

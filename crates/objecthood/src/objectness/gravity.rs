@@ -5,6 +5,7 @@ use glam::{DMat3, DVec3, Vec3};
 use crate::params::{self, UpFrom};
 use crate::random::Lcg;
 use crate::raster::Raster;
+use crate::workspace::Workspace;
 
 /// The direction against gravity and where it was taken from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,12 +44,24 @@ const REFITS: usize = 3;
 /// RANSAC (Fischler and Bolles 1981): `trials` planes through three random points of an even sample of `samples`
 /// points; the one with most of the sample within `inlier_distance_m` is fitted to all its points by total least
 /// squares, three times. The random numbers are fixed. O(trials · samples + points).
-pub fn dominant_plane(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> Option<StructurePlane> {
-    let points: Vec<DVec3> =
-        points_m.as_slice().iter().filter(|p| !p[2].is_nan()).map(|&p| Vec3::from(p).as_dvec3()).collect();
+pub fn dominant_plane(
+    points_m: &Raster<[f32; 3]>,
+    params: &params::Gravity,
+    workspace: &mut Workspace,
+) -> Option<StructurePlane> {
+    let measured = points_m.as_slice().iter().copied().filter(|p| !p[2].is_nan());
+    let points = workspace.collected(measured);
+    let plane = plane_of_most(&points, params);
+    workspace.shelve(points);
+    plane
+}
+
+/// The plane that holds most of these points, see [`dominant_plane`].
+fn plane_of_most(points: &[[f32; 3]], params: &params::Gravity) -> Option<StructurePlane> {
+    let point = |p: &[f32; 3]| Vec3::from(*p).as_dvec3();
     let sampled = params.samples.min(points.len());
-    let sample: Vec<DVec3> = (0..sampled).map(|k| points[k * points.len() / sampled]).collect();
-    let near = |plane: &Plane, p: &&DVec3| plane.distance_m(**p) < params.inlier_distance_m;
+    let sample: Vec<DVec3> = (0..sampled).map(|k| point(&points[k * points.len() / sampled])).collect();
+    let near = |plane: &Plane, p: &DVec3| plane.distance_m(*p) < params.inlier_distance_m;
 
     let mut random = Lcg::new(12345);
     let mut best: Option<(usize, Plane)> = None;
@@ -62,9 +75,9 @@ pub fn dominant_plane(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> 
     }
     let (_, mut plane) = best?;
     for _ in 0..REFITS {
-        plane = Plane::fitted(points.iter().filter(|p| near(&plane, p)))?;
+        plane = Plane::fitted(points.iter().map(point).filter(|p| near(&plane, p)))?;
     }
-    let share = points.iter().filter(|p| near(&plane, p)).count() as f64 / points.len() as f64;
+    let share = points.iter().map(point).filter(|p| near(&plane, p)).count() as f64 / points.len() as f64;
     (share >= params.min_inlier_share).then(|| StructurePlane {
         normal: plane.normal.as_vec3().to_array(),
         offset_m: plane.offset_m as f32,
@@ -131,9 +144,9 @@ impl Plane {
     }
 
     /// Total least squares: the direction in which the points vary least.
-    fn fitted<'a>(points: impl Iterator<Item = &'a DVec3>) -> Option<Self> {
+    fn fitted(points: impl Iterator<Item = DVec3>) -> Option<Self> {
         let mut sums = PointSums::default();
-        points.for_each(|&p| sums.add(p));
+        points.for_each(|p| sums.add(p));
         sums.plane()
     }
 
@@ -234,7 +247,9 @@ mod tests {
     #[test]
     fn the_plane_is_found_among_as_many_other_points() {
         let n = DVec3::new(0.1, -0.8, -0.6).normalize();
-        let plane = dominant_plane(&cloud(n, 5000, 5000), &params::Gravity::default()).unwrap();
+        let plane =
+            dominant_plane(&cloud(n, 5000, 5000), &params::Gravity::default(), &mut Workspace::default())
+                .unwrap();
         assert!(Vec3::from(plane.normal).as_dvec3().dot(n) > 0.9999, "{plane:?}");
         assert!(
             (plane.offset_m - 1.0).abs() < 2e-3 && (0.5..0.53).contains(&plane.inlier_share),
@@ -267,17 +282,26 @@ mod tests {
         let mut draw = || random.below(2001) as f64 / 1000.0 - 1.0;
         let points = (0..4000).map(|_| [draw() as f32, draw() as f32, (2.0 + 0.004 * draw()) as f32]);
         let points = Raster::from_vec(4000, 1, points.collect()).unwrap();
-        let plane = dominant_plane(&points, &params::Gravity { trials: 20, ..Default::default() }).unwrap();
+        let plane = dominant_plane(
+            &points,
+            &params::Gravity { trials: 20, ..Default::default() },
+            &mut Workspace::default(),
+        )
+        .unwrap();
         assert!(plane.normal[2] < -0.999_999 && (plane.offset_m - 2.0).abs() < 2e-4, "{plane:?}");
     }
 
     #[test]
     fn without_a_plane_up_is_the_cameras() {
         let params = params::Gravity::default();
-        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 50, 5000), &params), None);
-        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 1, 0), &params), None);
+        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 50, 5000), &params, &mut Workspace::default()), None);
+        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 1, 0), &params, &mut Workspace::default()), None);
         let line = Raster::from_vec(3, 1, vec![[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, 3.0]]).unwrap();
-        assert_eq!(dominant_plane(&line, &params), None, "points on a line are no plane");
+        assert_eq!(
+            dominant_plane(&line, &params, &mut Workspace::default()),
+            None,
+            "points on a line are no plane"
+        );
         assert_eq!(up(None, &params), Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera });
     }
 

@@ -10,6 +10,7 @@ use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::depth_change::changes;
 use crate::union_find::UnionFind;
+use crate::workspace::Workspace;
 
 /// Marks a pixel without a label.
 const NONE: u32 = u32::MAX;
@@ -30,16 +31,18 @@ pub fn absorb(
     depth_m: &Raster<f32>,
     params: &params::Absorption,
     min_size_px: u32,
+    workspace: &mut Workspace,
 ) -> Superpixels {
     let is_seed = |i: usize| !borders[i] && components.size_px[components.root[i] as usize] >= min_size_px;
-    let mut label: Vec<u32> =
-        (0..graph.pixels()).map(|i| if is_seed(i) { components.root[i] } else { NONE }).collect();
+    let seeds = (0..graph.pixels()).map(|i| if is_seed(i) { components.root[i] } else { NONE });
+    let mut label = workspace.collected(seeds);
     let core = borders.with_data(label.iter().map(|&l| l != NONE).collect());
 
-    let mut sets = UnionFind::new(graph.pixels());
+    let mut sets = UnionFind::within(workspace.stale(graph.pixels(), 0));
     // Between two seeds nothing is decided; every other pixel is a part of its own.
-    let part: Vec<u32> = (0..).zip(&label).map(|(i, &l)| if l == NONE { i } else { SEED }).collect();
-    for PixelEdge { p, q, .. } in graph.ascending(&part, f32::NEG_INFINITY, f32::INFINITY).iter() {
+    let part = workspace.collected((0..).zip(&label).map(|(i, &l)| if l == NONE { i } else { SEED }));
+    let edges = graph.ascending(&part, f32::NEG_INFINITY, f32::INFINITY, workspace);
+    for PixelEdge { p, q, .. } in edges.iter() {
         let (p, q) = (p as usize, q as usize);
         if changes(depth_m[p], depth_m[q], params.depth_gate_per_m) {
             continue;
@@ -50,19 +53,25 @@ pub fn absorb(
             sets.link(root, child);
         }
     }
-    let reached: Vec<u32> = (0..graph.pixels()).map(|i| label[sets.find(i)]).collect();
+    edges.leave(workspace);
+    workspace.shelve(part);
+    let reached = workspace.collected((0..graph.pixels()).map(|i| label[sets.find(i)]));
     for (i, label) in label.iter_mut().enumerate() {
         *label = match reached[i] {
             NONE if !borders[i] => components.root[i],
             reached => reached,
         };
     }
-    Superpixels { segments: numbered(&label, borders), core }
+    workspace.shelve(reached);
+    workspace.shelve(sets.into_parents());
+    let segments = numbered(&label, borders, workspace);
+    workspace.shelve(label);
+    Superpixels { segments, core }
 }
 
 /// Numbers the labels, which are pixel indices, in ascending order.
-fn numbered(label: &[u32], shape: &Raster<bool>) -> Segments {
-    let mut number = vec![Segments::NONE; label.len()];
+fn numbered(label: &[u32], shape: &Raster<bool>, workspace: &mut Workspace) -> Segments {
+    let mut number = workspace.filled(label.len(), Segments::NONE);
     for &l in label.iter().filter(|&&l| l != NONE) {
         number[l as usize] = 0;
     }
@@ -71,7 +80,9 @@ fn numbered(label: &[u32], shape: &Raster<bool>) -> Segments {
         *number = count;
         count += 1;
     }
-    let labels = label.iter().map(|&l| if l == NONE { Segments::NONE } else { number[l as usize] }).collect();
+    let labels = label.iter().map(|&l| if l == NONE { Segments::NONE } else { number[l as usize] });
+    let labels = workspace.collected(labels);
+    workspace.shelve(number);
     Segments::from_numbered(shape.with_data(labels), count as usize)
 }
 
@@ -92,9 +103,19 @@ mod tests {
         let borders = Raster::from_vec(borders.len(), 1, borders.to_vec()).unwrap();
         let frame = Frame::new(depth, None, Camera::new(1.0, 1.0, 0.0, 0.0).unwrap()).unwrap();
         let params = params::Graph { channels: params::Channels::Depth, min_size_px, ..Default::default() };
-        let graph = PixelGraph::new(&frame, None, Unmeasured::Apart, &params::Sensor::default(), &params);
-        let components = segment(&graph, &borders, &params);
-        absorb(&graph, &components, &borders, frame.depth_m(), &params::Absorption::default(), min_size_px)
+        let workspace = &mut Workspace::default();
+        let graph =
+            PixelGraph::new(&frame, None, Unmeasured::Apart, &params::Sensor::default(), &params, workspace);
+        let components = segment(&graph, &borders, &params, workspace);
+        absorb(
+            &graph,
+            &components,
+            &borders,
+            frame.depth_m(),
+            &params::Absorption::default(),
+            min_size_px,
+            workspace,
+        )
     }
 
     #[test]
@@ -170,10 +191,11 @@ mod tests {
             let params = params::Graph {
                 channels: params::Channels::Depth, size_preference_grey: k, min_size_px: min_size_px / 2, ..Default::default()
             };
-            let graph = PixelGraph::new(&frame, None, Unmeasured::Apart, &params::Sensor::default(), &params);
-            let components = segment(&graph, &borders, &params);
+            let workspace = &mut Workspace::default();
+        let graph = PixelGraph::new(&frame, None, Unmeasured::Apart, &params::Sensor::default(), &params, workspace);
+            let components = segment(&graph, &borders, &params, workspace);
             let gate = params::Absorption { depth_gate_per_m: gate_per_m };
-            let fast = absorb(&graph, &components, &borders, frame.depth_m(), &gate, min_size_px);
+            let fast = absorb(&graph, &components, &borders, frame.depth_m(), &gate, min_size_px, workspace);
             let slow =
                 one_by_one(&graph, &components, &borders, frame.depth_m(), gate_per_m, min_size_px as usize);
             prop_assert_eq!(fast.core, slow.core);

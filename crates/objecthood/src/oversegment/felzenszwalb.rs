@@ -3,6 +3,7 @@
 use crate::oversegment::graph::{PixelEdge, PixelGraph};
 use crate::params;
 use crate::raster::Raster;
+use crate::workspace::Workspace;
 
 /// The components of the pixel graph.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,6 +12,14 @@ pub struct Components {
     pub root: Vec<u32>,
     /// Pixels of the component that each root stands for; 0 of other pixels.
     pub size_px: Vec<u32>,
+}
+
+impl Components {
+    /// Gives its memory back.
+    pub(crate) fn leave(self, workspace: &mut Workspace) {
+        workspace.shelve(self.root);
+        workspace.shelve(self.size_px);
+    }
 }
 
 /// Joins pixels over ever heavier edges while the edge is not heavier than what holds both components together.
@@ -26,19 +35,27 @@ pub struct Components {
 ///
 /// *Differs from the paper:* it says there is a boundary "if `MInt` is larger than `Dif`"; the cited algorithm, and
 /// sense, join when `Dif` <= `MInt`. O(edges · log pixels), sequential: each decision depends on the ones before.
-pub fn segment(graph: &PixelGraph, borders: &Raster<bool>, params: &params::Graph) -> Components {
+pub fn segment(
+    graph: &PixelGraph,
+    borders: &Raster<bool>,
+    params: &params::Graph,
+    workspace: &mut Workspace,
+) -> Components {
     let k = params.size_preference_grey;
-    let mut forest = Forest::new(graph.pixels(), k);
-    let mut part: Vec<u32> = (0..).zip(borders.as_slice()).map(|(i, &b)| if b { SHUT } else { i }).collect();
+    let mut forest =
+        Forest { nodes: workspace.filled(graph.pixels(), Node { link: ROOT + 1, tolerated: k }) };
+    let mut part = workspace.collected((0..).zip(borders.as_slice()).map(|(i, &b)| if b { SHUT } else { i }));
     let mut over = f32::NEG_INFINITY;
     for upto in [graph.quantile(LIGHT_SHARE), f32::INFINITY] {
-        for PixelEdge { weight, p, q } in graph.ascending(&part, over, upto).iter() {
+        let edges = graph.ascending(&part, over, upto, workspace);
+        for PixelEdge { weight, p, q } in edges.iter() {
             let (p, q) = (forest.find(p), forest.find(q));
             if p != q && weight <= forest.tolerated(p) && weight <= forest.tolerated(q) {
                 let root = forest.join(p, q);
                 forest.tolerate(root, weight + k / forest.size_px(root) as f32);
             }
         }
+        edges.leave(workspace);
         over = upto;
         for (i, part) in (0..).zip(&mut part).filter(|(_, part)| **part != SHUT) {
             let root = forest.find(i);
@@ -56,15 +73,20 @@ pub fn segment(graph: &PixelGraph, borders: &Raster<bool>, params: &params::Grap
             root
         };
     }
-    for PixelEdge { p, q, .. } in graph.ascending(&part, f32::NEG_INFINITY, f32::INFINITY).iter() {
+    let edges = graph.ascending(&part, f32::NEG_INFINITY, f32::INFINITY, workspace);
+    for PixelEdge { p, q, .. } in edges.iter() {
         let (p, q) = (forest.find(p), forest.find(q));
         if p != q && forest.size_px(p).min(forest.size_px(q)) < params.min_size_px {
             forest.join(p, q);
         }
     }
 
-    let root: Vec<u32> = (0..graph.pixels() as u32).map(|i| forest.find(i)).collect();
-    let size_px = (0..).zip(&root).map(|(i, &root)| if i == root { forest.size_px(i) } else { 0 }).collect();
+    edges.leave(workspace);
+    workspace.shelve(part);
+    let root = workspace.collected((0..graph.pixels() as u32).map(|i| forest.find(i)));
+    let sizes = (0..).zip(&root).map(|(i, &root)| if i == root { forest.size_px(i) } else { 0 });
+    let size_px = workspace.collected(sizes);
+    workspace.shelve(forest.nodes);
     Components { root, size_px }
 }
 
@@ -83,8 +105,9 @@ struct Forest {
     nodes: Vec<Node>,
 }
 
-#[derive(Clone, Copy)]
-struct Node {
+/// A pixel in the forest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node {
     /// The parent; of a root [`ROOT`] + pixels of the component.
     link: u32,
     /// Of a root: the weight that its component tolerates.
@@ -95,10 +118,6 @@ struct Node {
 const ROOT: u32 = 1 << 31;
 
 impl Forest {
-    fn new(n: usize, tolerated: f32) -> Self {
-        Self { nodes: vec![Node { link: ROOT + 1, tolerated }; n] }
-    }
-
     /// The root of the component of `i`; shortens the path on the way (path halving). Amortised O(log pixels).
     #[inline]
     fn find(&mut self, mut i: u32) -> u32 {
@@ -206,13 +225,14 @@ mod tests {
             let mut depth = Raster::from_vec(width, height, depth).unwrap();
             depth.as_mut_slice()[0] = 1.0;
             let borders = depth.with_data(pixels.iter().map(|p| p.2 == 1).collect());
+            let workspace = &mut Workspace::default();
             let frame = Frame::new(depth, Some(color.clone()), Camera::new(1.0, 1.0, 0.0, 0.0).unwrap()).unwrap();
-            let smoothed = smooth(&color, frame.depth_m(), &params::Smoothing { sigma_px: 0.0 });
+            let smoothed = smooth(&color, frame.depth_m(), &params::Smoothing { sigma_px: 0.0 }, workspace);
             let params = params::Graph { size_preference_grey: k, min_size_px, ..Default::default() };
             let sensor = params::Sensor::default();
-            let graph = PixelGraph::new(&frame, Some(&smoothed), Unmeasured::ByColor, &sensor, &params);
+            let graph = PixelGraph::new(&frame, Some(&smoothed), Unmeasured::ByColor, &sensor, &params, workspace);
 
-            let fast = segment(&graph, &borders, &params);
+            let fast = segment(&graph, &borders, &params, workspace);
             let slow = textbook(&graph, &borders, k, min_size_px);
             prop_assert_eq!(by_first_pixel(&fast.root), by_first_pixel(&slow));
             for &root in &fast.root {

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::frame::Frame;
 use crate::params::{self, Channels};
 use crate::raster::Raster;
+use crate::workspace::Workspace;
 
 /// Column and row steps to the four neighbours that follow a pixel in the graph: right, down, down-right, down-left.
 pub(crate) const STEPS: [(isize, usize); 4] = [(1, 0), (0, 1), (1, 1), (-1, 1)];
@@ -67,6 +68,7 @@ impl PixelGraph {
         unmeasured: Unmeasured,
         sensor: &params::Sensor,
         params: &params::Graph,
+        workspace: &mut Workspace,
     ) -> Self {
         let (width, height) = frame.size();
         let weigh = Weigh {
@@ -82,7 +84,7 @@ impl PixelGraph {
             let color = smoothed.map(|s| &s.as_slice()[row.clone()]);
             planes.read(&frame.depth_m().as_slice()[row], color, sensor.disparity_quantum_per_m);
         };
-        let mut weights = vec![APART; STEPS.len() * width * height];
+        let mut weights = workspace.filled(STEPS.len() * width * height, APART);
         weights.par_chunks_mut(BAND_ROWS * STEPS.len() * width).enumerate().for_each(|(band, weights)| {
             let [mut here, mut below] = [Planes::new(width), Planes::new(width)];
             read(&mut below, band * BAND_ROWS);
@@ -107,14 +109,20 @@ impl PixelGraph {
     /// those that weigh no more than `over`, those heavier than `upto` and those of pixels whose part is [`Self::NO_PART`].
     ///
     /// Only what is asked for is sorted, so that a stage that needs few edges pays for few. O(pixels + edges found).
-    pub(crate) fn ascending(&self, part: &[u32], over: f32, upto: f32) -> SortedEdges {
+    pub(crate) fn ascending(
+        &self,
+        part: &[u32],
+        over: f32,
+        upto: f32,
+        workspace: &mut Workspace,
+    ) -> SortedEdges {
         let width = self.width;
-        let bands =
-            self.weights.par_chunks(BAND_ROWS * STEPS.len() * width).enumerate().map(|(band, weights)| {
-                // What stays untouched of it costs nothing.
-                let mut keys = Vec::with_capacity(weights.len());
-                let mut of_row = vec![0_u64; STEPS.len() * width];
+        let band_len = BAND_ROWS * STEPS.len() * width;
+        let mut keys = workspace.stale(self.weights.len(), 0_u64);
+        let bands = keys.par_chunks_mut(band_len).zip(self.weights.par_chunks(band_len)).enumerate().map(
+            |(band, (keys, weights))| {
                 let mut wanted = vec![0_u32; width];
+                let mut count = 0;
                 for (v, weights) in (band * BAND_ROWS..).zip(weights.chunks_exact(STEPS.len() * width)) {
                     // Bit d of a pixel says whether its edge in direction d is wanted.
                     wanted.fill(0);
@@ -130,23 +138,31 @@ impl PixelGraph {
                     }
                     let [right, down, down_right, down_left] = four(weights);
                     let four = right.iter().zip(down).zip(down_right.iter().zip(down_left));
-                    let mut count = 0;
                     let mut number = (STEPS.len() * v * width) as u64;
                     for (&wanted, ((a, b), (c, d))) in wanted.iter().zip(four) {
                         if wanted != 0 {
                             for (k, weight) in (0_u32..).zip([a, b, c, d]) {
-                                of_row[count] = u64::from(weight.to_bits()) << 32 | (number + u64::from(k));
+                                keys[count] = u64::from(weight.to_bits()) << 32 | (number + u64::from(k));
                                 count += (wanted >> k & 1) as usize;
                             }
                         }
                         number += STEPS.len() as u64;
                     }
-                    keys.extend_from_slice(&of_row[..count]);
                 }
-                keys
-            });
+                count
+            },
+        );
+        let counts: Vec<usize> = bands.collect();
         let ahead = STEPS.map(|(du, dv)| (dv * width).wrapping_add_signed(du) as u32);
-        SortedEdges { keys: sorted_by_upper_half(&bands.collect::<Vec<_>>()), ahead }
+        let spare = workspace.stale(keys.len(), 0);
+        let (keys, spare) = sorted_by_upper_half(keys, spare, band_len, &counts);
+        workspace.shelve(spare);
+        SortedEdges { keys, count: counts.iter().sum(), ahead }
+    }
+
+    /// Gives its memory back.
+    pub(crate) fn leave(self, workspace: &mut Workspace) {
+        workspace.shelve(self.weights);
     }
 
     /// Marks a pixel whose edges are not asked for.
@@ -179,8 +195,9 @@ pub(crate) fn columns(du: isize, width: usize) -> (Range<usize>, Range<usize>) {
 
 /// Edges, lightest first.
 pub(crate) struct SortedEdges {
-    /// The bits of the weight, below them the number of the edge.
+    /// The bits of the weight, below them the number of the edge; what follows them is of no meaning.
     keys: Vec<u64>,
+    count: usize,
     /// From p to q in each direction.
     ahead: [u32; 4],
 }
@@ -188,11 +205,16 @@ pub(crate) struct SortedEdges {
 impl SortedEdges {
     /// The edges in their order.
     pub(crate) fn iter(&self) -> impl ExactSizeIterator<Item = PixelEdge> {
-        self.keys.iter().map(|&key| {
+        self.keys[..self.count].iter().map(|&key| {
             let p = key as u32 / STEPS.len() as u32;
             let q = p.wrapping_add(self.ahead[key as usize % STEPS.len()]);
             PixelEdge { weight: f32::from_bits((key >> 32) as u32), p, q }
         })
+    }
+
+    /// Gives its memory back.
+    pub(crate) fn leave(self, workspace: &mut Workspace) {
+        workspace.shelve(self.keys);
     }
 }
 
@@ -254,23 +276,28 @@ impl Weigh {
     }
 }
 
-/// The keys of all bands sorted by their upper 32 bits; equal ones stay in their order.
+/// The keys sorted by their upper 32 bits, equal ones in their order, and the other buffer, which is as long. There are
+/// `counts` keys at the start of each band of `band_len` places.
 ///
 /// A radix sort from the least digit on (Knuth 5.2.5) with digits of eleven bits. Weights are not negative, so their order
 /// is that of their bits. O(keys).
-fn sorted_by_upper_half(bands: &[Vec<u64>]) -> Vec<u64> {
+fn sorted_by_upper_half(
+    mut keys: Vec<u64>,
+    mut spare: Vec<u64>,
+    band_len: usize,
+    counts: &[usize],
+) -> (Vec<u64>, Vec<u64>) {
     const DIGIT_BITS: usize = 11;
     let digit = |key: u64, pass: usize| (key >> (32 + pass * DIGIT_BITS)) as usize % (1 << DIGIT_BITS);
     let mut places = [[0_u32; 1 << DIGIT_BITS]; 3];
-    for band in bands {
-        for &key in band {
+    for (band, &count) in keys.chunks(band_len).zip(counts) {
+        for &key in &band[..count] {
             for (pass, places) in places.iter_mut().enumerate() {
                 places[digit(key, pass)] += 1;
             }
         }
     }
-    let mut sorted: Vec<u64> = Vec::new();
-    let mut next = vec![0; bands.iter().map(Vec::len).sum()];
+    let count = counts.iter().sum();
     for (pass, places) in places.iter_mut().enumerate() {
         let mut place = 0;
         for count in &mut *places {
@@ -279,19 +306,18 @@ fn sorted_by_upper_half(bands: &[Vec<u64>]) -> Vec<u64> {
         let mut put = |keys: &[u64]| {
             for &key in keys {
                 let place = &mut places[digit(key, pass)];
-                next[*place as usize] = key;
+                spare[*place as usize] = key;
                 *place += 1;
             }
         };
         if pass == 0 {
-            bands.iter().for_each(|band| put(band));
-            sorted.resize(next.len(), 0);
+            keys.chunks(band_len).zip(counts).for_each(|(band, &count)| put(&band[..count]));
         } else {
-            put(&sorted);
+            put(&keys[..count]);
         }
-        std::mem::swap(&mut next, &mut sorted);
+        std::mem::swap(&mut keys, &mut spare);
     }
-    sorted
+    (keys, spare)
 }
 
 #[cfg(test)]
@@ -342,7 +368,14 @@ mod tests {
         let sensor = params::Sensor { disparity_quantum_per_m: 0.01, ..Default::default() };
         let graph = |channels, unmeasured| {
             let params = params::Graph { channels, ..Default::default() };
-            PixelGraph::new(&frame(), Some(&smoothed), unmeasured, &sensor, &params)
+            PixelGraph::new(
+                &frame(),
+                Some(&smoothed),
+                unmeasured,
+                &sensor,
+                &params,
+                &mut Workspace::default(),
+            )
         };
         // Colours differ by 30, disparities by 100 - 80 quanta.
         let both = graph(Channels::Both, Unmeasured::Apart);
@@ -364,8 +397,10 @@ mod tests {
             Unmeasured::ByColor,
             &params::Sensor::default(),
             &params::Graph { channels: Channels::Color, ..Default::default() },
+            &mut Workspace::default(),
         );
-        let all = graph.ascending(&[0, 1, 2, 3, 4, 5], f32::NEG_INFINITY, f32::INFINITY);
+        let all =
+            graph.ascending(&[0, 1, 2, 3, 4, 5], f32::NEG_INFINITY, f32::INFINITY, &mut Workspace::default());
         let pairs: Vec<_> = all.iter().map(|e| (e.p, e.q)).collect();
         let scan = [(0, 1), (0, 3), (0, 4), (1, 2), (1, 4), (1, 5), (1, 3), (2, 5), (2, 4), (3, 4), (4, 5)];
         assert_eq!(pairs, scan, "all weights are 0");
@@ -391,7 +426,7 @@ mod tests {
                 p != q && p != PixelGraph::NO_PART && q != PixelGraph::NO_PART && e.weight > over && e.weight <= upto
             };
             let expected: Vec<_> = naive_edges(&graph).into_iter().filter(wanted).collect();
-            prop_assert_eq!(graph.ascending(&part, over, upto).iter().collect::<Vec<_>>(), expected);
+            prop_assert_eq!(graph.ascending(&part, over, upto, &mut Workspace::default()).iter().collect::<Vec<_>>(), expected);
         }
     }
 }

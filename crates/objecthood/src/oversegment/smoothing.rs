@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::params;
 use crate::raster::Raster;
+use crate::workspace::Workspace;
 
 /// Rows and columns that are smoothed together.
 const TILE_PX: usize = 64;
@@ -21,10 +22,12 @@ pub fn smooth(
     color: &Raster<[u8; 3]>,
     depth_m: &Raster<f32>,
     params: &params::Smoothing,
+    workspace: &mut Workspace,
 ) -> Raster<[f32; 3]> {
     let kernel = kernel(params.sigma_px);
     let (width, height) = color.size();
-    let mut smoothed = vec![[0.0; 3]; color.len()];
+    // Every pixel is of one kind or the other.
+    let mut smoothed = workspace.stale(color.len(), [0.0; 3]);
     smoothed.par_chunks_mut(TILE_PX * width).enumerate().for_each(|(band, smoothed)| {
         let rows = band * TILE_PX..height.min((band + 1) * TILE_PX);
         let mut tile = Tile::new(kernel.len() - 1);
@@ -171,13 +174,23 @@ mod tests {
     #[test]
     fn a_flat_image_stays_and_a_dot_becomes_the_kernel() {
         let flat = Raster::filled(3, 2, [10, 20, 30]).unwrap();
-        let smooth_flat = smooth(&flat, &Raster::filled(3, 2, 1.0).unwrap(), &params::Smoothing::default());
+        let smooth_flat = smooth(
+            &flat,
+            &Raster::filled(3, 2, 1.0).unwrap(),
+            &params::Smoothing::default(),
+            &mut Workspace::default(),
+        );
         for c in smooth_flat.as_slice() {
             assert!((c[0] - 10.0).abs() < 1e-4 && (c[2] - 30.0).abs() < 1e-4, "{c:?}");
         }
         let mut dot = Raster::filled(9, 9, [0; 3]).unwrap();
         dot.as_mut_slice()[40] = [255, 0, 0];
-        let smoothed = smooth(&dot, &Raster::filled(9, 9, 1.0).unwrap(), &params::Smoothing::default());
+        let smoothed = smooth(
+            &dot,
+            &Raster::filled(9, 9, 1.0).unwrap(),
+            &params::Smoothing::default(),
+            &mut Workspace::default(),
+        );
         let k: Vec<f64> = (-2..=2).map(|t: i32| (-f64::from(t * t) / 0.5).exp()).collect();
         let sum: f64 = k.iter().sum();
         for dv in 0..5 {
@@ -218,7 +231,7 @@ mod tests {
             let height = pixels.len() / width;
             let color = Raster::from_vec(width, height, pixels.iter().map(|p| p.0).collect()).unwrap();
             let depth = color.with_data(pixels.iter().map(|p| if p.1 == 0 { f32::NAN } else { 1.0 }).collect());
-            let smoothed = smooth(&color, &depth, &params::Smoothing { sigma_px });
+            let smoothed = smooth(&color, &depth, &params::Smoothing { sigma_px }, &mut Workspace::default());
             let reach = (4.0 * sigma_px).ceil() as i32;
             for i in 0..color.len() {
                 let (mut sum, mut weights) = ([0.0; 3], 0.0);
