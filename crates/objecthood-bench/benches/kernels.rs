@@ -33,7 +33,7 @@ fn paper(c: &mut Criterion) {
     group.sample_size(20);
     group.bench_function("normals", |b| b.iter(|| normals(black_box(&points), &params.normals, workspace)));
     group.bench_function("curvature", |b| {
-        b.iter(|| curvature(black_box(&per_pixel), &params.curvature, workspace))
+        b.iter(|| curvature(black_box(&per_pixel), &params.curvature, workspace));
     });
     if let Some(color) = frame.color() {
         let smoothed = smooth(color, frame.depth_m(), &params.smoothing, workspace);

@@ -53,6 +53,11 @@ type Count = [f32; LANES];
 /// for the one before, and at a radius of 3 px that takes twice as long. Memory beside the result: for a tile only.
 pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize, workspace: &mut Workspace) -> Raster<PlaneFit> {
     let (width, height) = disparity.size();
+    let side = 2.0 * radius_px as f64 + 1.0;
+    if LEAST_FILL * side * side > disparity.len() as f64 {
+        // Not even the whole image would fill a window.
+        return disparity.with_data(workspace.filled(disparity.len(), PlaneFit::NONE));
+    }
     let mut fits = workspace.stale(disparity.len(), PlaneFit::NONE);
     workspace.windows.resize_with(height.div_ceil(TILE), Windows::default);
     let bands = fits.par_chunks_mut(TILE * width).zip(&mut workspace.windows);
