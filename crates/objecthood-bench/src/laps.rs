@@ -20,21 +20,7 @@ impl Laps {
 
 impl Observer for Laps {
     fn observe(&mut self, stage: Stage<'_>) {
-        let name = match stage {
-            Stage::Normals(_) => "normals",
-            Stage::Curvature(_) => "curvature",
-            Stage::Structure(_) => "structure",
-            Stage::Superpixels(_) => "superpixels",
-            Stage::Facets(_) => "facets",
-            Stage::Borders { .. } => "borders",
-            Stage::Shapes(_) => "shapes",
-            Stage::Clusters { .. } => "clusters",
-            Stage::Hypotheses(_) => "hypotheses",
-            Stage::Support { .. } => "support",
-            Stage::Objects(_) => "objects",
-            _ => "another stage",
-        };
-        self.laps.push((name, self.since.elapsed()));
+        self.laps.push((stage.name(), self.since.elapsed()));
         self.since = Spent::now();
     }
 }

@@ -44,20 +44,7 @@ pub(crate) struct Watch<'a> {
 
 impl Observer for Watch<'_> {
     fn observe(&mut self, stage: Stage<'_>) {
-        self.laps.end(match stage {
-            Stage::Normals(_) => "normals",
-            Stage::Curvature(_) => "curvature",
-            Stage::Structure(_) => "structure",
-            Stage::Superpixels(_) => "superpixels",
-            Stage::Facets(_) => "facets",
-            Stage::Borders { .. } => "borders",
-            Stage::Shapes(_) => "shapes",
-            Stage::Clusters { .. } => "clusters",
-            Stage::Hypotheses(_) => "hypotheses",
-            Stage::Support { .. } => "support",
-            Stage::Objects(_) => "objects",
-            _ => "another stage",
-        });
+        self.laps.end(stage.name());
         self.next.observe(stage);
         self.laps.start = Instant::now();
     }

@@ -56,6 +56,25 @@ pub enum Stage<'a> {
     Objects(&'a Discovery),
 }
 
+impl Stage<'_> {
+    /// What the stage is called, for people.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Normals(_) => "normals",
+            Self::Curvature(_) => "curvature",
+            Self::Structure(_) => "structure",
+            Self::Superpixels(_) => "superpixels",
+            Self::Facets(_) => "facets",
+            Self::Borders { .. } => "borders",
+            Self::Shapes(_) => "shapes",
+            Self::Clusters { .. } => "clusters",
+            Self::Hypotheses(_) => "hypotheses",
+            Self::Support { .. } => "support",
+            Self::Objects(_) => "objects",
+        }
+    }
+}
+
 /// A label map, put together only for who looks at it: the method itself keeps structure and superpixels apart.
 #[derive(Clone, Copy, Debug)]
 pub struct LabelMap<'a>(Parts<'a>);

@@ -82,10 +82,8 @@ pub fn watershed(
         _ => HIGHEST,
     };
     // What is not free is taken from the start, so that one look at the label tells.
-    let mut labels = workspace.stale(disparity.len(), TAKEN);
-    for (i, label) in labels.iter_mut().enumerate() {
-        *label = if is_free(i) { Segments::NONE } else { TAKEN };
-    }
+    let free = (0..disparity.len()).map(|i| if is_free(i) { Segments::NONE } else { TAKEN });
+    let mut labels = workspace.collected(free);
     let mut floods: Vec<VecDeque<u32>> = vec![VecDeque::new(); HIGHEST + 1];
     let mut count = 0;
     for top in (0..height).step_by(block) {
