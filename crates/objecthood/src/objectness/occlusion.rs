@@ -1,6 +1,6 @@
 //! Occlusion joins: a surface cut in two by something nearer goes on behind it (METHOD 3.13).
 
-use std::collections::BTreeMap;
+use std::cmp::Reverse;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -96,6 +96,9 @@ pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params
     }));
 }
 
+/// A place and the disparity there (quanta).
+type Sample = ([f64; 2], f64);
+
 /// A facet that something may cut.
 struct Piece {
     /// Its label.
@@ -104,6 +107,8 @@ struct Piece {
     /// In scan order.
     pixels: Vec<u32>,
     centroid: [f64; 2],
+    /// Column, row and disparity of some of them, evenly spaced.
+    samples: Vec<Sample>,
     /// Share of its pixels in each cell of colour; empty without colour.
     colors: Vec<f64>,
 }
@@ -138,8 +143,14 @@ fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
             [x + u, y + v]
         });
         let centroid = sum.map(|sum| sum / pixels.len() as f64);
+        let sample = |q: usize| {
+            let i = pixels[q * pixels.len() / SAMPLES] as usize;
+            (position(i, scene.disparity.width()), f64::from(scene.disparity[i]))
+        };
+        let samples = (0..SAMPLES).map(sample).collect();
         let colors = scene.color.map(|color| histogram(&pixels, |i| color[i])).unwrap_or_default();
-        Some(Piece { facet: SegmentId((facets.structure + free) as u32), cluster, pixels, centroid, colors })
+        let facet = SegmentId((facets.structure + free) as u32);
+        Some(Piece { facet, cluster, pixels, centroid, samples, colors })
     };
     pixels.into_iter().enumerate().filter_map(judge).collect()
 }
@@ -160,30 +171,34 @@ fn histogram(pixels: &[u32], color: impl Fn(usize) -> [u8; 3]) -> Vec<f64> {
 #[derive(Clone, Copy)]
 struct Along {
     middle: [f64; 2],
-    direction: [f64; 2],
-    length_px: f64,
+    /// How S grows in the image (1/px).
+    axis: [f64; 2],
     /// Disparities are counted from here.
     origin: f64,
 }
 
 impl Along {
     fn coordinates(&self, at: [f64; 2]) -> [f64; 2] {
-        let [x, y] = [0, 1].map(|k| (at[k] - self.middle[k]) / self.length_px);
-        let [cos, sin] = self.direction;
-        [x * cos + y * sin, y * cos - x * sin]
+        let [x, y] = [0, 1].map(|k| at[k] - self.middle[k]);
+        let [along, across] = self.axis;
+        [x * along + y * across, y * along - x * across]
+    }
+
+    /// Pixels with their disparities in this frame.
+    fn take(&self, samples: &[Sample]) -> Vec<Sample> {
+        samples.iter().map(|&(at, d)| (self.coordinates(at), d - self.origin)).collect()
     }
 
     /// Slope of a surface in the image (quanta/px) from that in this frame.
-    fn slope(&self, [along, across]: [f64; 2]) -> [f64; 2] {
-        let [cos, sin] = self.direction;
-        [(along * cos - across * sin) / self.length_px, (along * sin + across * cos) / self.length_px]
+    fn slope(&self, [s, t]: [f64; 2]) -> [f64; 2] {
+        let [along, across] = self.axis;
+        [s * along - t * across, s * across + t * along]
     }
 }
 
-/// Disparity over 1, S, T and T^2.
+/// Disparity over 1, S, T and T^2, the first K of them.
 struct Surface<const K: usize> {
     weights: [f64; K],
-    mean_squared_error: f64,
 }
 
 impl<const K: usize> Surface<K> {
@@ -192,32 +207,37 @@ impl<const K: usize> Surface<K> {
         std::array::from_fn(|k| all[k])
     }
 
-    fn fit<'a>(samples: impl Iterator<Item = &'a ([f64; 2], f64)> + Clone) -> Self {
+    fn fit<'a>(samples: impl Iterator<Item = &'a Sample>) -> Self {
         let (mut matrix, mut right, mut n) = ([[0.0; K]; K], [0.0; K], 0.0);
-        for &(at, d) in samples.clone() {
+        for &(at, d) in samples {
             let terms = Self::terms(at);
             for r in 0..K {
-                for c in 0..K {
+                for c in 0..=r {
                     matrix[r][c] += terms[r] * terms[c];
                 }
                 right[r] += terms[r] * d;
             }
             n += 1.0;
         }
-        for (k, row) in matrix.iter_mut().enumerate() {
-            row[k] += RIDGE * n;
-        }
-        let mut surface = Self { weights: solve(matrix, right), mean_squared_error: 0.0 };
-        let squared = samples.map(|&(at, d)| {
-            let residual = d - surface.value(at);
-            residual * residual
+        let whole = std::array::from_fn(|r| {
+            let ridge = |c| if r == c { RIDGE * n } else { 0.0 };
+            std::array::from_fn(|c| matrix[r.max(c)][r.min(c)] + ridge(c))
         });
-        surface.mean_squared_error = squared.sum::<f64>() / n;
-        surface
+        Self { weights: solve(whole, right) }
     }
 
     fn value(&self, at: [f64; 2]) -> f64 {
         Self::terms(at).iter().zip(&self.weights).map(|(term, weight)| term * weight).sum()
+    }
+
+    fn mean_squared_error<'a>(&self, samples: impl Iterator<Item = &'a Sample>) -> f64 {
+        let (mut sum, mut n) = (0.0, 0.0);
+        for &(at, d) in samples {
+            let residual = d - self.value(at);
+            sum += residual * residual;
+            n += 1.0;
+        }
+        sum / n
     }
 }
 
@@ -225,7 +245,7 @@ impl Surface<3> {
     /// The same surface with a squared term, of weight 0.
     fn curved(self) -> Surface<4> {
         let [value, along, across] = self.weights;
-        Surface { weights: [value, along, across, 0.0], mean_squared_error: self.mean_squared_error }
+        Surface { weights: [value, along, across, 0.0] }
     }
 }
 
@@ -235,6 +255,38 @@ struct Seen {
     through: f64,
     /// The facet that hides most.
     hider: Option<SegmentId>,
+}
+
+/// The pixels nearest to the line between two, without its ends: a pixel for each step along the longer side.
+struct Line {
+    /// Column and row of the last pixel, in units of 2^-32 px, and half a pixel more.
+    at: [i64; 2],
+    /// From one to the next. Rounded up, so that what lies between two pixels goes to the one behind, as exactly half does.
+    step: [i64; 2],
+    /// How many pixels are left.
+    steps: usize,
+}
+
+impl Line {
+    fn between([from, to]: [[i64; 2]; 2]) -> Self {
+        let reach = [0, 1].map(|k| to[k] - from[k]);
+        let steps = reach[0].abs().max(reach[1].abs()).max(1);
+        Self {
+            at: from.map(|x| (x << 32) + (1 << 31)),
+            step: reach.map(|reach| -((-reach << 32).div_euclid(steps))),
+            steps: steps as usize - 1,
+        }
+    }
+}
+
+impl Iterator for Line {
+    type Item = [usize; 2];
+
+    fn next(&mut self) -> Option<[usize; 2]> {
+        self.steps = self.steps.checked_sub(1)?;
+        self.at = [0, 1].map(|k| self.at[k] + self.step[k]);
+        Some(self.at.map(|x| (x >> 32) as usize))
+    }
 }
 
 /// What was found out about two pieces of different clusters.
@@ -287,37 +339,38 @@ impl Gap<'_> {
             return None;
         }
 
-        let along = Along {
-            middle: [0, 1].map(|k| (a.centroid[k] + b.centroid[k]) / 2.0),
-            direction: apart.map(|x| x / length_px),
-            length_px,
-            origin: f64::from(scene.disparity[a.pixels[0] as usize]),
-        };
-        let [of_a, of_b] = [a, b].map(|piece| self.samples(piece, &along));
-        let flat = [&of_a, &of_b].map(|samples| Surface::<3>::fit(samples.iter()));
-        let curved = [&of_a, &of_b].map(|samples| Surface::<4>::fit(samples.iter()));
-        let slopes = flat.each_ref().map(|surface| along.slope([surface.weights[1], surface.weights[2]]));
-        let noise = space.slope_noise(length(slopes[0]).min(length(slopes[1])));
-        let is_curved = flat.iter().zip(&curved).all(|(flat, curved)| {
-            flat.mean_squared_error.sqrt() > CURVED_RATIO * curved.mean_squared_error.sqrt()
-        });
-        let both = of_a.iter().chain(&of_b);
-        let (joint, single) = if is_curved {
-            (Surface::<4>::fit(both), curved.each_ref().map(|surface| surface.mean_squared_error))
-        } else {
-            (Surface::<3>::fit(both).curved(), flat.each_ref().map(|surface| surface.mean_squared_error))
-        };
-        let added = joint.mean_squared_error - (single[0] + single[1]) / 2.0;
-        let disagreement_quanta = added.max(0.0).sqrt() / noise;
-        let normals: [DVec3; 2] =
-            [0, 1].map(|k| space.normal(along.middle, along.origin + flat[k].weights[0], slopes[k]));
-        let angle_deg = libm::acos(normals[0].dot(normals[1]).clamp(-1.0, 1.0)).to_degrees();
         let params::Occlusion {
             disagreement_quanta: most_quanta,
             angle_deg: most_deg,
             color_overlap: least_overlap,
             ..
         } = *self.params;
+        // Shares add up to 1 but for rounding.
+        let common = |(x, y): (&f64, &f64)| x.min(*y);
+        let overlap = || a.colors.iter().zip(&b.colors).map(common).sum::<f64>().min(1.0);
+        let color_overlap = scene.color.map(|_| overlap());
+        if color_overlap.is_some_and(|overlap| HOPELESS * overlap < least_overlap) {
+            return None;
+        }
+        let along = Along {
+            middle: [0, 1].map(|k| (a.centroid[k] + b.centroid[k]) / 2.0),
+            axis: apart.map(|x| x / (length_px * length_px)),
+            origin: f64::from(scene.disparity[a.pixels[0] as usize]),
+        };
+        let [of_a, of_b] = [a, b].map(|piece| along.take(&piece.samples));
+        let flat = [&of_a, &of_b].map(|samples| Surface::<3>::fit(samples.iter()));
+        let slopes = flat.each_ref().map(|surface| along.slope([surface.weights[1], surface.weights[2]]));
+        let normals: [DVec3; 2] =
+            [0, 1].map(|k| space.normal(along.middle, along.origin + flat[k].weights[0], slopes[k]));
+        let angle_deg = libm::acos(normals[0].dot(normals[1]).clamp(-1.0, 1.0)).to_degrees();
+        if angle_deg > HOPELESS * most_deg {
+            return None;
+        }
+        let noise = space.slope_noise(length(slopes[0]).min(length(slopes[1])));
+        let (joint, disagreement_quanta) = Self::joint(&of_a, &of_b, &flat, noise);
+        if disagreement_quanta > HOPELESS * most_quanta {
+            return None;
+        }
         checks.that(
             Check::new(
                 "disagreement of the surfaces",
@@ -332,15 +385,8 @@ impl Gap<'_> {
             Check::new("angle between the surfaces", "degrees", angle_deg, Bound::Below, most_deg)
                 .set_by("occlusion.angle_deg"),
         );
-        if disagreement_quanta > HOPELESS * most_quanta || angle_deg > HOPELESS * most_deg {
-            return None;
-        }
 
-        let seen = self.look(a, b, |at| along.origin + joint.value(along.coordinates(at)));
-        let common = |(x, y): (&f64, &f64)| x.min(*y);
-        // Shares add up to 1 but for rounding.
-        let overlap = || a.colors.iter().zip(&b.colors).map(common).sum::<f64>().min(1.0);
-        let color_overlap = scene.color.map(|_| overlap());
+        let seen = self.look(a, b, |at| along.origin + joint.value(along.coordinates(at)))?;
         let is_horizontal =
             scene.support.is_some_and(|support| normals[0].dot(support.normal).abs() > HORIZONTAL);
         let share = |what, share, bound, limit| Check::new(what, "", share, bound, limit);
@@ -372,57 +418,73 @@ impl Gap<'_> {
         Some(Look { clusters, checks: checks.0, continuation, hider: seen.hider })
     }
 
-    /// Evenly spaced pixels of a piece, with their disparities.
-    fn samples(&self, piece: &Piece, along: &Along) -> Vec<([f64; 2], f64)> {
-        let disparity = self.clusters.scene.disparity;
-        let sample = |q: usize| {
-            let i = piece.pixels[q * piece.pixels.len() / SAMPLES] as usize;
-            let at = along.coordinates(position(i, disparity.width()));
-            (at, f64::from(disparity[i]) - along.origin)
+    /// The surface of two pieces together, and by how much it fits each of them worse than one of its own (in `noise`, quanta).
+    fn joint(of_a: &[Sample], of_b: &[Sample], flat: &[Surface<3>; 2], noise: f64) -> (Surface<4>, f64) {
+        let of = [of_a, of_b];
+        let both = || of_a.iter().chain(of_b);
+        let flat_error = [0, 1].map(|k| flat[k].mean_squared_error(of[k].iter()));
+        let curved_error =
+            of.map(|samples| Surface::<4>::fit(samples.iter()).mean_squared_error(samples.iter()));
+        let is_curved = flat_error
+            .iter()
+            .zip(&curved_error)
+            .all(|(flat, curved)| flat.sqrt() > CURVED_RATIO * curved.sqrt());
+        let (joint, single) = if is_curved {
+            (Surface::<4>::fit(both()), curved_error)
+        } else {
+            (Surface::<3>::fit(both()).curved(), flat_error)
         };
-        (0..SAMPLES).map(sample).collect()
+        let added = joint.mean_squared_error(both()) - (single[0] + single[1]) / 2.0;
+        (joint, added.max(0.0).sqrt() / noise)
     }
 
-    /// What is seen along lines from random pixels of one piece to random pixels of the other.
-    fn look(&self, a: &Piece, b: &Piece, surface: impl Fn([f64; 2]) -> f64) -> Seen {
+    /// What is seen along lines from random pixels of one piece to random pixels of the other; `None` when it is hopelessly much
+    /// that is seen through, or little that is hidden, whatever the lines that are left would show.
+    fn look(&self, a: &Piece, b: &Piece, surface: impl Fn([f64; 2]) -> f64) -> Option<Seen> {
         let scene = self.clusters.scene;
         let width = scene.disparity.width();
         let labels: &Segments = &scene.facets.segments;
         let mut random = Lcg::new(777);
+        let lines = [(); LINES].map(|()| {
+            let ends = [a, b].map(|piece| piece.pixels[random.below(piece.pixels.len())] as usize);
+            Line::between(ends.map(|i| [i % width, i / width].map(|x| x as i64)))
+        });
+        let most = lines.iter().map(|line| line.steps).sum::<usize>() as f64;
         let (mut through, mut on, mut hidden) = (0_u32, 0_u32, 0_u32);
-        let mut before: BTreeMap<SegmentId, u32> = BTreeMap::new();
-        for _ in 0..LINES {
-            let [from, to] =
-                [a, b].map(|piece| position(piece.pixels[random.below(piece.pixels.len())] as usize, width));
-            let reach = [0, 1].map(|k| to[k] - from[k]);
-            let steps = reach[0].abs().max(reach[1].abs());
-            for t in 1..steps as usize {
-                let at = [0, 1].map(|k| (from[k] + reach[k] * t as f64 / steps).round());
-                let i = at[1] as usize * width + at[0] as usize;
+        let mut before = vec![0_u32; labels.count()];
+        for line in lines {
+            for [u, v] in line {
+                let i = v * width + u;
                 let facet = labels.at(i);
                 let d = f64::from(scene.disparity[i]);
                 if facet == Some(a.facet) || facet == Some(b.facet) || d.is_nan() {
                     continue;
                 }
-                let free = facet.and_then(|facet| facet.index().checked_sub(scene.facets.structure));
-                let cluster = free.and_then(|free| self.clusters.of_facet(free));
-                let expected = surface(at);
+                let expected = surface([u as f64, v as f64]);
                 if d < expected - SEEN_THROUGH_QUANTA {
                     through += 1;
-                } else if cluster == Some(a.cluster)
-                    || cluster == Some(b.cluster)
-                    || d <= expected + HIDDEN_QUANTA
-                {
+                    continue;
+                }
+                let free = facet.and_then(|facet| facet.index().checked_sub(scene.facets.structure));
+                let cluster = free.and_then(|free| self.clusters.of_facet(free));
+                if d <= expected + HIDDEN_QUANTA || cluster == Some(a.cluster) || cluster == Some(b.cluster) {
                     on += 1;
                 } else {
                     hidden += 1;
-                    facet.into_iter().for_each(|facet| *before.entry(facet).or_default() += 1);
+                    facet.into_iter().for_each(|facet| before[facet.index()] += 1);
                 }
+            }
+            let too_much = f64::from(through) > HOPELESS * SEEN_THROUGH_SHARE * most;
+            let too_little = f64::from(through + on) > (1.0 - HIDDEN_SHARE / HOPELESS) * most;
+            if too_much || too_little {
+                return None;
             }
         }
         let share = |part: u32| f64::from(part) / f64::from((through + on + hidden).max(1));
-        let most = before.into_iter().reduce(|most, next| if next.1 > most.1 { next } else { most });
-        Seen { hidden: share(hidden), through: share(through), hider: most.map(|(facet, _)| facet) }
+        // The first of equal ones.
+        let hider = before.iter().zip(0..).max_by_key(|&(&count, facet)| (count, Reverse(facet)));
+        let hider = hider.filter(|(count, _)| **count > 0).map(|(_, facet)| SegmentId(facet));
+        Some(Seen { hidden: share(hidden), through: share(through), hider })
     }
 }
 
@@ -470,6 +532,19 @@ mod tests {
 
     const PARTED: [Option<u32>; 3] = [Some(0), Some(1), Some(2)];
 
+    #[test]
+    fn a_line_goes_through_the_nearest_pixels() {
+        let from = [17_i64, 9];
+        for to in (0..40 * 40).map(|k| [k % 40, k / 40]) {
+            let reach = [0, 1].map(|k| (to[k] - from[k]) as f64);
+            let steps = reach[0].abs().max(reach[1].abs());
+            let nearest =
+                |t: usize| [0, 1].map(|k| (from[k] as f64 + reach[k] * t as f64 / steps).round() as usize);
+            let expected: Vec<_> = (1..steps as usize).map(nearest).collect();
+            assert_eq!(Line::between([from, to]).collect::<Vec<_>>(), expected, "to {to:?}");
+        }
+    }
+
     /// It was curved along the gap, where a lying can is straight.
     #[test]
     fn a_curved_surface_is_a_cylinder_along_the_gap() {
@@ -477,7 +552,9 @@ mod tests {
             let grid = (0..100).map(|k| [f64::from(k % 10) / 10.0 - 0.5, f64::from(k / 10) / 10.0 - 0.5]);
             grid.map(|at| (at, 3.0 + 2.0 * at[0] - at[1] + 5.0 * bend(at))).collect()
         };
-        let error = |samples: &[([f64; 2], f64)]| Surface::<4>::fit(samples.iter()).mean_squared_error;
+        let error = |samples: &[([f64; 2], f64)]| {
+            Surface::<4>::fit(samples.iter()).mean_squared_error(samples.iter())
+        };
         assert!(error(&samples(|[_, t]| t * t)) < 1e-6, "across");
         assert!(error(&samples(|[s, _]| s * s)) > 0.1, "along");
     }
