@@ -190,7 +190,8 @@ pub(crate) fn context(
     observer.observe(Stage::Clusters { facets: &facets, history: History::of(&clusters) });
 
     let outcome = outcome(&clusters, structure.support, &params.objectness);
-    let planes = structure.planes(&outcome.regions, &points);
+    let measured = disparity.as_slice().iter().filter(|d| !d.is_nan()).count();
+    let planes = structure.planes(&outcome.regions, measured);
     let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
     let mut support = forest(&outcome.regions, &points, &orientation.normal, &planes, &up, space, params);
     observer.observe(Stage::Support { graph: &support, regions: &outcome.regions });

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use crate::raster::Raster;
 
 /// Number of a segment (superpixel, facet, shape) within its [`Segments`], counted from 0.
@@ -81,10 +83,43 @@ impl Segments {
         runs(&self.labels)
     }
 
+    /// Of every segment its [`runs`]. O(pixels).
+    pub(crate) fn runs_of_each(&self) -> RunsOfEach {
+        let all: Vec<(Range<usize>, usize)> = self.runs().collect();
+        let mut ends = vec![0; self.count];
+        all.iter().for_each(|&(_, s)| ends[s] += 1);
+        let mut first = 0;
+        ends.iter_mut().for_each(|end| first += std::mem::replace(end, first));
+        let mut runs = vec![0..0; all.len()];
+        for (run, s) in all {
+            runs[ends[s]] = run;
+            ends[s] += 1;
+        }
+        RunsOfEach { runs, ends }
+    }
+
     /// The coarser label map in which segment `s` has become segment `group_of[s]` of `count` groups.
     pub(crate) fn grouped(&self, group_of: &[u32], count: usize) -> Self {
         let label = |&l: &i32| usize::try_from(l).map_or(Self::NONE, |s| group_of[s] as i32);
         Self::from_numbered(self.labels.map(label), count)
+    }
+}
+
+/// The runs of every segment, in scan order: segments are looked at side by side, and sums over the pixels of one keep their
+/// order.
+pub(crate) struct RunsOfEach {
+    /// Segment by segment.
+    runs: Vec<Range<usize>>,
+    /// Where the runs of each end.
+    ends: Vec<usize>,
+}
+
+impl RunsOfEach {
+    /// What `look` makes of the runs of every segment.
+    pub(crate) fn map<T: Send>(&self, look: impl Fn(usize, &[Range<usize>]) -> T + Sync) -> Vec<T> {
+        let start = |s: usize| if s == 0 { 0 } else { self.ends[s - 1] };
+        let of = |s: usize| look(s, &self.runs[start(s)..self.ends[s]]);
+        (0..self.ends.len()).into_par_iter().map(of).collect()
     }
 }
 

@@ -3,6 +3,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use rayon::prelude::*;
+
 use crate::facets::Facets;
 use crate::oversegment::structure::Structure;
 use crate::params;
@@ -95,19 +97,20 @@ struct Forest<'a> {
 
 impl Forest<'_> {
     fn merge(&mut self, basis: Basis, tolerance: f32) {
-        for region in self.regions.iter_mut().flatten() {
+        self.regions.par_iter_mut().flatten().for_each(|region| {
             let fit = fit(&region.moments, basis, QUADRATIC_TRIAL_PX);
             region.squared_error = fit.squared_error;
             region.steepness = fit.model.steepness();
             region.version = 0;
-        }
-        let mut candidates = Vec::new();
-        for a in 0..self.regions.len() as u32 {
-            let Some(region) = &self.regions[a as usize] else { continue };
-            let later = region.neighbours.iter().filter(|&&b| b > a);
-            candidates.extend(later.filter_map(|&b| self.candidate(a, b, basis, tolerance)).map(Reverse));
-        }
-        let mut heap = BinaryHeap::from(candidates);
+        });
+        let forest = &*self;
+        let candidates = |a: u32| {
+            let neighbours = forest.regions[a as usize].iter().flat_map(|region| &region.neighbours);
+            let later = neighbours.filter(move |&&b| b > a);
+            later.filter_map(move |&b| forest.candidate(a, b, basis, tolerance)).map(Reverse)
+        };
+        let all = (0..forest.regions.len() as u32).into_par_iter().flat_map_iter(candidates);
+        let mut heap = BinaryHeap::from(all.collect::<Vec<_>>());
         while let Some(Reverse(Merge { a, b, versions, .. })) = heap.pop() {
             if [a, b].map(|k| self.regions[k as usize].as_ref().map(|r| r.version)) != versions.map(Some) {
                 continue;
@@ -369,6 +372,7 @@ mod tests {
             model,
             normal: glam::DVec3::NEG_Z,
             offset_m: 1.0,
+            points: crate::objectness::gravity::PointSums::default(),
         };
         let structure = Structure { surfaces: vec![surface], labels: labels.clone(), support: Some(0) };
         let superpixels = Segments::from_numbered(labels.map(|l| -1 - l), 1);

@@ -59,14 +59,11 @@ fn is_inside(i: usize, width: usize, height: usize) -> bool {
     u > 0 && u + 1 < width && v > 0 && v + 1 < height
 }
 
-/// The pixels inside the image that are [`is_open`]. O(pixels).
+/// The pixels inside the image that are [`is_open`], in scan order. O(pixels); parallel over rows.
 fn open_pixels(labels: &Raster<i32>, disparity: &Raster<f32>) -> Vec<u32> {
     let (width, height) = labels.size();
-    let mut open = Vec::new();
     let inner = width.saturating_sub(2);
-    let mut row = vec![0; inner];
-    let marks = &mut row[..inner];
-    for v in 1..height.max(2) - 1 {
+    let of_row = |marks: &mut Vec<i32>, v: usize| {
         let [above, own, below] = [v - 1, v, v + 1].map(|v| &labels.as_slice()[v * width..(v + 1) * width]);
         let (left, right) = (part(own, 0, inner), part(own, 2, inner));
         let [above, own, below] = [above, own, below].map(|row| part(row, 1, inner));
@@ -79,9 +76,10 @@ fn open_pixels(labels: &Raster<i32>, disparity: &Raster<f32>) -> Vec<u32> {
             *mark = i32::from((differs != 0) | (label < 0)) & i32::from(!measured[k].is_nan());
         }
         let pixels = marked(marks).map(|k| v * width + 1 + k);
-        open.extend(pixels.filter(|&i| is_open(i, labels, disparity)).map(|i| i as u32));
-    }
-    open
+        pixels.filter(|&i| is_open(i, labels, disparity)).map(|i| i as u32).collect::<Vec<_>>()
+    };
+    let rows = (1..height.max(2) - 1).into_par_iter().map_init(|| vec![0; inner], of_row);
+    rows.flatten_iter().collect()
 }
 
 /// Whether a pixel inside the image is measured and has no facet, or a 4-neighbour of another.

@@ -137,7 +137,8 @@ pub(crate) struct Bodies<'a> {
 }
 
 impl<'a> Bodies<'a> {
-    /// Pixels without depth do not count. O(pixels + pixels of things · log of them).
+    /// Pixels without depth do not count. O(pixels + pixels of things · log of them); parallel over
+    /// regions.
     pub(crate) fn new(
         regions: &Segments,
         points_m: &Raster<[f32; 3]>,
@@ -147,25 +148,9 @@ impl<'a> Bodies<'a> {
         space: &DisparitySpace,
     ) -> Self {
         let plan = Plan::new(up);
-        let mut all = vec![Body::default(); regions.count()];
-        let mut looks = vec![Look::default(); regions.count()];
-        let mut piece = Piece::new();
-        for (run, region) in regions.runs() {
-            for start in run.clone().step_by(PIECE_PX) {
-                piece.fill(start..run.end.min(start + PIECE_PX), points_m, &plan);
-                all[region].add(&piece, &plan.directions);
-                if region >= planes.len() {
-                    looks[region].add(&piece, points_m, normals, &plan);
-                }
-            }
-        }
         let pixels = (points_m, normals);
-        for (body, look) in all.iter_mut().zip(looks) {
-            let count = body.size_px.max(1) as f64;
-            body.mean_m /= count;
-            body.middle_m /= count;
-            body.take(look, pixels, &plan, space);
-        }
+        let body = |region, runs: &[_]| Body::of(runs, region >= planes.len(), pixels, &plan, space);
+        let all = regions.runs_of_each().map(body);
         Self { plan, all, planes }
     }
 
@@ -249,6 +234,32 @@ impl<'a> Bodies<'a> {
 }
 
 impl Body {
+    /// Of the pixels in these runs along rows.
+    fn of(
+        runs: &[Range<usize>],
+        is_thing: bool,
+        pixels: Pixels<'_>,
+        plan: &Plan,
+        space: &DisparitySpace,
+    ) -> Self {
+        let (points_m, normals) = pixels;
+        let (mut body, mut look, mut piece) = (Self::default(), Look::default(), Piece::new());
+        for run in runs {
+            for start in run.clone().step_by(PIECE_PX) {
+                piece.fill(start..run.end.min(start + PIECE_PX), points_m, plan);
+                body.add(&piece, &plan.directions);
+                if is_thing {
+                    look.add(&piece, points_m, normals, plan);
+                }
+            }
+        }
+        let count = body.size_px.max(1) as f64;
+        body.mean_m /= count;
+        body.middle_m /= count;
+        body.take(look, pixels, plan, space);
+        body
+    }
+
     fn add(&mut self, piece: &Piece, directions: &[DVec2; DIRECTIONS]) {
         let Some(&first) = piece.pixels().first() else { return };
         if self.size_px == 0 {

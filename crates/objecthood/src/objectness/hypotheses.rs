@@ -59,8 +59,10 @@ pub fn hypotheses(
     params: &Params,
 ) -> Vec<Hypothesis> {
     let Evidence { regions, points_m, normals, support, up, space } = *evidence;
-    let outlines = outlines(regions, first, points_m, normals, space, &params.contraction);
-    let compactness = compactness(regions, first, points_m, space);
+    let (outlines, compactness) = rayon::join(
+        || outlines(regions, first, points_m, normals, space, &params.contraction),
+        || compactness(regions, first, points_m, space),
+    );
     let carried = support.carried();
     let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); regions.count()];
     for (run, region) in regions.runs().filter(|&(_, region)| region >= first) {

@@ -5,10 +5,8 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use crate::objectness::body::Bodies;
-use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
-use crate::shapes::contact::touching_pairs;
 
 /// What carries goes on below what it carries: so far (m) behind the line of contact, which is all that is seen of a foot.
 pub(crate) const UNDER_M: f64 = 0.03;
@@ -30,16 +28,16 @@ pub(crate) struct Meeting {
 
 /// How every two regions that touch meet, by (lower, upper), either way; planes are never the upper one.
 ///
-/// The foot is what is level with the lowest visible part. O(pixels · `reach_px`).
+/// `touching`: the pixels in contact. The foot is what is level with the lowest visible part. O(pairs of pixels · log of pairs).
 pub(crate) fn meetings(
+    touching: &[(usize, usize)],
     regions: &Segments,
     points_m: &Raster<[f32; 3]>,
     bodies: &Bodies<'_>,
-    params: &params::Contact,
 ) -> BTreeMap<(usize, usize), Meeting> {
     let plan = &bodies.plan;
     let mut meetings: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
-    for (i, j) in touching_pairs(regions, points_m, params) {
+    for &(i, j) in touching {
         for (upper, lower) in [(i, j), (j, i)] {
             let (Some(of_upper), Some(of_lower)) = (regions.at(upper), regions.at(lower)) else { continue };
             let (of_upper, of_lower) = (of_upper.index(), of_lower.index());

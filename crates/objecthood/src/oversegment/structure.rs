@@ -10,7 +10,7 @@ use crate::objectness::gravity::{PointSums, StructurePlane};
 use crate::params;
 use crate::random::Lcg;
 use crate::raster::Raster;
-use crate::regions::{Segments, runs};
+use crate::regions::Segments;
 use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::moments::{Basis, Model, Moments, length};
@@ -27,6 +27,8 @@ pub struct StructureSurface {
     pub normal: DVec3,
     /// Distance of the camera from that plane (m).
     pub offset_m: f64,
+    /// Of its own pixels.
+    pub(crate) points: PointSums,
 }
 
 /// The structure of a scene.
@@ -76,6 +78,9 @@ const LEAST_COSINE: f64 = 0.15;
 pub(crate) const UPWARD: f64 = 0.3;
 /// What lies in front of a surface that is behind the horizon stands as high as this (m).
 const BEYOND_M: f64 = 10.0;
+
+/// Rows whose pixels are told from one another together.
+const BAND_ROWS: usize = 64;
 
 /// A pixel of the grid.
 struct Sample {
@@ -170,7 +175,7 @@ pub fn structure(
             && extent.area_m2 > DOMINANT_M2;
         if is_large || dominates {
             let offset_m = space.distance_m([0.0; 2], plane[2], [plane[0], plane[1]]);
-            surfaces.push(StructureSurface { model, normal, offset_m });
+            surfaces.push(StructureSurface { model, normal, offset_m, points: PointSums::default() });
         }
     }
 
@@ -180,30 +185,45 @@ pub fn structure(
         .position(|s| s.normal.dot(camera_up) > UPWARD)
         .or((!surfaces.is_empty()).then_some(0));
     let mut labels = workspace.filled(disparity.len(), Segments::NONE);
-    labels.par_chunks_mut(width).enumerate().for_each(|(v, labels)| {
-        let row = &disparity.as_slice()[v * width..][..width];
+    let bands = labels.par_chunks_mut(BAND_ROWS * width).enumerate().map(|(band, labels)| {
+        let mut own = vec![PointSums::default(); surfaces.len()];
         let mut near = vec![false; width];
-        // From the last to the first, so that the first one has the last word.
-        for (s, surface) in surfaces.iter().enumerate().rev() {
-            vectorized(
-                #[inline(always)]
-                || {
-                    for (u, (near, d)) in near.iter_mut().zip(row).enumerate() {
-                        let misfit = f64::from(*d) - surface.model.value([u as f64, v as f64]);
-                        *near = misfit.abs() < params.tolerance_quanta;
+        for (v, labels) in (band * BAND_ROWS..).zip(labels.chunks_exact_mut(width)) {
+            let row = v * width..(v + 1) * width;
+            // The first surface has the first word.
+            for (s, surface) in surfaces.iter().enumerate() {
+                let pixels = near.iter_mut().zip(&disparity.as_slice()[row.clone()]);
+                vectorized(
+                    #[inline(always)]
+                    || {
+                        for (u, (near, d)) in pixels.enumerate() {
+                            let misfit = f64::from(*d) - surface.model.value([u as f64, v as f64]);
+                            *near = misfit.abs() < params.tolerance_quanta;
+                        }
+                    },
+                );
+                let mut sums = own[s];
+                for u in (0..width).filter(|&u| near[u]) {
+                    if labels[u] >= 0 {
+                        continue;
                     }
-                },
-            );
-            for u in (0..width).filter(|&u| near[u]) {
-                let tilt = Tilt::at(v * width + u, orientation);
-                let slope = surface.model.slope([u as f64, v as f64]);
-                let own = Tilt { normal: surface.normal, slope };
-                if tilt.normal == DVec3::ZERO || alike.are(&own, &tilt) {
-                    labels[u] = s as i32;
+                    let tilt = Tilt::at(row.start + u, orientation);
+                    let slope = surface.model.slope([u as f64, v as f64]);
+                    let own = Tilt { normal: surface.normal, slope };
+                    if tilt.normal == DVec3::ZERO || alike.are(&own, &tilt) {
+                        labels[u] = s as i32;
+                        sums.add(Vec3::from(points_m[row.start + u]).as_dvec3());
+                    }
                 }
+                own[s] = sums;
             }
         }
+        own
     });
+    // Band by band, so that sums do not depend on threads.
+    for own in bands.collect::<Vec<_>>() {
+        surfaces.iter_mut().zip(own).for_each(|(surface, own)| surface.points.merge(&own));
+    }
     let labels = disparity.with_data(labels);
     Structure { surfaces, labels, support }
 }
@@ -214,25 +234,18 @@ impl Structure {
         Segments::from_numbered(self.labels.clone(), self.surfaces.len())
     }
 
-    /// The surfaces as planes, each fitted to its own pixels. `regions` say how much is counted as theirs in the end: the
-    /// first of them are the surfaces, now with whatever else was found to be background.
-    pub(crate) fn planes(&self, regions: &Segments, points_m: &Raster<[f32; 3]>) -> Vec<StructurePlane> {
-        let mut own = vec![PointSums::default(); self.surfaces.len()];
-        for (run, surface) in runs(&self.labels) {
-            let mut sums = own[surface];
-            points_m.as_slice()[run].iter().for_each(|&point| sums.add(Vec3::from(point).as_dvec3()));
-            own[surface] = sums;
-        }
+    /// The surfaces as planes, each fitted to its own pixels. `regions` say how much of what is `measured` (pixels) is counted as
+    /// theirs in the end: the first of them are the surfaces, now with whatever else was found to be background.
+    pub(crate) fn planes(&self, regions: &Segments, measured: usize) -> Vec<StructurePlane> {
         let mut size_px = vec![0_usize; regions.count()];
         regions.runs().for_each(|(run, region)| size_px[region] += run.len());
-        let measured = points_m.as_slice().iter().filter(|point| !point[2].is_nan()).count();
-        let plane = |((surface, own), size): ((&StructureSurface, PointSums), usize)| {
+        let plane = |(surface, size): (&StructureSurface, usize)| {
             let inlier_share = (size as f64 / measured as f64) as f32;
             let (normal, offset_m) = (surface.normal.as_vec3().to_array(), surface.offset_m as f32);
             let started = StructurePlane { normal, offset_m, inlier_share };
-            StructurePlane { inlier_share, ..own.fitted_plane().unwrap_or(started) }
+            StructurePlane { inlier_share, ..surface.points.fitted_plane().unwrap_or(started) }
         };
-        self.surfaces.iter().zip(own).zip(size_px).map(plane).collect()
+        self.surfaces.iter().zip(size_px).map(plane).collect()
     }
 
     /// One label map of both: first the surfaces, then the segments, which lie where no surface is.

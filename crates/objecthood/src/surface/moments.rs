@@ -5,6 +5,8 @@
 
 #![allow(clippy::needless_range_loop, reason = "indices are exponents, as in the formulae")]
 
+use std::ops::Range;
+
 use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::disparity::position;
@@ -60,23 +62,26 @@ impl Moments {
         Self { center, powers: [[0.0; 5]; 5], products: [[0.0; 3]; 3], squares: 0.0 }
     }
 
-    /// Of all segments of a label map, each about its centroid; an empty one about the first pixel. O(pixels).
+    /// Of all segments of a label map, each about its centroid; an empty one about the first pixel. O(pixels); parallel
+    /// over segments.
     pub fn of_segments(segments: &Segments, disparity: &Raster<f32>) -> Vec<Self> {
+        segments.runs_of_each().map(|_, runs| Self::of_runs(runs, disparity))
+    }
+
+    /// Of the pixels in these runs along rows.
+    fn of_runs(runs: &[Range<usize>], disparity: &Raster<f32>) -> Self {
         let width = disparity.width();
         // Sums of whole numbers, which are exact in any order.
-        let mut sums = vec![[0_u64; 3]; segments.count()];
-        for (run, s) in segments.runs() {
+        let [mut count, mut across, mut down] = [0_u64; 3];
+        for run in runs {
             let (n, u, v) = (run.len() as u64, (run.start % width) as u64, (run.start / width) as u64);
-            let [count, across, down] = &mut sums[s];
-            *count += n;
-            *across += n * u + n * (n - 1) / 2;
-            *down += n * v;
+            count += n;
+            across += n * u + n * (n - 1) / 2;
+            down += n * v;
         }
-        let centroid = |[n, across, down]: [u64; 3]| [across, down].map(|sum| sum as f64 / n.max(1) as f64);
-        let mut moments: Vec<Self> = sums.into_iter().map(|sums| Self::about(centroid(sums))).collect();
-        for (run, s) in segments.runs() {
-            let [u, v] = position(run.start, width);
-            moments[s].add_run([u, v], &disparity.as_slice()[run]);
+        let mut moments = Self::about([across, down].map(|sum| sum as f64 / count.max(1) as f64));
+        for run in runs {
+            moments.add_run(position(run.start, width), &disparity.as_slice()[run.clone()]);
         }
         moments
     }
