@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::raster::Raster;
+use crate::simd::vectorized;
 use crate::workspace::Workspace;
 
 /// Coordinates beyond this (m) are no measurements, and their squares would not be finite.
@@ -91,11 +92,15 @@ impl Frame {
         points.par_chunks_mut(width).zip(self.depth_m.as_slice().par_chunks(width)).enumerate().for_each(
             |(v, (points, depths))| {
                 let y = self.camera.ray(0.0, v as f64)[1];
-                for ((point, x), &z_m) in points.iter_mut().zip(&columns).zip(depths) {
-                    let z = f64::from(z_m);
-                    let [x, y] = [x * z, y * z].map(|x| x as f32);
-                    *point = [x, y, z_m];
-                }
+                vectorized(
+                    #[inline(always)]
+                    || {
+                        for ((point, x), &z_m) in points.iter_mut().zip(&columns).zip(depths) {
+                            let z = f64::from(z_m);
+                            *point = [(x * z) as f32, (y * z) as f32, z_m];
+                        }
+                    },
+                );
             },
         );
         self.depth_m.with_data(points)

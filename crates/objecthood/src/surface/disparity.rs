@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::camera::Camera;
 use crate::params;
 use crate::raster::Raster;
+use crate::simd::vectorized;
 use crate::workspace::Workspace;
 
 /// Depths (m) outside this range are no measurements for the method `context`.
@@ -50,12 +51,19 @@ impl DisparitySpace {
 
     /// As [`disparity`](Self::disparity), in a buffer of the workspace.
     pub(crate) fn disparity_in(&self, depth_m: &Raster<f32>, workspace: &mut Workspace) -> Raster<f32> {
-        let disparity = |z: &f32| {
-            let is_measured = *z > RANGE_M.start && *z < RANGE_M.end;
-            if is_measured { (1.0 / (f64::from(*z) * self.quantum_per_m)) as f32 } else { f32::NAN }
+        let disparity = |z: f32| {
+            let is_measured = (z > RANGE_M.start) & (z < RANGE_M.end);
+            let disparity = (1.0 / (f64::from(z) * self.quantum_per_m)) as f32;
+            if is_measured { disparity } else { f32::NAN }
         };
         let mut disparities = workspace.stale(depth_m.len(), f32::NAN);
-        disparities.par_iter_mut().zip(depth_m.as_slice()).for_each(|(d, z)| *d = disparity(z));
+        let bands = disparities.par_chunks_mut(BAND_PX).zip(depth_m.as_slice().par_chunks(BAND_PX));
+        bands.for_each(|(disparities, depths_m)| {
+            vectorized(
+                #[inline(always)]
+                || disparities.iter_mut().zip(depths_m).for_each(|(d, z_m)| *d = disparity(*z_m)),
+            );
+        });
         depth_m.with_data(disparities)
     }
 
@@ -128,6 +136,9 @@ impl DisparitySpace {
         (at_525_px as f64 * self.scale * self.scale).round() as usize
     }
 }
+
+/// Pixels that are worked on together.
+const BAND_PX: usize = 1 << 14;
 
 /// Column and row of the pixel with row-major index `i`.
 #[inline]
