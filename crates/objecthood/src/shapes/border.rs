@@ -7,6 +7,7 @@ use crate::facets::Facets;
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, SegmentId};
+use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::moments::{Model, length};
 
@@ -133,44 +134,57 @@ struct Sums {
     terms: [f64; 8],
 }
 
-/// The same of pixels in one row.
+/// Columns of a window that are summed at once.
+const LANES: usize = 16;
+
+/// Column by column the number and the sums of y, yy, d and yd.
 #[derive(Clone, Copy, Default)]
-struct RowSums {
-    n: i64,
-    x: i64,
-    xx: i64,
-    d: f64,
-    xd: f64,
+struct Columns {
+    n: [i32; LANES],
+    y: [i32; LANES],
+    yy: [i32; LANES],
+    d: [f64; LANES],
+    yd: [f64; LANES],
 }
 
-impl RowSums {
-    /// Adds pixels side by side, the first of which is at x.
-    #[inline]
-    fn add_run(&mut self, x: i64, disparity: &[f32]) {
-        let end = x + disparity.len() as i64;
-        // Six times the sum of the squares below x.
-        let squares = |x: i64| (x - 1) * x * (2 * x - 1);
-        self.n += end - x;
-        self.x += (end - x) * (x + end - 1) / 2;
-        self.xx += (squares(end) - squares(x)) / 6;
-        let mut x = x as f64;
-        for &d in disparity {
-            let d = f64::from(d);
-            self.d += d;
-            self.xd += x * d;
-            x += 1.0;
+impl Columns {
+    /// Adds what of a row is of one facet.
+    #[inline(always)]
+    fn add_row(&mut self, y: i32, is_own: &[bool; LANES], disparity: &[f32; LANES]) {
+        for k in 0..LANES {
+            let own = i32::from(is_own[k]);
+            self.n[k] += own;
+            self.y[k] += own * y;
+            self.yy[k] += own * (y * y);
+            let d = if is_own[k] { f64::from(disparity[k]) } else { 0.0 };
+            self.d[k] += d;
+            self.yd[k] += f64::from(y) * d;
         }
     }
 }
 
 impl Sums {
-    #[inline]
-    fn add(&mut self, y: f64, row: &RowSums) {
-        let (n, x, xx) = (row.n as f64, row.x as f64, row.xx as f64);
-        self.n += row.n as usize;
-        let terms = [x, n * y, row.d, xx, x * y, n * (y * y), row.xd, row.d * y];
-        self.terms.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+    /// Adds columns, the first of which is at x.
+    #[inline(always)]
+    fn add(&mut self, x: i32, columns: &Columns) {
+        for k in 0..LANES {
+            let x = f64::from(x + k as i32);
+            let [n, y, yy] = [columns.n[k], columns.y[k], columns.yy[k]].map(f64::from);
+            let terms = [x * n, y, columns.d[k], x * x * n, x * y, yy, x * columns.d[k], columns.yd[k]];
+            self.n += columns.n[k] as usize;
+            self.terms.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+        }
     }
+}
+
+/// The first values of a row; of a shorter one as many as there are, and then others.
+#[inline(always)]
+fn first<T: Copy + Default>(row: &[T]) -> [T; LANES] {
+    row.first_chunk().copied().unwrap_or_else(|| {
+        let mut padded = [T::default(); LANES];
+        padded[..row.len()].copy_from_slice(row);
+        padded
+    })
 }
 
 impl Border<'_> {
@@ -225,33 +239,37 @@ impl Border<'_> {
         Some((a, b, Sample { look, gaps }))
     }
 
-    /// The sums over the pixels of two facets around `middle`. Row by row, which changes no bit: places are whole numbers, and
-    /// disparities of 24 bits differ by less than a factor of 200, so that in windows of up to 100 px to either side nothing is
+    /// The sums over the pixels of two facets around `middle`. Many columns at once, which changes no bit: places are whole numbers,
+    /// and disparities of 24 bits differ by less than a factor of 200, so that in windows of up to 100 px to either side nothing is
     /// rounded, whatever is added first.
     fn sums(&self, facets: [SegmentId; 2], middle: [f64; 2]) -> [Sums; 2] {
         let (width, height) = self.disparity.size();
         let [u, v] = middle.map(|x| x as usize);
-        let labels = facets.map(|facet| facet.0 as i32);
+        let rows = v.saturating_sub(self.radius)..(v + self.radius + 1).min(height);
+        let end = (u + self.radius + 1).min(width);
+        let (labels, disparity) = (self.facets.segments.labels().as_slice(), self.disparity.as_slice());
         let mut sums = [Sums::default(); 2];
-        for y in v.saturating_sub(self.radius)..(v + self.radius + 1).min(height) {
-            let row = y * width;
-            let columns = u.saturating_sub(self.radius)..(u + self.radius + 1).min(width);
-            let window = row + columns.start..row + columns.end;
-            let disparity = &self.disparity.as_slice()[window.clone()];
-            let runs = self.facets.segments.labels().as_slice()[window].chunk_by(|a, b| a == b);
-            let mut start = 0;
-            let mut rows = [RowSums::default(); 2];
-            for run in runs {
-                let end = start + run.len();
-                if let Some(side) = labels.iter().position(|&label| label == run[0]) {
-                    let x = columns.start as i64 + start as i64 - u as i64;
-                    rows[side].add_run(x, &disparity[start..end]);
+        vectorized(
+            #[inline(always)]
+            || {
+                for start in (u.saturating_sub(self.radius)..end).step_by(LANES) {
+                    let inside: [bool; LANES] = std::array::from_fn(|k| start + k < end);
+                    let mut columns = [Columns::default(); 2];
+                    for v_row in rows.clone() {
+                        // What follows the row is not inside.
+                        let i = v_row * width + start;
+                        let (labels, disparity) = (first(&labels[i..]), first(&disparity[i..]));
+                        for (columns, facet) in columns.iter_mut().zip(facets) {
+                            let is_own = |k| inside[k] & (labels[k] == facet.0 as i32);
+                            let is_own = std::array::from_fn(is_own);
+                            columns.add_row(v_row as i32 - v as i32, &is_own, &disparity);
+                        }
+                    }
+                    let x = start as i32 - u as i32;
+                    sums.iter_mut().zip(&columns).for_each(|(sums, columns)| sums.add(x, columns));
                 }
-                start = end;
-            }
-            let y = y as f64 - middle[1];
-            sums.iter_mut().zip(&rows).for_each(|(sums, row)| sums.add(y, row));
-        }
+            },
+        );
         sums
     }
 
