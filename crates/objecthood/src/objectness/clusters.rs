@@ -150,14 +150,18 @@ impl<'a> Clusters<'a> {
     pub(crate) fn new(scene: &'a Scene<'a>, shapes: &Shapes) -> Self {
         let Shapes { of_facet: shape_of, count } = shapes;
         let of_facet: Vec<_> = shape_of.iter().map(|&shape| Some(SegmentId(shape))).collect();
-        let mut clusters = vec![Cluster::default(); *count];
-        let Facets { segments, structure, .. } = scene.facets;
-        for (run, facet) in segments.runs() {
-            if let Some(shape) = facet.checked_sub(*structure) {
-                clusters[shape_of[shape] as usize].pixels.extend(run.map(|i| i as u32));
+        let gather = || {
+            let mut clusters = vec![Cluster::default(); *count];
+            let Facets { segments, structure, .. } = scene.facets;
+            for (run, facet) in segments.runs() {
+                if let Some(shape) = facet.checked_sub(*structure) {
+                    clusters[shape_of[shape] as usize].pixels.extend(run.map(|i| i as u32));
+                }
             }
-        }
-        for edge in lie_of_clusters(scene, shapes).edges() {
+            clusters
+        };
+        let (mut clusters, lie) = rayon::join(gather, || lie_of_clusters(scene, shapes));
+        for edge in lie.edges() {
             // Region 0 is the background.
             let [a, b] = [edge.a, edge.b].map(|k| k.0.checked_sub(1).map(SegmentId));
             for (own, other, borders) in [(a, b, edge.evidence), (b, a, edge.evidence.mirrored())] {

@@ -3,6 +3,9 @@
 //! They are taken out first: they are support and background, they say what "up" and "height" are, and every later
 //! stage is cheaper without them.
 
+use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::Ordering::Relaxed;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -275,34 +278,41 @@ impl StructureSurface {
 }
 
 /// The plane a u + b v + c through three samples that passes near most of them; `None` when it is near to few.
+///
+/// All planes are drawn first, and voted for in parallel: the first one with the most votes wins, whichever is counted first.
 fn best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpace) -> Option<[f64; 3]> {
     let least_triangle = space.area_px(LEAST_TRIANGLE_PX) as f64;
-    let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
-    let mut best: Option<(usize, [f64; 3])> = None;
-    for _ in 0..TRIALS {
+    let mut trial = |_| {
         let [p, q, r] = std::array::from_fn(|_| &pool[random.below(pool.len())]);
         let ([x1, y1], [x2, y2]) = ([0, 1].map(|k| q.at[k] - p.at[k]), [0, 1].map(|k| r.at[k] - p.at[k]));
         let triangle = x1 * y2 - x2 * y1;
         if triangle.abs() < least_triangle {
-            continue;
+            return None;
         }
         let (d1, d2) = (q.disparity - p.disparity, r.disparity - p.disparity);
         let a = (d1 * y2 - d2 * y1) / triangle;
         let b = (x1 * d2 - x2 * d1) / triangle;
         let c = p.disparity - a * p.at[0] - b * p.at[1];
-        let most = best.map_or(0, |(most, _)| most);
-        if let Some(votes) = votes(&voters, pool.len(), [a, b, c], most) {
-            best = Some((votes, [a, b, c]));
-        }
-    }
-    best.filter(|&(votes, _)| votes >= LEAST_VOTES).map(|(_, plane)| plane)
+        Some([a, b, c])
+    };
+    let planes: Vec<[f64; 3]> = (0..TRIALS).filter_map(&mut trial).collect();
+    let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
+    let most = AtomicUsize::new(LEAST_VOTES);
+    let count = |&plane: &[f64; 3]| {
+        let votes = votes(&voters, pool.len(), plane, most.load(Relaxed))?;
+        most.fetch_max(votes, Relaxed);
+        Some((votes, plane))
+    };
+    let counted: Vec<Option<(usize, [f64; 3])>> = planes.par_iter().map(count).collect();
+    let first_best = |best: (usize, _), next: (usize, _)| if next.0 > best.0 { next } else { best };
+    counted.into_iter().flatten().reduce(first_best).map(|(_, plane)| plane)
 }
 
-/// How many samples lie near a plane, if they are more than `most`; given up when they cannot be any more.
-fn votes(voters: &[Voters], mut left: usize, plane: [f64; 3], most: usize) -> Option<usize> {
+/// How many samples lie near a plane, if they are at least so many; given up when they cannot be any more.
+fn votes(voters: &[Voters], mut left: usize, plane: [f64; 3], least: usize) -> Option<usize> {
     let mut votes = 0;
     for voters in voters {
-        if votes + left <= most {
+        if votes + left < least {
             return None;
         }
         votes += vectorized(
@@ -311,7 +321,7 @@ fn votes(voters: &[Voters], mut left: usize, plane: [f64; 3], most: usize) -> Op
         );
         left = left.saturating_sub(VOTERS);
     }
-    (votes > most).then_some(votes)
+    (votes >= least).then_some(votes)
 }
 
 /// Samples that are counted together.

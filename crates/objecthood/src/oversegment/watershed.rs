@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use rayon::prelude::*;
+
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, SegmentId, Segments};
@@ -85,20 +87,23 @@ pub fn watershed(
     let free = (0..disparity.len()).map(|i| if is_free(i) { Segments::NONE } else { TAKEN });
     let mut labels = workspace.collected(free);
     let mut floods: Vec<VecDeque<u32>> = vec![VecDeque::new(); HIGHEST + 1];
-    let mut count = 0;
-    for top in (0..height).step_by(block) {
-        for left in (0..width).step_by(block) {
+    let tops: Vec<usize> = (0..height).step_by(block).collect();
+    let seeds_from = |&top: &usize| -> Vec<usize> {
+        let seed = |left: usize| {
             let rows = top..(top + block).min(height);
             let pixels = rows.flat_map(|v| (left..(left + block).min(width)).map(move |u| v * width + u));
             let free = pixels.filter(|&i| labels[i] == Segments::NONE);
             // The first of the least.
-            let seed = free.min_by(|&i, &j| fits[i].residual.total_cmp(&fits[j].residual));
-            if let Some(i) = seed {
-                labels[i] = count;
-                count += 1;
-                floods[level(i)].push_back(i as u32);
-            }
-        }
+            free.min_by(|&i, &j| fits[i].residual.total_cmp(&fits[j].residual))
+        };
+        (0..width).step_by(block).filter_map(seed).collect()
+    };
+    let seeds: Vec<Vec<usize>> = tops.par_iter().map(seeds_from).collect();
+    let mut count = 0;
+    for i in seeds.into_iter().flatten() {
+        labels[i] = count;
+        count += 1;
+        floods[level(i)].push_back(i as u32);
     }
 
     for now in 0..=HIGHEST {
@@ -133,28 +138,32 @@ pub fn watershed(
     Segments::from_numbered(disparity.with_data(labels), count as usize)
 }
 
-/// How many linked pairs of 4-neighbours join any two superpixels.
+/// How many linked pairs of 4-neighbours join any two superpixels. O(pixels); parallel over rows.
 pub fn linked_pairs(superpixels: &Segments, links: &Links<'_>) -> RegionGraph<u32> {
-    let width = superpixels.labels().width();
+    let (width, height) = superpixels.labels().size();
     let labels = superpixels.labels().as_slice();
-    let mut pairs = Vec::new();
-    for (run, a) in superpixels.runs() {
-        let mut look = |i: usize, j: usize, axis: usize| {
-            if let Ok(b) = u32::try_from(labels[j])
-                && b != a as u32
-                && links.linked(i, j, axis)
-            {
-                pairs.push((SegmentId(a as u32), SegmentId(b)));
+    let from_row = |v: usize| {
+        let mut pairs = Vec::new();
+        for (run, a) in superpixels.runs_in(v..v + 1) {
+            let mut look = |i: usize, j: usize, axis: usize| {
+                if let Ok(b) = u32::try_from(labels[j])
+                    && b != a as u32
+                    && links.linked(i, j, axis)
+                {
+                    pairs.push((SegmentId(a as u32), SegmentId(b)));
+                }
+            };
+            if run.end % width > 0 {
+                look(run.end - 1, run.end, 0);
             }
-        };
-        if run.end % width > 0 {
-            look(run.end - 1, run.end, 0);
+            if run.end + width <= labels.len() {
+                run.for_each(|i| look(i, i + width, 1));
+            }
         }
-        if run.end + width <= labels.len() {
-            run.for_each(|i| look(i, i + width, 1));
-        }
-    }
-    RegionGraph::from_pairs(superpixels.count(), pairs)
+        pairs
+    };
+    let rows: Vec<Vec<_>> = (0..height).into_par_iter().map(from_row).collect();
+    RegionGraph::from_pairs(superpixels.count(), rows.into_iter().flatten())
 }
 
 #[cfg(test)]

@@ -36,8 +36,8 @@ pub(crate) fn touching_pairs(
     let is_measured = |i: usize| !points_m[i][2].is_nan();
     let is_near =
         |p: usize, q: usize| Vec3::from(points_m[p]).distance(Vec3::from(points_m[q])) < params.distance_m;
-    // By pixel and direction.
-    let mut pairs: Vec<(usize, usize, usize)> = Vec::new();
+    // By pixel and direction: one number, which is compared faster, and the other pixel.
+    let mut pairs: Vec<(u64, u32)> = Vec::new();
     for i in changes(segments) {
         let (own, u, v) = (labels[i], i % width, i / width);
         let (right, down, left) = (width - 1 - u, height - 1 - v, u);
@@ -58,11 +58,12 @@ pub(crate) fn touching_pairs(
             let Some(t) = (1..=ahead.min(params.reach_px)).find(other) else { continue };
             let same = (0..=behind.min(params.reach_px - t)).map(|k| i - k * step);
             let same = same.take_while(|&p| labels[p] == own).filter(|&p| is_measured(p));
-            pairs.extend(same.filter(|&p| is_near(p, i + t * step)).map(|p| (p, way, i + t * step)));
+            let near = same.filter(|&p| is_near(p, i + t * step));
+            pairs.extend(near.map(|p| ((4 * p + way) as u64, (i + t * step) as u32)));
         }
     }
     pairs.sort_unstable();
-    pairs.into_iter().map(|(p, _, other)| (p, other)).collect()
+    pairs.into_iter().map(|(place, other)| (place as usize / 4, other as usize)).collect()
 }
 
 /// The pixels of a region next to which, to the right or below, is something else, and those at the edge of the image, in scan
