@@ -1,10 +1,10 @@
 //! Curvature from opposite normals (paper, eq. 2).
 
-use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::params;
-use crate::raster::Raster;
+use crate::raster::{Raster, part};
+use crate::simd::vectorized;
 use crate::workspace::Workspace;
 
 /// Curvature of a pixel around which no pair of normals is usable: beyond every threshold.
@@ -15,41 +15,66 @@ pub const UNKNOWN: f32 = f32::INFINITY;
 ///
 /// *Differs from the paper:* printed is 1/(4σ) with a bracket missing; here the mean is over the usable pairs
 /// and divided by σ = `scale`. A straight crease bends only three of the four pairs, so it counts from 35.6° at
-/// the default threshold. O(pixels).
+/// the default threshold. O(pixels): the pairs of one direction are looked at for a whole row at a time.
 pub fn curvature(
     normals: &Raster<[f32; 3]>,
     params: &params::Curvature,
     workspace: &mut Workspace,
 ) -> Raster<f32> {
     let (width, height) = normals.size();
-    let offset = params.offset_px as isize;
-    let normal = |u: isize, v: isize| -> Option<Vec3> {
-        let inside = u >= 0 && v >= 0 && (u as usize) < width && (v as usize) < height;
-        let n = if inside { Vec3::from(normals[v as usize * width + u as usize]) } else { Vec3::ZERO };
-        (n != Vec3::ZERO).then_some(n)
+    let offset = params.offset_px;
+    // Of no pixels beside the image.
+    let row = |v: Option<usize>| {
+        v.filter(|v| *v < height).map_or(&[][..], |v| &normals.as_slice()[v * width..][..width])
     };
-    let mut curvature = workspace.filled(normals.len(), UNKNOWN);
-    curvature.par_chunks_mut(width).enumerate().for_each(|(v, row)| {
-        for (u, curvature) in row.iter_mut().enumerate() {
-            let (u, v) = (u as isize, v as isize);
-            let mut cosines = 0.0;
-            let mut pairs = 0.0;
-            for (du, dv) in [(offset, offset), (offset, -offset), (offset, 0), (0, offset)] {
-                if let (Some(p), Some(q)) = (normal(u + du, v + dv), normal(u - du, v - dv)) {
-                    cosines += p.dot(q);
-                    pairs += 1.0;
-                }
-            }
-            if pairs > 0.0 {
-                *curvature = 1.0 - cosines / (pairs * params.scale);
-            }
-        }
-    });
+    let mut curvature = workspace.stale(normals.len(), UNKNOWN);
+    curvature.par_chunks_mut(width).enumerate().for_each_init(
+        || vec![Pairs::default(); width],
+        |pairs, (v, curvature)| {
+            let [above, own, below] = [v.checked_sub(offset), Some(v), Some(v + offset)].map(row);
+            vectorized(
+                #[inline(always)]
+                || {
+                    pairs.fill(Pairs::default());
+                    add_pairs(pairs, offset, below, above);
+                    add_pairs(pairs, offset, above, below);
+                    add_pairs(pairs, offset, own, own);
+                    add_pairs(pairs, 0, below, above);
+                    for (curvature, pairs) in curvature.iter_mut().zip(&*pairs) {
+                        let bent = 1.0 - pairs.cosines / (pairs.count * params.scale);
+                        *curvature = if pairs.count > 0.0 { bent } else { UNKNOWN };
+                    }
+                },
+            );
+        },
+    );
     normals.with_data(curvature)
+}
+
+/// The usable pairs around a pixel: those of which both have a normal.
+#[derive(Clone, Copy, Default)]
+struct Pairs {
+    cosines: f32,
+    count: f32,
+}
+
+/// Adds to every pixel of a row the pair that is so many `columns` beside it, one in a row to the `right` and one in a row to the
+/// `left`.
+#[inline(always)]
+fn add_pairs(pairs: &mut [Pairs], columns: usize, right: &[[f32; 3]], left: &[[f32; 3]]) {
+    let count = right.len().min(left.len()).saturating_sub(2 * columns);
+    let ends = part(right, 2 * columns, count).iter().zip(part(left, 0, count));
+    for (pair, (&p, &q)) in pairs.iter_mut().skip(columns).zip(ends) {
+        let is_some = |n: [f32; 3]| (n[0] != 0.0) | (n[1] != 0.0) | (n[2] != 0.0);
+        let is_usable = is_some(p) & is_some(q);
+        pair.cosines += if is_usable { p[0] * q[0] + p[1] * q[1] + p[2] * q[2] } else { 0.0 };
+        pair.count += if is_usable { 1.0 } else { 0.0 };
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
     use proptest::prelude::*;
 
     use super::*;

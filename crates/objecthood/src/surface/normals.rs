@@ -1,4 +1,4 @@
-//! Surface normals from integral images.
+//! Surface normals from sums along rows and columns.
 //!
 //! The tangents ∂X/∂u and ∂X/∂v are averaged over a window that does not reach across a depth change; their
 //! cross product is the normal (Holzer et al., IROS 2012: average 3-D gradient; paper, III-A; METHOD 2.2).
@@ -6,17 +6,16 @@
 //! 1. mark depth changes, 2. distance to the nearest one, 3. window half size from it, 4. sums along rows and columns,
 //!    5. cross product, turned towards the camera.
 
-use std::ops::Range;
-
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::params;
 use crate::raster::Raster;
+use crate::simd::vectorized;
 use crate::surface::depth_change::squared_distance;
 use crate::workspace::Workspace;
 
-/// Rows whose sums are held together, so that they fit a cache.
+/// Rows whose sums along columns begin together. Fixed, so that rounding does not depend on the number of threads.
 const BAND_ROWS: usize = 32;
 
 /// The unit normal of every pixel, towards the camera (n · X < 0); zero where there is none: no depth, or a
@@ -24,7 +23,7 @@ const BAND_ROWS: usize = 32;
 ///
 /// No window holds a depth change, so its tangents form chains of neighbours and their sums telescope: what is left of those
 /// along a row are its last and first point. The points are summed along rows and columns, in f64, and four sums give
-/// the average of a direction.
+/// the average of a direction. Where the window stays the same from pixel to pixel the sums of a whole stretch lie side by side.
 ///
 /// `points_m`: camera frame, `NaN` = none. O(pixels · window) for the distances, else O(pixels).
 pub fn normals(
@@ -42,27 +41,33 @@ pub fn normals(
 
     let mut normals = workspace.filled(points_m.len(), [0.0; 3]);
     normals.par_chunks_mut(BAND_ROWS * width).enumerate().for_each_init(
-        Sums::default,
-        |sums, (band, normals)| {
+        || (Sums::default(), Tangents::of_width(width)),
+        |(sums, tangents), (band, normals)| {
             let rows = band * BAND_ROWS..height.min((band + 1) * BAND_ROWS);
-            let around = rows.start.saturating_sub(half_limit)..height.min(rows.end + half_limit + 1);
-            sums.take(points_m, around);
-            for (normal, i) in normals.iter_mut().zip(rows.start * width..) {
-                let (u, v, half) = (i % width, i / width, usize::from(half[distance[i] as usize]));
-                let point = Vec3::from(points_m[i]);
-                if half == 0 || point.z.is_nan() {
-                    continue;
-                }
-                let (us, ue) = (u.saturating_sub(half), (u + half + 1).min(width));
-                let (vs, ve) = (v.saturating_sub(half), (v + half + 1).min(height));
-                // The tangents end one pixel farther, but for those that would leave the image.
-                let (last_u, last_v) = (ue.min(width - 1), ve.min(height - 1));
-                let along_u = sums.of_column(last_u, vs..ve) - sums.of_column(us, vs..ve);
-                let along_v = sums.of_row(last_v, us..ue) - sums.of_row(vs, us..ue);
-                let cross = along_u.cross(along_v);
-                let towards_camera = -cross.dot(point.as_dvec3()).signum();
-                *normal = (cross.normalize_or_zero() * towards_camera).as_vec3().to_array();
-            }
+            let first = rows.start.saturating_sub(half_limit);
+            vectorized(
+                #[inline(always)]
+                || {
+                    sums.clear(width, half_limit, first);
+                    let mut next = first;
+                    for (v, normals) in rows.zip(normals.chunks_exact_mut(width)) {
+                        // The tangents of the largest window end in this row.
+                        while next < height.min(v + half_limit + 2) {
+                            sums.add(next, &points_m.as_slice()[next * width..][..width]);
+                            next += 1;
+                        }
+                        let row = v * width..(v + 1) * width;
+                        let points = &points_m.as_slice()[row.clone()];
+                        for (own, (point, distance)) in
+                            tangents.half.iter_mut().zip(points.iter().zip(&distance.as_slice()[row]))
+                        {
+                            *own = if point[2].is_nan() { 0 } else { half[*distance as usize] };
+                        }
+                        tangents.take(sums, v, height);
+                        tangents.normals(points, normals);
+                    }
+                },
+            );
         },
     );
     workspace.keep(z);
@@ -70,50 +75,136 @@ pub fn normals(
     points_m.with_data(normals)
 }
 
-/// The points of some rows summed up along rows and along columns.
+/// Sums of points along rows and along columns, x, y and z in lists of their own, as far as windows of one row need them.
 #[derive(Default)]
 struct Sums {
-    first_row: usize,
     width: usize,
+    /// So many rows are held; row v has place v % `held`.
+    held: usize,
+    /// The points of one row; zero where there is none.
+    row: [Vec<f64>; 3],
     /// Of each pixel, and of the place behind every row: the sum over its row before it.
-    before: Vec<DVec3>,
+    before: [Vec<f64>; 3],
     /// Of each pixel, and of the row below the last: the sum over its column above it.
-    above: Vec<DVec3>,
+    above: [Vec<f64>; 3],
 }
 
 impl Sums {
-    /// Sums up `rows` of `points_m`; missing points count as zero.
-    fn take(&mut self, points_m: &Raster<[f32; 3]>, rows: Range<usize>) {
-        let width = points_m.width();
-        (self.first_row, self.width) = (rows.start, width);
-        self.before.clear();
-        self.above.clear();
-        self.above.resize(width, DVec3::ZERO);
-        let points = &points_m.as_slice()[rows.start * width..rows.end * width];
-        for (v, row) in points.chunks_exact(width).enumerate() {
-            let mut before = DVec3::ZERO;
-            for (u, &point) in row.iter().enumerate() {
-                let point = if point[2].is_nan() { DVec3::ZERO } else { Vec3::from(point).as_dvec3() };
-                self.before.push(before);
-                before += point;
-                self.above.push(self.above[v * width + u] + point);
-            }
-            self.before.push(before);
+    /// Begins anew at row `first`, for windows of half size up to `half_limit`.
+    #[inline(always)]
+    fn clear(&mut self, width: usize, half_limit: usize, first: usize) {
+        (self.width, self.held) = (width, 2 * half_limit + 3);
+        for k in 0..3 {
+            self.row[k].resize(width, 0.0);
+            self.before[k].resize(self.held * (width + 1), 0.0);
+            self.above[k].resize(self.held * width, 0.0);
+            self.above[k][first % self.held * width..][..width].fill(0.0);
         }
     }
 
-    /// The sum over column `u` within the rows `vs`.
-    #[inline]
-    fn of_column(&self, u: usize, vs: Range<usize>) -> DVec3 {
-        let at = |v: usize| self.above[(v - self.first_row) * self.width + u];
-        at(vs.end) - at(vs.start)
+    /// Adds row `v`, the next one below.
+    #[inline(always)]
+    fn add(&mut self, v: usize, points_m: &[[f32; 3]]) {
+        let (width, own, next) = (self.width, v % self.held, (v + 1) % self.held);
+        let points_m = &points_m[..width];
+        let [x, y, z] = self.row.each_mut().map(|axis| &mut axis[..width]);
+        for u in 0..width {
+            let point = if points_m[u][2].is_nan() { [0.0; 3] } else { points_m[u] };
+            [x[u], y[u], z[u]] = point.map(f64::from);
+        }
+        for (above, row) in self.above.iter_mut().zip([&*x, &*y, &*z]) {
+            above.copy_within(own * width..(own + 1) * width, next * width);
+            above[next * width..].iter_mut().zip(row).for_each(|(above, x)| *above += x);
+        }
+        // One after the other, but the three axes side by side.
+        let before = self.before.each_mut().map(|before| &mut before[own * (width + 1)..][..=width]);
+        let mut sum = DVec3::ZERO;
+        for u in 0..width {
+            (0..3).for_each(|k| before[k][u] = sum[k]);
+            sum += DVec3::new(x[u], y[u], z[u]);
+        }
+        (0..3).for_each(|k| before[k][width] = sum[k]);
     }
 
-    /// The sum over row `v` within the columns `us`.
-    #[inline]
-    fn of_row(&self, v: usize, us: Range<usize>) -> DVec3 {
-        let row = &self.before[(v - self.first_row) * (self.width + 1)..][..=self.width];
-        row[us.end] - row[us.start]
+    /// The sums above `count` pixels of row `v` from column `u` on, along one axis.
+    #[inline(always)]
+    fn above(&self, axis: usize, u: usize, v: usize, count: usize) -> &[f64] {
+        &self.above[axis][v % self.held * self.width + u..][..count]
+    }
+
+    /// The sums before them.
+    #[inline(always)]
+    fn before(&self, axis: usize, u: usize, v: usize, count: usize) -> &[f64] {
+        &self.before[axis][v % self.held * (self.width + 1) + u..][..count]
+    }
+}
+
+/// The tangents of the pixels of a row, x, y and z in lists of their own.
+struct Tangents {
+    /// Half size of each pixel's window; 0 where there is none.
+    half: Vec<u16>,
+    along_u: [Vec<f64>; 3],
+    along_v: [Vec<f64>; 3],
+}
+
+impl Tangents {
+    fn of_width(width: usize) -> Self {
+        let empty = || [0; 3].map(|_| vec![0.0; width]);
+        Self { half: vec![0; width], along_u: empty(), along_v: empty() }
+    }
+
+    /// Takes them from the sums, stretch by stretch of one size of window.
+    #[inline(always)]
+    fn take(&mut self, sums: &Sums, v: usize, height: usize) {
+        let width = sums.width;
+        let mut next = 0;
+        while let Some(&half) = self.half.get(next) {
+            let (u, h) = (next, usize::from(half));
+            // Windows and tangents of a stretch lie in the image, or it is a single pixel.
+            let inner = h..width.saturating_sub(h + 1);
+            let end = if inner.contains(&u) { inner.end } else { u + 1 };
+            let pixels = self.half[u..end].iter().take_while(|other| **other == half).count();
+            next += pixels;
+            if half == 0 {
+                continue;
+            }
+            let (us, ue) = (u.saturating_sub(h), (u + h + 1).min(width));
+            let (vs, ve) = (v.saturating_sub(h), (v + h + 1).min(height));
+            // The tangents end one pixel farther, but for those that would leave the image.
+            let (last_u, last_v) = (ue.min(width - 1), ve.min(height - 1));
+            for k in 0..3 {
+                let above = |u: usize, v: usize| sums.above(k, u, v, pixels);
+                let ends = [[above(last_u, ve), above(last_u, vs)], [above(us, ve), above(us, vs)]];
+                telescoped(&mut self.along_u[k][u..u + pixels], ends);
+                let before = |u: usize, v: usize| sums.before(k, u, v, pixels);
+                let ends = [[before(ue, last_v), before(us, last_v)], [before(ue, vs), before(us, vs)]];
+                telescoped(&mut self.along_v[k][u..u + pixels], ends);
+            }
+        }
+    }
+
+    /// Their unit normals, towards the camera; zero where there is no window.
+    #[inline(always)]
+    fn normals(&self, points_m: &[[f32; 3]], normals: &mut [[f32; 3]]) {
+        let Self { half, along_u: [ux, uy, uz], along_v: [vx, vy, vz] } = self;
+        let along_u = ux.iter().zip(uy).zip(uz).map(|((x, y), z)| DVec3::new(*x, *y, *z));
+        let along_v = vx.iter().zip(vy).zip(vz).map(|((x, y), z)| DVec3::new(*x, *y, *z));
+        let pixels = normals.iter_mut().zip(points_m).zip(half);
+        for (((normal, point), half), (along_u, along_v)) in pixels.zip(along_u.zip(along_v)) {
+            let cross = along_u.cross(along_v);
+            let towards_camera = -cross.dot(Vec3::from(*point).as_dvec3()).signum();
+            let unit = (cross.normalize_or_zero() * towards_camera).as_vec3();
+            *normal = if *half == 0 { [0.0; 3] } else { unit.to_array() };
+        }
+    }
+}
+
+/// The sums of the last points of windows less those of the first, each the difference of two sums.
+#[inline(always)]
+fn telescoped(along: &mut [f64], [[last, before_last], [first, before_first]]: [[&[f64]; 2]; 2]) {
+    let ends = last.iter().zip(before_last).zip(first.iter().zip(before_first));
+    for (along, ((last, before_last), (first, before_first))) in along.iter_mut().zip(ends) {
+        *along = (last - before_last) - (first - before_first);
     }
 }
 
@@ -226,9 +317,12 @@ mod tests {
     proptest! {
         #[test]
         fn normals_are_the_naive_ones(
-            (width, pixels) in (1_usize..15, 1_usize..15).prop_flat_map(|(w, h)| {
-                (Just(w), prop::collection::vec((0.0_f32..0.012, 0_u8..60), w * h))
-            }),
+            // Also such as are higher than a band.
+            (width, pixels) in prop_oneof![
+                3 => (1_usize..15, 1_usize..15),
+                1 => (1_usize..9, BAND_ROWS - 2..2 * BAND_ROWS),
+            ]
+            .prop_flat_map(|(w, h)| (Just(w), prop::collection::vec((0.0_f32..0.012, 0_u8..60), w * h))),
             (step_u, step_v) in (0_usize..20, 0_usize..20),
             window_px in 2.0_f64..15.0,
         ) {
