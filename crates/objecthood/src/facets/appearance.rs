@@ -2,10 +2,11 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
-use crate::color::{NEARLY_LAB_ERROR, lab, nearly_lab};
+use crate::color::{NEARLY_LAB_ERROR, lab, linear, nearly_lab};
 use crate::oversegment::Superpixels;
 use crate::params;
 use crate::raster::Raster;
+use crate::simd::vectorized;
 
 /// Normalised histograms of every superpixel: colours, and normals. An empty one is all zero.
 #[derive(Clone, Debug)]
@@ -25,18 +26,18 @@ impl Appearance {
         normals: &Raster<[f32; 3]>,
         params: &params::Appearance,
     ) -> Self {
-        let segments = &superpixels.segments;
-        let mut has_core = vec![false; segments.count()];
-        segments.members().filter(|&(i, _)| superpixels.core[i]).for_each(|(_, s)| has_core[s] = true);
-
-        let speaking = || segments.members().filter(|&(i, s)| superpixels.core[i] || !has_core[s]);
-        let colored = || speaking().filter(|_| color.is_some());
-        let color_of = |i: usize| color.map_or(0, |color| color_bin(color[i], params.lab_bins));
-        let facing = || speaking().filter(|&(i, _)| normals[i] != [0.0; 3]);
+        let width = normals.width();
+        let row = |v: usize| v * width..(v + 1) * width;
+        let color_bins = |v: usize, bins: &mut [i32]| match color {
+            Some(color) => color_bins(&color.as_slice()[row(v)], params.lab_bins, bins),
+            None => bins.fill(NONE),
+        };
+        let direction_bins =
+            |v: usize, bins: &mut [i32]| direction_bins(&normals.as_slice()[row(v)], params, bins);
         Self {
             color_weight: params.color_weight,
-            color: Histograms::new(segments.count(), colored, color_of),
-            normal: Histograms::new(segments.count(), facing, |i| direction_bin(normals[i], params)),
+            color: Histograms::new(superpixels, color_bins),
+            normal: Histograms::new(superpixels, direction_bins),
         }
     }
 
@@ -61,40 +62,54 @@ struct Histograms {
 }
 
 impl Histograms {
-    /// Counts the bins of `members`, (pixel, superpixel), for `count` superpixels: first all bins of each superpixel side by
-    /// side, then how often each occurs. O(n + k log k) for n members that occupy k bins.
-    fn new<M: Iterator<Item = (usize, usize)>>(
-        count: usize,
-        members: impl Fn() -> M,
-        bin: impl Fn(usize) -> usize,
-    ) -> Self {
-        let mut ends = vec![0_usize; count];
-        members().for_each(|(_, s)| ends[s] += 1);
+    /// Counts the bins of the pixels of every superpixel, which `bins_of` writes row by row: first all bins of each superpixel side
+    /// by side, then how often each occurs. O(n + k log k) for n pixels that occupy k bins.
+    fn new(superpixels: &Superpixels, bins_of: impl Fn(usize, &mut [i32])) -> Self {
+        let Superpixels { segments, core } = superpixels;
+        let (width, height) = core.size();
+        let mut ends = vec![0_usize; segments.count()];
+        let mut has_core = vec![false; segments.count()];
+        for (run, s) in segments.runs() {
+            ends[s] += run.len();
+            has_core[s] |= core.as_slice()[run].contains(&true);
+        }
         let mut start = 0;
         for end in &mut ends {
             start += std::mem::replace(end, start);
         }
-        let mut grouped = vec![0_u32; start];
-        for (i, s) in members() {
-            grouped[ends[s]] = bin(i) as u32;
-            ends[s] += 1;
+        let mut grouped = vec![NONE; start];
+        let mut bins = vec![NONE; width];
+        let mut runs = segments.runs().peekable();
+        for v in 0..height {
+            bins_of(v, &mut bins);
+            while let Some((run, s)) = runs.next_if(|(run, _)| run.start < (v + 1) * width) {
+                let bins = &mut bins[run.start - v * width..run.end - v * width];
+                if has_core[s] {
+                    let pixels = bins.iter_mut().zip(&core.as_slice()[run]);
+                    pixels.for_each(|(bin, core)| *bin = if *core { *bin } else { NONE });
+                }
+                grouped[ends[s]..][..bins.len()].copy_from_slice(bins);
+                ends[s] += bins.len();
+            }
         }
 
-        let mut times = vec![0_u32; grouped.iter().max().map_or(0, |&most| most as usize + 1)];
+        let most = grouped.iter().fold(0, |most, bin| most.max(*bin));
+        let mut times = vec![0_u32; most as usize + 1];
         let mut occupied = Vec::new();
         let (mut bins, mut starts, mut start) = (Vec::new(), vec![0], 0);
         for end in ends {
-            let own = &grouped[start..end];
-            for &bin in own {
-                if times[bin as usize] == 0 {
+            let mut pixels = 0_u32;
+            for bin in grouped[start..end].iter().filter_map(|bin| usize::try_from(*bin).ok()) {
+                if times[bin] == 0 {
                     occupied.push(bin);
                 }
-                times[bin as usize] += 1;
+                times[bin] += 1;
+                pixels += 1;
             }
             occupied.sort_unstable();
             for bin in occupied.drain(..) {
-                let times = std::mem::take(&mut times[bin as usize]);
-                bins.push((bin, times as f32 / own.len() as f32));
+                let times = std::mem::take(&mut times[bin]);
+                bins.push((bin as u32, times as f32 / pixels as f32));
             }
             starts.push(bins.len());
             start = end;
@@ -124,56 +139,109 @@ impl Histograms {
     }
 }
 
-/// The bin of a colour: L over [0, 100], a and b over [-64, 64], what lies beyond in the outermost bin.
+/// The bin of a pixel that does not count.
+const NONE: i32 = -1;
+/// The bin of a pixel that is too near to a limit of bins.
+const UNSURE: i32 = -2;
+
+/// The bins of colours: L over [0, 100], a and b over [-64, 64], what lies beyond in the outermost bin.
 ///
-/// What is nearly the colour decides where its error cannot change the bin, which is nearly always.
-fn color_bin(rgb: [u8; 3], bins: usize) -> usize {
-    let joint = |[l, a, b]: [Option<usize>; 3]| Some((l? * bins + a?) * bins + b?);
-    let [l, a, b] = shares(nearly_lab(rgb));
+/// What is nearly the colour decides where its error cannot change the bin, which is nearly always: all at once.
+fn color_bins(colors: &[[u8; 3]], lab_bins: usize, bins: &mut [i32]) {
+    let side = lab_bins as i32;
     let (error_l, error_ab) = (NEARLY_LAB_ERROR / 100.0, NEARLY_LAB_ERROR / 128.0);
-    let near = [sure_bin(l, error_l, bins), sure_bin(a, error_ab, bins), sure_bin(b, error_ab, bins)];
-    joint(near).unwrap_or_else(|| lab_bin(lab(rgb), bins))
+    for (bins, colors) in bins.chunks_mut(SIDE_BY_SIDE).zip(colors.chunks(SIDE_BY_SIDE)) {
+        let mut light = [[0.0; 3]; SIDE_BY_SIDE];
+        light.iter_mut().zip(colors).for_each(|(light, rgb)| *light = linear(*rgb));
+        vectorized(
+            #[inline(always)]
+            || {
+                for (bin, light) in bins.iter_mut().zip(&light) {
+                    let [l, a, b] = shares(nearly_lab(*light));
+                    let [l, a, b] = [
+                        sure_bin(l, error_l, side),
+                        sure_bin(a, error_ab, side),
+                        sure_bin(b, error_ab, side),
+                    ];
+                    *bin = if (l | a | b) < 0 { UNSURE } else { (l * side + a) * side + b };
+                }
+            },
+        );
+        for (bin, rgb) in bins.iter_mut().zip(colors).filter(|(bin, _)| **bin == UNSURE) {
+            *bin = lab_bin(lab(*rgb), lab_bins) as i32;
+        }
+    }
 }
+
+/// Colours that are converted together.
+const SIDE_BY_SIDE: usize = 64;
 
 fn lab_bin(lab: [f32; 3], bins: usize) -> usize {
     let [l, a, b] = shares(lab);
     (bin_of(l, bins) * bins + bin_of(a, bins)) * bins + bin_of(b, bins)
 }
 
+#[inline(always)]
 fn shares([l, a, b]: [f32; 3]) -> [f32; 3] {
     [l / 100.0, (a + 64.0) / 128.0, (b + 64.0) / 128.0]
 }
 
-/// The bin of a normal: its inclination from the camera's up (acos of -y) and its azimuth around it.
+/// The bins of normals: their inclination from the camera's up (acos of -y) and their azimuth around it; [`NONE`] without.
 ///
-/// Polynomials decide where their error cannot change the bin, which is nearly always.
+/// Polynomials decide where their error cannot change the bin, which is nearly always: all at once.
+fn direction_bins(normals: &[[f32; 3]], params: &params::Appearance, bins: &mut [i32]) {
+    let (inclination_bins, azimuth_bins) = (params.inclination_bins as i32, params.azimuth_bins as i32);
+    vectorized(
+        #[inline(always)]
+        || {
+            for (bin, &[x, y, z]) in bins.iter_mut().zip(normals) {
+                let [inclination, azimuth] =
+                    [nearly_acos(up(y)) / PI, (nearly_atan2(x, -z) + PI) / (2.0 * PI)];
+                let inclination = sure_bin(inclination, ANGLE_ERROR, inclination_bins);
+                let azimuth = sure_bin(azimuth, ANGLE_ERROR, azimuth_bins);
+                let sure = inclination * azimuth_bins + azimuth;
+                let is_some = (x != 0.0) | (y != 0.0) | (z != 0.0);
+                let or_unsure = if (inclination | azimuth) < 0 { UNSURE } else { sure };
+                *bin = if is_some { or_unsure } else { NONE };
+            }
+        },
+    );
+    for (bin, normal) in bins.iter_mut().zip(normals).filter(|(bin, _)| **bin == UNSURE) {
+        *bin = direction_bin(*normal, params) as i32;
+    }
+}
+
 fn direction_bin([x, y, z]: [f32; 3], params: &params::Appearance) -> usize {
-    let up = (-y).clamp(-1.0, 1.0);
-    let inclination = sure_bin(nearly_acos(up) / PI, ANGLE_ERROR, params.inclination_bins)
-        .unwrap_or_else(|| bin_of(libm::acosf(up) / PI, params.inclination_bins));
-    let azimuth = sure_bin((nearly_atan2(x, -z) + PI) / (2.0 * PI), ANGLE_ERROR, params.azimuth_bins)
-        .unwrap_or_else(|| bin_of((libm::atan2f(x, -z) + PI) / (2.0 * PI), params.azimuth_bins));
-    inclination * params.azimuth_bins + azimuth
+    let inclination = libm::acosf(up(y)) / PI;
+    let azimuth = (libm::atan2f(x, -z) + PI) / (2.0 * PI);
+    bin_of(inclination, params.inclination_bins) * params.azimuth_bins + bin_of(azimuth, params.azimuth_bins)
+}
+
+/// The cosine of a normal's inclination.
+#[inline(always)]
+fn up(y: f32) -> f32 {
+    (-y).clamp(-1.0, 1.0)
 }
 
 fn bin_of(share: f32, bins: usize) -> usize {
     ((share * bins as f32).max(0.0) as usize).min(bins - 1)
 }
 
-/// The bin of what is `share` but for an `error`, if it lies farther than that from the limits of the bin.
-#[inline]
-fn sure_bin(share: f32, error: f32, bins: usize) -> Option<usize> {
+/// The bin of what is `share` but for an `error`; below 0 if it does not lie farther than that from the limits of the bin.
+#[inline(always)]
+fn sure_bin(share: f32, error: f32, bins: i32) -> i32 {
     let place = share * bins as f32;
     let bin = place as i32;
     let (past, margin) = (place - bin as f32, error * bins as f32);
-    (past > margin && past < 1.0 - margin && (bin as usize) < bins).then_some(bin as usize)
+    let is_sure = (past > margin) & (past < 1.0 - margin) & (bin < bins);
+    if is_sure { bin } else { UNSURE }
 }
 
 /// More than [`nearly_acos`] errs in shares of π, and [`nearly_atan2`] in shares of 2π.
 const ANGLE_ERROR: f32 = 3e-5;
 
 /// The arc cosine but for 6.8e-5 (Abramowitz and Stegun 4.4.45).
-#[inline]
+#[inline(always)]
 fn nearly_acos(x: f32) -> f32 {
     let t = x.abs();
     let positive = (1.0 - t).sqrt() * (1.570_728_8 + t * (-0.212_114_4 + t * (0.074_261 - 0.018_729_3 * t)));
@@ -181,7 +249,7 @@ fn nearly_acos(x: f32) -> f32 {
 }
 
 /// The angle of (x, y) in -π..π but for 1.2e-5 (Abramowitz and Stegun 4.4.49); `NaN` of (0, 0).
-#[inline]
+#[inline(always)]
 fn nearly_atan2(y: f32, x: f32) -> f32 {
     let ratio = x.abs().min(y.abs()) / x.abs().max(y.abs());
     let s = ratio * ratio;
@@ -234,7 +302,7 @@ mod tests {
 
             let of = |s: usize, f: &dyn Fn(usize) -> usize| (s..n).step_by(2).map(f).collect::<Vec<_>>();
             let by_color = |i: usize| lab_bin(lab(color[i]), 8);
-            let by_normal = |i: usize| exact_direction_bin(normals[i], &params);
+            let by_normal = |i: usize| direction_bin(normals[i], &params);
             let expected = 1.0
                 - omega * naive(&of(0, &by_color), &of(1, &by_color))
                 - (1.0 - omega) * naive(&of(0, &by_normal), &of(1, &by_normal));
@@ -243,13 +311,6 @@ mod tests {
             prop_assert!((got - appearance.difference(1, 0)).abs() < 1e-12);
             prop_assert!(appearance.difference(0, 0).abs() < 1e-5);
         }
-    }
-
-    fn exact_direction_bin([x, y, z]: [f32; 3], params: &params::Appearance) -> usize {
-        let inclination = libm::acosf((-y).clamp(-1.0, 1.0)) / PI;
-        let azimuth = (libm::atan2f(x, -z) + PI) / (2.0 * PI);
-        bin_of(inclination, params.inclination_bins) * params.azimuth_bins
-            + bin_of(azimuth, params.azimuth_bins)
     }
 
     proptest! {
@@ -262,10 +323,13 @@ mod tests {
             inclination_bins in 1_usize..=180,
             azimuth_bins in 1_usize..=360,
         ) {
-            prop_assert_eq!(color_bin(rgb, lab_bins), lab_bin(lab(rgb), lab_bins));
+            let mut bins = [0];
+            color_bins(&[rgb], lab_bins, &mut bins);
+            prop_assert_eq!(bins[0], lab_bin(lab(rgb), lab_bins) as i32);
             let params = params::Appearance { inclination_bins, azimuth_bins, ..Default::default() };
             let unit = glam::Vec3::from(normal).normalize_or_zero().to_array();
-            prop_assert_eq!(direction_bin(unit, &params), exact_direction_bin(unit, &params));
+            direction_bins(&[unit], &params, &mut bins);
+            prop_assert_eq!(bins[0], if unit == [0.0; 3] { NONE } else { direction_bin(unit, &params) as i32 });
         }
     }
 
