@@ -4,9 +4,14 @@ use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use crate::discovery::OrientedBox;
 use crate::params;
+use crate::simd::vectorized;
 
 /// The share of the points that lies beyond each face of the box: sensors have outliers.
 const OUTLIERS: f64 = 0.01;
+/// Every so many points one tells where most of them lie: a prime number, which does not fall into step with the rows of an image.
+const SAMPLE_STEP: usize = 61;
+/// Points that are looked at together.
+const SIDE_BY_SIDE: usize = 64;
 
 /// The box of `points_m` with its z axis along `up` and x and y along the principal axes of the
 /// horizontal coordinates; each side reaches from the 1st to the 99th percentile. Of no size without points.
@@ -16,14 +21,13 @@ const OUTLIERS: f64 = 0.01;
 pub fn oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
     let up = Vec3::from(up).as_dvec3();
     let (east, north) = up.any_orthonormal_pair();
-    let points: Vec<DVec3> = points_m.iter().map(|&p| Vec3::from(p).as_dvec3()).collect();
+    let points = || points_m.iter().map(|&p| Vec3::from(p).as_dvec3());
 
     // The principal axis of a 2x2 covariance lies at half the angle of (cxx - cyy, 2 cxy).
-    let n = points.len().max(1) as f64;
-    let mean = points.iter().sum::<DVec3>() / n;
+    let mean = points().sum::<DVec3>() / points_m.len().max(1) as f64;
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for p in &points {
-        let (x, y) = ((*p - mean).dot(east), (*p - mean).dot(north));
+    for p in points() {
+        let (x, y) = ((p - mean).dot(east), (p - mean).dot(north));
         xx += x * x;
         xy += x * y;
         yy += y * y;
@@ -37,9 +41,7 @@ pub fn oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
     let mut center = DVec3::ZERO;
     let mut extents_m = [0.0; 3];
     for (axis, extent) in axes.into_iter().zip(&mut extents_m) {
-        let mut along: Vec<f64> = points.iter().map(|p| p.dot(axis)).collect();
-        let low = percentile(&mut along, OUTLIERS);
-        let high = percentile(&mut along, 1.0 - OUTLIERS);
+        let [low, high] = limits_m(points_m, axis);
         center += axis * ((low + high) / 2.0);
         *extent = (high - low) as f32;
     }
@@ -76,13 +78,64 @@ pub fn graspable(box_m: &OrientedBox, visibility: f32, params: &params::Objectne
     (1.0 - visibility * thin).min(within(longest_m / params.max_side_m))
 }
 
-/// The value below which a share of `values` lies, between two values by linear interpolation; reorders them.
-/// 0 without values. O(n).
-fn percentile(values: &mut [f64], share: f64) -> f64 {
+/// Where along `axis` (m) a share of [`OUTLIERS`] of the points lies below, and where above, between two points by linear
+/// interpolation; 0 without points.
+///
+/// A sample tells where most points lie, and only what is beyond is ranked (after Floyd and Rivest 1975); everything, should the
+/// sample have misled. O(n).
+fn limits_m(points_m: &[[f32; 3]], axis: DVec3) -> [f64; 2] {
+    let count = points_m.len();
+    let sample = points_m.iter().step_by(SAMPLE_STEP).map(|p| along_m(p, axis));
+    let mut sample: Vec<f64> = sample.collect();
+    let place = |share: f64, count: usize| share * count.saturating_sub(1) as f64;
+    let most = [2.0 * OUTLIERS, 1.0 - 2.0 * OUTLIERS].map(|share| {
+        let place = place(share, sample.len());
+        ranked(&mut sample, place)
+    });
+    let [low, high] = [OUTLIERS, 1.0 - OUTLIERS].map(|share| place(share, count));
+    let mut tails = tails_m(points_m, axis, most);
+    let is_long_enough =
+        (low as usize + 2).min(count) <= tails[0].len() && count <= high as usize + tails[1].len();
+    if !is_long_enough {
+        tails = tails_m(points_m, axis, [f64::INFINITY, f64::NEG_INFINITY]);
+    }
+    let [below, above] = &mut tails;
+    let before = (count - above.len()) as f64;
+    [ranked(below, low), ranked(above, high - before)]
+}
+
+/// Where along `axis` points lie (m), as far as not beyond the first bound or beyond the second.
+fn tails_m(points_m: &[[f32; 3]], axis: DVec3, [low, high]: [f64; 2]) -> [Vec<f64>; 2] {
+    let mut tails = [Vec::new(), Vec::new()];
+    for points in points_m.chunks(SIDE_BY_SIDE) {
+        let mut along = [0.0; SIDE_BY_SIDE];
+        let along = &mut along[..points.len()];
+        let is_any = vectorized(
+            #[inline(always)]
+            || {
+                along.iter_mut().zip(points).for_each(|(along, p)| *along = along_m(p, axis));
+                along.iter().fold(false, |any, x| any | (*x <= low) | (*x >= high))
+            },
+        );
+        if is_any {
+            tails[0].extend(along.iter().filter(|x| **x <= low));
+            tails[1].extend(along.iter().filter(|x| **x >= high));
+        }
+    }
+    tails
+}
+
+#[inline(always)]
+fn along_m(point_m: &[f32; 3], axis: DVec3) -> f64 {
+    Vec3::from(*point_m).as_dvec3().dot(axis)
+}
+
+/// The value at a place in ascending order, counted from 0, between two values by linear interpolation; reorders them. 0 without
+/// values. O(n).
+fn ranked(values: &mut [f64], place: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
-    let place = share * (values.len() - 1) as f64;
     let (_, &mut low, above) = values.select_nth_unstable_by(place as usize, f64::total_cmp);
     let high = above.iter().copied().min_by(f64::total_cmp).unwrap_or(low);
     low + (high - low) * place.fract()
@@ -159,11 +212,39 @@ mod tests {
         }
     }
 
+    /// Of all values in ascending order.
+    fn naive_limits_m(points_m: &[[f32; 3]], axis: DVec3) -> [f64; 2] {
+        let mut along: Vec<f64> = points_m.iter().map(|p| along_m(p, axis)).collect();
+        along.sort_by(f64::total_cmp);
+        [OUTLIERS, 1.0 - OUTLIERS].map(|share| {
+            let place = share * (along.len() - 1) as f64;
+            let (low, high) = (along[place as usize], along[(place.ceil()) as usize]);
+            low + (high - low) * place.fract()
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn limits_are_those_of_sorted_values_whatever_the_sample_says(
+            points in prop::collection::vec(prop::array::uniform3(-1.0_f32..1.0), 1..2000),
+            axis in prop::array::uniform3(-1.0_f64..1.0),
+            // What is sampled is moved by so much.
+            moved in prop_oneof![2 => Just(0.0_f32), 1 => -3.0_f32..3.0],
+        ) {
+            let mut points = points;
+            points.iter_mut().step_by(SAMPLE_STEP).for_each(|p| *p = p.map(|x| x + moved));
+            let axis = DVec3::from(axis);
+            let bits = |limits: [f64; 2]| limits.map(f64::to_bits);
+            prop_assert_eq!(bits(limits_m(&points, axis)), bits(naive_limits_m(&points, axis)));
+        }
+    }
+
     #[test]
-    fn percentiles_are_interpolated() {
-        assert_eq!(percentile(&mut [4.0, 1.0, 3.0, 2.0], 0.5), 2.5);
-        assert_eq!(percentile(&mut [4.0, 1.0, 3.0, 2.0], 1.0), 4.0);
-        assert_eq!(percentile(&mut [7.0], 0.99), 7.0);
+    fn between_places_values_are_interpolated() {
+        assert_eq!(ranked(&mut [4.0, 1.0, 3.0, 2.0], 1.5), 2.5);
+        assert_eq!(ranked(&mut [4.0, 1.0, 3.0, 2.0], 3.0), 4.0);
+        assert_eq!(ranked(&mut [7.0], 0.0), 7.0);
+        assert_eq!(limits_m(&[], DVec3::X), [0.0; 2]);
     }
 
     proptest! {

@@ -139,9 +139,11 @@ pub fn support(
     let up = Vec3::from(up.direction).as_dvec3();
     let mut sum_m = vec![0.0; shapes.count()];
     let mut size_px = vec![0_usize; shapes.count()];
-    for (i, s) in shapes.members().filter(|&(i, _)| !points_m[i][2].is_nan()) {
-        sum_m[s] += Vec3::from(points_m[i]).as_dvec3().dot(up);
-        size_px[s] += 1;
+    for (run, s) in shapes.runs() {
+        let measured = points_m.as_slice()[run].iter().filter(|point| !point[2].is_nan());
+        (sum_m[s], size_px[s]) = measured.fold((sum_m[s], size_px[s]), |(sum_m, size_px), &point| {
+            (sum_m + Vec3::from(point).as_dvec3().dot(up), size_px + 1)
+        });
     }
     let height_m: Vec<f64> = sum_m
         .iter()

@@ -1,5 +1,7 @@
 //! Where a region lies and which way it faces (paper, eq. 4).
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3};
 
 use crate::raster::Raster;
@@ -28,44 +30,51 @@ pub fn descriptors(
     points_m: &Raster<[f32; 3]>,
     normals: &Raster<[f32; 3]>,
 ) -> Vec<Descriptor> {
-    let mut core_sums = vec![Sums::default(); segments.count()];
-    let mut all_sums = vec![Sums::default(); segments.count()];
-    for (i, s) in segments.members().filter(|&(i, _)| !points_m[i][2].is_nan()) {
-        all_sums[s].add(points_m[i], normals[i]);
-        if core[i] {
-            core_sums[s].add(points_m[i], normals[i]);
-        }
+    let pixels = |run: Range<usize>| {
+        let of_run = core.as_slice()[run.clone()].iter().zip(&points_m.as_slice()[run.clone()]);
+        of_run.zip(&normals.as_slice()[run]).map(|((core, point), normal)| (*core, *point, *normal))
+    };
+    let mut core_points = vec![0; segments.count()];
+    for (run, s) in segments.runs() {
+        core_points[s] += pixels(run).map(|(core, [.., z], _)| u32::from(core & !z.is_nan())).sum::<u32>();
     }
-    core_sums
-        .iter()
-        .zip(&all_sums)
-        .map(|(core, all)| {
-            let speaking = if core.points >= MIN_CORE_POINTS { core } else { all };
-            Descriptor {
-                centroid_m: (speaking.point / f64::from(speaking.points.max(1))).to_array(),
-                normal: (speaking.normal / f64::from(speaking.normals.max(1))).to_array(),
-                core_normals: core.normals,
-            }
-        })
-        .collect()
+    let mut sums = vec![Sums::default(); segments.count()];
+    for (run, s) in segments.runs() {
+        let is_core_enough = core_points[s] >= MIN_CORE_POINTS;
+        let measured = pixels(run).filter(|(_, [.., z], _)| !z.is_nan());
+        let mut own = sums[s];
+        for (core, point, normal) in measured.filter(|(core, ..)| *core || !is_core_enough) {
+            own.add(core, point, normal);
+        }
+        sums[s] = own;
+    }
+    let described = |sums: Sums| Descriptor {
+        centroid_m: (sums.point / f64::from(sums.points.max(1))).to_array(),
+        normal: (sums.normal / f64::from(sums.normals.max(1))).to_array(),
+        core_normals: sums.core_normals,
+    };
+    sums.into_iter().map(described).collect()
 }
 
-#[derive(Clone, Default)]
+#[derive(Clone, Copy, Default)]
 struct Sums {
     point: DVec3,
     normal: DVec3,
     points: u32,
     normals: u32,
+    core_normals: u32,
 }
 
 impl Sums {
-    fn add(&mut self, point: [f32; 3], normal: [f32; 3]) {
+    /// Adds one more point; a normal that is zero changes nothing.
+    #[inline]
+    fn add(&mut self, core: bool, point: [f32; 3], normal: [f32; 3]) {
+        let has_normal = normal != [0.0; 3];
         self.point += Vec3::from(point).as_dvec3();
+        self.normal += Vec3::from(normal).as_dvec3();
         self.points += 1;
-        if normal != [0.0; 3] {
-            self.normal += Vec3::from(normal).as_dvec3();
-            self.normals += 1;
-        }
+        self.normals += u32::from(has_normal);
+        self.core_normals += u32::from(has_normal & core);
     }
 }
 
