@@ -6,6 +6,9 @@ use crate::params;
 use crate::raster::{Raster, marked, part};
 use crate::regions::{RegionGraph, Segments};
 
+/// Right, down, down-right and down-left.
+const WAYS: usize = 4;
+
 /// The number of point pairs in contact between any two regions.
 ///
 /// From every pixel with depth the four directions right, down, down-right and down-left are walked for at most
@@ -16,32 +19,44 @@ pub fn contacts(
     points_m: &Raster<[f32; 3]>,
     params: &params::Contact,
 ) -> RegionGraph<u32> {
-    let regions = touching_pairs(segments, points_m, params)
-        .into_iter()
-        .filter_map(|(p, q)| Some((segments.at(p)?, segments.at(q)?)));
+    // In whatever order they are counted.
+    let pairs = pairs_at_changes(segments, points_m, params).into_iter();
+    let regions =
+        pairs.filter_map(|(way, q)| Some((segments.at(way as usize / WAYS)?, segments.at(q as usize)?)));
     RegionGraph::from_pairs(segments.count(), regions)
 }
 
-/// The pairs that [`contacts`] counts, in scan order.
-///
-/// Where a walk meets another region the label changes, so only changes are looked at: what lies ahead of one is what the pixels
-/// of the same label before it meet. O(pixels + changes · `reach_px` + pairs log pairs).
+/// The pairs that [`contacts`] counts, in scan order. O(pixels + pairs log pairs).
 pub(crate) fn touching_pairs(
     segments: &Segments,
     points_m: &Raster<[f32; 3]>,
     params: &params::Contact,
 ) -> Vec<(usize, usize)> {
+    let mut pairs = pairs_at_changes(segments, points_m, params);
+    pairs.sort_unstable();
+    pairs.into_iter().map(|(way, q)| (way as usize / WAYS, q as usize)).collect()
+}
+
+/// The same pairs change by change: the first pixel and the direction to the other, as one number that is in scan order, and the
+/// other.
+///
+/// Where a walk meets another region the label changes, so only changes are looked at: what lies ahead of one is what the pixels
+/// of the same label before it meet. O(pixels + changes · `reach_px`).
+fn pairs_at_changes(
+    segments: &Segments,
+    points_m: &Raster<[f32; 3]>,
+    params: &params::Contact,
+) -> Vec<(u64, u32)> {
     let labels = segments.labels().as_slice();
     let (width, height) = segments.labels().size();
     let is_measured = |i: usize| !points_m[i][2].is_nan();
     let is_near =
         |p: usize, q: usize| Vec3::from(points_m[p]).distance(Vec3::from(points_m[q])) < params.distance_m;
-    // By pixel and direction: one number, which is compared faster, and the other pixel.
-    let mut pairs: Vec<(u64, u32)> = Vec::new();
+    let mut pairs = Vec::new();
     for i in changes(segments) {
         let (own, u, v) = (labels[i], i % width, i / width);
         let (right, down, left) = (width - 1 - u, height - 1 - v, u);
-        let ways = [
+        let ways: [_; WAYS] = [
             (1, right, left),
             (width, down, v),
             (width + 1, down.min(right), v.min(left)),
@@ -59,11 +74,10 @@ pub(crate) fn touching_pairs(
             let same = (0..=behind.min(params.reach_px - t)).map(|k| i - k * step);
             let same = same.take_while(|&p| labels[p] == own).filter(|&p| is_measured(p));
             let near = same.filter(|&p| is_near(p, i + t * step));
-            pairs.extend(near.map(|p| ((4 * p + way) as u64, (i + t * step) as u32)));
+            pairs.extend(near.map(|p| ((WAYS * p + way) as u64, (i + t * step) as u32)));
         }
     }
-    pairs.sort_unstable();
-    pairs.into_iter().map(|(place, other)| (place as usize / 4, other as usize)).collect()
+    pairs
 }
 
 /// The pixels of a region next to which, to the right or below, is something else, and those at the edge of the image, in scan

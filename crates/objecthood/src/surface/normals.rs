@@ -109,8 +109,8 @@ impl Sums {
         let points_m = &points_m[..width];
         let [x, y, z] = self.row.each_mut().map(|axis| &mut axis[..width]);
         for u in 0..width {
-            let point = if points_m[u][2].is_nan() { [0.0; 3] } else { points_m[u] };
-            [x[u], y[u], z[u]] = point.map(f64::from);
+            let point = points_m[u].map(f64::from);
+            [x[u], y[u], z[u]] = if point[2].is_nan() { [0.0; 3] } else { point };
         }
         for (above, row) in self.above.iter_mut().zip([&*x, &*y, &*z]) {
             above.copy_within(own * width..(own + 1) * width, next * width);
