@@ -248,7 +248,7 @@ fn unmeasured(params: &Params) -> Unmeasured {
 
 /// The pixels that bound superpixels: depth and a curvature above the threshold.
 fn high_curvature(frame: &Frame, curvature: &Raster<f32>, params: &Params) -> Raster<bool> {
-    let high =
-        |(c, z): (&f32, &f32)| params.curvature.enabled && !z.is_nan() && *c > params.curvature.threshold;
+    let (enabled, threshold) = (params.curvature.enabled, params.curvature.threshold);
+    let high = |(c, z): (&f32, &f32)| enabled & !z.is_nan() & (*c > threshold);
     curvature.with_data(curvature.as_slice().iter().zip(frame.depth_m().as_slice()).map(high).collect())
 }

@@ -17,7 +17,8 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// Counts the core pixels of every superpixel; one without any counts all its pixels. O(pixels).
+    /// Counts the core pixels of every superpixel; one without any counts all its pixels. O(pixels); colours and
+    /// normals in parallel.
     ///
     /// `color`: sRGB, unsmoothed; none leaves the colour histograms empty. `normals`: unit, zero = none.
     pub fn new(
@@ -34,11 +35,11 @@ impl Appearance {
         };
         let direction_bins =
             |v: usize, bins: &mut [i32]| direction_bins(&normals.as_slice()[row(v)], params, bins);
-        Self {
-            color_weight: params.color_weight,
-            color: Histograms::new(superpixels, color_bins),
-            normal: Histograms::new(superpixels, direction_bins),
-        }
+        let (color, normal) = rayon::join(
+            || Histograms::new(superpixels, color_bins),
+            || Histograms::new(superpixels, direction_bins),
+        );
+        Self { color_weight: params.color_weight, color, normal }
     }
 
     /// How much superpixels `a` and `b` differ, in [0, 1]: one minus the weighted mean of the intersections of

@@ -39,7 +39,7 @@ pub fn normals(
     let distance = squared_distance(&z, params.depth_change_per_m, reach, workspace);
     let half: Vec<u16> = (0..=reach * reach + 1).map(|d| half_window(d, half_limit) as u16).collect();
 
-    let mut normals = workspace.filled(points_m.len(), [0.0; 3]);
+    let mut normals = workspace.stale(points_m.len(), [0.0; 3]);
     normals.par_chunks_mut(BAND_ROWS * width).enumerate().for_each_init(
         || (Sums::default(), Tangents::of_width(width)),
         |(sums, tangents), (band, normals)| {
