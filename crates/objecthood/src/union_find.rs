@@ -37,6 +37,14 @@ impl UnionFind {
         }
     }
 
+    /// The grandparent of `i`, found without a branch; becomes its parent. A root is its own.
+    #[inline]
+    pub(crate) fn two_up(&mut self, i: usize) -> usize {
+        let grandparent = self.parent[self.parent[i] as usize];
+        self.parent[i] = grandparent;
+        grandparent as usize
+    }
+
     /// Puts the set with root `child` below `root`.
     #[inline]
     pub(crate) fn link(&mut self, root: usize, child: usize) {

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::frame::Frame;
 use crate::method;
 use crate::observe::Observer;
-use crate::oversegment::felzenszwalb::Node;
+use crate::oversegment::felzenszwalb::Grown;
 use crate::params::{Method, Params};
 use crate::raster::Raster;
 use crate::surface::plane_fit::{PlaneFit, Windows};
@@ -35,7 +35,7 @@ pub struct Workspace {
     distances: Vec<Vec<i16>>,
     pixels: Vec<Vec<u32>>,
     keys: Vec<Vec<u64>>,
-    nodes: Vec<Vec<Node>>,
+    grown: Vec<Vec<Grown>>,
     fits: Vec<Vec<PlaneFit>>,
     /// Of every band of rows its windows.
     pub(crate) windows: Vec<Windows>,
@@ -65,7 +65,7 @@ shelves!(
     distances: i16,
     pixels: u32,
     keys: u64,
-    nodes: Node,
+    grown: Grown,
     fits: PlaneFit
 );
 

@@ -1,8 +1,9 @@
 //! Efficient graph-based segmentation (Felzenszwalb and Huttenlocher, IJCV 2004; paper, III-A).
 
-use crate::oversegment::graph::{PixelEdge, PixelGraph, SortedEdges};
+use crate::oversegment::graph::{PixelEdge, PixelGraph};
 use crate::params;
 use crate::raster::Raster;
+use crate::union_find::UnionFind;
 use crate::workspace::Workspace;
 
 /// The components of the pixel graph.
@@ -28,10 +29,9 @@ impl Components {
 /// `borders` are never joined. Afterwards components below `min_size_px` are joined to the neighbour over
 /// the lightest edge.
 ///
-/// The result is that of the article's loop over all edges, bit for bit, but only edges that can matter are sorted. The light
-/// ones are decided first. Of the others one within a component changes nothing, and neither does one at a component that
-/// tolerates less than every edge to come, for it has stopped growing: both are left out (as in filter-Kruskal: Osipov,
-/// Sanders and Singler, ALENEX 2009). For the minimum size only edges at small components matter.
+/// The result is that of the article's loop over all edges, bit for bit: they come in its order, and those within a component,
+/// which change nothing, are left out early ([`Edges::between_sets`](super::edges::Edges::between_sets)). For the minimum
+/// size only edges at small components matter.
 ///
 /// *Differs from the paper:* it says there is a boundary "if `MInt` is larger than `Dif`"; the cited algorithm, and
 /// sense, join when `Dif` <= `MInt`. O(edges · log pixels), sequential: each decision depends on the ones before.
@@ -42,158 +42,59 @@ pub fn segment(
     workspace: &mut Workspace,
 ) -> Components {
     let k = params.size_preference_grey;
-    let mut forest =
-        Forest { nodes: workspace.filled(graph.pixels(), Node { link: ROOT + 1, tolerated: k }) };
+    let mut sets = UnionFind::within(workspace.stale(graph.pixels(), 0));
+    let mut grown = workspace.filled(graph.pixels(), Grown { size_px: 1, tolerated: k });
     let mut part = workspace.collected((0..).zip(borders.as_slice()).map(|(i, &b)| if b { SHUT } else { i }));
-    let mut over = f32::NEG_INFINITY;
-    for upto in [graph.quantile(LIGHT_SHARE), f32::INFINITY] {
-        let edges = graph.ascending(&part, over, upto, workspace);
-        forest.between_components(&edges, |forest, PixelEdge { weight, p, q }| {
-            if weight <= forest.tolerated(p) && weight <= forest.tolerated(q) {
-                let root = forest.join(p, q);
-                forest.tolerate(root, weight + k / forest.size_px(root) as f32);
-            }
-        });
-        edges.leave(workspace);
-        over = upto;
-        for (i, part) in (0..).zip(&mut part).filter(|(_, part)| **part != SHUT) {
-            let root = forest.find(i);
-            *part = if forest.tolerated(root) <= over { SHUT } else { root };
-        }
-    }
-    for (i, (part, &border)) in (0..).zip(part.iter_mut().zip(borders.as_slice())) {
-        let root = forest.find(i);
-        let large = forest.size_px(root) >= params.min_size_px;
-        *part = if border {
-            SHUT
-        } else if large {
-            LARGE
-        } else {
-            root
-        };
-    }
-    let edges = graph.ascending(&part, f32::NEG_INFINITY, f32::INFINITY, workspace);
-    forest.between_components(&edges, |forest, PixelEdge { p, q, .. }| {
-        if forest.size_px(p).min(forest.size_px(q)) < params.min_size_px {
-            forest.join(p, q);
+    let edges = graph.edges(&part, workspace);
+    edges.between_sets(&mut sets, workspace, |sets, PixelEdge { weight, .. }, (p, q)| {
+        if weight <= grown[p].tolerated && weight <= grown[q].tolerated {
+            let joined = join(sets, &mut grown, p, q);
+            joined.tolerated = weight + k / joined.size_px as f32;
         }
     });
-    edges.leave(workspace);
+
+    for (i, part) in part.iter_mut().enumerate().filter(|(_, part)| **part != SHUT) {
+        let root = sets.find(i);
+        *part = if grown[root].size_px >= params.min_size_px { LARGE } else { root as u32 };
+    }
+    let edges = graph.edges(&part, workspace);
+    edges.between_sets(&mut sets, workspace, |sets, _, (p, q)| {
+        if grown[p].size_px.min(grown[q].size_px) < params.min_size_px {
+            join(sets, &mut grown, p, q);
+        }
+    });
+
     workspace.shelve(part);
-    let root = workspace.collected((0..graph.pixels() as u32).map(|i| forest.find(i)));
-    let sizes = (0..).zip(&root).map(|(i, &root)| if i == root { forest.size_px(i) } else { 0 });
+    let root = workspace.collected((0..graph.pixels()).map(|i| sets.find(i) as u32));
+    let sizes =
+        (0..).zip(&root).zip(&grown).map(|((i, &root), grown)| if i == root { grown.size_px } else { 0 });
     let size_px = workspace.collected(sizes);
-    workspace.shelve(forest.nodes);
+    workspace.shelve(grown);
+    workspace.shelve(sets.into_parents());
     Components { root, size_px }
 }
 
-/// No edge to come joins the pixel.
+/// No edge joins the pixel.
 const SHUT: u32 = PixelGraph::NO_PART;
 
 /// The pixel's component is no smaller than it must be.
 const LARGE: u32 = SHUT - 1;
 
-/// The share of the edges that is decided first; it changes the time alone.
-const LIGHT_SHARE: f64 = 0.4;
-
-/// Edges whose ends are followed upwards together.
-const BLOCK: usize = 128;
-
-/// The components as they grow: disjoint sets as in [`UnionFind`](crate::union_find::UnionFind), with all that is known of
-/// a set in the eight bytes of its root, because it costs time to fetch nodes from memory.
-struct Forest {
-    nodes: Vec<Node>,
-}
-
-/// A pixel in the forest.
+/// A component as it grows; it stands at the place of its root.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Node {
-    /// The parent; of a root [`ROOT`] + pixels of the component.
-    link: u32,
-    /// Of a root: the weight that its component tolerates.
+pub(crate) struct Grown {
+    size_px: u32,
+    /// The heaviest edge that may still join it.
     tolerated: f32,
 }
 
-/// Marks a root; pixels are fewer ([`Raster::MAX_PIXELS`]).
-const ROOT: u32 = 1 << 31;
-
-impl Forest {
-    /// Calls `meet` with every edge that lies between two components when its turn comes, with their roots as its ends.
-    ///
-    /// How far it is to a root, and whether two ends have one already, no processor can guess, and each wrong guess costs
-    /// more than all else that is done for an edge. So block by block both ends are first taken two steps up without a
-    /// branch, the ways of many edges at once, and edges whose ends meet are left out. What remains mostly stands at two
-    /// roots; which they are by then is asked again, one edge after the other.
-    fn between_components(&mut self, edges: &SortedEdges, mut meet: impl FnMut(&mut Self, PixelEdge)) {
-        let mut edges = edges.iter();
-        let mut apart = [PixelEdge { weight: 0.0, p: 0, q: 0 }; BLOCK];
-        while edges.len() > 0 {
-            let mut count = 0;
-            for edge in edges.by_ref().take(BLOCK) {
-                let (p, q) = (self.two_up(edge.p), self.two_up(edge.q));
-                apart[count] = PixelEdge { p, q, ..edge };
-                count += usize::from(p != q);
-            }
-            for &PixelEdge { weight, p, q } in &apart[..count] {
-                let (p, q) = (self.find(p), self.find(q));
-                if p != q {
-                    meet(self, PixelEdge { weight, p, q });
-                }
-            }
-        }
-    }
-
-    /// The grandparent of `i`, or the root if that is nearer; becomes the parent of `i`.
-    #[inline]
-    fn two_up(&mut self, i: u32) -> u32 {
-        let link = self.nodes[i as usize].link;
-        let parent = if link < ROOT { link } else { i };
-        let above = self.nodes[parent as usize].link;
-        let grandparent = if above < ROOT { above } else { parent };
-        self.nodes[i as usize].link = if link < ROOT { grandparent } else { link };
-        grandparent
-    }
-
-    /// The root of the component of `i`; shortens the path on the way (path halving). Amortised O(log pixels).
-    #[inline]
-    fn find(&mut self, mut i: u32) -> u32 {
-        loop {
-            let parent = self.nodes[i as usize].link;
-            if parent >= ROOT {
-                return i;
-            }
-            let grandparent = self.nodes[parent as usize].link;
-            if grandparent >= ROOT {
-                return parent;
-            }
-            self.nodes[i as usize].link = grandparent;
-            i = grandparent;
-        }
-    }
-
-    #[inline]
-    fn size_px(&self, root: u32) -> u32 {
-        self.nodes[root as usize].link & !ROOT
-    }
-
-    #[inline]
-    fn tolerated(&self, root: u32) -> f32 {
-        self.nodes[root as usize].tolerated
-    }
-
-    #[inline]
-    fn tolerate(&mut self, root: u32, weight: f32) {
-        self.nodes[root as usize].tolerated = weight;
-    }
-
-    /// Joins two components below the larger one's root (a tie: p's) and returns it.
-    #[inline]
-    fn join(&mut self, p: u32, q: u32) -> u32 {
-        let (root, child) = if self.size_px(p) < self.size_px(q) { (q, p) } else { (p, q) };
-        self.nodes[root as usize].link += self.size_px(child);
-        self.nodes[child as usize].link = root;
-        root
-    }
+/// Joins two components below the larger one's root (a tie: p's) and returns what they are now.
+#[inline]
+fn join<'a>(sets: &mut UnionFind, grown: &'a mut [Grown], p: usize, q: usize) -> &'a mut Grown {
+    let (root, child) = if grown[p].size_px < grown[q].size_px { (q, p) } else { (p, q) };
+    sets.link(root, child);
+    grown[root].size_px += grown[child].size_px;
+    &mut grown[root]
 }
 
 #[cfg(test)]

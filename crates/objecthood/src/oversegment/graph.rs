@@ -5,6 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::frame::Frame;
+use crate::oversegment::edges::Edges;
 use crate::params::{self, Channels};
 use crate::raster::Raster;
 use crate::workspace::Workspace;
@@ -105,17 +106,10 @@ impl PixelGraph {
         Self { width, weights }
     }
 
-    /// The edges between pixels of different parts, lightest first; equal weights in the order of their numbers. Left out are
-    /// those that weigh no more than `over`, those heavier than `upto` and those of pixels whose part is [`Self::NO_PART`].
+    /// The edges between pixels of different parts, without those of pixels whose part is [`Self::NO_PART`].
     ///
-    /// Only what is asked for is sorted, so that a stage that needs few edges pays for few. O(pixels + edges found).
-    pub(crate) fn ascending(
-        &self,
-        part: &[u32],
-        over: f32,
-        upto: f32,
-        workspace: &mut Workspace,
-    ) -> SortedEdges {
+    /// Only what is asked for is dealt and sorted, so that a stage that needs few edges pays for few. O(pixels + edges found).
+    pub(crate) fn edges(&self, part: &[u32], workspace: &mut Workspace) -> Edges {
         let width = self.width;
         let band_len = BAND_ROWS * STEPS.len() * width;
         let mut keys = workspace.stale(self.weights.len(), 0_u64);
@@ -129,11 +123,9 @@ impl PixelGraph {
                     for (d, (du, dv)) in STEPS.into_iter().enumerate() {
                         let Some(others) = part.get((v + dv) * width..(v + dv + 1) * width) else { continue };
                         let (from, to) = columns(du, width);
-                        let weights = &weights[d * width..][from.clone()];
                         let ends = part[v * width..][from.clone()].iter().zip(&others[to]);
-                        for ((wanted, &weight), (&p, &q)) in wanted[from].iter_mut().zip(weights).zip(ends) {
-                            let apart = (p != q) & (p != Self::NO_PART) & (q != Self::NO_PART);
-                            *wanted |= u32::from(apart & (weight > over) & (weight <= upto)) << d;
+                        for (wanted, (&p, &q)) in wanted[from].iter_mut().zip(ends) {
+                            *wanted |= u32::from((p != q) & (p != Self::NO_PART) & (q != Self::NO_PART)) << d;
                         }
                     }
                     let [right, down, down_right, down_left] = four(weights);
@@ -154,10 +146,7 @@ impl PixelGraph {
         );
         let counts: Vec<usize> = bands.collect();
         let ahead = STEPS.map(|(du, dv)| (dv * width).wrapping_add_signed(du) as u32);
-        let spare = workspace.stale(keys.len(), 0);
-        let (keys, spare) = sorted_by_upper_half(keys, spare, band_len, &counts);
-        workspace.shelve(spare);
-        SortedEdges { keys, count: counts.iter().sum(), ahead }
+        Edges::new(keys, band_len, &counts, ahead, workspace)
     }
 
     /// Gives its memory back.
@@ -167,13 +156,6 @@ impl PixelGraph {
 
     /// Marks a pixel whose edges are not asked for.
     pub(crate) const NO_PART: u32 = u32::MAX;
-
-    /// A weight that about this share of the edges does not exceed, from every 61st of them.
-    pub(crate) fn quantile(&self, share: f64) -> f32 {
-        let mut sample: Vec<f32> = self.weights.iter().step_by(61).copied().collect();
-        let middle = ((sample.len() - 1) as f64 * share) as usize;
-        *sample.select_nth_unstable_by(middle, f32::total_cmp).1
-    }
 }
 
 /// The weights of a row in each direction.
@@ -190,31 +172,6 @@ pub(crate) fn columns(du: isize, width: usize) -> (Range<usize>, Range<usize>) {
         1 => (0..width - 1, 1..width),
         -1 => (1..width, 0..width - 1),
         _ => (0..width, 0..width),
-    }
-}
-
-/// Edges, lightest first.
-pub(crate) struct SortedEdges {
-    /// The bits of the weight, below them the number of the edge; what follows them is of no meaning.
-    keys: Vec<u64>,
-    count: usize,
-    /// From p to q in each direction.
-    ahead: [u32; 4],
-}
-
-impl SortedEdges {
-    /// The edges in their order.
-    pub(crate) fn iter(&self) -> impl ExactSizeIterator<Item = PixelEdge> {
-        self.keys[..self.count].iter().map(|&key| {
-            let p = key as u32 / STEPS.len() as u32;
-            let q = p.wrapping_add(self.ahead[key as usize % STEPS.len()]);
-            PixelEdge { weight: f32::from_bits((key >> 32) as u32), p, q }
-        })
-    }
-
-    /// Gives its memory back.
-    pub(crate) fn leave(self, workspace: &mut Workspace) {
-        workspace.shelve(self.keys);
     }
 }
 
@@ -276,53 +233,22 @@ impl Weigh {
     }
 }
 
-/// The keys sorted by their upper 32 bits, equal ones in their order, and the other buffer, which is as long. There are
-/// `counts` keys at the start of each band of `band_len` places.
-///
-/// A radix sort from the least digit on (Knuth 5.2.5) with digits of eleven bits. Weights are not negative, so their order
-/// is that of their bits. O(keys).
-fn sorted_by_upper_half(
-    mut keys: Vec<u64>,
-    mut spare: Vec<u64>,
-    band_len: usize,
-    counts: &[usize],
-) -> (Vec<u64>, Vec<u64>) {
-    const DIGIT_BITS: usize = 11;
-    let digit = |key: u64, pass: usize| (key >> (32 + pass * DIGIT_BITS)) as usize % (1 << DIGIT_BITS);
-    let mut places = [[0_u32; 1 << DIGIT_BITS]; 3];
-    for (band, &count) in keys.chunks(band_len).zip(counts) {
-        for &key in &band[..count] {
-            for (pass, places) in places.iter_mut().enumerate() {
-                places[digit(key, pass)] += 1;
-            }
-        }
-    }
-    let count = counts.iter().sum();
-    for (pass, places) in places.iter_mut().enumerate() {
-        let mut place = 0;
-        for count in &mut *places {
-            place += std::mem::replace(count, place);
-        }
-        let mut put = |keys: &[u64]| {
-            for &key in keys {
-                let place = &mut places[digit(key, pass)];
-                spare[*place as usize] = key;
-                *place += 1;
-            }
-        };
-        if pass == 0 {
-            keys.chunks(band_len).zip(counts).for_each(|(band, &count)| put(&band[..count]));
-        } else {
-            put(&keys[..count]);
-        }
-        std::mem::swap(&mut keys, &mut spare);
-    }
-    (keys, spare)
-}
-
 #[cfg(test)]
 pub(crate) mod testing {
     use super::*;
+    use crate::union_find::UnionFind;
+
+    /// The edges in their order, as long as no set is joined.
+    pub(crate) fn in_order(graph: &PixelGraph, part: &[u32]) -> Vec<PixelEdge> {
+        let workspace = &mut Workspace::default();
+        let mut edges = Vec::new();
+        let sets = &mut UnionFind::new(graph.pixels());
+        graph.edges(part, workspace).between_sets(sets, workspace, |_, edge, roots| {
+            assert_eq!(roots, (edge.p as usize, edge.q as usize));
+            edges.push(edge);
+        });
+        edges
+    }
 
     /// All edges, pixel by pixel, sorted by comparisons.
     pub(crate) fn naive_edges(graph: &PixelGraph) -> Vec<PixelEdge> {
@@ -346,7 +272,7 @@ pub(crate) mod testing {
 mod tests {
     use proptest::prelude::*;
 
-    use super::testing::naive_edges;
+    use super::testing::{in_order, naive_edges};
     use super::*;
     use crate::camera::Camera;
 
@@ -399,9 +325,7 @@ mod tests {
             &params::Graph { channels: Channels::Color, ..Default::default() },
             &mut Workspace::default(),
         );
-        let all =
-            graph.ascending(&[0, 1, 2, 3, 4, 5], f32::NEG_INFINITY, f32::INFINITY, &mut Workspace::default());
-        let pairs: Vec<_> = all.iter().map(|e| (e.p, e.q)).collect();
+        let pairs: Vec<_> = in_order(&graph, &[0, 1, 2, 3, 4, 5]).iter().map(|e| (e.p, e.q)).collect();
         let scan = [(0, 1), (0, 3), (0, 4), (1, 2), (1, 4), (1, 5), (1, 3), (2, 5), (2, 4), (3, 4), (4, 5)];
         assert_eq!(pairs, scan, "all weights are 0");
     }
@@ -409,13 +333,11 @@ mod tests {
     proptest! {
         #[test]
         fn edges_are_those_of_a_sort_by_comparisons(
-            (width, pixels) in (1_usize..9, 1_usize..9).prop_flat_map(|(w, h)| {
+            (width, pixels) in (1_usize..30, 1_usize..9).prop_flat_map(|(w, h)| {
                 // Weights of all magnitudes, and many equal ones.
                 let weight = prop_oneof![0.0_f32..1e-30, 0.0_f32..4.0, 0.0_f32..1e30, Just(0.5), Just(APART)];
                 (Just(w), prop::collection::vec((prop::array::uniform4(weight), 0_u32..4), w * h))
             }),
-            over in prop::sample::select(vec![f32::NEG_INFINITY, 0.5, 1.0]),
-            upto in prop::sample::select(vec![0.5, 2.0, f32::INFINITY]),
         ) {
             let rows = pixels.chunks_exact(width);
             let weights = rows.flat_map(|row| (0..4).flat_map(move |d| row.iter().map(move |p| p.0[d]))).collect();
@@ -423,10 +345,10 @@ mod tests {
             let part: Vec<u32> = pixels.iter().map(|p| if p.1 == 0 { PixelGraph::NO_PART } else { p.1 }).collect();
             let wanted = |e: &PixelEdge| {
                 let (p, q) = (part[e.p as usize], part[e.q as usize]);
-                p != q && p != PixelGraph::NO_PART && q != PixelGraph::NO_PART && e.weight > over && e.weight <= upto
+                p != q && p != PixelGraph::NO_PART && q != PixelGraph::NO_PART
             };
             let expected: Vec<_> = naive_edges(&graph).into_iter().filter(wanted).collect();
-            prop_assert_eq!(graph.ascending(&part, over, upto, &mut Workspace::default()).iter().collect::<Vec<_>>(), expected);
+            prop_assert_eq!(in_order(&graph, &part), expected);
         }
     }
 }

@@ -4,6 +4,7 @@
 //! `context`: large planes apart ([`structure`]), then a watershed of how badly a plane fits ([`watershed`]).
 
 pub mod absorb;
+mod edges;
 pub mod felzenszwalb;
 pub mod graph;
 pub mod smoothing;

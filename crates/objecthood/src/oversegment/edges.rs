@@ -1,0 +1,141 @@
+//! Edges from the lightest to the heaviest, as far as they lie between two sets.
+
+use crate::oversegment::graph::PixelEdge;
+use crate::union_find::UnionFind;
+use crate::workspace::Workspace;
+
+/// Edges of a pixel graph, dealt into buckets by the leading bits of their weights.
+///
+/// The key of an edge is the bits of its weight, below them its number. Weights are not negative, so keys sort as weights do,
+/// equal weights in the order of their numbers.
+pub(crate) struct Edges {
+    /// Bucket by bucket; within one the numbers ascend.
+    keys: Vec<u64>,
+    spare: Vec<u64>,
+    /// Where each bucket ends.
+    ends: Vec<usize>,
+    /// From p to q in each direction.
+    ahead: [u32; 4],
+}
+
+/// The sign of the weight, which is 0, its exponent and three more bits.
+const BUCKET_BITS: u32 = 12;
+
+/// Half of the bits of the weight that follow.
+const DIGIT_BITS: u32 = 10;
+
+/// Buckets with fewer keys are sorted by comparisons.
+const FEW: usize = 64;
+
+/// Edges whose ends are followed upwards together.
+const BLOCK: usize = 128;
+
+impl Edges {
+    /// Deals the keys, of which there are `counts` at the start of each band of `band_len` places. O(keys).
+    pub(crate) fn new(
+        keys: Vec<u64>,
+        band_len: usize,
+        counts: &[usize],
+        ahead: [u32; 4],
+        workspace: &mut Workspace,
+    ) -> Self {
+        let bucket = |key: u64| (key >> (u64::BITS - BUCKET_BITS)) as usize;
+        let bands = || keys.chunks(band_len).zip(counts).flat_map(|(band, &count)| &band[..count]);
+        let mut ends = vec![0; 1 << BUCKET_BITS];
+        bands().for_each(|&key| ends[bucket(key)] += 1);
+        places(&mut ends);
+        let mut dealt = workspace.stale(keys.len(), 0);
+        for &key in bands() {
+            let place = &mut ends[bucket(key)];
+            dealt[*place] = key;
+            *place += 1;
+        }
+        Self { keys: dealt, spare: keys, ends, ahead }
+    }
+
+    /// Calls `meet` with every edge that lies between two sets when its turn comes, and with their roots.
+    ///
+    /// An edge within a set stays within it. So those that have come to lie within one are left out before a bucket is
+    /// sorted, without asking for their order (as in filter-Kruskal: Osipov, Sanders and Singler, ALENEX 2009), and block by
+    /// block once more when it is.
+    ///
+    /// How far it is to a root, and whether two ends have one already, no processor can guess, and each wrong guess costs
+    /// more than all else that is done for an edge. So both ends are taken two steps up without a branch, the ways of many
+    /// edges at once, and edges whose ends meet are left out. What remains mostly stands at two roots; which they are by
+    /// then is asked again, one edge after the other. O(edges · log pixels).
+    pub(crate) fn between_sets(
+        mut self,
+        sets: &mut UnionFind,
+        workspace: &mut Workspace,
+        mut meet: impl FnMut(&mut UnionFind, PixelEdge, (usize, usize)),
+    ) {
+        let ahead = self.ahead;
+        let edge = |key: u64| {
+            let p = key as u32 / ahead.len() as u32;
+            let q = p.wrapping_add(ahead[key as usize % ahead.len()]);
+            PixelEdge { weight: f32::from_bits((key >> u32::BITS) as u32), p, q }
+        };
+        let mut apart = [(edge(0), (0, 0)); BLOCK];
+        let mut start = 0;
+        for &end in &self.ends {
+            let bucket = &mut self.keys[start..end];
+            start = end;
+            let mut count = 0;
+            for &key in &*bucket {
+                let PixelEdge { p, q, .. } = edge(key);
+                self.spare[count] = key;
+                count += usize::from(sets.two_up(p as usize) != sets.two_up(q as usize));
+            }
+            let keys = &mut self.spare[..count];
+            sort(keys, &mut bucket[..count]);
+            for block in keys.chunks(BLOCK) {
+                let mut count = 0;
+                for &key in block {
+                    let edge = edge(key);
+                    let (p, q) = (sets.two_up(edge.p as usize), sets.two_up(edge.q as usize));
+                    apart[count] = (edge, (p, q));
+                    count += usize::from(p != q);
+                }
+                for &(edge, (p, q)) in &apart[..count] {
+                    let (p, q) = (sets.find(p), sets.find(q));
+                    if p != q {
+                        meet(sets, edge, (p, q));
+                    }
+                }
+            }
+        }
+        workspace.shelve(self.keys);
+        workspace.shelve(self.spare);
+    }
+}
+
+/// Sorts the keys of a bucket, whose numbers ascend; `spare` is as long.
+///
+/// A radix sort from the lower digit on (Knuth 5.2.5). O(keys).
+fn sort(keys: &mut [u64], spare: &mut [u64]) {
+    if keys.len() < FEW {
+        keys.sort_unstable();
+        return;
+    }
+    let pass = |from: &[u64], to: &mut [u64], shift: u32| {
+        let digit = |key: u64| (key >> shift) as usize % (1 << DIGIT_BITS);
+        let mut ends = [0; 1 << DIGIT_BITS];
+        from.iter().for_each(|&key| ends[digit(key)] += 1);
+        places(&mut ends);
+        for &key in from {
+            let place = &mut ends[digit(key)];
+            to[*place] = key;
+            *place += 1;
+        }
+    };
+    pass(keys, spare, u32::BITS);
+    pass(spare, keys, u32::BITS + DIGIT_BITS);
+}
+
+/// Turns counts into the places where each begins.
+fn places(counts: &mut [usize]) {
+    let mut place = 0;
+    for count in counts {
+        place += std::mem::replace(count, place);
+    }
+}
