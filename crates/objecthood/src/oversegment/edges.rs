@@ -139,3 +139,26 @@ fn places(counts: &mut [usize]) {
         place += std::mem::replace(count, place);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn a_bucket_is_sorted_as_by_comparisons(
+            // Few weights make many equal ones.
+            (weights, different) in (prop::collection::vec(any::<u32>(), 0..300), 1_u32..1 << (2 * DIGIT_BITS)),
+        ) {
+            let numbered = (0_u64..).zip(&weights).map(|(i, w)| u64::from(w % different) << u32::BITS | i);
+            let mut keys: Vec<u64> = numbered.collect();
+            let mut expected = keys.clone();
+            expected.sort();
+            let mut spare = vec![0; keys.len()];
+            sort(&mut keys, &mut spare);
+            prop_assert_eq!(keys, expected);
+        }
+    }
+}

@@ -147,13 +147,15 @@ mod tests {
     proptest! {
         #[test]
         fn equals_the_textbook(
-            (width, height, pixels) in (1_usize..14, 1_usize..14).prop_flat_map(|(w, h)| {
+            (width, height, pixels) in (1_usize..24, 1_usize..24).prop_flat_map(|(w, h)| {
                 let pixel = (any::<[u8; 3]>(), 0.5_f32..2.0, 0_u8..10);
                 (Just(w), Just(h), prop::collection::vec(pixel, w * h))
             }),
             // Few grey levels make many equal weights.
-            levels in prop::sample::select(vec![1_u8, 64, 255]),
-            k in 0.0_f32..400.0,
+            levels in prop::sample::select(vec![1_u8, 32, 64, 255]),
+            k in prop_oneof![Just(0.0), 0.0_f32..400.0, Just(1e6)],
+            // Apart: infinite weights.
+            unmeasured in prop::sample::select(vec![Unmeasured::ByColor, Unmeasured::Apart]),
             min_size_px in 0_u32..12,
         ) {
             let color = pixels.iter().map(|(c, ..)| c.map(|c| c / levels * levels)).collect();
@@ -167,7 +169,7 @@ mod tests {
             let smoothed = smooth(&color, frame.depth_m(), &params::Smoothing { sigma_px: 0.0 }, workspace);
             let params = params::Graph { size_preference_grey: k, min_size_px, ..Default::default() };
             let sensor = params::Sensor::default();
-            let graph = PixelGraph::new(&frame, Some(&smoothed), Unmeasured::ByColor, &sensor, &params, workspace);
+            let graph = PixelGraph::new(&frame, Some(&smoothed), unmeasured, &sensor, &params, workspace);
 
             let fast = segment(&graph, &borders, &params, workspace);
             let slow = textbook(&graph, &borders, k, min_size_px);

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::params;
 use crate::raster::Raster;
+use crate::simd::vectorized;
 use crate::workspace::Workspace;
 
 /// Rows and columns that are smoothed together.
@@ -32,10 +33,15 @@ pub fn smooth(
         let rows = band * TILE_PX..height.min((band + 1) * TILE_PX);
         let mut tile = Tile::new(kernel.len() - 1);
         for left in (0..width).step_by(TILE_PX) {
-            let columns = left..width.min(left + TILE_PX);
-            for measured in [true, false] {
-                tile.smooth(color, depth_m, measured, &kernel, (columns.clone(), rows.clone()), smoothed);
-            }
+            let place = (left..width.min(left + TILE_PX), rows.clone());
+            vectorized(
+                #[inline(always)]
+                || {
+                    for measured in [true, false] {
+                        tile.smooth(color, depth_m, measured, &kernel, place.clone(), smoothed);
+                    }
+                },
+            );
         }
     });
     color.with_data(smoothed)
@@ -66,6 +72,7 @@ impl Tile {
     }
 
     /// Smooths the pixels of the tile that are measured or not, into their places in `smoothed`, the rows of the band.
+    #[inline(always)]
     fn smooth(
         &mut self,
         color: &Raster<[u8; 3]>,
@@ -99,18 +106,22 @@ impl Tile {
             for (c, sums) in sums.iter_mut().enumerate() {
                 filtered(sums, kernel, |t| (&at(-(t as isize))[c], &at(t as isize)[c]));
             }
-            let [r, g, b, one] = &sums;
+            let [r, g, b, one] = &mut sums;
+            for color in [&mut *r, g, b] {
+                color.iter_mut().zip(&*one).for_each(|(color, one)| *color /= one);
+            }
             let row = row_of(v as usize);
             let out = &mut smoothed[row.start - rows.start * width..][..columns.len()];
             for (k, (out, i)) in out.iter_mut().zip(row).enumerate() {
                 if of_kind(i) {
-                    *out = [r[k] / one[k], g[k] / one[k], b[k] / one[k]];
+                    *out = [r[k], g[k], b[k]];
                 }
             }
         }
     }
 
     /// Smooths row `v` along itself.
+    #[inline(always)]
     fn smooth_along(
         &mut self,
         color: &Raster<[u8; 3]>,
@@ -135,7 +146,7 @@ impl Tile {
 }
 
 /// Sums up the middle values and the pairs at every distance from them, each weighted by its tap.
-#[inline]
+#[inline(always)]
 fn filtered<'a>(sums: &mut [f32; TILE_PX], kernel: &[f32], pair: impl Fn(usize) -> (&'a [f32], &'a [f32])) {
     for (sum, middle) in sums.iter_mut().zip(pair(0).0) {
         *sum = kernel[0] * middle;
