@@ -18,11 +18,11 @@ pub(crate) struct Edges {
     ahead: [u32; 4],
 }
 
-/// The sign of the weight, which is 0, its exponent and three more bits.
-const BUCKET_BITS: u32 = 12;
+/// The sign of the weight, which is 0, its exponent and five more bits.
+const BUCKET_BITS: u32 = 14;
 
 /// Half of the bits of the weight that follow.
-const DIGIT_BITS: u32 = 10;
+const DIGIT_BITS: u32 = 9;
 
 /// Buckets with fewer keys are sorted by comparisons.
 const FEW: usize = 64;

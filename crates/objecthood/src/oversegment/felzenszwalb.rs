@@ -47,7 +47,7 @@ pub fn segment(
     let mut part = workspace.collected((0..).zip(borders.as_slice()).map(|(i, &b)| if b { SHUT } else { i }));
     let edges = graph.edges(&part, workspace);
     edges.between_sets(&mut sets, workspace, |sets, PixelEdge { weight, .. }, (p, q)| {
-        if weight <= grown[p].tolerated && weight <= grown[q].tolerated {
+        if weight <= grown[p].tolerated.min(grown[q].tolerated) {
             let joined = join(sets, &mut grown, p, q);
             joined.tolerated = weight + k / joined.size_px as f32;
         }
