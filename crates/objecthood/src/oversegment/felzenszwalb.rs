@@ -29,9 +29,9 @@ impl Components {
 /// `borders` are never joined. Afterwards components below `min_size_px` are joined to the neighbour over
 /// the lightest edge.
 ///
-/// The result is that of the article's loop over all edges, bit for bit: they come in its order, and those within a component,
-/// which change nothing, are left out early ([`Edges::between_sets`](super::edges::Edges::between_sets)). For the minimum
-/// size only edges at small components matter.
+/// The result is that of the article's loop over all edges, bit for bit: edges come in its order, equal weights in that of
+/// their numbers, and only those within a component, which change nothing, are left out before they are sorted
+/// (`Edges::between_sets`). For the minimum size only edges at small components matter.
 ///
 /// *Differs from the paper:* it says there is a boundary "if `MInt` is larger than `Dif`"; the cited algorithm, and
 /// sense, join when `Dif` <= `MInt`. O(edges · log pixels), sequential: each decision depends on the ones before.
