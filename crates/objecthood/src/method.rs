@@ -152,8 +152,10 @@ pub(crate) fn context(
     );
     observer.observe(Stage::Structure(LabelMap::structure(&structure)));
     let links = Links::new(&disparity, &orientation.slope, space, &params.watershed);
-    let superpixels =
-        watershed(&disparity, &fits, &structure.labels, &links, space, &params.watershed, workspace);
+    let (superpixels, planes) = rayon::join(
+        || watershed(&disparity, &fits, &structure.labels, &links, space, &params.watershed, workspace),
+        || structure.planes(&points),
+    );
     observer.observe(Stage::Superpixels(LabelMap::superpixels(&structure, &superpixels)));
 
     // 2. Facets: superpixels that lie on one surface.
@@ -190,8 +192,7 @@ pub(crate) fn context(
     observer.observe(Stage::Clusters { facets: &facets, history: History::of(&clusters) });
 
     let outcome = outcome(&clusters, structure.support, &params.objectness);
-    let measured = disparity.as_slice().iter().filter(|d| !d.is_nan()).count();
-    let planes = structure.planes(&outcome.regions, measured);
+    let planes = outcome.counted(planes, &disparity);
     let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
     let mut support = forest(&outcome.regions, &points, &orientation.normal, &planes, &up, space, params);
     observer.observe(Stage::Support { graph: &support, regions: &outcome.regions });

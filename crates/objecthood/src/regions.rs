@@ -78,22 +78,14 @@ impl Segments {
             .filter_map(|(i, &l)| usize::try_from(l).ok().map(|s| (i, s)))
     }
 
-    /// The runs of one label along the rows, as (pixel indices, segment index), in scan order.
+    /// The [`runs`] of its labels.
     pub(crate) fn runs(&self) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
         self.runs_in(0..self.labels.height())
     }
 
     /// Those in some of the rows.
     pub(crate) fn runs_in(&self, rows: Range<usize>) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
-        let (labels, width) = (self.labels.as_slice(), self.labels.width());
-        let mut end = rows.start * width;
-        let run = std::iter::from_fn(move || {
-            let start = end;
-            let label = *labels[..rows.end * width].get(start)?;
-            end += run_length(&labels[start..start / width * width + width]);
-            Some((start..end, label))
-        });
-        run.filter_map(|(pixels, label)| usize::try_from(label).ok().map(|label| (pixels, label)))
+        runs(&self.labels, rows)
     }
 
     /// Of every segment its [`runs`](Self::runs). O(pixels).
@@ -134,6 +126,21 @@ impl RunsOfEach {
         let of = |s: usize| look(s, &self.runs[start(s)..self.ends[s]]);
         (0..self.ends.len()).into_par_iter().map(of).collect()
     }
+}
+
+/// The runs of one label along some rows, as (pixel indices, label), in scan order; without those of negative labels.
+pub(crate) fn runs(
+    labels: &Raster<i32>,
+    rows: Range<usize>,
+) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
+    let (labels, width) = (&labels.as_slice()[..rows.end * labels.width()], labels.width());
+    let mut end = rows.start * width;
+    let run = std::iter::from_fn(move || {
+        let (start, &label) = (end, labels.get(end)?);
+        end += run_length(&labels[start..start / width * width + width]);
+        Some((start..end, label))
+    });
+    run.filter_map(|(pixels, label)| usize::try_from(label).ok().map(|label| (pixels, label)))
 }
 
 /// How many of these labels, from the first on, are the same. Long runs are passed over in strides.

@@ -372,7 +372,6 @@ mod tests {
             model,
             normal: glam::DVec3::NEG_Z,
             offset_m: 1.0,
-            points: crate::objectness::gravity::PointSums::default(),
         };
         let structure = Structure { surfaces: vec![surface], labels: labels.clone(), support: Some(0) };
         let superpixels = Segments::from_numbered(labels.map(|l| -1 - l), 1);

@@ -156,7 +156,7 @@ impl Plane {
 }
 
 /// What the plane through some points follows from: their number and the sums of x, y, z and of their products.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct PointSums {
     n: f64,
     sum: DVec3,
@@ -173,14 +173,6 @@ impl PointSums {
         self.sum += p;
         self.squares += p * p;
         self.mixed += p * DVec3::new(p.y, p.z, p.x);
-    }
-
-    /// Adds what was summed elsewhere.
-    pub(crate) fn merge(&mut self, other: &Self) {
-        self.n += other.n;
-        self.sum += other.sum;
-        self.squares += other.squares;
-        self.mixed += other.mixed;
     }
 
     /// The plane that fits the points best; `None` of fewer than three.

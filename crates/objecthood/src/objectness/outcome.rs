@@ -2,6 +2,7 @@
 
 use crate::objectness::check::{Bound, Check};
 use crate::objectness::clusters::Clusters;
+use crate::objectness::gravity::StructurePlane;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::join::Join;
 use crate::objectness::support::NodeId;
@@ -47,6 +48,20 @@ pub(crate) fn outcome(
 }
 
 impl Outcome {
+    /// The planes of the structure, with what of all that is measured is counted as theirs in the end. O(pixels).
+    pub(crate) fn counted(
+        &self,
+        planes: Vec<StructurePlane>,
+        disparity: &Raster<f32>,
+    ) -> Vec<StructurePlane> {
+        let mut size_px = vec![0_usize; self.regions.count()];
+        self.regions.runs().for_each(|(run, region)| size_px[region] += run.len());
+        let measured = disparity.as_slice().iter().filter(|d| !d.is_nan()).count();
+        let share = |size: usize| (size as f64 / measured as f64) as f32;
+        let planes = planes.into_iter().zip(size_px);
+        planes.map(|(plane, size)| StructurePlane { inlier_share: share(size), ..plane }).collect()
+    }
+
     /// The structure of every pixel: 0 = none, else k stands for the surface at index k - 1.
     pub(crate) fn structure_labels(&self) -> Raster<u16> {
         let structure = 0..self.structure as i32;

@@ -4,7 +4,6 @@ use glam::DVec3;
 
 use crate::facets::Facets;
 use crate::objectness::clusters::{Clusters, Scene, Steps};
-use crate::objectness::gravity::PointSums;
 use crate::objectness::history::{Event, Rule, Source};
 use crate::oversegment::structure::StructureSurface;
 use crate::params;
@@ -67,12 +66,7 @@ impl Table {
         let workspace = &mut Workspace::default();
         let fits = plane_fits(&disparity, params.radius_px, workspace);
         let normals = orientation(&disparity, &fits, &space, &params, workspace).normal;
-        let support = StructureSurface {
-            model: table,
-            normal: DVec3::NEG_Z,
-            offset_m: TABLE_M,
-            points: PointSums::default(),
-        };
+        let support = StructureSurface { model: table, normal: DVec3::NEG_Z, offset_m: TABLE_M };
         let facets = Facets { segments, models, structure: 1 };
         Self { facets, disparity, color: None, normals, points_m, space, support }
     }

@@ -13,7 +13,7 @@ use crate::objectness::gravity::{PointSums, StructurePlane};
 use crate::params;
 use crate::random::Lcg;
 use crate::raster::Raster;
-use crate::regions::Segments;
+use crate::regions::{Segments, runs};
 use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::moments::{Basis, Model, Moments, length};
@@ -30,8 +30,6 @@ pub struct StructureSurface {
     pub normal: DVec3,
     /// Distance of the camera from that plane (m).
     pub offset_m: f64,
-    /// Of its own pixels.
-    pub(crate) points: PointSums,
 }
 
 /// The structure of a scene.
@@ -178,7 +176,7 @@ pub fn structure(
             && extent.area_m2 > DOMINANT_M2;
         if is_large || dominates {
             let offset_m = space.distance_m([0.0; 2], plane[2], [plane[0], plane[1]]);
-            surfaces.push(StructureSurface { model, normal, offset_m, points: PointSums::default() });
+            surfaces.push(StructureSurface { model, normal, offset_m });
         }
     }
 
@@ -188,8 +186,7 @@ pub fn structure(
         .position(|s| s.normal.dot(camera_up) > UPWARD)
         .or((!surfaces.is_empty()).then_some(0));
     let mut labels = workspace.filled(disparity.len(), Segments::NONE);
-    let bands = labels.par_chunks_mut(BAND_ROWS * width).enumerate().map(|(band, labels)| {
-        let mut own = vec![PointSums::default(); surfaces.len()];
+    labels.par_chunks_mut(BAND_ROWS * width).enumerate().for_each(|(band, labels)| {
         let mut near = vec![false; width];
         for (v, labels) in (band * BAND_ROWS..).zip(labels.chunks_exact_mut(width)) {
             let row = v * width..(v + 1) * width;
@@ -205,7 +202,6 @@ pub fn structure(
                         }
                     },
                 );
-                let mut sums = own[s];
                 for u in (0..width).filter(|&u| near[u]) {
                     if labels[u] >= 0 {
                         continue;
@@ -215,18 +211,11 @@ pub fn structure(
                     let own = Tilt { normal: surface.normal, slope };
                     if tilt.normal == DVec3::ZERO || alike.are(&own, &tilt) {
                         labels[u] = s as i32;
-                        sums.add(Vec3::from(points_m[row.start + u]).as_dvec3());
                     }
                 }
-                own[s] = sums;
             }
         }
-        own
     });
-    // Band by band, so that sums do not depend on threads.
-    for own in bands.collect::<Vec<_>>() {
-        surfaces.iter_mut().zip(own).for_each(|(surface, own)| surface.points.merge(&own));
-    }
     let labels = disparity.with_data(labels);
     Structure { surfaces, labels, support }
 }
@@ -237,18 +226,19 @@ impl Structure {
         Segments::from_numbered(self.labels.clone(), self.surfaces.len())
     }
 
-    /// The surfaces as planes, each fitted to its own pixels. `regions` say how much of what is `measured` (pixels) is counted as
-    /// theirs in the end: the first of them are the surfaces, now with whatever else was found to be background.
-    pub(crate) fn planes(&self, regions: &Segments, measured: usize) -> Vec<StructurePlane> {
-        let mut size_px = vec![0_usize; regions.count()];
-        regions.runs().for_each(|(run, region)| size_px[region] += run.len());
-        let plane = |(surface, size): (&StructureSurface, usize)| {
-            let inlier_share = (size as f64 / measured as f64) as f32;
+    /// The surfaces as planes, each fitted to its own pixels; `inlier_share`: what they are of the image. O(pixels).
+    pub(crate) fn planes(&self, points_m: &Raster<[f32; 3]>) -> Vec<StructurePlane> {
+        let mut own = vec![PointSums::default(); self.surfaces.len()];
+        for (run, surface) in runs(&self.labels, 0..self.labels.height()) {
+            let mut sums = own[surface];
+            points_m.as_slice()[run].iter().for_each(|&point| sums.add(Vec3::from(point).as_dvec3()));
+            own[surface] = sums;
+        }
+        let plane = |(surface, own): (&StructureSurface, PointSums)| {
             let (normal, offset_m) = (surface.normal.as_vec3().to_array(), surface.offset_m as f32);
-            let started = StructurePlane { normal, offset_m, inlier_share };
-            StructurePlane { inlier_share, ..surface.points.fitted_plane().unwrap_or(started) }
+            own.fitted_plane().unwrap_or(StructurePlane { normal, offset_m, inlier_share: 0.0 })
         };
-        self.surfaces.iter().zip(size_px).map(plane).collect()
+        self.surfaces.iter().zip(own).map(plane).collect()
     }
 
     /// One label map of both: first the surfaces, then the segments, which lie where no surface is.
