@@ -51,7 +51,8 @@ struct Merge {
 /// quadratics up to `quadratic_tolerance_quanta`, which join the stripes of curved faces. Regions below
 /// `min_facet_px` are dropped; the structure comes first, then the facets in the order of the superpixel that stands for
 /// each. O(E log E) for E pairs of neighbours, each a solve of 3 or 6 unknowns, as long as no region has very many
-/// neighbours: with D of them each of its merges costs D solves. No pixel is touched.
+/// neighbours: with D of them each of its merges costs D solves. No pixel is touched. What does not hang together cannot merge, and
+/// is looked at in parallel.
 pub fn merge_surfaces(
     superpixels: &Segments,
     structure: &Structure,
@@ -60,25 +61,16 @@ pub fn merge_surfaces(
     space: &DisparitySpace,
     params: &params::Merging,
 ) -> Facets {
-    let moments = Moments::of_segments(superpixels, disparity);
-    let mut forest = Forest {
-        regions: moments.into_iter().map(|moments| Some(Region::new(moments))).collect(),
-        sets: UnionFind::new(superpixels.count()),
-        space,
-        small_px: space.area_px(SMALL_PX).max(1) as f64,
-    };
     let least_border = LEAST_BORDER_PX.max(space.length_px(LEAST_BORDER_PX as usize) as u32);
-    for edge in linked_pairs.edges().iter().filter(|e| e.evidence >= least_border) {
-        for (a, b) in [(edge.a, edge.b), (edge.b, edge.a)] {
-            if let Some(region) = &mut forest.regions[a.index()] {
-                region.neighbours.push(b.0);
-            }
-        }
-    }
-    // Sorted, because the edges are: first those with smaller, then those with greater numbers.
-    forest.merge(Basis::Plane, params.plane_tolerance_quanta);
-    forest.merge(Basis::Quadratic, params.quadratic_tolerance_quanta);
-    forest.into_facets(superpixels, structure, space.area_px(params.min_facet_px))
+    let linked = linked_pairs.edges().iter().filter(|e| e.evidence >= least_border);
+    let pairs: Vec<[usize; 2]> = linked.map(|e| [e.a.index(), e.b.index()]).collect();
+    let costs = Costs { space, small_px: space.area_px(SMALL_PX).max(1) as f64 };
+    let mut islands = Islands::new(Moments::of_segments(superpixels, disparity), &pairs);
+    islands.all.par_iter_mut().for_each(|island| {
+        island.merge(Basis::Plane, params.plane_tolerance_quanta, &costs);
+        island.merge(Basis::Quadratic, params.quadratic_tolerance_quanta, &costs);
+    });
+    islands.into_facets(superpixels, structure, space.area_px(params.min_facet_px))
 }
 
 impl Region {
@@ -87,30 +79,108 @@ impl Region {
     }
 }
 
-/// The regions that are alive, at the index of the superpixel that stands for each.
-struct Forest<'a> {
-    regions: Vec<Option<Region>>,
-    sets: UnionFind,
+/// What decides about merges besides the two regions.
+struct Costs<'a> {
     space: &'a DisparitySpace,
     small_px: f64,
 }
 
-impl Forest<'_> {
-    fn merge(&mut self, basis: Basis, tolerance: f32) {
-        self.regions.par_iter_mut().flatten().for_each(|region| {
+/// Superpixels that hang together by pairs of neighbours.
+struct Island {
+    /// Ascending.
+    superpixels: Vec<u32>,
+    /// The regions that are alive, at the place of the superpixel that stands for each.
+    regions: Vec<Option<Region>>,
+    sets: UnionFind,
+}
+
+/// All superpixels.
+struct Islands {
+    all: Vec<Island>,
+    /// Of each superpixel the island, and its place there.
+    places: Vec<[usize; 2]>,
+}
+
+impl Islands {
+    /// Of superpixels with these moments. `pairs` of neighbours, each once, sorted.
+    fn new(moments: Vec<Moments>, pairs: &[[usize; 2]]) -> Self {
+        let mut sets = UnionFind::new(moments.len());
+        for pair in pairs {
+            let [a, b] = pair.map(|s| sets.find(s));
+            sets.link(a.min(b), a.max(b));
+        }
+        let (island_of, count) = sets.groups();
+        let mut members: Vec<(Vec<u32>, Vec<Option<Region>>)> =
+            (0..count).map(|_| Default::default()).collect();
+        let mut places = Vec::with_capacity(moments.len());
+        for ((s, moments), island) in (0..).zip(moments).zip(island_of) {
+            let (superpixels, regions) = &mut members[island as usize];
+            places.push([island as usize, regions.len()]);
+            superpixels.push(s);
+            regions.push(Some(Region::new(moments)));
+        }
+        // Sorted, because the pairs are: first those with smaller, then those with greater numbers.
+        for &[a, b] in pairs {
+            let ([island, a], [_, b]) = (places[a], places[b]);
+            for (own, other) in [(a, b), (b, a)] {
+                if let Some(region) = &mut members[island].1[own] {
+                    region.neighbours.push(other as u32);
+                }
+            }
+        }
+        let island = |(superpixels, regions): (Vec<u32>, Vec<_>)| {
+            let sets = UnionFind::new(regions.len());
+            Island { superpixels, regions, sets }
+        };
+        Self { all: members.into_iter().map(island).collect(), places }
+    }
+
+    fn into_facets(self, superpixels: &Segments, structure: &Structure, min_facet_px: usize) -> Facets {
+        let Self { mut all, places } = self;
+        let is_large = |r: &&Region| r.moments.count() >= min_facet_px as f64;
+        let mut models: Vec<Model> = structure.surfaces.iter().map(|s| s.model).collect();
+        let mut facets = models.len() as i32;
+        let mut facet_of_root = vec![Segments::NONE; places.len()];
+        for (facet, &[island, place]) in facet_of_root.iter_mut().zip(&places) {
+            if let Some(region) = all[island].regions[place].as_ref().filter(is_large) {
+                *facet = facets;
+                facets += 1;
+                models.push(fit(&region.moments, Basis::Quadratic, QUADRATIC_PX).model);
+            }
+        }
+        let mut facet = |[island, place]: [usize; 2]| {
+            let Island { superpixels, sets, .. } = &mut all[island];
+            facet_of_root[superpixels[sets.find(place)] as usize]
+        };
+        let facet_of: Vec<i32> = places.iter().map(|&place| facet(place)).collect();
+        let label = |(&surface, &s): (&i32, &i32)| match (surface, s) {
+            (0.., _) => surface,
+            (_, 0..) => facet_of[s as usize],
+            _ => Segments::NONE,
+        };
+        let labels = structure.labels.as_slice().iter().zip(superpixels.labels().as_slice());
+        let labels = structure.labels.with_data(labels.map(label).collect());
+        let segments = Segments::from_numbered(labels, models.len());
+        Facets { segments, models, structure: structure.surfaces.len() }
+    }
+}
+
+impl Island {
+    fn merge(&mut self, basis: Basis, tolerance: f32, costs: &Costs<'_>) {
+        for region in self.regions.iter_mut().flatten() {
             let fit = fit(&region.moments, basis, QUADRATIC_TRIAL_PX);
             region.squared_error = fit.squared_error;
             region.steepness = fit.model.steepness();
             region.version = 0;
-        });
-        let forest = &*self;
-        let candidates = |a: u32| {
-            let neighbours = forest.regions[a as usize].iter().flat_map(|region| &region.neighbours);
-            let later = neighbours.filter(move |&&b| b > a);
-            later.filter_map(move |&b| forest.candidate(a, b, basis, tolerance)).map(Reverse)
-        };
-        let all = (0..forest.regions.len() as u32).into_par_iter().flat_map_iter(candidates);
-        let mut heap = BinaryHeap::from(all.collect::<Vec<_>>());
+        }
+        let mut candidates = Vec::new();
+        for a in 0..self.regions.len() as u32 {
+            let Some(region) = &self.regions[a as usize] else { continue };
+            let later = region.neighbours.iter().filter(|&&b| b > a);
+            candidates
+                .extend(later.filter_map(|&b| self.candidate(a, b, basis, tolerance, costs)).map(Reverse));
+        }
+        let mut heap = BinaryHeap::from(candidates);
         while let Some(Reverse(Merge { a, b, versions, .. })) = heap.pop() {
             if [a, b].map(|k| self.regions[k as usize].as_ref().map(|r| r.version)) != versions.map(Some) {
                 continue;
@@ -118,32 +188,18 @@ impl Forest<'_> {
             self.join(a, b, basis);
             let Some(region) = &self.regions[a as usize] else { continue };
             let candidates = region.neighbours.iter();
-            heap.extend(candidates.filter_map(|&t| self.candidate(a, t, basis, tolerance)).map(Reverse));
+            heap.extend(
+                candidates.filter_map(|&t| self.candidate(a, t, basis, tolerance, costs)).map(Reverse),
+            );
         }
     }
 
     /// The merge of two living regions, if it costs less than the tolerance.
-    fn candidate(&self, a: u32, b: u32, basis: Basis, tolerance: f32) -> Option<Merge> {
+    fn candidate(&self, a: u32, b: u32, basis: Basis, tolerance: f32, costs: &Costs<'_>) -> Option<Merge> {
         let (a, b) = (a.min(b), a.max(b));
         let (x, y) = (self.regions[a as usize].as_ref()?, self.regions[b as usize].as_ref()?);
-        let cost = self.cost(x, y, basis) as f32;
+        let cost = costs.cost(x, y, basis) as f32;
         (cost < tolerance).then_some(Merge { cost: cost.to_bits(), a, b, versions: [x.version, y.version] })
-    }
-
-    /// The disagreement (quanta) that a common surface adds, per degree of freedom of the smaller region: were the
-    /// surface a constant, the offset of one region from the other, whatever their sizes.
-    fn cost(&self, x: &Region, y: &Region, basis: Basis) -> f64 {
-        let (n, m) = (x.moments.count(), y.moments.count());
-        let union = x.moments.fit_with(&y.moments, basis_of(n + m, basis, QUADRATIC_TRIAL_PX));
-        let added = (union.squared_error - x.squared_error - y.squared_error).max(0.0);
-        let disagreement = (added * (n + m) / (n * m)).sqrt();
-        let smaller = n.min(m);
-        let say = if smaller < self.small_px {
-            LEAST_SAY + (1.0 - LEAST_SAY) * smaller / self.small_px
-        } else {
-            1.0
-        };
-        disagreement * say / self.space.slope_noise(x.steepness.min(y.steepness))
     }
 
     /// Merges region `b` into region `a`.
@@ -171,29 +227,23 @@ impl Forest<'_> {
         self.regions[a as usize] = Some(x);
         self.sets.link(a as usize, b as usize);
     }
+}
 
-    fn into_facets(mut self, superpixels: &Segments, structure: &Structure, min_facet_px: usize) -> Facets {
-        let is_large = |r: &&Region| r.moments.count() >= min_facet_px as f64;
-        let mut models: Vec<Model> = structure.surfaces.iter().map(|s| s.model).collect();
-        let mut facets = models.len() as i32;
-        let mut facet_of_root = vec![Segments::NONE; self.regions.len()];
-        for (root, region) in self.regions.iter().enumerate() {
-            if let Some(region) = region.as_ref().filter(is_large) {
-                facet_of_root[root] = facets;
-                facets += 1;
-                models.push(fit(&region.moments, Basis::Quadratic, QUADRATIC_PX).model);
-            }
-        }
-        let facet_of: Vec<i32> = (0..self.regions.len()).map(|s| facet_of_root[self.sets.find(s)]).collect();
-        let label = |(&surface, &s): (&i32, &i32)| match (surface, s) {
-            (0.., _) => surface,
-            (_, 0..) => facet_of[s as usize],
-            _ => Segments::NONE,
+impl Costs<'_> {
+    /// The disagreement (quanta) that a common surface adds, per degree of freedom of the smaller region: were the
+    /// surface a constant, the offset of one region from the other, whatever their sizes.
+    fn cost(&self, x: &Region, y: &Region, basis: Basis) -> f64 {
+        let (n, m) = (x.moments.count(), y.moments.count());
+        let union = x.moments.fit_with(&y.moments, basis_of(n + m, basis, QUADRATIC_TRIAL_PX));
+        let added = (union.squared_error - x.squared_error - y.squared_error).max(0.0);
+        let disagreement = (added * (n + m) / (n * m)).sqrt();
+        let smaller = n.min(m);
+        let say = if smaller < self.small_px {
+            LEAST_SAY + (1.0 - LEAST_SAY) * smaller / self.small_px
+        } else {
+            1.0
         };
-        let labels = structure.labels.as_slice().iter().zip(superpixels.labels().as_slice());
-        let labels = structure.labels.with_data(labels.map(label).collect());
-        let segments = Segments::from_numbered(labels, models.len());
-        Facets { segments, models, structure: structure.surfaces.len() }
+        disagreement * say / self.space.slope_noise(x.steepness.min(y.steepness))
     }
 }
 
