@@ -47,6 +47,8 @@ pub struct Bench<'a> {
     peer: Option<Peer>,
     /// As a stream of frames keeps it.
     workspace: Workspace,
+    /// What single kernels take from it they do not give back.
+    of_kernels: Workspace,
 }
 
 impl<'a> Bench<'a> {
@@ -57,7 +59,7 @@ impl<'a> Bench<'a> {
     pub fn new(allocator: &'a StatsAlloc<System>, peer: Option<Peer>) -> Result<Self> {
         let pool = |threads| Ok((threads, ThreadPoolBuilder::new().num_threads(threads).build()?));
         let pools = [1, 2].into_iter().map(pool).collect::<Result<_>>()?;
-        Ok(Self { pools, allocator, peer, workspace: Workspace::default() })
+        Ok(Self { pools, allocator, peer, workspace: Workspace::default(), of_kernels: Workspace::default() })
     }
 
     /// Both methods on 1 and 2 threads, with all stages; kernels; and the peer, all on this frame.
@@ -96,12 +98,13 @@ impl<'a> Bench<'a> {
             }
         }
         let one = &self.pools[0].1;
-        one.install(|| measure_normals(name, frame, workspace, figures));
+        let of_kernels = &mut self.of_kernels;
+        one.install(|| measure_normals(name, frame, of_kernels, figures));
         // What every stage that looks at each pixel once must cost at least.
         let (_, spent) = timed(|| frame.depth_m().map(|z| 2.0 * z));
         figures.extend(spent.figures(name, "one pass"));
         if let Some(color) = frame.color() {
-            one.install(|| measure_graph(name, color, workspace, figures))?;
+            one.install(|| measure_graph(name, color, of_kernels, figures))?;
             if let Some(peer) = &mut self.peer {
                 let said = peer.segment(color)?.into_iter();
                 figures.extend(said.map(|(series, value)| Figure { frame: name.clone(), series, value }));

@@ -124,6 +124,18 @@ mod tests {
     }
 
     #[test]
+    fn points_are_the_depths_projected_back() {
+        let camera = Camera::new(525.0, 520.0, 15.5, 7.25).unwrap();
+        let depth = (0..37 * 19).map(|k| if k % 5 == 0 { f32::NAN } else { 0.4 + 0.01 * k as f32 });
+        let depth = Raster::from_vec(37, 19, depth.collect()).unwrap();
+        let points = Frame::new(depth.clone(), None, camera).unwrap().points_m();
+        for i in 0..depth.len() {
+            let expected = camera.back_project(i % 37, i / 37, depth[i]);
+            assert_eq!(points[i].map(f32::to_bits), expected.map(f32::to_bits), "pixel {i}");
+        }
+    }
+
+    #[test]
     fn a_frame_without_depth_or_with_other_colour_is_refused() {
         let nan = Raster::filled(2, 2, f32::NAN).unwrap();
         assert!(matches!(Frame::new(nan, None, camera()), Err(Error::NoValidDepth)));

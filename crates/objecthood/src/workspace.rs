@@ -10,7 +10,7 @@ use crate::params::{Method, Params};
 use crate::raster::Raster;
 use crate::surface::plane_fit::{PlaneFit, Windows};
 
-/// What the stages that look at every pixel write to, kept from one frame to the next.
+/// The images that stages write to, kept from one frame to the next; lists of regions and pixels are asked for anew.
 ///
 /// A stream of frames of one size asks the system for the memory of its images once; without, handing out and clearing
 /// the pages takes about a tenth of the time. What is found never depends on what was looked at before.

@@ -246,7 +246,7 @@ fn beyond(exact: f64, sign: f64, steps: f64, whole: bool) -> f64 {
 
 /// The unit of the last of the digits that a guess has.
 pub(super) fn last_digit(value: f64) -> f64 {
-    let magnitude = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    let magnitude = if value == 0.0 { 0.0 } else { libm::log10(value.abs()).floor() };
     10_f64.powi(magnitude as i32 + 1 - DIGITS)
 }
 

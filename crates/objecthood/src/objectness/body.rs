@@ -448,7 +448,7 @@ fn area_m2(point_m: [f32; 3], normal: [f32; 3], space: &DisparitySpace) -> f64 {
     let [point, normal] = [point_m, normal].map(|v| Vec3::from(v).as_dvec3());
     // Along the face one sees next to nothing, and normals err.
     let slant = (normal.dot(point) / point.length()).abs().max(FORESHORTENED);
-    point.z.powi(3) / (camera.fx_px * camera.fy_px * point.length() * slant)
+    point.z * point.z * point.z / (camera.fx_px * camera.fy_px * point.length() * slant)
 }
 
 /// A cell of the plan view. In one number, so that many are sorted fast: by column, then by row.

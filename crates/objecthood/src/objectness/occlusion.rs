@@ -56,7 +56,7 @@ const COLOR_BITS: u32 = 2;
 /// Joins clusters of which one facet each continues the other behind something nearer: same surface, same direction, and the gap
 /// shows what is nearer, hardly anything that is farther.
 ///
-/// O(F^2 · (samples + lines)) for F facets that are large and partly hidden; in parallel over pairs.
+/// O(F^2 · (samples + pixels of the lines)) for F facets that are large and partly hidden; in parallel over pairs.
 pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params::Occlusion) {
     if !params.enabled {
         return;

@@ -226,7 +226,8 @@ impl Structure {
         Segments::from_numbered(self.labels.clone(), self.surfaces.len())
     }
 
-    /// The surfaces as planes, each fitted to its own pixels; `inlier_share`: what they are of the image. O(pixels).
+    /// The surfaces as planes, each fitted to its own pixels. How much is theirs is known in the end:
+    /// [`counted`](crate::objectness::outcome::Outcome::counted). O(pixels).
     pub(crate) fn planes(&self, points_m: &Raster<[f32; 3]>) -> Vec<StructurePlane> {
         let mut own = vec![PointSums::default(); self.surfaces.len()];
         for (run, surface) in runs(&self.labels, 0..self.labels.height()) {
@@ -495,6 +496,28 @@ mod tests {
     fn table_and_wall(i: usize) -> f64 {
         let positive = |z: f64| if z > 0.0 { z } else { f64::INFINITY };
         positive(plane(i, table_normal(), 0.6)).min(positive(plane(i, WALL, 1.0)))
+    }
+
+    #[test]
+    fn votes_are_given_up_only_below_the_least() {
+        let sample = |k: usize| Sample {
+            at: position(k, 40),
+            disparity: 300.0 + (k % 7) as f64,
+            point_m: DVec3::ZERO,
+            tilt: Tilt { normal: DVec3::ZERO, slope: [0.0; 2] },
+        };
+        let pool: Vec<Sample> = (0..3 * VOTERS + 17).map(sample).collect();
+        let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
+        for plane in [[0.0, 0.0, 303.0], [0.1, -0.05, 300.0], [0.0, 0.0, 500.0]] {
+            let near = |s: &&Sample| {
+                let [u, v] = s.at;
+                (s.disparity - (plane[0] * u + plane[1] * v + plane[2])).abs() < TRIAL_QUANTA
+            };
+            let all = pool.iter().filter(near).count();
+            assert_eq!(votes(&voters, pool.len(), plane, all), Some(all), "as many as the best so far");
+            assert_eq!(votes(&voters, pool.len(), plane, 0), Some(all));
+            assert_eq!(votes(&voters, pool.len(), plane, all + 1), None);
+        }
     }
 
     #[test]

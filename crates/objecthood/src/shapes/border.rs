@@ -140,9 +140,9 @@ const LANES: usize = 16;
 /// Column by column the number and the sums of y, yy, d and yd.
 #[derive(Clone, Copy, Default)]
 struct Columns {
-    n: [i32; LANES],
-    y: [i32; LANES],
-    yy: [i32; LANES],
+    n: [f64; LANES],
+    y: [f64; LANES],
+    yy: [f64; LANES],
     d: [f64; LANES],
     yd: [f64; LANES],
 }
@@ -150,15 +150,14 @@ struct Columns {
 impl Columns {
     /// Adds what of a row is of one facet.
     #[inline(always)]
-    fn add_row(&mut self, y: i32, is_own: &[bool; LANES], disparity: &[f32; LANES]) {
+    fn add_row(&mut self, y: f64, is_own: &[bool; LANES], disparity: &[f32; LANES]) {
         for k in 0..LANES {
-            let own = i32::from(is_own[k]);
+            let (own, d) = if is_own[k] { (1.0, f64::from(disparity[k])) } else { (0.0, 0.0) };
             self.n[k] += own;
             self.y[k] += own * y;
             self.yy[k] += own * (y * y);
-            let d = if is_own[k] { f64::from(disparity[k]) } else { 0.0 };
             self.d[k] += d;
-            self.yd[k] += f64::from(y) * d;
+            self.yd[k] += y * d;
         }
     }
 }
@@ -166,12 +165,12 @@ impl Columns {
 impl Sums {
     /// Adds columns, the first of which is at x.
     #[inline(always)]
-    fn add(&mut self, x: i32, columns: &Columns) {
+    fn add(&mut self, x: f64, columns: &Columns) {
         for k in 0..LANES {
-            let x = f64::from(x + k as i32);
-            let [n, y, yy] = [columns.n[k], columns.y[k], columns.yy[k]].map(f64::from);
+            let x = x + k as f64;
+            let [n, y, yy] = [columns.n[k], columns.y[k], columns.yy[k]];
             let terms = [x * n, y, columns.d[k], x * x * n, x * y, yy, x * columns.d[k], columns.yd[k]];
-            self.n += columns.n[k] as usize;
+            self.n += n as usize;
             self.terms.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         }
     }
@@ -262,10 +261,10 @@ impl Border<'_> {
                         for (columns, facet) in columns.iter_mut().zip(facets) {
                             let is_own = |k| inside[k] & (labels[k] == facet.0 as i32);
                             let is_own = std::array::from_fn(is_own);
-                            columns.add_row(v_row as i32 - v as i32, &is_own, &disparity);
+                            columns.add_row(v_row as f64 - v as f64, &is_own, &disparity);
                         }
                     }
-                    let x = start as i32 - u as i32;
+                    let x = start as f64 - u as f64;
                     sums.iter_mut().zip(&columns).for_each(|(sums, columns)| sums.add(x, columns));
                 }
             },

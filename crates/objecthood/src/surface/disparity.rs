@@ -153,6 +153,22 @@ mod tests {
     use super::*;
     use crate::testing::{kinect, space};
 
+    #[test]
+    fn disparity_is_the_inverse_of_depth_within_range() {
+        let kinect = kinect();
+        let depths_m: Vec<f32> = (0..40_000).map(|k| 0.001 * k as f32).collect();
+        let depth = Raster::from_vec(200, 200, depths_m).unwrap();
+        let disparity = kinect.disparity(&depth);
+        for (&z_m, &d) in depth.as_slice().iter().zip(disparity.as_slice()) {
+            let expected = if RANGE_M.start < z_m && z_m < RANGE_M.end {
+                (1.0 / (f64::from(z_m) * kinect.quantum_per_m)) as f32
+            } else {
+                f32::NAN
+            };
+            assert_eq!(d.to_bits(), expected.to_bits(), "{z_m} m");
+        }
+    }
+
     proptest! {
         #[test]
         fn what_is_affine_in_disparity_is_a_plane_in_space(

@@ -38,10 +38,8 @@ const LEAST_SPREAD: f64 = 1e-3;
 const TILE: usize = 64;
 /// Windows that are fitted side by side.
 const LANES: usize = 16;
-/// Of each of them a sum of disparities times small whole numbers.
+/// Of each of them a sum of whole numbers, which is exact, or of disparities times whole numbers.
 type Sum = [f64; LANES];
-/// Of each of them a sum of small whole numbers: exact up to a radius of 58 px.
-type Count = [f32; LANES];
 
 /// Least-squares plane through the disparities (quanta, `NaN` = none) in the square window of half size `radius_px`
 /// around every measured pixel.
@@ -104,7 +102,7 @@ pub(crate) struct Windows {
     rows: Vec<[RowSums; TILE / LANES]>,
     /// The row that enters, from where the first window starts to where the last one ends: 1 and disparity where it is
     /// measured, else 0.
-    measured: Vec<f32>,
+    measured: Vec<f64>,
     disparity: Vec<f64>,
 }
 
@@ -112,7 +110,7 @@ pub(crate) struct Windows {
 #[derive(Debug, Default)]
 struct Sums {
     /// 1, x, y, xx, xy, yy.
-    counts: [Count; 6],
+    counts: [Sum; 6],
     /// d, dx, dy, dd.
     disparities: [Sum; 4],
 }
@@ -121,7 +119,7 @@ struct Sums {
 #[derive(Clone, Copy, Debug, Default)]
 struct RowSums {
     /// 1, x, xx.
-    counts: [Count; 3],
+    counts: [Sum; 3],
     /// d, dx, dd.
     disparities: [Sum; 3],
 }
@@ -191,7 +189,7 @@ impl RowSums {
     ///
     /// From the last pixel to the first, sums of the sums are the moments about the pixel before the first.
     #[inline(always)]
-    fn of(measured: &[f32], disparity: &[f64], radius: usize) -> Self {
+    fn of(measured: &[f64], disparity: &[f64], radius: usize) -> Self {
         let mut row = Self::default();
         let Self { counts: [n, x, xx], disparities: [d, dx, dd] } = &mut row;
         for (measured, disparity) in measured.windows(LANES).zip(disparity.windows(LANES)).rev() {
@@ -206,12 +204,12 @@ impl RowSums {
                 dd[lane] += disparity[lane] * disparity[lane];
             }
         }
-        let middle = (radius + 1) as f32;
+        let middle = (radius + 1) as f64;
         for lane in 0..LANES {
             // So far a pixel at x counts x (x + 1) / 2.
             xx[lane] = 2.0 * xx[lane] - (2.0 * middle + 1.0) * x[lane] + middle * middle * n[lane];
             x[lane] -= middle * n[lane];
-            dx[lane] -= f64::from(middle) * d[lane];
+            dx[lane] -= middle * d[lane];
         }
         row
     }
@@ -223,7 +221,7 @@ impl Sums {
     fn slide_down(&mut self, leaving: &RowSums, entering: &RowSums, radius: usize) {
         let [ns, xs, ys, xxs, xys, yys] = &mut self.counts;
         let [[n, x, xx], [n_in, x_in, xx_in]] = [&leaving.counts, &entering.counts];
-        let (y, y_in) = (-(radius as f32) - 1.0, radius as f32);
+        let (y, y_in) = (-(radius as f64) - 1.0, radius as f64);
         for lane in 0..LANES {
             // All that was in the windows is one row higher now.
             yys[lane] += ns[lane] - 2.0 * ys[lane] + n_in[lane] * (y_in * y_in) - n[lane] * (y * y);
@@ -235,7 +233,6 @@ impl Sums {
         }
         let [ds, dxs, dys, dds] = &mut self.disparities;
         let [[d, dx, dd], [d_in, dx_in, dd_in]] = [&leaving.disparities, &entering.disparities];
-        let (y, y_in) = (f64::from(y), f64::from(y_in));
         for lane in 0..LANES {
             dys[lane] += d_in[lane] * y_in - d[lane] * y - ds[lane];
             ds[lane] += d_in[lane] - d[lane];
@@ -254,8 +251,8 @@ impl Sums {
         let [ns, xs, ys, xxs, xys, yys] = &self.counts;
         let [ds, dxs, dys, dds] = &self.disparities;
         for lane in 0..LANES {
-            let [n, x, y] = [f64::from(ns[lane]), f64::from(xs[lane]), f64::from(ys[lane])];
-            let [xx, xy, yy] = [f64::from(xxs[lane]), f64::from(xys[lane]), f64::from(yys[lane])];
+            let [n, x, y] = [ns[lane], xs[lane], ys[lane]];
+            let [xx, xy, yy] = [xxs[lane], xys[lane], yys[lane]];
             let [d, dx, dy, dd] = [ds[lane], dxs[lane], dys[lane], dds[lane]];
             let [xx, xy, yy] = [n * xx - x * x, n * xy - x * y, n * yy - y * y];
             let [dx, dy, dd] = [n * dx - d * x, n * dy - d * y, n * dd - d * d];
@@ -361,6 +358,15 @@ mod tests {
             }
             prop_assert_eq!(plane_fits(&disparity, radius, &mut Workspace::default()).into_vec(), scalar);
         }
+    }
+
+    /// Sums of whole numbers that were rounded gave a flat surface a residual.
+    #[test]
+    fn wide_windows_round_nothing_away() {
+        let plane = |i: usize| 250.0 + 0.5 * (i % 200) as f32 - 0.25 * (i / 200) as f32;
+        let disparity = Raster::from_vec(200, 200, (0..200 * 200).map(plane).collect()).unwrap();
+        let fit = plane_fits(&disparity, 90, &mut Workspace::default())[100 * 200 + 100];
+        assert!(fit.residual < 1e-3 && fit.slope == [0.5, -0.25], "{fit:?}");
     }
 
     #[test]
