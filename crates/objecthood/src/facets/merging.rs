@@ -158,7 +158,7 @@ impl Islands {
             (_, 0..) => facet_of[s as usize],
             _ => Segments::NONE,
         };
-        let labels = structure.labels.as_slice().iter().zip(superpixels.labels().as_slice());
+        let labels = structure.labels.as_slice().par_iter().zip(superpixels.labels().as_slice());
         let labels = structure.labels.with_data(labels.map(label).collect());
         let segments = Segments::from_numbered(labels, models.len());
         Facets { segments, models, structure: structure.surfaces.len() }

@@ -1,5 +1,7 @@
 //! What hardly rises above the support is a part of it (METHOD 3.11).
 
+use rayon::prelude::*;
+
 use crate::objectness::check::{Bound, Check};
 use crate::objectness::clusters::Clusters;
 use crate::objectness::history::{Event, Miss, Rule, Source};
@@ -9,8 +11,11 @@ use crate::params;
 /// crumbs at the edge of what is seen. Without a support surface nothing is done.
 pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
     let Some(support) = clusters.scene.support else { return };
-    for id in clusters.alive() {
-        let top_m = clusters.top_m(id, support);
+    let alive = clusters.alive();
+    let seen = &*clusters;
+    // What is given away changes no other's top.
+    let tops_m: Vec<f64> = alive.par_iter().map(|&id| seen.top_m(id, support)).collect();
+    for (id, top_m) in alive.into_iter().zip(tops_m) {
         let low = Check::new("its top above the support", "m", top_m, Bound::Below, params.min_top_m)
             .set_by("height.min_top_m");
         let checks = vec![low];
