@@ -57,9 +57,13 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// When the threads cannot be had.
     pub fn new(allocator: &'a StatsAlloc<System>, peer: Option<Peer>) -> Result<Self> {
-        let pool = |threads| Ok((threads, ThreadPoolBuilder::new().num_threads(threads).build()?));
-        let pools = [1, 2].into_iter().map(pool).collect::<Result<_>>()?;
-        Ok(Self { pools, allocator, peer, workspace: Workspace::default(), of_kernels: Workspace::default() })
+        Ok(Self {
+            pools: pools()?,
+            allocator,
+            peer,
+            workspace: Workspace::default(),
+            of_kernels: Workspace::default(),
+        })
     }
 
     /// Both methods on 1 and 2 threads, with all stages; kernels; and the peer, all on this frame.
@@ -114,23 +118,31 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Each method on one frame after the other, on one thread and with nothing in between.
+/// Each method on one frame after the other with nothing in between: all frames on one thread, then all on two.
 ///
 /// # Errors
 /// When a method refuses a frame.
 pub fn alone(frames: &[Named]) -> Result<Vec<Figure>> {
-    let pool = ThreadPoolBuilder::new().num_threads(1).build()?;
+    let pools = pools()?;
     let mut figures = Vec::new();
     for (method_name, method) in METHODS {
         let params = Params { method, ..Params::default() };
         let mut workspace = Workspace::default();
-        for Named { name, frame } in frames {
-            let (found, spent) = timed(|| pool.install(|| workspace.discover(frame, &params)));
-            found?;
-            figures.extend(spent.figures(name, &format!("{method_name}/alone")));
+        for (threads, pool) in &pools {
+            for Named { name, frame } in frames {
+                let (found, spent) = timed(|| pool.install(|| workspace.discover(frame, &params)));
+                found?;
+                figures.extend(spent.figures(name, &format!("{method_name}/alone/{threads}")));
+            }
         }
     }
     Ok(figures)
+}
+
+/// Pools of 1 and of 2 threads.
+fn pools() -> Result<Vec<(usize, ThreadPool)>> {
+    let pool = |threads| Ok((threads, ThreadPoolBuilder::new().num_threads(threads).build()?));
+    [1, 2].into_iter().map(pool).collect()
 }
 
 /// The normals of both methods: time, and angle to the table's plane.

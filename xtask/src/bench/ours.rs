@@ -70,8 +70,8 @@ impl Program {
             series.to_owned()
         })?;
         for method in METHODS {
-            for quantity in ["wall_ms", "cpu_ms"] {
-                let series = format!("{method}/alone/{quantity}");
+            for (threads, quantity) in [(1, "wall_ms"), (1, "cpu_ms"), (2, "wall_ms"), (2, "cpu_ms")] {
+                let series = format!("{method}/alone/{threads}/{quantity}");
                 let median = block.median(&series).context("`measure alone` printed no times")?;
                 figures.add(series, median);
             }

@@ -24,9 +24,11 @@ const STAGES: [&str; 12] = [
 ];
 
 /// What is measured beside the methods: series and what it is.
-const KERNELS: [(&str, &str); 14] = [
-    ("context/alone", "`context`, one frame after the other"),
-    ("paper/alone", "`paper`, one frame after the other"),
+const KERNELS: [(&str, &str); 16] = [
+    ("context/alone/1", "`context`, one frame after the other"),
+    ("context/alone/2", "`context`, one frame after the other on 2 threads"),
+    ("paper/alone/1", "`paper`, one frame after the other"),
+    ("paper/alone/2", "`paper`, one frame after the other on 2 threads"),
     ("one pass", "one pass over the frame, 4 bytes a pixel read and 4 written: the yardstick"),
     ("graph", "graph segmentation of the colour image, ours"),
     ("opencv graph", "the same by OpenCV `createGraphSegmentation`"),
@@ -117,7 +119,7 @@ fn stages(text: &mut String, figures: &Figures) {
 }
 
 fn kernels(text: &mut String, figures: &Figures) {
-    text.push_str("\n| alone, 1 thread | CPU ms | wall ms | |\n|---|---|---|---|\n");
+    text.push_str("\n| alone, 1 thread unless it says 2 | CPU ms | wall ms | |\n|---|---|---|---|\n");
     for (series, what) in KERNELS {
         let segments = figures.median(&format!("{series}/segments")).map(|n| format!("{n:.0} segments"));
         let ours = figures.median(&format!("{series}/angle_deg"));

@@ -28,7 +28,7 @@ enum Task {
         script: Option<PathBuf>,
         files: Vec<PathBuf>,
     },
-    /// Times of each method alone, frame after frame on one thread, as peers in processes of their own run.
+    /// Times of each method alone, frame after frame on 1 and on 2 threads, as peers in processes of their own run.
     Alone { files: Vec<PathBuf> },
     /// Memory after 100 and after COUNT frames, for each method.
     Growth { count: usize, files: Vec<PathBuf> },
