@@ -29,7 +29,7 @@ const NOMINAL_FOCAL_SHARE: f64 = 525.0 / 640.0;
 /// square, and the other axis tells it; where neither does (a single pixel), it is 525/640 of the longer side. The
 /// principal point then is the one with which the points project to where they stand.
 ///
-/// Two passes over the points in f64, for the camera and for what it misses; O(pixels).
+/// Three passes over the points in f64; O(pixels).
 ///
 /// # Errors
 /// * [`Error::Frame`] with `NoValidDepth` when no point is valid;
@@ -37,14 +37,19 @@ const NOMINAL_FOCAL_SHARE: f64 = 525.0 / 640.0;
 /// * [`Error::CameraResidual`] when the points miss their pixels by more than [`MAX_RESIDUAL_PX`].
 pub fn fit_camera(cloud: &PointCloud) -> Result<CameraFit> {
     let sights = sights(cloud);
-    let Some(first) = sights.clone().next() else { return Err(objecthood::Error::NoValidDepth.into()) };
     let mut points = 0_usize;
-    let mut axes = first.map(Axis::about);
+    let mut axes = [Axis::default(); 2];
     for sights in sights.clone() {
         points += 1;
-        axes.iter_mut().zip(sights).for_each(|(axis, sight)| axis.add(sight));
+        axes.iter_mut().zip(sights).for_each(|(axis, sight)| axis.add_to_mean(sight));
     }
-    axes.iter_mut().for_each(|axis| axis.finish(points));
+    if points == 0 {
+        return Err(objecthood::Error::NoValidDepth.into());
+    }
+    axes.iter_mut().for_each(|axis| axis.finish_mean(points));
+    for sights in sights.clone() {
+        axes.iter_mut().zip(sights).for_each(|(axis, sight)| axis.add_moments(sight));
+    }
     let [columns, rows] = axes;
     let (fx, fy) = match (columns.focal_px()?, rows.focal_px()?) {
         (Some(fx), Some(fy)) => (fx, fy),
@@ -84,11 +89,9 @@ fn sights(cloud: &PointCloud) -> impl Iterator<Item = [Sight; 2]> + Clone + '_ {
         })
 }
 
-/// Means of the sights along one axis, and second moments about them. Until all are added, sums about the first of them: it is near
-/// the others, so that little is lost when the means are taken out.
-#[derive(Clone, Copy)]
+/// Means of the sights along one axis, and second moments about them.
+#[derive(Clone, Copy, Default)]
 struct Axis {
-    first: Sight,
     mean_pixel: f64,
     mean_slope: f64,
     pixel_pixel: f64,
@@ -97,27 +100,21 @@ struct Axis {
 }
 
 impl Axis {
-    fn about(first: Sight) -> Self {
-        let [mean_pixel, mean_slope, pixel_pixel, slope_slope, slope_pixel] = [0.0; 5];
-        Self { first, mean_pixel, mean_slope, pixel_pixel, slope_slope, slope_pixel }
-    }
-
-    fn add(&mut self, (pixel, slope): Sight) {
-        let (pixel, slope) = (pixel - self.first.0, slope - self.first.1);
+    fn add_to_mean(&mut self, (pixel, slope): Sight) {
         self.mean_pixel += pixel;
         self.mean_slope += slope;
+    }
+
+    fn finish_mean(&mut self, points: usize) {
+        self.mean_pixel /= points as f64;
+        self.mean_slope /= points as f64;
+    }
+
+    fn add_moments(&mut self, (pixel, slope): Sight) {
+        let (pixel, slope) = (pixel - self.mean_pixel, slope - self.mean_slope);
         self.pixel_pixel += pixel * pixel;
         self.slope_slope += slope * slope;
         self.slope_pixel += slope * pixel;
-    }
-
-    fn finish(&mut self, points: usize) {
-        let n = points as f64;
-        let (pixel, slope) = (self.mean_pixel / n, self.mean_slope / n);
-        self.pixel_pixel -= n * pixel * pixel;
-        self.slope_slope -= n * slope * slope;
-        self.slope_pixel -= n * slope * pixel;
-        (self.mean_pixel, self.mean_slope) = (self.first.0 + pixel, self.first.1 + slope);
     }
 
     /// The focal length, `None` when all points stand in one line of pixels.
