@@ -80,9 +80,6 @@ pub(crate) const UPWARD: f64 = 0.3;
 /// What lies in front of a surface that is behind the horizon stands as high as this (m).
 const BEYOND_M: f64 = 10.0;
 
-/// Rows whose pixels are told from one another together.
-const BAND_ROWS: usize = 64;
-
 /// A pixel of the grid.
 struct Sample {
     at: [f64; 2],
@@ -186,36 +183,34 @@ pub fn structure(
         .position(|s| s.normal.dot(camera_up) > UPWARD)
         .or((!surfaces.is_empty()).then_some(0));
     let mut labels = workspace.filled(disparity.len(), Segments::NONE);
-    labels.par_chunks_mut(BAND_ROWS * width).enumerate().for_each(|(band, labels)| {
-        let mut near = vec![false; width];
-        for (v, labels) in (band * BAND_ROWS..).zip(labels.chunks_exact_mut(width)) {
-            let row = v * width..(v + 1) * width;
-            // The first surface has the first word.
-            for (s, surface) in surfaces.iter().enumerate() {
-                let pixels = near.iter_mut().zip(&disparity.as_slice()[row.clone()]);
-                vectorized(
-                    #[inline(always)]
-                    || {
-                        for (u, (near, d)) in pixels.enumerate() {
-                            let misfit = f64::from(*d) - surface.model.value([u as f64, v as f64]);
-                            *near = misfit.abs() < params.tolerance_quanta;
-                        }
-                    },
-                );
-                for u in (0..width).filter(|&u| near[u]) {
-                    if labels[u] >= 0 {
-                        continue;
+    let label_row = |near: &mut Vec<bool>, (v, labels): (usize, &mut [i32])| {
+        let row = v * width..(v + 1) * width;
+        // The first surface has the first word.
+        for (s, surface) in surfaces.iter().enumerate() {
+            let pixels = near.iter_mut().zip(&disparity.as_slice()[row.clone()]);
+            vectorized(
+                #[inline(always)]
+                || {
+                    for (u, (near, d)) in pixels.enumerate() {
+                        let misfit = f64::from(*d) - surface.model.value([u as f64, v as f64]);
+                        *near = misfit.abs() < params.tolerance_quanta;
                     }
-                    let tilt = Tilt::at(row.start + u, orientation);
-                    let slope = surface.model.slope([u as f64, v as f64]);
-                    let own = Tilt { normal: surface.normal, slope };
-                    if tilt.normal == DVec3::ZERO || alike.are(&own, &tilt) {
-                        labels[u] = s as i32;
-                    }
+                },
+            );
+            for u in 0..width {
+                if !near[u] || labels[u] >= 0 {
+                    continue;
+                }
+                let tilt = Tilt::at(row.start + u, orientation);
+                let slope = surface.model.slope([u as f64, v as f64]);
+                let own = Tilt { normal: surface.normal, slope };
+                if tilt.normal == DVec3::ZERO || alike.are(&own, &tilt) {
+                    labels[u] = s as i32;
                 }
             }
         }
-    });
+    };
+    labels.par_chunks_mut(width).enumerate().for_each_init(|| vec![false; width], label_row);
     let labels = disparity.with_data(labels);
     Structure { surfaces, labels, support }
 }
