@@ -1,6 +1,7 @@
 //! Label maps and graphs over their regions: what the stages hand to each other.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
@@ -21,11 +22,21 @@ impl SegmentId {
 /// A label map: every pixel belongs to one segment or to none.
 ///
 /// Segments are numbered 0..count without gaps in meaning; a segment may be empty.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Segments {
     labels: Raster<i32>,
     count: usize,
+    /// What many stages pass over instead of the pixels; found when the first one asks.
+    runs: OnceLock<Runs>,
 }
+
+impl PartialEq for Segments {
+    fn eq(&self, other: &Self) -> bool {
+        self.labels == other.labels && self.count == other.count
+    }
+}
+
+impl Eq for Segments {}
 
 impl Segments {
     /// Label of a pixel that belongs to no segment.
@@ -37,13 +48,13 @@ impl Segments {
         values.sort_unstable();
         values.dedup();
         let number = |&l: &i32| values.binary_search(&l).map_or(Self::NONE, |k| k as i32);
-        Self { labels: labels.map(number), count: values.len() }
+        Self::from_numbered(labels.map(number), values.len())
     }
 
     /// Segments whose labels already are -1 or 0..count.
     pub(crate) fn from_numbered(labels: Raster<i32>, count: usize) -> Self {
         debug_assert!(labels.as_slice().iter().all(|&l| (-1..count as i32).contains(&l)));
-        Self { labels, count }
+        Self { labels, count, runs: OnceLock::new() }
     }
 
     /// The label of every pixel; [`Self::NONE`] or 0..count.
@@ -85,18 +96,17 @@ impl Segments {
 
     /// Those in some of the rows.
     pub(crate) fn runs_in(&self, rows: Range<usize>) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
-        runs(&self.labels, rows)
+        self.runs.get_or_init(|| Runs::of(&self.labels)).within(rows)
     }
 
-    /// Of every segment its [`runs`](Self::runs). O(pixels).
+    /// Of every segment its [`runs`](Self::runs). O(runs).
     pub(crate) fn runs_of_each(&self) -> RunsOfEach {
-        let all: Vec<(Range<usize>, usize)> = self.runs().collect();
         let mut ends = vec![0; self.count];
-        all.iter().for_each(|&(_, s)| ends[s] += 1);
+        self.runs().for_each(|(_, s)| ends[s] += 1);
         let mut first = 0;
         ends.iter_mut().for_each(|end| first += std::mem::replace(end, first));
-        let mut runs = vec![0..0; all.len()];
-        for (run, s) in all {
+        let mut runs = vec![0..0; first];
+        for (run, s) in self.runs() {
             runs[ends[s]] = run;
             ends[s] += 1;
         }
@@ -107,6 +117,34 @@ impl Segments {
     pub(crate) fn grouped(&self, group_of: &[u32], count: usize) -> Self {
         let label = |&l: &i32| usize::try_from(l).map_or(Self::NONE, |s| group_of[s] as i32);
         Self::from_numbered(self.labels.map(label), count)
+    }
+}
+
+/// The [`runs`] of a label map, kept. O(pixels) to find them, O(1) to start at any row.
+#[derive(Clone, Debug)]
+struct Runs {
+    /// First pixel, the pixel behind the last, label.
+    all: Vec<[u32; 3]>,
+    /// Row by row the number of runs above; then of all.
+    above: Vec<u32>,
+}
+
+impl Runs {
+    fn of(labels: &Raster<i32>) -> Self {
+        let (mut all, mut above) = (Vec::new(), vec![0]);
+        for row in 0..labels.height() {
+            all.extend(runs(labels, row..row + 1).map(|(run, s)| [run.start, run.end, s].map(|x| x as u32)));
+            above.push(all.len() as u32);
+        }
+        Self { all, above }
+    }
+
+    fn within(&self, rows: Range<usize>) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
+        let [first, end] = [rows.start, rows.end].map(|row| self.above[row] as usize);
+        self.all[first..end].iter().map(|run| {
+            let [start, end, segment] = run.map(|x| x as usize);
+            (start..end, segment)
+        })
     }
 }
 
