@@ -4,7 +4,7 @@
 
 use crate::oversegment::Superpixels;
 use crate::oversegment::felzenszwalb::Components;
-use crate::oversegment::graph::PixelGraph;
+use crate::oversegment::graph::{PixelEdge, PixelGraph};
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
@@ -41,14 +41,20 @@ pub fn absorb(
     let mut sets = UnionFind::within(workspace.stale(graph.pixels(), 0));
     // Between two seeds nothing is decided; every other pixel is a part of its own.
     let part = workspace.collected((0..).zip(&label).map(|(i, &l)| if l == NONE { i } else { SEED }));
-    let edges = graph.edges(&part, workspace);
-    edges.between_sets(&mut sets, workspace, |sets, edge, (p, q)| {
-        let gated = changes(depth_m[edge.p as usize], depth_m[edge.q as usize], params.depth_gate_per_m);
-        if !gated && (label[p] == NONE || label[q] == NONE) {
-            let (root, child) = if label[p] == NONE { (q, p) } else { (p, q) };
-            sets.link(root, child);
-        }
-    });
+    let open = graph.between(&part, workspace);
+    let edges = graph.edges(&open, workspace);
+    workspace.shelve(open);
+    edges.between_sets(
+        &mut sets,
+        workspace,
+        &mut |sets: &mut UnionFind, edge: PixelEdge, (p, q): (usize, usize)| {
+            let gated = changes(depth_m[edge.p as usize], depth_m[edge.q as usize], params.depth_gate_per_m);
+            if !gated && (label[p] == NONE || label[q] == NONE) {
+                let (root, child) = if label[p] == NONE { (q, p) } else { (p, q) };
+                sets.link(root, child);
+            }
+        },
+    );
     workspace.shelve(part);
     let reached = workspace.collected((0..graph.pixels()).map(|i| label[sets.find(i)]));
     for (i, label) in label.iter_mut().enumerate() {

@@ -18,6 +18,29 @@ pub(crate) struct Edges {
     ahead: [u32; 4],
 }
 
+/// What happens at an edge between two sets.
+pub(crate) trait Rule {
+    /// Whether no edge of this weight or a heavier one joins the set of `root`, whatever happens elsewhere. What is no root any
+    /// more refuses nothing.
+    fn refuses(&self, root: usize, weight: f32) -> bool;
+
+    /// The edge's turn has come, and its ends have these roots.
+    fn meet(&mut self, sets: &mut UnionFind, edge: PixelEdge, roots: (usize, usize));
+}
+
+/// A rule that refuses nothing.
+impl<F: FnMut(&mut UnionFind, PixelEdge, (usize, usize))> Rule for F {
+    #[inline]
+    fn refuses(&self, _: usize, _: f32) -> bool {
+        false
+    }
+
+    #[inline]
+    fn meet(&mut self, sets: &mut UnionFind, edge: PixelEdge, roots: (usize, usize)) {
+        self(sets, edge, roots);
+    }
+}
+
 /// The sign of the weight, which is 0, its exponent and five more bits.
 const BUCKET_BITS: u32 = 14;
 
@@ -53,7 +76,7 @@ impl Edges {
         Self { keys: dealt, spare: keys, ends, ahead }
     }
 
-    /// Calls `meet` with every edge that lies between two sets when its turn comes, and with their roots.
+    /// Hands every edge that lies between two sets when its turn comes to the rule, but for those that it refuses anyway.
     ///
     /// An edge within a set stays within it. So those that have come to lie within one are left out before a bucket is
     /// sorted, without asking for their order (as in filter-Kruskal: Osipov, Sanders and Singler, ALENEX 2009), and block by
@@ -61,13 +84,13 @@ impl Edges {
     ///
     /// How far it is to a root, and whether two ends have one already, no processor can guess, and each wrong guess costs
     /// more than all else that is done for an edge. So both ends are taken two steps up without a branch, the ways of many
-    /// edges at once, and edges whose ends meet are left out. What remains mostly stands at two roots; which they are by
-    /// then is asked again, one edge after the other. O(edges · log pixels).
+    /// edges at once, and edges whose ends meet are left out, and those that the rule refuses at one of them. What remains
+    /// mostly stands at two roots; which they are by then is asked again, one edge after the other. O(edges · log pixels).
     pub(crate) fn between_sets(
         mut self,
         sets: &mut UnionFind,
         workspace: &mut Workspace,
-        mut meet: impl FnMut(&mut UnionFind, PixelEdge, (usize, usize)),
+        rule: &mut impl Rule,
     ) {
         let ahead = self.ahead;
         let edge = |key: u64| {
@@ -90,16 +113,18 @@ impl Edges {
             sort(keys, &mut bucket[..count]);
             for block in keys.chunks(BLOCK) {
                 let mut count = 0;
+                let lightest = edge(block[0]).weight;
                 for &key in block {
                     let edge = edge(key);
                     let (p, q) = (sets.two_up(edge.p as usize), sets.two_up(edge.q as usize));
                     apart[count] = (edge, (p, q));
-                    count += usize::from(p != q);
+                    let is_shut = rule.refuses(p, lightest) | rule.refuses(q, lightest);
+                    count += usize::from((p != q) & !is_shut);
                 }
                 for &(edge, (p, q)) in &apart[..count] {
                     let (p, q) = (sets.find(p), sets.find(q));
                     if p != q {
-                        meet(sets, edge, (p, q));
+                        rule.meet(sets, edge, (p, q));
                     }
                 }
             }

@@ -1,6 +1,8 @@
 //! Efficient graph-based segmentation (Felzenszwalb and Huttenlocher, IJCV 2004; paper, III-A).
 
+use crate::oversegment::edges::Rule;
 use crate::oversegment::graph::{PixelEdge, PixelGraph};
+use crate::oversegment::settled::{joining, settle};
 use crate::params;
 use crate::raster::Raster;
 use crate::union_find::UnionFind;
@@ -29,9 +31,9 @@ impl Components {
 /// `borders` are never joined. Afterwards components below `min_size_px` are joined to the neighbour over
 /// the lightest edge.
 ///
-/// The result is that of the article's loop over all edges, bit for bit: edges come in its order, equal weights in that of
-/// their numbers, and only those within a component, which change nothing, are left out before they are sorted
-/// (`Edges::between_sets`). For the minimum size only edges at small components matter.
+/// The result is that of the article's loop over all edges, bit for bit: pairs that nothing comes before are joined first
+/// (`settle`); then edges come in their order, equal weights in that of their numbers, without those that change nothing
+/// (`settle`, `Edges::between_sets`). For the minimum size only edges at small components matter.
 ///
 /// *Differs from the paper:* it says there is a boundary "if `MInt` is larger than `Dif`"; the cited algorithm, and
 /// sense, join when `Dif` <= `MInt`. O(edges · log pixels), sequential: each decision depends on the ones before.
@@ -45,24 +47,32 @@ pub fn segment(
     let mut sets = UnionFind::within(workspace.stale(graph.pixels(), 0));
     let mut grown = workspace.filled(graph.pixels(), Grown { size_px: 1, tolerated: k });
     let mut part = workspace.collected((0..).zip(borders.as_slice()).map(|(i, &b)| if b { SHUT } else { i }));
-    let edges = graph.edges(&part, workspace);
-    edges.between_sets(&mut sets, workspace, |sets, PixelEdge { weight, .. }, (p, q)| {
-        if weight <= grown[p].tolerated.min(grown[q].tolerated) {
-            let joined = join(sets, &mut grown, p, q);
-            joined.tolerated = weight + k / joined.size_px as f32;
-        }
+    let mut open = graph.between(&part, workspace);
+    settle(graph, borders, k, &mut open);
+    joining(graph, &open, |PixelEdge { weight, p, q }| {
+        let joined = join(&mut sets, &mut grown, p as usize, q as usize);
+        joined.tolerated = weight + k / joined.size_px as f32;
     });
+    let edges = graph.edges(&open, workspace);
+    workspace.shelve(open);
+    edges.between_sets(&mut sets, workspace, &mut Tolerance { k, grown: &mut grown });
 
     for (i, part) in part.iter_mut().enumerate().filter(|(_, part)| **part != SHUT) {
         let root = sets.find(i);
         *part = if grown[root].size_px >= params.min_size_px { LARGE } else { root as u32 };
     }
-    let edges = graph.edges(&part, workspace);
-    edges.between_sets(&mut sets, workspace, |sets, _, (p, q)| {
-        if grown[p].size_px.min(grown[q].size_px) < params.min_size_px {
-            join(sets, &mut grown, p, q);
-        }
-    });
+    let open = graph.between(&part, workspace);
+    let edges = graph.edges(&open, workspace);
+    workspace.shelve(open);
+    edges.between_sets(
+        &mut sets,
+        workspace,
+        &mut |sets: &mut UnionFind, _: PixelEdge, (p, q): (usize, usize)| {
+            if grown[p].size_px.min(grown[q].size_px) < params.min_size_px {
+                join(sets, &mut grown, p, q);
+            }
+        },
+    );
 
     workspace.shelve(part);
     let root = workspace.collected((0..graph.pixels()).map(|i| sets.find(i) as u32));
@@ -84,8 +94,29 @@ const LARGE: u32 = SHUT - 1;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grown {
     size_px: u32,
-    /// The heaviest edge that may still join it.
+    /// The heaviest edge that may still join it; of what is no root any more infinite.
     tolerated: f32,
+}
+
+/// Components join while both tolerate the edge.
+struct Tolerance<'a> {
+    k: f32,
+    grown: &'a mut [Grown],
+}
+
+impl Rule for Tolerance<'_> {
+    #[inline]
+    fn refuses(&self, root: usize, weight: f32) -> bool {
+        self.grown[root].tolerated < weight
+    }
+
+    #[inline]
+    fn meet(&mut self, sets: &mut UnionFind, PixelEdge { weight, .. }: PixelEdge, (p, q): (usize, usize)) {
+        if weight <= self.grown[p].tolerated.min(self.grown[q].tolerated) {
+            let joined = join(sets, self.grown, p, q);
+            joined.tolerated = weight + self.k / joined.size_px as f32;
+        }
+    }
 }
 
 /// Joins two components below the larger one's root (a tie: p's) and returns what they are now.
@@ -94,6 +125,7 @@ fn join<'a>(sets: &mut UnionFind, grown: &'a mut [Grown], p: usize, q: usize) ->
     let (root, child) = if grown[p].size_px < grown[q].size_px { (q, p) } else { (p, q) };
     sets.link(root, child);
     grown[root].size_px += grown[child].size_px;
+    grown[child].tolerated = f32::INFINITY;
     &mut grown[root]
 }
 

@@ -18,7 +18,7 @@ pub(crate) const STEPS: [(isize, usize); 4] = [(1, 0), (0, 1), (1, 1), (-1, 1)];
 const APART: f32 = f32::INFINITY;
 
 /// Rows that are worked on together.
-const BAND_ROWS: usize = 64;
+pub(crate) const BAND_ROWS: usize = 64;
 
 /// How pixels without depth enter the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +53,16 @@ impl PixelGraph {
     /// Number of pixels.
     pub fn pixels(&self) -> usize {
         self.weights.len() / STEPS.len()
+    }
+
+    /// Number of columns.
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The weights of a row: all to the right, then all downwards, down-right, down-left.
+    pub(crate) fn row(&self, v: usize) -> &[f32] {
+        &self.weights[STEPS.len() * v * self.width..][..STEPS.len() * self.width]
     }
 
     /// Weighs the edges between 8-neighbours.
@@ -92,36 +102,50 @@ impl PixelGraph {
         Self { width, weights }
     }
 
-    /// The edges between pixels of different parts, without those of pixels whose part is [`Self::NO_PART`].
+    /// Of every pixel, which of its four edges lie between different parts, without those of pixels whose part is
+    /// [`Self::NO_PART`]: bit d for direction d. O(pixels).
+    pub(crate) fn between(&self, part: &[u32], workspace: &mut Workspace) -> Vec<u8> {
+        let width = self.width;
+        let mut open = workspace.stale(part.len(), 0);
+        open.par_chunks_mut(width).enumerate().for_each(|(v, open)| {
+            vectorized(
+                #[inline(always)]
+                || {
+                    open.fill(0);
+                    for (d, (du, dv)) in STEPS.into_iter().enumerate() {
+                        let Some(others) = part.get((v + dv) * width..(v + dv + 1) * width) else { continue };
+                        let (from, to) = columns(du, width);
+                        let ends = part[v * width..][from.clone()].iter().zip(&others[to]);
+                        for (open, (&p, &q)) in open[from].iter_mut().zip(ends) {
+                            let is_between = (p != q) & (p != Self::NO_PART) & (q != Self::NO_PART);
+                            *open |= u8::from(is_between) << d;
+                        }
+                    }
+                },
+            );
+        });
+        open
+    }
+
+    /// The edges whose bits are set in `open`; bits from 4 on mean nothing.
     ///
     /// Only what is asked for is dealt and sorted, so that a stage that needs few edges pays for few. O(pixels + edges found).
-    pub(crate) fn edges(&self, part: &[u32], workspace: &mut Workspace) -> Edges {
+    pub(crate) fn edges(&self, open: &[u8], workspace: &mut Workspace) -> Edges {
         let width = self.width;
         let band_len = BAND_ROWS * STEPS.len() * width;
         let mut keys = workspace.stale(self.weights.len(), 0_u64);
         let bands = keys.par_chunks_mut(band_len).zip(self.weights.par_chunks(band_len)).enumerate().map(
             |(band, (keys, weights))| {
-                let mut wanted = vec![0_u32; width];
                 let mut count = 0;
                 for (v, weights) in (band * BAND_ROWS..).zip(weights.chunks_exact(STEPS.len() * width)) {
-                    // Bit d of a pixel says whether its edge in direction d is wanted.
-                    wanted.fill(0);
-                    for (d, (du, dv)) in STEPS.into_iter().enumerate() {
-                        let Some(others) = part.get((v + dv) * width..(v + dv + 1) * width) else { continue };
-                        let (from, to) = columns(du, width);
-                        let ends = part[v * width..][from.clone()].iter().zip(&others[to]);
-                        for (wanted, (&p, &q)) in wanted[from].iter_mut().zip(ends) {
-                            *wanted |= u32::from((p != q) & (p != Self::NO_PART) & (q != Self::NO_PART)) << d;
-                        }
-                    }
                     let [right, down, down_right, down_left] = four(weights);
                     let four = right.iter().zip(down).zip(down_right.iter().zip(down_left));
                     let mut number = (STEPS.len() * v * width) as u64;
-                    for (&wanted, ((a, b), (c, d))) in wanted.iter().zip(four) {
-                        if wanted != 0 {
+                    for (&open, ((a, b), (c, d))) in open[v * width..][..width].iter().zip(four) {
+                        if open % (1 << STEPS.len()) != 0 {
                             for (k, weight) in (0_u32..).zip([a, b, c, d]) {
                                 keys[count] = u64::from(weight.to_bits()) << 32 | (number + u64::from(k));
-                                count += (wanted >> k & 1) as usize;
+                                count += (open >> k & 1) as usize;
                             }
                         }
                         number += STEPS.len() as u64;
@@ -145,7 +169,7 @@ impl PixelGraph {
 }
 
 /// The weights of a row in each direction.
-fn four(row: &[f32]) -> [&[f32]; 4] {
+pub(crate) fn four(row: &[f32]) -> [&[f32]; 4] {
     let (level, below) = row.split_at(row.len() / 2);
     let ((right, down), (down_right, down_left)) =
         (level.split_at(level.len() / 2), below.split_at(below.len() / 2));
@@ -253,15 +277,34 @@ pub(crate) mod testing {
     use super::*;
     use crate::union_find::UnionFind;
 
+    /// A graph whose pixels' edges have these weights, in the order of their directions.
+    pub(crate) fn of_weights(width: usize, pixels: &[[f32; 4]]) -> PixelGraph {
+        let mut weights = vec![APART; STEPS.len() * pixels.len()];
+        for (i, pixel) in pixels.iter().enumerate() {
+            let (u, v) = (i % width, i / width);
+            for (d, (du, dv)) in STEPS.into_iter().enumerate() {
+                if u.wrapping_add_signed(du) < width && (v + dv) * width < pixels.len() {
+                    weights[(STEPS.len() * v + d) * width + u] = pixel[d];
+                }
+            }
+        }
+        PixelGraph { width, weights }
+    }
+
     /// The edges in their order, as long as no set is joined.
     pub(crate) fn in_order(graph: &PixelGraph, part: &[u32]) -> Vec<PixelEdge> {
         let workspace = &mut Workspace::default();
         let mut edges = Vec::new();
         let sets = &mut UnionFind::new(graph.pixels());
-        graph.edges(part, workspace).between_sets(sets, workspace, |_, edge, roots| {
-            assert_eq!(roots, (edge.p as usize, edge.q as usize));
-            edges.push(edge);
-        });
+        let open = graph.between(part, workspace);
+        graph.edges(&open, workspace).between_sets(
+            sets,
+            workspace,
+            &mut |_: &mut UnionFind, edge: PixelEdge, roots: (usize, usize)| {
+                assert_eq!(roots, (edge.p as usize, edge.q as usize));
+                edges.push(edge);
+            },
+        );
         edges
     }
 
@@ -287,7 +330,7 @@ pub(crate) mod testing {
 mod tests {
     use proptest::prelude::*;
 
-    use super::testing::{in_order, naive_edges};
+    use super::testing::{in_order, naive_edges, of_weights};
     use super::*;
     use crate::camera::Camera;
 
@@ -355,9 +398,7 @@ mod tests {
                 (Just(w), prop::collection::vec((prop::array::uniform4(weight), 0_u32..4), w * h))
             }),
         ) {
-            let rows = pixels.chunks_exact(width);
-            let weights = rows.flat_map(|row| (0..4).flat_map(move |d| row.iter().map(move |p| p.0[d]))).collect();
-            let graph = PixelGraph { width, weights };
+            let graph = of_weights(width, &pixels.iter().map(|p| p.0).collect::<Vec<_>>());
             let part: Vec<u32> = pixels.iter().map(|p| if p.1 == 0 { PixelGraph::NO_PART } else { p.1 }).collect();
             let wanted = |e: &PixelEdge| {
                 let (p, q) = (part[e.p as usize], part[e.q as usize]);

@@ -7,6 +7,7 @@ pub mod absorb;
 mod edges;
 pub mod felzenszwalb;
 pub mod graph;
+mod settled;
 pub mod smoothing;
 pub mod structure;
 pub mod watershed;
