@@ -62,7 +62,7 @@ pub(crate) fn paper(
     let unmeasured = unmeasured(params);
     let graph =
         PixelGraph::new(frame, smoothed.as_ref(), unmeasured, &params.sensor, &params.graph, workspace);
-    smoothed.into_iter().for_each(|smoothed| workspace.keep(smoothed));
+    smoothed.into_iter().flatten().for_each(|plane| workspace.keep(plane));
     let components = segment(&graph, &borders, &params.graph, workspace);
     let min_size = params.graph.min_size_px;
     let superpixels =

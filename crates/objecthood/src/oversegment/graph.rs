@@ -76,7 +76,7 @@ impl PixelGraph {
     /// O(pixels).
     pub fn new(
         frame: &Frame,
-        smoothed: Option<&Raster<[f32; 3]>>,
+        smoothed: Option<&[Raster<f32>; 3]>,
         unmeasured: Unmeasured,
         sensor: &params::Sensor,
         params: &params::Graph,
@@ -185,41 +185,8 @@ pub(crate) fn columns(du: isize, width: usize) -> (Range<usize>, Range<usize>) {
     }
 }
 
-/// The colours and disparities of one row, a slice each, so that many edges are weighed at once.
-struct Planes {
-    color: [Vec<f32>; 3],
-    /// Quanta; `NaN` = none.
-    disparity: Vec<f32>,
-}
-
-/// A part of [`Planes`].
+/// Red, green, blue and disparity of pixels that stand in one row. Disparities are in quanta; `NaN` = none.
 type Part<'a> = ([&'a [f32]; 3], &'a [f32]);
-
-impl Planes {
-    fn new(width: usize) -> Self {
-        Self { color: [(); 3].map(|()| vec![0.0; width]), disparity: vec![0.0; width] }
-    }
-
-    #[inline(always)]
-    fn read(&mut self, depth_m: &[f32], color: Option<&[[f32; 3]]>, quantum_per_m: f64) {
-        for (disparity, &z) in self.disparity.iter_mut().zip(depth_m) {
-            // No difference of finite disparities is NaN.
-            let finite = (1.0 / (f64::from(z) * quantum_per_m)).min(f64::from(f32::MAX));
-            *disparity = if z.is_nan() { f32::NAN } else { finite as f32 };
-        }
-        let [r, g, b] = &mut self.color;
-        if let Some(color) = color {
-            for (((r, g), b), color) in r.iter_mut().zip(g).zip(b).zip(color) {
-                [*r, *g, *b] = *color;
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn part(&self, columns: Range<usize>) -> Part<'_> {
-        (self.color.each_ref().map(|c| &c[columns.clone()]), &self.disparity[columns])
-    }
-}
 
 /// How edges are weighed, see [`PixelGraph::new`].
 struct Weigh {
@@ -231,27 +198,38 @@ struct Weigh {
 impl Weigh {
     /// The weights of the rows from `top` on.
     #[inline(always)]
-    fn band(&self, frame: &Frame, smoothed: Option<&Raster<[f32; 3]>>, top: usize, weights: &mut [f32]) {
+    fn band(&self, frame: &Frame, smoothed: Option<&[Raster<f32>; 3]>, top: usize, weights: &mut [f32]) {
         let (width, height) = frame.size();
-        let read = |planes: &mut Planes, v: usize| {
-            let row = v * width..(v + 1) * width;
-            let color = smoothed.map(|s| &s.as_slice()[row.clone()]);
-            planes.read(&frame.depth_m().as_slice()[row], color, self.quantum_per_m);
+        let no_color = vec![0.0; width];
+        let color = |v: usize, columns: Range<usize>| match smoothed {
+            Some(planes) => planes.each_ref().map(|plane| &plane.as_slice()[v * width..][columns.clone()]),
+            None => [&no_color[columns]; 3],
         };
-        let [mut here, mut below] = [Planes::new(width), Planes::new(width)];
-        read(&mut below, top);
+        let [mut here, mut below] = [vec![0.0; width], vec![0.0; width]];
+        self.read(&mut below, &frame.depth_m().as_slice()[top * width..]);
         for (v, weights) in (top..).zip(weights.chunks_exact_mut(STEPS.len() * width)) {
             std::mem::swap(&mut here, &mut below);
             if v + 1 < height {
-                read(&mut below, v + 1);
+                self.read(&mut below, &frame.depth_m().as_slice()[(v + 1) * width..]);
             }
             for ((du, dv), weights) in STEPS.into_iter().zip(weights.chunks_exact_mut(width)) {
                 if v + dv < height {
                     let (from, to) = columns(du, width);
                     let other = if dv == 0 { &here } else { &below };
-                    self.row(here.part(from.clone()), other.part(to), &mut weights[from]);
+                    let (p, q) = (color(v, from.clone()), color(v + dv, to.clone()));
+                    self.row((p, &here[from.clone()]), (q, &other[to]), &mut weights[from]);
                 }
             }
+        }
+    }
+
+    /// The disparities of a row.
+    #[inline(always)]
+    fn read(&self, disparity: &mut [f32], depth_m: &[f32]) {
+        for (disparity, &z) in disparity.iter_mut().zip(depth_m) {
+            // No difference of finite disparities is NaN.
+            let finite = (1.0 / (f64::from(z) * self.quantum_per_m)).min(f64::from(f32::MAX));
+            *disparity = if z.is_nan() { f32::NAN } else { finite as f32 };
         }
     }
 
@@ -346,9 +324,8 @@ mod tests {
 
     #[test]
     fn eq_1_and_its_switches() {
-        let smoothed =
-            Raster::from_vec(3, 2, [0.0, 30.0, 90.0, 0.0, 0.0, 0.0].map(|c| [0.0, c, 0.0]).to_vec());
-        let smoothed = smoothed.unwrap();
+        let smoothed = [0.0, 1.0, 0.0]
+            .map(|c| frame().depth_m().with_data([0.0, 30.0, 90.0, 0.0, 0.0, 0.0].map(|x| c * x).to_vec()));
         let sensor = params::Sensor { disparity_quantum_per_m: 0.01, ..Default::default() };
         let graph = |channels, unmeasured| {
             let params = params::Graph { channels, ..Default::default() };

@@ -12,7 +12,7 @@ use crate::workspace::Workspace;
 /// Rows and columns that are smoothed together.
 const TILE_PX: usize = 64;
 
-/// The colour image in grey levels 0..255, smoothed by a separable Gaussian; not rounded.
+/// Red, green and blue of the colour image in grey levels 0..255, smoothed by a separable Gaussian; not rounded.
 ///
 /// Pixels with depth and pixels without are smoothed each among themselves, the weights normalised over those
 /// in the window (normalised convolution, Knutsson and Westin 1993): the colour of what was not measured
@@ -24,27 +24,30 @@ pub fn smooth(
     depth_m: &Raster<f32>,
     params: &params::Smoothing,
     workspace: &mut Workspace,
-) -> Raster<[f32; 3]> {
+) -> [Raster<f32>; 3] {
     let kernel = kernel(params.sigma_px);
     let (width, height) = color.size();
     // Every pixel is of one kind or the other.
-    let mut smoothed = workspace.stale(color.len(), [0.0; 3]);
-    smoothed.par_chunks_mut(TILE_PX * width).enumerate().for_each(|(band, smoothed)| {
+    let mut smoothed = [(); 3].map(|()| workspace.stale(color.len(), 0.0));
+    let bands = smoothed.each_mut().map(|plane| plane.par_chunks_mut(TILE_PX * width));
+    let [red, green, blue] = bands;
+    red.zip(green).zip(blue).enumerate().for_each(|(band, ((red, green), blue))| {
         let rows = band * TILE_PX..height.min((band + 1) * TILE_PX);
         let mut tile = Tile::new(kernel.len() - 1);
+        let mut smoothed = [red, green, blue];
         for left in (0..width).step_by(TILE_PX) {
             let place = (left..width.min(left + TILE_PX), rows.clone());
             vectorized(
                 #[inline(always)]
                 || {
                     for measured in [true, false] {
-                        tile.smooth(color, depth_m, measured, &kernel, place.clone(), smoothed);
+                        tile.smooth(color, depth_m, measured, &kernel, place.clone(), &mut smoothed);
                     }
                 },
             );
         }
     });
-    color.with_data(smoothed)
+    smoothed.map(|plane| color.with_data(plane))
 }
 
 /// Red, green, blue and one, a row each.
@@ -55,6 +58,8 @@ struct Tile {
     reach: usize,
     /// The columns of the tile and its surroundings, mirrored into the image.
     columns: Vec<usize>,
+    /// Which of them are not mirrored.
+    inside: Range<usize>,
     /// One row of the source and its surroundings; zero where pixels are of the other kind.
     source: [Vec<f32>; 4],
     /// The rows around the present one, smoothed along themselves; row v stands at v modulo their number.
@@ -66,6 +71,7 @@ impl Tile {
         Self {
             reach,
             columns: vec![0; TILE_PX + 2 * reach],
+            inside: 0..0,
             source: [(); 4].map(|()| vec![0.0; TILE_PX + 2 * reach]),
             along: vec![[[0.0; TILE_PX]; 4]; 2 * reach + 1],
         }
@@ -80,7 +86,7 @@ impl Tile {
         measured: bool,
         kernel: &[f32],
         (columns, rows): (Range<usize>, Range<usize>),
-        smoothed: &mut [[f32; 3]],
+        smoothed: &mut [&mut [f32]; 3],
     ) {
         let width = color.width();
         let of_kind = |i: usize| depth_m[i].is_nan() != measured;
@@ -93,10 +99,19 @@ impl Tile {
         for (u, at) in (left..).zip(&mut self.columns) {
             *at = mirror(u, width);
         }
+        let at = |u: usize| (u as isize - left).clamp(0, self.columns.len() as isize) as usize;
+        self.inside = at(0)..at(width);
         let ring = self.along.len() as isize;
         let mut sums = [[0.0; TILE_PX]; 4];
         for v in rows.start as isize - reach..rows.end as isize + reach {
-            self.smooth_along(color, of_kind, mirror(v, color.height()), kernel, v.rem_euclid(ring) as usize);
+            self.smooth_along(
+                color,
+                depth_m,
+                measured,
+                mirror(v, color.height()),
+                kernel,
+                v.rem_euclid(ring) as usize,
+            );
             // The row whose surroundings are complete.
             let v = v - reach;
             if v < rows.start as isize {
@@ -106,15 +121,13 @@ impl Tile {
             for (c, sums) in sums.iter_mut().enumerate() {
                 filtered(sums, kernel, |t| (&at(-(t as isize))[c], &at(t as isize)[c]));
             }
-            let [r, g, b, one] = &mut sums;
-            for color in [&mut *r, g, b] {
-                color.iter_mut().zip(&*one).for_each(|(color, one)| *color /= one);
-            }
+            let [colors @ .., one] = &sums;
             let row = row_of(v as usize);
-            let out = &mut smoothed[row.start - rows.start * width..][..columns.len()];
-            for (k, (out, i)) in out.iter_mut().zip(row).enumerate() {
-                if of_kind(i) {
-                    *out = [r[k], g[k], b[k]];
+            let out = row.start - rows.start * width..row.end - rows.start * width;
+            for (out, sums) in smoothed.iter_mut().map(|plane| &mut plane[out.clone()]).zip(colors) {
+                let depths = &depth_m.as_slice()[row.clone()];
+                for ((out, z), (sum, one)) in out.iter_mut().zip(depths).zip(sums.iter().zip(one)) {
+                    *out = if z.is_nan() == measured { *out } else { sum / one };
                 }
             }
         }
@@ -125,19 +138,31 @@ impl Tile {
     fn smooth_along(
         &mut self,
         color: &Raster<[u8; 3]>,
-        of_kind: impl Fn(usize) -> bool,
+        depth_m: &Raster<f32>,
+        measured: bool,
         v: usize,
         kernel: &[f32],
         place: usize,
     ) {
         let reach = self.reach;
         let [r, g, b, one] = &mut self.source;
-        let source = r.iter_mut().zip(g).zip(b.iter_mut().zip(one));
-        for (((r, g), (b, one)), &u) in source.zip(&self.columns) {
-            let i = v * color.width() + u;
-            *one = f32::from(u8::from(of_kind(i)));
-            let [red, green, blue] = color[i];
-            (*r, *g, *b) = (*one * f32::from(red), *one * f32::from(green), *one * f32::from(blue));
+        let row = v * color.width();
+        let mut read = |places: Range<usize>, first: usize| {
+            let pixels = row + first..row + first + places.len();
+            let (colors, depths) = (&color.as_slice()[pixels.clone()], &depth_m.as_slice()[pixels]);
+            let source = r[places.clone()].iter_mut().zip(&mut g[places.clone()]);
+            let source = source.zip(b[places.clone()].iter_mut().zip(&mut one[places]));
+            for (((r, g), (b, one)), ([red, green, blue], z)) in source.zip(colors.iter().zip(depths)) {
+                *one = if z.is_nan() == measured { 0.0 } else { 1.0 };
+                (*r, *g, *b) = (*one * f32::from(*red), *one * f32::from(*green), *one * f32::from(*blue));
+            }
+        };
+        // All but what is mirrored stands side by side.
+        let columns = &self.columns;
+        let inside = self.inside.clone();
+        read(inside.clone(), columns[inside.start]);
+        for place in (0..inside.start).chain(inside.end..columns.len()) {
+            read(place..place + 1, columns[place]);
         }
         for (sums, source) in self.along[place].iter_mut().zip(&self.source) {
             filtered(sums, kernel, |t| (&source[reach - t..], &source[reach + t..]));
@@ -191,8 +216,8 @@ mod tests {
             &params::Smoothing::default(),
             &mut Workspace::default(),
         );
-        for c in smooth_flat.as_slice() {
-            assert!((c[0] - 10.0).abs() < 1e-4 && (c[2] - 30.0).abs() < 1e-4, "{c:?}");
+        for (plane, grey) in smooth_flat.iter().zip([10.0, 20.0, 30.0]) {
+            assert!(plane.as_slice().iter().all(|c| (c - grey).abs() < 1e-4), "{plane:?}");
         }
         let mut dot = Raster::filled(9, 9, [0; 3]).unwrap();
         dot.as_mut_slice()[40] = [255, 0, 0];
@@ -207,7 +232,7 @@ mod tests {
         for dv in 0..5 {
             for du in 0..5 {
                 let expected = 255.0 * k[du] * k[dv] / sum / sum;
-                let got = f64::from(smoothed[(2 + dv) * 9 + 2 + du][0]);
+                let got = f64::from(smoothed[0][(2 + dv) * 9 + 2 + du]);
                 assert!((got - expected).abs() < 1e-3, "{got} {expected}");
             }
         }
@@ -254,7 +279,7 @@ mod tests {
                         weights += weight;
                     }
                 }
-                for (got, sum) in smoothed[i].into_iter().zip(sum) {
+                for (got, sum) in smoothed.each_ref().map(|plane| plane[i]).into_iter().zip(sum) {
                     prop_assert!((f64::from(got) - sum / weights).abs() < 1e-3, "{} {}", got, sum / weights);
                 }
             }
