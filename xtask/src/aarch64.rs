@@ -5,7 +5,7 @@ use std::process::Command;
 
 use anyhow::Result;
 
-use crate::house::{House, files, is_installed, output, pass_on};
+use crate::house::{House, METHODS, files, is_installed, output, pass_on};
 use crate::tally::Tally;
 
 const TARGET: &str = "aarch64-unknown-linux-gnu";
@@ -54,7 +54,7 @@ pub(crate) fn run(house: &House) -> Result<bool> {
     native.run(&["synth", "--scenes", SCENES, "--out"], &[&scenes])?;
 
     let mut equal = true;
-    for method in ["context", "paper"] {
+    for method in METHODS {
         let mut found = Vec::new();
         for machine in [&native, &emulated] {
             let out = folder.join(method).join(machine.name);

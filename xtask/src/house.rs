@@ -5,6 +5,9 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
+/// The methods, as the programs are told them.
+pub(crate) const METHODS: [&str; 2] = ["context", "paper"];
+
 /// The workspace.
 pub(crate) struct House {
     /// The folder above this package.

@@ -10,7 +10,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::house::{House, is_installed, output, pass_on};
+use crate::house::{House, METHODS, is_installed, output, pass_on};
 use crate::tally::Tally;
 
 /// Instructions of a frame by method.
@@ -18,7 +18,6 @@ type Counts = BTreeMap<String, u64>;
 
 /// Where the counts stand.
 const FILE: &str = "crates/objecthood-bench/instructions.toml";
-const METHODS: [&str; 2] = ["context", "paper"];
 /// A count that grows by more than this has to be accepted by writing the file anew.
 const TOLERATED_PERCENT: u128 = 3;
 const COUNTED: &str = "*counted*the_counted_part*";

@@ -38,5 +38,8 @@ pub fn graph_segmentation(
         &params.graph,
         workspace,
     );
-    segment(&graph, borders, &params.graph, workspace)
+    smoothed.into_iter().flatten().for_each(|plane| workspace.keep(plane));
+    let components = segment(&graph, borders, &params.graph, workspace);
+    graph.leave(workspace);
+    components
 }

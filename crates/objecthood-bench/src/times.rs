@@ -185,6 +185,7 @@ fn measure_graph(
     figures.extend(spent.figures(name, "graph"));
     let roots = components.root.iter().enumerate().filter(|&(i, &root)| i == root as usize);
     let segments = roots.count() as f64;
+    components.leave(workspace);
     figures.push(Figure { frame: name.to_owned(), series: "graph/segments".into(), value: segments });
     Ok(())
 }

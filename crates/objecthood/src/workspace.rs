@@ -5,7 +5,6 @@ use crate::error::Result;
 use crate::frame::Frame;
 use crate::method;
 use crate::observe::Observer;
-use crate::oversegment::felzenszwalb::Grown;
 use crate::params::{Method, Params};
 use crate::raster::Raster;
 use crate::surface::plane_fit::{PlaneFit, Windows};
@@ -36,14 +35,13 @@ pub struct Workspace {
     distances: Vec<Vec<i16>>,
     pixels: Vec<Vec<u32>>,
     keys: Vec<Vec<u64>>,
-    grown: Vec<Vec<Grown>>,
     fits: Vec<Vec<PlaneFit>>,
     /// Of every band of rows its windows.
     pub(crate) windows: Vec<Windows>,
 }
 
 /// What there are buffers of.
-pub(crate) trait Pixel: Copy {
+pub trait Pixel: Copy {
     /// The buffers that nobody uses.
     fn shelf(workspace: &mut Workspace) -> &mut Vec<Vec<Self>>;
 }
@@ -67,7 +65,6 @@ shelves!(
     distances: i16,
     pixels: u32,
     keys: u64,
-    grown: Grown,
     fits: PlaneFit
 );
 
@@ -97,10 +94,17 @@ impl Workspace {
         }
     }
 
+    /// The smallest buffer that holds `len` values, so that each is asked for the same again; else any.
+    fn take<T: Pixel>(&mut self, len: usize) -> Option<Vec<T>> {
+        let shelf = T::shelf(self);
+        let fit = |&i: &usize| (shelf[i].capacity() < len, shelf[i].capacity());
+        (0..shelf.len()).min_by_key(fit).map(|i| shelf.swap_remove(i))
+    }
+
     /// A buffer of `len` values; those that were written before stay as they are, the others are `value`.
     pub(crate) fn stale<T: Pixel>(&mut self, len: usize, value: T) -> Vec<T> {
         // What the system hands out is zero already, and costs nothing before it is touched.
-        let Some(mut buffer) = T::shelf(self).pop() else { return vec![value; len] };
+        let Some(mut buffer) = self.take(len) else { return vec![value; len] };
         buffer.resize(len, value);
         buffer
     }
@@ -114,14 +118,14 @@ impl Workspace {
 
     /// A buffer of these values.
     pub(crate) fn collected<T: Pixel>(&mut self, values: impl Iterator<Item = T>) -> Vec<T> {
-        let mut buffer = T::shelf(self).pop().unwrap_or_default();
+        let mut buffer: Vec<T> = self.take(values.size_hint().0).unwrap_or_default();
         buffer.clear();
         buffer.extend(values);
         buffer
     }
 
-    /// Takes the buffer of a raster back.
-    pub(crate) fn keep<T: Pixel>(&mut self, raster: Raster<T>) {
+    /// Takes the buffer of a raster back, for a stage to write to again; whole methods give back all they asked for themselves.
+    pub fn keep<T: Pixel>(&mut self, raster: Raster<T>) {
         self.shelve(raster.into_vec());
     }
 

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail};
 use wait4::Wait4;
 
 use super::figures::Figures;
-use crate::house::{House, output};
+use crate::house::{House, METHODS, output};
 
 /// Both programs, and where what they write goes.
 pub(crate) struct Program {
@@ -26,8 +26,6 @@ pub(crate) struct Taken {
     /// The most memory it had (MB, 10^6 bytes).
     pub(crate) peak_mb: f64,
 }
-
-pub(crate) const METHODS: [&str; 2] = ["context", "paper"];
 
 impl Program {
     pub(crate) fn new(house: &House) -> Result<Self> {

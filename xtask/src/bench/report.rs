@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use super::figures::{Figures, Spread};
 use super::machine::Machine;
-use super::ours::METHODS;
 use super::targets::TARGETS;
+use crate::house::METHODS;
 
 /// The stages in the order in which they are done; those of the other method are left out where there is nothing.
 const STAGES: [&str; 12] = [

@@ -6,10 +6,10 @@ use anyhow::{Context, Result};
 
 use super::figures::Figures;
 use super::machine::Machine;
-use super::ours::{METHODS, Program};
+use super::ours::Program;
 use super::plot::Plot;
 use super::{build, write};
-use crate::house::{House, files};
+use crate::house::{House, METHODS, files};
 
 const ROUNDS: usize = 3;
 /// The least things and the most that are compared, and how much longer the most may take.

@@ -19,7 +19,7 @@ pub struct Components {
 
 impl Components {
     /// Gives its memory back.
-    pub(crate) fn leave(self, workspace: &mut Workspace) {
+    pub fn leave(self, workspace: &mut Workspace) {
         workspace.shelve(self.root);
         workspace.shelve(self.size_px);
     }
@@ -43,45 +43,38 @@ pub fn segment(
     params: &params::Graph,
     workspace: &mut Workspace,
 ) -> Components {
-    let k = params.size_preference_grey;
-    let mut sets = UnionFind::within(workspace.stale(graph.pixels(), 0));
-    let mut grown = workspace.filled(graph.pixels(), Grown { size_px: 1, tolerated: k });
+    let pixels = graph.pixels();
+    let mut growing = Growing {
+        k: params.size_preference_grey,
+        size_px: workspace.filled(pixels, 1),
+        tolerated: workspace.filled(pixels, params.size_preference_grey),
+    };
+    let mut sets = UnionFind::within(workspace.stale(pixels, 0));
     let mut part = workspace.collected((0..).zip(borders.as_slice()).map(|(i, &b)| if b { SHUT } else { i }));
     let mut open = graph.between(&part, workspace);
-    settle(graph, borders, k, &mut open);
+    settle(graph, borders, growing.k, &mut open);
     joining(graph, &open, |PixelEdge { weight, p, q }| {
-        let joined = join(&mut sets, &mut grown, p as usize, q as usize);
-        joined.tolerated = weight + k / joined.size_px as f32;
+        growing.join(&mut sets, weight, (p as usize, q as usize));
     });
     let edges = graph.edges(&open, workspace);
     workspace.shelve(open);
-    edges.between_sets(&mut sets, workspace, &mut Tolerance { k, grown: &mut grown });
+    edges.between_sets(&mut sets, workspace, &mut growing);
 
+    let min_size = params.min_size_px;
     for (i, part) in part.iter_mut().enumerate().filter(|(_, part)| **part != SHUT) {
         let root = sets.find(i);
-        *part = if grown[root].size_px >= params.min_size_px { LARGE } else { root as u32 };
+        *part = if growing.size_px[root] >= min_size { LARGE } else { root as u32 };
     }
     let open = graph.between(&part, workspace);
+    workspace.shelve(part);
     let edges = graph.edges(&open, workspace);
     workspace.shelve(open);
-    edges.between_sets(
-        &mut sets,
-        workspace,
-        &mut |sets: &mut UnionFind, _: PixelEdge, (p, q): (usize, usize)| {
-            if grown[p].size_px.min(grown[q].size_px) < params.min_size_px {
-                join(sets, &mut grown, p, q);
-            }
-        },
-    );
+    edges.between_sets(&mut sets, workspace, &mut TooSmall { min_size, growing: &mut growing });
 
-    workspace.shelve(part);
-    let root = workspace.collected((0..graph.pixels()).map(|i| sets.find(i) as u32));
-    let sizes =
-        (0..).zip(&root).zip(&grown).map(|((i, &root), grown)| if i == root { grown.size_px } else { 0 });
-    let size_px = workspace.collected(sizes);
-    workspace.shelve(grown);
+    let root = workspace.collected((0..pixels).map(|i| sets.find(i) as u32));
     workspace.shelve(sets.into_parents());
-    Components { root, size_px }
+    workspace.shelve(growing.tolerated);
+    Components { root, size_px: growing.size_px }
 }
 
 /// No edge joins the pixel.
@@ -90,43 +83,60 @@ const SHUT: u32 = PixelGraph::NO_PART;
 /// The pixel's component is no smaller than it must be.
 const LARGE: u32 = SHUT - 1;
 
-/// A component as it grows; it stands at the place of its root.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Grown {
-    size_px: u32,
-    /// The heaviest edge that may still join it; of what is no root any more infinite.
-    tolerated: f32,
-}
-
-/// Components join while both tolerate the edge.
-struct Tolerance<'a> {
+/// Components as they grow, which join while both tolerate the edge. What is said of one stands at its root.
+struct Growing {
+    /// What a component of one pixel tolerates.
     k: f32,
-    grown: &'a mut [Grown],
+    /// Of what is no root 0.
+    size_px: Vec<u32>,
+    /// The heaviest edge that may still join the component; of what is no root any more infinite.
+    tolerated: Vec<f32>,
 }
 
-impl Rule for Tolerance<'_> {
+impl Growing {
+    /// Joins two components below the larger one's root; of a tie below p's.
+    #[inline]
+    fn join(&mut self, sets: &mut UnionFind, weight: f32, (p, q): (usize, usize)) {
+        let (root, child) = if self.size_px[p] < self.size_px[q] { (q, p) } else { (p, q) };
+        sets.link(root, child);
+        self.size_px[root] += std::mem::take(&mut self.size_px[child]);
+        self.tolerated[child] = f32::INFINITY;
+        self.tolerated[root] = weight + self.k / self.size_px[root] as f32;
+    }
+}
+
+impl Rule for Growing {
     #[inline]
     fn refuses(&self, root: usize, weight: f32) -> bool {
-        self.grown[root].tolerated < weight
+        self.tolerated[root] < weight
     }
 
     #[inline]
     fn meet(&mut self, sets: &mut UnionFind, PixelEdge { weight, .. }: PixelEdge, (p, q): (usize, usize)) {
-        if weight <= self.grown[p].tolerated.min(self.grown[q].tolerated) {
-            let joined = join(sets, self.grown, p, q);
-            joined.tolerated = weight + self.k / joined.size_px as f32;
+        if weight <= self.tolerated[p].min(self.tolerated[q]) {
+            self.join(sets, weight, (p, q));
         }
     }
 }
 
-/// Joins two components below the larger one's root (a tie: p's) and returns what they are now.
-#[inline]
-fn join<'a>(sets: &mut UnionFind, grown: &'a mut [Grown], p: usize, q: usize) -> &'a mut Grown {
-    let (root, child) = if grown[p].size_px < grown[q].size_px { (q, p) } else { (p, q) };
-    sets.link(root, child);
-    grown[root].size_px += grown[child].size_px;
-    grown[child].tolerated = f32::INFINITY;
-    &mut grown[root]
+/// Components that join while one of them is smaller than the minimum size.
+struct TooSmall<'a> {
+    min_size: u32,
+    growing: &'a mut Growing,
+}
+
+impl Rule for TooSmall<'_> {
+    #[inline]
+    fn refuses(&self, _: usize, _: f32) -> bool {
+        false
+    }
+
+    #[inline]
+    fn meet(&mut self, sets: &mut UnionFind, PixelEdge { weight, .. }: PixelEdge, (p, q): (usize, usize)) {
+        if self.growing.size_px[p].min(self.growing.size_px[q]) < self.min_size {
+            self.growing.join(sets, weight, (p, q));
+        }
+    }
 }
 
 #[cfg(test)]

@@ -160,7 +160,7 @@ impl PixelGraph {
     }
 
     /// Gives its memory back.
-    pub(crate) fn leave(self, workspace: &mut Workspace) {
+    pub fn leave(self, workspace: &mut Workspace) {
         workspace.shelve(self.weights);
     }
 
