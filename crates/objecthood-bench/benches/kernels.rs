@@ -56,7 +56,7 @@ fn paper(c: &mut Criterion) {
         let (borders, color_alone) = (color.map(|_| false), color_alone());
         group.bench_function("graph segmentation of colour alone", |b| {
             b.iter(|| {
-                graph_segmentation(black_box(&frame), &borders, &color_alone, workspace).leave(workspace)
+                graph_segmentation(black_box(&frame), &borders, &color_alone, workspace).leave(workspace);
             });
         });
     }
