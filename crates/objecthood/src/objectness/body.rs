@@ -4,8 +4,11 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3, Vec3};
 
+use crate::objectness::cell::{CELL_M, Cell};
 use crate::objectness::gravity::{StructurePlane, Up};
-use crate::oversegment::structure::{UPWARD, element_at, tangents};
+use crate::objectness::piece::{Extent, Piece};
+use crate::objectness::plan::{DIRECTIONS, FORESHORTENED, Plan};
+use crate::oversegment::structure::{UPWARD, element_at};
 use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::disparity::DisparitySpace;
@@ -21,12 +24,8 @@ pub(crate) const SECTORS: usize = 12;
 const FOOT_SHARE: f64 = 0.02;
 /// Its top is this share from below.
 const TOP_SHARE: f64 = 0.98;
-/// Side of a cell of the plan view (m): half the distance of contact, so that what is in contact is in neighbouring cells.
-const CELL_M: f64 = 0.01;
 /// The height of a cell is this share of its heights from below.
 const CELL_SHARE: f64 = 0.8;
-/// The outline of a region in the plan view is known in so many directions.
-const DIRECTIONS: usize = 16;
 /// A face whose normal has more than this along up (25 degrees from level) is a top, not a side.
 const TOP_FACE: f64 = 0.9;
 /// Sides of a flat thing are tilted alike up to this (sine; 9 degrees, the noise of normals of small faces).
@@ -41,55 +40,6 @@ const LEAST_TILTED: f64 = 0.2;
 const LEAST_SLOPE_M: f64 = 0.07;
 /// ... and so large (m²): boards are, cables, handles and slivers of a bowl's wall are not.
 const LEAST_FACE_M2: f64 = 0.004;
-/// So many pixels side by side are asked together whether they widen the outline of their region.
-const PIECE_PX: usize = 32;
-/// Where the way along gravity is shorter than this in the image (sine; 6 degrees) its direction means nothing.
-const FORESHORTENED: f64 = 0.1;
-
-/// Takes points to heights and to the plan view, which is what is seen from straight above.
-pub(crate) struct Plan {
-    up: DVec3,
-    across: [DVec3; 2],
-    /// In which the outline of a region is known.
-    directions: [DVec2; DIRECTIONS],
-}
-
-impl Plan {
-    pub(crate) fn new(up: &Up) -> Self {
-        let up = Vec3::from(up.direction).as_dvec3();
-        let directions = std::array::from_fn(|k| {
-            let (sin, cos) = libm::sincos(std::f64::consts::TAU * k as f64 / DIRECTIONS as f64);
-            DVec2::new(cos, sin)
-        });
-        Self { up, across: tangents(up), directions }
-    }
-
-    /// Height along up, relative to the camera (m).
-    pub(crate) fn height_m(&self, point_m: [f32; 3]) -> f64 {
-        self.up.dot(Vec3::from(point_m).as_dvec3())
-    }
-
-    /// How much of a normal is upwards.
-    pub(crate) fn upward(&self, normal: [f32; 3]) -> f64 {
-        self.height_m(normal)
-    }
-
-    /// Place in the plan view (m).
-    pub(crate) fn place_m(&self, point_m: [f32; 3]) -> DVec2 {
-        let point = Vec3::from(point_m).as_dvec3();
-        DVec2::new(self.across[0].dot(point), self.across[1].dot(point))
-    }
-
-    /// The step to one of the eight neighbouring pixels that leads most nearly along gravity at a point, for square
-    /// pixels; `None` where one looks along gravity (within about 6 degrees).
-    pub(crate) fn step_down(&self, point_m: [f32; 3]) -> Option<[i64; 2]> {
-        let [x, y, z] = point_m.map(f64::from);
-        let down = DVec2::new(-self.up.x + x / z * self.up.z, -self.up.y + y / z * self.up.z);
-        let down = (down.length() > FORESHORTENED).then(|| down.normalize())?;
-        // sin 22.5 degrees: nearer to an axis than to a diagonal.
-        Some(down.to_array().map(|along| if along.abs() > 0.38 { along.signum() as i64 } else { 0 }))
-    }
-}
 
 /// A region as something that stands.
 #[derive(Clone, Debug, Default)]
@@ -110,10 +60,12 @@ pub(crate) struct Body {
     pub(crate) normal: DVec3,
     /// Mean place (m).
     pub(crate) middle_m: DVec2,
-    /// How far it reaches in the plan view in each of [`DIRECTIONS`] (m).
+    /// How far it reaches in the plan view in each of the directions of its outline (m).
     reach_m: [f64; DIRECTIONS],
     /// Of a thing, how high it is cell by cell (m), in the order of cells.
     cells: Vec<(Cell, f64)>,
+    /// Of a thing, the pixels of what is level with its lowest visible part.
+    pub(crate) foot: Vec<u32>,
     /// Which way its sides lean, if they are one flat face that is tilted.
     pub(crate) tilt: Option<Tilt>,
 }
@@ -164,14 +116,11 @@ impl<'a> Bodies<'a> {
         self.plan.upward(plane.normal) > UPWARD
     }
 
-    /// Whether a region ends upwards near a point, and is something to stand on there. Heights are the same up to `level_m`.
-    pub(crate) fn ends_at(&self, region: usize, point_m: [f32; 3], level_m: f64) -> bool {
+    /// Whether a region ends upwards near a place, below a height (m), and is something to stand on there.
+    pub(crate) fn ends_at(&self, region: usize, place_m: DVec2, below_m: f64) -> bool {
         match self.planes.get(region) {
             Some(plane) => self.faces_up(plane),
-            None => {
-                let top_m = self.top_near_m(region, self.plan.place_m(point_m));
-                top_m.is_none_or(|top_m| top_m <= self.plan.height_m(point_m) + level_m)
-            }
+            None => self.top_near_m(region, place_m).is_none_or(|top_m| top_m <= below_m),
         }
     }
 
@@ -243,105 +192,50 @@ impl Body {
         space: &DisparitySpace,
     ) -> Self {
         let (points_m, normals) = pixels;
-        let (mut body, mut look, mut piece) = (Self::default(), Look::default(), Piece::new());
+        let (mut extent, mut look, mut piece) = (Extent::new(), Look::default(), Piece::new());
+        let mut body = Self::default();
+        let mut survey = |piece: &mut Piece| {
+            let Some(&first) = piece.pixels().first() else { return };
+            if extent.size_px == 0 {
+                body.first = first as usize;
+            }
+            piece.survey(plan, &mut extent);
+            if is_thing {
+                look.add(piece, normals.as_slice(), plan);
+            }
+            piece.clear();
+        };
         for run in runs {
-            for start in run.clone().step_by(PIECE_PX) {
-                piece.fill(start..run.end.min(start + PIECE_PX), points_m, plan);
-                body.add(&piece, &plan.directions);
-                if is_thing {
-                    look.add(&piece, points_m, normals, plan);
+            let mut rest = run.clone();
+            while !rest.is_empty() {
+                piece.take(&mut rest, points_m.as_slice());
+                if piece.is_full() {
+                    survey(&mut piece);
                 }
             }
         }
-        let count = body.size_px.max(1) as f64;
-        body.mean_m /= count;
-        body.middle_m /= count;
+        survey(&mut piece);
+        if extent.size_px > 0 {
+            body.reach_m = extent.reach_m;
+        }
+        body.size_px = extent.size_px;
+        body.mean_m = extent.mean_m();
+        body.middle_m = extent.middle_m();
+        body.level_m = space.step_m(LEVEL_QUANTA, extent.depth_m()).max(LEVEL_M);
         body.take(look, pixels, plan, space);
         body
     }
 
-    fn add(&mut self, piece: &Piece, directions: &[DVec2; DIRECTIONS]) {
-        let Some(&first) = piece.pixels().first() else { return };
-        if self.size_px == 0 {
-            self.first = first as usize;
-            self.reach_m = [f64::NEG_INFINITY; DIRECTIONS];
-        }
-        self.size_px += piece.count;
-        self.mean_m = piece.heights_m().iter().fold(self.mean_m, |sum, height_m| sum + height_m);
-        self.middle_m = piece.places_m().iter().fold(self.middle_m, |sum, place_m| sum + place_m);
-        piece.push_out(&mut self.reach_m, directions);
-    }
-
     /// What follows from all that is seen of it.
-    fn take(&mut self, mut look: Look, pixels: Pixels<'_>, plan: &Plan, space: &DisparitySpace) {
+    fn take(&mut self, look: Look, pixels: Pixels<'_>, plan: &Plan, space: &DisparitySpace) {
         self.cells = look.cells();
-        self.foot_m = element_at(&mut look.heights_m, FOOT_SHARE);
-        self.top_m = element_at(&mut look.heights_m, TOP_SHARE);
-        let depth_m = look.depth_m / self.size_px.max(1) as f64;
-        self.level_m = space.step_m(LEVEL_QUANTA, depth_m).max(LEVEL_M);
+        let mut heights_m = look.heights_m.clone();
+        self.foot_m = element_at(&mut heights_m, FOOT_SHARE);
+        self.top_m = element_at(&mut heights_m, TOP_SHARE);
+        let is_foot = |&(_, height_m): &(&u32, &f64)| *height_m < self.foot_m + self.level_m;
+        self.foot = look.pixels.iter().zip(&look.heights_m).filter(is_foot).map(|(&i, _)| i).collect();
         self.normal = look.normal / look.normals.max(1) as f64;
         self.tilt = Tilt::of(&look.tilted, self.size_px, pixels, plan, space);
-    }
-}
-
-/// Some pixels of a region side by side, which lie close together in the plan view.
-struct Piece {
-    count: usize,
-    pixels: [u32; PIECE_PX],
-    heights_m: [f64; PIECE_PX],
-    places_m: [DVec2; PIECE_PX],
-}
-
-impl Piece {
-    fn new() -> Self {
-        let (pixels, heights_m, places_m) = ([0; PIECE_PX], [0.0; PIECE_PX], [DVec2::ZERO; PIECE_PX]);
-        Self { count: 0, pixels, heights_m, places_m }
-    }
-
-    /// Those that are measured among these pixels.
-    fn fill(&mut self, pixels: Range<usize>, points_m: &Raster<[f32; 3]>, plan: &Plan) {
-        self.count = 0;
-        for (i, &point_m) in pixels.clone().zip(&points_m.as_slice()[pixels]) {
-            if !point_m[2].is_nan() {
-                let k = self.count;
-                self.pixels[k] = i as u32;
-                self.heights_m[k] = plan.height_m(point_m);
-                self.places_m[k] = plan.place_m(point_m);
-                self.count += 1;
-            }
-        }
-    }
-
-    fn pixels(&self) -> &[u32] {
-        &self.pixels[..self.count]
-    }
-
-    fn heights_m(&self) -> &[f64] {
-        &self.heights_m[..self.count]
-    }
-
-    fn places_m(&self) -> &[DVec2] {
-        &self.places_m[..self.count]
-    }
-
-    /// Pushes the outline of its region out to where it reaches. Most pieces lie inside, and the box around them tells: rounding
-    /// keeps the order of products and sums, so nothing of a piece reaches farther than the box.
-    fn push_out(&self, reach_m: &mut [f64; DIRECTIONS], directions: &[DVec2; DIRECTIONS]) {
-        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        for &DVec2 { x, y } in self.places_m() {
-            // One instruction each, where `min` minds what is no number.
-            low.x = if x < low.x { x } else { low.x };
-            low.y = if y < low.y { y } else { low.y };
-            high.x = if x > high.x { x } else { high.x };
-            high.y = if y > high.y { y } else { high.y };
-        }
-        for (reach_m, way) in reach_m.iter_mut().zip(directions) {
-            let [x, y] = [[low.x * way.x, high.x * way.x], [low.y * way.y, high.y * way.y]];
-            if x[0].max(x[1]) + y[0].max(y[1]) > *reach_m {
-                let reached_m = self.places_m().iter().map(|place_m| place_m.dot(*way));
-                *reach_m = reached_m.fold(*reach_m, f64::max);
-            }
-        }
     }
 }
 
@@ -349,13 +243,14 @@ impl Piece {
 type Pixels<'a> = (&'a Raster<[f32; 3]>, &'a Raster<[f32; 3]>);
 
 /// What is seen of a thing.
-#[derive(Clone, Default)]
+#[derive(Default)]
 struct Look {
-    /// Of every point (m).
+    /// Every pixel, in scan order.
+    pixels: Vec<u32>,
+    /// Its height (m).
     heights_m: Vec<f64>,
     /// Neighbouring points in one cell of the plan view, and where they begin among the heights.
     runs: Vec<(Cell, u32)>,
-    depth_m: f64,
     normal: DVec3,
     normals: usize,
     tilted: Vec<Side>,
@@ -371,22 +266,20 @@ struct Side {
 }
 
 impl Look {
-    fn add(&mut self, piece: &Piece, points_m: &Raster<[f32; 3]>, normals: &Raster<[f32; 3]>, plan: &Plan) {
-        for (k, &place_m) in piece.places_m().iter().enumerate() {
+    fn add(&mut self, piece: &Piece, normals: &[[f32; 3]], plan: &Plan) {
+        for (k, place_m) in piece.places_m().enumerate() {
             let cell = Cell::at(place_m);
             if self.runs.last().is_none_or(|run| run.0 != cell) {
                 self.runs.push((cell, (self.heights_m.len() + k) as u32));
             }
         }
+        self.pixels.extend(piece.pixels());
         self.heights_m.extend(piece.heights_m());
         for (&pixel, &height_m) in piece.pixels().iter().zip(piece.heights_m()) {
             let normal = normals[pixel as usize];
-            self.depth_m += f64::from(points_m[pixel as usize][2]);
-            if normal == [0.0; 3] {
-                continue;
-            }
+            // Of no normal nothing is added.
             self.normal += Vec3::from(normal).as_dvec3();
-            self.normals += 1;
+            self.normals += usize::from(normal != [0.0; 3]);
             let upward = plan.upward(normal);
             if upward < TOP_FACE && upward.abs() > LEAST_TILT {
                 self.tilted.push(Side { pixel, upward, height_m });
@@ -451,35 +344,6 @@ fn area_m2(point_m: [f32; 3], normal: [f32; 3], space: &DisparitySpace) -> f64 {
     point.z * point.z * point.z / (camera.fx_px * camera.fy_px * point.length() * slant)
 }
 
-/// A cell of the plan view. In one number, so that many are sorted fast: by column, then by row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Cell(u64);
-
-impl Cell {
-    #[inline]
-    fn at(place_m: DVec2) -> Self {
-        let place = place_m / CELL_M;
-        Self::new(floor(place.x), floor(place.y))
-    }
-
-    #[inline]
-    fn new(x: i32, y: i32) -> Self {
-        let ascending = |x: i32| u64::from(x.wrapping_sub(i32::MIN) as u32);
-        Self(ascending(x) << 32 | ascending(y))
-    }
-
-    fn place(self) -> [i32; 2] {
-        [self.0 >> 32, self.0].map(|x| (x as u32 as i32).wrapping_add(i32::MIN))
-    }
-}
-
-/// The integer below, saturating: a conversion and a comparison, which a library's `floor` on the oldest x86-64 is not.
-#[inline]
-fn floor(x: f64) -> i32 {
-    let toward_zero = x as i32;
-    toward_zero.saturating_sub(i32::from(f64::from(toward_zero) > x))
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -487,26 +351,7 @@ mod tests {
     use super::*;
     use crate::objectness::gravity::UpSource;
 
-    #[test]
-    fn integers_below_are_those_of_the_library() {
-        let edges =
-            [0.0, -0.0, 0.5, -0.5, 2.0, -2.0, 1e300, -1e300, 2_147_483_647.5, -2_147_483_648.5, f64::NAN];
-        for x in edges.into_iter().chain([f64::INFINITY, f64::NEG_INFINITY]) {
-            assert_eq!(floor(x), x.floor() as i32, "{x}");
-        }
-    }
-
     proptest! {
-        #[test]
-        fn cells_are_in_the_order_of_columns_then_rows(
-            [a, b] in prop::array::uniform2(prop::array::uniform2(prop_oneof![
-                Just(i32::MIN), Just(i32::MAX), -3_i32..3, any::<i32>()
-            ])),
-        ) {
-            let [cell_a, cell_b] = [a, b].map(|[x, y]| Cell::new(x, y));
-            prop_assert_eq!((cell_a.place(), cell_a.cmp(&cell_b)), (a, a.cmp(&b)));
-        }
-
         /// Of every region: what its pixels reach, one by one.
         #[test]
         fn outlines_are_as_far_out_as_any_pixel(

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::objectness::body::{Bodies, Body};
+use crate::objectness::body::Bodies;
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
@@ -24,7 +24,7 @@ impl Foot {
 }
 
 /// The feet of all things: of what is level with their lowest visible part, each pixel below which, along gravity in
-/// the image, the first pixel of any region with depth within `reach_px` is not its own. O(pixels · `reach_px`).
+/// the image, the first pixel of any region with depth within `reach_px` is not its own. O(pixels of feet · `reach_px`).
 pub(crate) fn feet(
     regions: &Segments,
     points_m: &Raster<[f32; 3]>,
@@ -34,11 +34,8 @@ pub(crate) fn feet(
     let mut feet = vec![Foot::default(); regions.count()];
     let (width, height) = points_m.size();
     let reach = params.reach_px.min(width.max(height)) as i64;
-    // False without depth.
-    let is_foot = |i: usize, body: &Body| bodies.plan.height_m(points_m[i]) < body.foot_m + body.level_m;
-    let things = regions.runs().filter(|&(_, region)| region >= bodies.planes.len());
-    let pixels = things.flat_map(|(run, region)| run.map(move |i| (i, region)));
-    for (i, region) in pixels.filter(|&(i, region)| is_foot(i, &bodies.all[region])) {
+    let feet_of = |thing: usize| bodies.all[thing].foot.iter().map(move |&i| (i as usize, thing));
+    for (i, region) in bodies.things().flat_map(feet_of) {
         let Some(step) = bodies.plan.step_down(points_m[i]) else { continue };
         let pixel = |t: i64| {
             let [u, v] = [(i % width) as i64 + t * step[0], (i / width) as i64 + t * step[1]];

@@ -1,13 +1,14 @@
 //! How things meet: where on either the contact lies, against gravity.
 
 use std::collections::BTreeMap;
+use std::ops::AddAssign;
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use crate::objectness::body::Bodies;
+use crate::objectness::plan::Plan;
 use crate::raster::Raster;
-use crate::regions::{SegmentId, Segments};
+use crate::regions::Segments;
 
 /// What carries goes on below what it carries: so far (m) behind the line of contact, which is all that is seen of a foot.
 pub(crate) const UNDER_M: f64 = 0.03;
@@ -29,55 +30,90 @@ pub(crate) struct Meeting {
 
 /// How every two regions that touch meet, by (lower, upper), either way; planes are never the upper one.
 ///
-/// `touching`: the pixels in contact. The foot is what is level with the lowest visible part. O(pairs of pixels · log of pairs);
-/// parallel over pairs of regions.
+/// `touching`: the pixels in contact, best with those that share the second one after the other. The foot is what is level with
+/// the lowest visible part. O(pairs of pixels + changes from one pair of regions to another · log of them).
 pub(crate) fn meetings(
-    touching: &[(usize, usize)],
+    touching: &[(u32, u32)],
     regions: &Segments,
     points_m: &Raster<[f32; 3]>,
     bodies: &Bodies<'_>,
 ) -> BTreeMap<(usize, usize), Meeting> {
-    let either_way = touching.iter().flat_map(|&(i, j)| [(i, j), (j, i)]);
-    let by_region = |(upper, lower)| Some(((regions.at(lower)?, regions.at(upper)?), (upper, lower)));
-    let mut pairs: Vec<_> = either_way.filter_map(by_region).collect();
-    pairs.retain(|((_, upper), _)| upper.index() >= bodies.planes.len());
-    // In their order within a pair of regions.
-    pairs.sort_by_key(|&(regions, _)| regions);
-    let meetings: Vec<_> = pairs.chunk_by(|a, b| a.0 == b.0).collect();
-    let meeting = |pairs: &[(_, (usize, usize))]| {
-        let (lower, upper): (SegmentId, SegmentId) = pairs[0].0;
-        let [lower, upper] = [lower, upper].map(SegmentId::index);
-        let mut meeting = Meeting::default();
-        pairs.iter().for_each(|&(_, pixels)| meeting.add(lower, upper, pixels, points_m, bodies));
-        ((lower, upper), meeting)
-    };
-    meetings.into_par_iter().map(meeting).collect()
+    let labels = regions.labels().as_slice();
+    let spot = |i: u32| Spot::of(points_m[i as usize], &bodies.plan);
+    let mut meetings: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
+    let pair = |&(first, second): &(u32, u32)| (labels[first as usize], labels[second as usize]);
+    for touching in touching.chunk_by(|x, y| pair(x) == pair(y)) {
+        let [a, b] = <[_; 2]>::from(pair(&touching[0])).map(|label| label as usize);
+        let [a_stands, b_stands] = [a, b].map(|region| region >= bodies.planes.len());
+        let (mut a_upon_b, mut b_upon_a) = (Meeting::default(), Meeting::default());
+        for touching in touching.chunk_by(|x, y| x.1 == y.1) {
+            let mut second = spot(touching[0].1);
+            for &(first, _) in touching {
+                let mut first = spot(first);
+                if a_stands {
+                    a_upon_b.add((b, &mut second), (a, &first), bodies);
+                }
+                if b_stands {
+                    b_upon_a.add((a, &mut first), (b, &second), bodies);
+                }
+            }
+        }
+        for (pair, meeting, stands) in [((b, a), a_upon_b, a_stands), ((a, b), b_upon_a, b_stands)] {
+            if stands {
+                *meetings.entry(pair).or_default() += meeting;
+            }
+        }
+    }
+    meetings
+}
+
+/// A point in contact.
+struct Spot {
+    height_m: f64,
+    place_m: DVec2,
+    /// Whether its region ends there upwards, for the region whose point it was last asked for.
+    is_end: Option<bool>,
+}
+
+impl Spot {
+    fn of(point_m: [f32; 3], plan: &Plan) -> Self {
+        Self { height_m: plan.height_m(point_m), place_m: plan.place_m(point_m), is_end: None }
+    }
+}
+
+impl AddAssign for Meeting {
+    fn add_assign(&mut self, other: Self) {
+        self.on += other.on;
+        self.under += other.under;
+        self.foot += other.foot;
+        self.side += other.side;
+        self.side_way_m += other.side_way_m;
+    }
 }
 
 impl Meeting {
-    /// Adds two points in contact: the pixels of the upper and of the lower region.
+    /// Adds two points in contact: those of the lower and of the upper region.
     fn add(
         &mut self,
-        of_lower: usize,
-        of_upper: usize,
-        (upper, lower): (usize, usize),
-        points_m: &Raster<[f32; 3]>,
+        (of_lower, lower): (usize, &mut Spot),
+        (of_upper, upper): (usize, &Spot),
         bodies: &Bodies<'_>,
     ) {
-        let plan = &bodies.plan;
-        let [at_m, below_m] = [upper, lower].map(|k| points_m[k]);
-        let (height_m, body) = (plan.height_m(at_m), &bodies.all[of_upper]);
-        if height_m > body.foot_m + body.level_m {
+        let body = &bodies.all[of_upper];
+        if upper.height_m > body.foot_m + body.level_m {
             self.side += 1;
-            self.side_way_m += plan.place_m(below_m) - body.middle_m;
+            self.side_way_m += lower.place_m - body.middle_m;
             return;
         }
         self.foot += 1;
-        let is_level = (height_m - plan.height_m(below_m)).abs() <= body.level_m;
-        if is_level && bodies.ends_at(of_lower, below_m, body.level_m) {
+        let is_level = (upper.height_m - lower.height_m).abs() <= body.level_m;
+        let mut is_end = || {
+            let ends = || bodies.ends_at(of_lower, lower.place_m, lower.height_m + body.level_m);
+            *lower.is_end.get_or_insert_with(ends)
+        };
+        if is_level && is_end() {
             self.on += 1;
-            let place_m = plan.place_m(at_m);
-            let behind_m = place_m + UNDER_M * place_m.normalize_or_zero();
+            let behind_m = upper.place_m + UNDER_M * upper.place_m.normalize_or_zero();
             self.under += u32::from(bodies.holds(of_lower, behind_m));
         }
     }

@@ -7,6 +7,7 @@
 
 mod body;
 mod bottoms;
+mod cell;
 pub mod check;
 mod clusters;
 pub mod compactness;
@@ -25,6 +26,8 @@ mod occlusion;
 mod outcome;
 pub mod outline;
 pub mod parts;
+mod piece;
+mod plan;
 mod rim;
 pub mod size;
 pub mod support;

@@ -19,42 +19,27 @@ pub fn contacts(
     points_m: &Raster<[f32; 3]>,
     params: &params::Contact,
 ) -> RegionGraph<u32> {
-    // In whatever order they are counted.
-    let pairs = pairs_at_changes(segments, points_m, params).into_iter();
-    let regions =
-        pairs.filter_map(|(way, q)| Some((segments.at(way as usize / WAYS)?, segments.at(q as usize)?)));
+    let pairs = touching_pairs(segments, points_m, params).into_iter();
+    let regions = pairs.filter_map(|(p, q)| Some((segments.at(p as usize)?, segments.at(q as usize)?)));
     RegionGraph::from_pairs(segments.count(), regions)
 }
 
-/// The pairs that [`contacts`] counts, in scan order. O(pixels + pairs log pairs).
+/// The pairs that [`contacts`] counts, change by change: those with one second pixel and one way to it follow each other.
+///
+/// Where a walk meets another region the label changes, so only changes are looked at: what lies ahead of one is what the pixels
+/// of the same label before it meet. O(pixels + changes · `reach_px`).
 pub(crate) fn touching_pairs(
     segments: &Segments,
     points_m: &Raster<[f32; 3]>,
     params: &params::Contact,
-) -> Vec<(usize, usize)> {
-    let mut pairs = pairs_at_changes(segments, points_m, params);
-    pairs.sort_unstable();
-    pairs.into_iter().map(|(way, q)| (way as usize / WAYS, q as usize)).collect()
-}
-
-/// The same pairs change by change: the first pixel and the direction to the other, as one number that is in scan order, and the
-/// other.
-///
-/// Where a walk meets another region the label changes, so only changes are looked at: what lies ahead of one is what the pixels
-/// of the same label before it meet. O(pixels + changes · `reach_px`).
-fn pairs_at_changes(
-    segments: &Segments,
-    points_m: &Raster<[f32; 3]>,
-    params: &params::Contact,
-) -> Vec<(u64, u32)> {
+) -> Vec<(u32, u32)> {
     let labels = segments.labels().as_slice();
     let (width, height) = segments.labels().size();
-    let is_measured = |i: usize| !points_m[i][2].is_nan();
-    let is_near =
-        |p: usize, q: usize| Vec3::from(points_m[p]).distance(Vec3::from(points_m[q])) < params.distance_m;
+    let &params::Contact { reach_px, distance_m } = params;
     let mut pairs = Vec::new();
-    for i in changes(segments) {
-        let (own, u, v) = (labels[i], i % width, i / width);
+    for (u, v) in changes(segments) {
+        let i = v * width + u;
+        let own = labels[i];
         let (right, down, left) = (width - 1 - u, height - 1 - v, u);
         let ways: [_; WAYS] = [
             (1, right, left),
@@ -62,27 +47,36 @@ fn pairs_at_changes(
             (width + 1, down.min(right), v.min(left)),
             (width - 1, down.min(left), v.min(right)),
         ];
-        for (way, (step, ahead, behind)) in ways.into_iter().enumerate() {
+        for (step, ahead, behind) in ways {
             if ahead == 0 || labels[i + step] == own {
                 continue;
             }
             let other = |t: &usize| {
-                let j = i + t * step;
-                labels[j] >= 0 && labels[j] != own && is_measured(j)
+                let label = labels[i + t * step];
+                label >= 0 && label != own && !points_m[i + t * step][2].is_nan()
             };
-            let Some(t) = (1..=ahead.min(params.reach_px)).find(other) else { continue };
-            let same = (0..=behind.min(params.reach_px - t)).map(|k| i - k * step);
-            let same = same.take_while(|&p| labels[p] == own).filter(|&p| is_measured(p));
-            let near = same.filter(|&p| is_near(p, i + t * step));
-            pairs.extend(near.map(|p| ((WAYS * p + way) as u64, (i + t * step) as u32)));
+            let Some(t) = (1..=ahead.min(reach_px)).find(other) else { continue };
+            let q = i + t * step;
+            let met = Vec3::from(points_m[q]);
+            for k in 0..=behind.min(reach_px - t) {
+                let p = i - k * step;
+                if labels[p] != own {
+                    break;
+                }
+                let point = Vec3::from(points_m[p]);
+                // Most are too deep already; what is not measured is not near.
+                if (point.z - met.z).abs() < distance_m && point.distance(met) < distance_m {
+                    pairs.push((p as u32, q as u32));
+                }
+            }
         }
     }
     pairs
 }
 
-/// The pixels of a region next to which, to the right or below, is something else, and those at the edge of the image, in scan
-/// order. O(pixels).
-fn changes(segments: &Segments) -> Vec<usize> {
+/// The pixels of a region next to which, to the right or below, is something else, and those at the edge of the image, as
+/// column and row in scan order. O(pixels).
+fn changes(segments: &Segments) -> Vec<(usize, usize)> {
     let width = segments.labels().width();
     let mut rows = segments.labels().as_slice().chunks_exact(width).enumerate().peekable();
     let mut changes = Vec::new();
@@ -101,7 +95,7 @@ fn changes(segments: &Segments) -> Vec<usize> {
                 (right[k] != own) | (below[0][k] != own) | (below[1][k] != own) | (below[2][k] != own);
             marks_inner[k] = i32::from((own >= 0) & differs);
         }
-        changes.extend(marked(&marks).filter(|&u| own[u] >= 0).map(|u| v * width + u));
+        changes.extend(marked(&marks).filter(|&u| own[u] >= 0).map(|u| (u, v)));
     }
     changes
 }
