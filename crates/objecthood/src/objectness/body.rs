@@ -193,12 +193,7 @@ impl Body {
     ) -> Self {
         let (points_m, normals) = pixels;
         let (mut extent, mut look, mut piece) = (Extent::new(), Look::default(), Piece::new());
-        let mut body = Self::default();
         let mut survey = |piece: &mut Piece| {
-            let Some(&first) = piece.pixels().first() else { return };
-            if extent.size_px == 0 {
-                body.first = first as usize;
-            }
             piece.survey(plan, &mut extent);
             if is_thing {
                 look.add(piece, normals.as_slice(), plan);
@@ -215,13 +210,16 @@ impl Body {
             }
         }
         survey(&mut piece);
-        if extent.size_px > 0 {
-            body.reach_m = extent.reach_m;
-        }
-        body.size_px = extent.size_px;
-        body.mean_m = extent.mean_m();
-        body.middle_m = extent.middle_m();
-        body.level_m = space.step_m(LEVEL_QUANTA, extent.depth_m()).max(LEVEL_M);
+        let Some(first) = extent.first else { return Self::default() };
+        let mut body = Self {
+            first: first as usize,
+            size_px: extent.size_px,
+            mean_m: extent.mean_m(),
+            level_m: space.step_m(LEVEL_QUANTA, extent.depth_m()).max(LEVEL_M),
+            middle_m: extent.middle_m(),
+            reach_m: extent.reach_m,
+            ..Self::default()
+        };
         body.take(look, pixels, plan, space);
         body
     }

@@ -30,18 +30,24 @@ pub struct Outline {
     pub judged_m: f64,
 }
 
-/// What lies beyond one side of a pixel.
-enum Beyond {
-    Image,
-    /// Something at another depth.
-    Step {
-        is_nearer: bool,
-    },
-    /// Something else at the same depth, at the pixel with this index.
-    Touching {
-        pixel: usize,
-    },
+/// One side of a pixel beyond which its region does not go on.
+struct Side {
+    region: SegmentId,
+    end: End,
+    length_m: f64,
+    /// How much of it is the border of a thing, if that is judged.
+    clear_m: Option<f64>,
 }
+
+/// How a region ends there.
+enum End {
+    Own,
+    Hidden,
+    Cut,
+}
+
+/// Rows that are looked at together.
+const BAND_ROWS: usize = 64;
 
 struct View<'a> {
     regions: &'a Segments,
@@ -80,38 +86,43 @@ pub fn outlines(
         aside: space.length_px(ASIDE_PX),
     };
     let labels = regions.labels().as_slice();
-    let of_row = |v: usize| {
-        let row = |v: usize| &labels[v * width..(v + 1) * width];
-        let (own, above, below) = (row(v), row(v.saturating_sub(1)), row((v + 1).min(height - 1)));
-        // Within a region there is no outline; all pixels at the edge of the image may have one.
+    let row = |v: usize| &labels[v * width..(v + 1) * width];
+    let sides_in = |band: usize| {
+        let mut sides = Vec::new();
+        // All pixels at the edge of the image may have an outline, and so the first and the last of a row stay marked.
         let mut marks = vec![1; width];
         let inner = width.saturating_sub(2);
-        let (left, right) = (part(own, 0, inner), part(own, 2, inner));
-        let [above, own, below] = [above, own, below].map(|row| part(row, 1, inner));
-        let is_edge = v == 0 || v + 1 == height;
-        // Of slices of one length and without branches, so that many are told at once.
-        for (k, mark) in marks[1.min(width)..][..inner].iter_mut().enumerate() {
-            let label = own[k];
-            let differs = (left[k] ^ label) | (right[k] ^ label) | (above[k] ^ label) | (below[k] ^ label);
-            *mark = i32::from(label >= first as i32) & i32::from((differs != 0) | is_edge);
+        for v in band * BAND_ROWS..height.min((band + 1) * BAND_ROWS) {
+            let (own, above, below) = (row(v), row(v.saturating_sub(1)), row((v + 1).min(height - 1)));
+            let (left, right) = (part(own, 0, inner), part(own, 2, inner));
+            let [above, own, below] = [above, own, below].map(|row| part(row, 1, inner));
+            let is_edge = v == 0 || v + 1 == height;
+            // Of slices of one length and without branches, so that many are told at once.
+            for (k, mark) in marks[1.min(width)..][..inner].iter_mut().enumerate() {
+                let label = own[k];
+                let differs =
+                    (left[k] ^ label) | (right[k] ^ label) | (above[k] ^ label) | (below[k] ^ label);
+                *mark = i32::from(label >= first as i32) & i32::from((differs != 0) | is_edge);
+            }
+            marked(&marks).for_each(|u| view.sides(u, v, &mut sides));
         }
-        marked(&marks).flat_map(|u| view.sides(u, v)).collect()
+        sides
     };
-    let rows: Vec<Vec<(SegmentId, Outline)>> = (0..height).into_par_iter().map(of_row).collect();
+    let bands: Vec<Vec<Side>> = (0..height.div_ceil(BAND_ROWS)).into_par_iter().map(sides_in).collect();
     let mut outlines = vec![Outline::default(); regions.count()];
-    for (region, side) in rows.into_iter().flatten() {
-        outlines[region.index()].add(side);
+    for side in bands.into_iter().flatten() {
+        outlines[side.region.index()].add(&side);
     }
     outlines
 }
 
 impl View<'_> {
-    /// What the four sides of a pixel add to the outline of its region.
-    fn sides(&self, u: usize, v: usize) -> Vec<(SegmentId, Outline)> {
+    /// Adds those of the four sides of a pixel that are of the outline of its region.
+    fn sides(&self, u: usize, v: usize, sides: &mut Vec<Side>) {
         let (width, height) = self.regions.labels().size();
         let i = v * width + u;
         let is_asked = |region: &SegmentId| region.index() >= self.first && !self.points_m[i][2].is_nan();
-        let Some(region) = self.regions.at(i).filter(is_asked) else { return Vec::new() };
+        let Some(region) = self.regions.at(i).filter(is_asked) else { return };
         let camera = self.space.camera();
         let z_m = f64::from(self.points_m[i][2]);
         // A side of a pixel in a row is a piece of a column.
@@ -122,67 +133,57 @@ impl View<'_> {
             (height - 1 - v, width as isize, wide_m),
             (v, -(width as isize), wide_m),
         ];
-        let side = |(room, step, length_m): (usize, isize, f64)| {
-            let beyond = self.beyond(i, region, room, step)?;
-            Some((region, self.side(i, step, &beyond, length_m)))
-        };
-        directions.into_iter().filter_map(side).collect()
+        sides.extend(directions.into_iter().filter_map(|(room, step, length_m)| {
+            let (end, clear_m) = self.side(i, region, room, step, length_m)?;
+            Some(Side { region, end, length_m, clear_m })
+        }));
     }
 
-    /// What lies beyond a side; `None` when the region goes on there or nothing is seen.
-    fn beyond(&self, i: usize, region: SegmentId, room: usize, step: isize) -> Option<Beyond> {
+    /// How the region of pixel `i` ends on one side, and how clearly; `None` when it goes on there or nothing is seen.
+    fn side(
+        &self,
+        i: usize,
+        region: SegmentId,
+        room: usize,
+        step: isize,
+        length_m: f64,
+    ) -> Option<(End, Option<f64>)> {
+        let own_m = f64::from(self.points_m[i][2]);
         for t in 1..=self.reach {
             if t > room {
-                return Some(Beyond::Image);
+                return Some((End::Cut, None));
             }
             let j = i.checked_add_signed(step * t as isize)?;
             if self.regions.at(j) == Some(region) {
                 return None;
             }
             let z_m = f64::from(self.points_m[j][2]);
-            if !z_m.is_nan() {
-                let own_m = f64::from(self.points_m[i][2]);
-                let is_step = (z_m - own_m).abs() > self.space.step_m(STEP_QUANTA, own_m.min(z_m));
-                return Some(if is_step {
-                    Beyond::Step { is_nearer: z_m < own_m }
-                } else {
-                    Beyond::Touching { pixel: j }
-                });
+            if z_m.is_nan() {
+                continue;
             }
+            if (z_m - own_m).abs() > self.space.step_m(STEP_QUANTA, own_m.min(z_m)) {
+                return Some((if z_m < own_m { End::Hidden } else { End::Own }, Some(length_m)));
+            }
+            let clear_m = || {
+                let fold = Fold {
+                    angle_deg: fold_angle_deg(self.surface(i, -step)?, self.surface(j, step)?),
+                    length_m,
+                };
+                Some((length_m - fold.vote_m(self.params)) / 2.0)
+            };
+            return Some((End::Own, clear_m()));
         }
         None
-    }
-
-    fn side(&self, i: usize, step: isize, beyond: &Beyond, length_m: f64) -> Outline {
-        match *beyond {
-            Beyond::Image => Outline { cut_m: length_m, ..Outline::default() },
-            Beyond::Step { is_nearer } => {
-                let seen = Outline { clear_m: length_m, judged_m: length_m, ..Outline::default() };
-                if is_nearer {
-                    Outline { hidden_m: length_m, ..seen }
-                } else {
-                    Outline { own_m: length_m, ..seen }
-                }
-            }
-            Beyond::Touching { pixel } => {
-                let own = Outline { own_m: length_m, ..Outline::default() };
-                let surfaces = [self.surface(i, -step), self.surface(pixel, step)];
-                let [Some(a), Some(b)] = surfaces else { return own };
-                let fold = Fold { angle_deg: fold_angle_deg(a, b), length_m };
-                let clear_m = (length_m - fold.vote_m(self.params)) / 2.0;
-                Outline { clear_m, judged_m: length_m, ..own }
-            }
-        }
     }
 
     /// Point and normal some pixels away from the border within the region of `i`; nearer when the region is narrow.
     fn surface(&self, i: usize, step: isize) -> Option<(DVec3, DVec3)> {
         let own = self.regions.at(i);
-        let along = (0..=self.aside).map_while(|t| {
-            let j = i.checked_add_signed(step * t as isize).filter(|&j| j < self.points_m.len())?;
-            (self.regions.at(j) == own).then_some(j)
-        });
-        let j = along.filter(|&j| self.normals[j] != [0.0; 3] && !self.points_m[j][2].is_nan()).last()?;
+        let along = |t: usize| i.checked_add_signed(step * t as isize).filter(|&j| j < self.points_m.len());
+        let is_own = |&t: &usize| along(t).is_some_and(|j| self.regions.at(j) == own);
+        let width = (0..=self.aside).take_while(is_own).count();
+        let is_known = |&j: &usize| self.normals[j] != [0.0; 3] && !self.points_m[j][2].is_nan();
+        let j = (0..width).rev().filter_map(along).find(is_known)?;
         let [point, normal] = [self.points_m[j], self.normals[j]].map(|p| DVec3::from(p.map(f64::from)));
         Some((point, normal))
     }
@@ -200,12 +201,17 @@ impl Outline {
         if all_m > 0.0 { (self.own_m / all_m) as f32 } else { 1.0 }
     }
 
-    fn add(&mut self, other: Self) {
-        self.own_m += other.own_m;
-        self.hidden_m += other.hidden_m;
-        self.cut_m += other.cut_m;
-        self.clear_m += other.clear_m;
-        self.judged_m += other.judged_m;
+    fn add(&mut self, side: &Side) {
+        let length_m = match side.end {
+            End::Own => &mut self.own_m,
+            End::Hidden => &mut self.hidden_m,
+            End::Cut => &mut self.cut_m,
+        };
+        *length_m += side.length_m;
+        if let Some(clear_m) = side.clear_m {
+            self.clear_m += clear_m;
+            self.judged_m += side.length_m;
+        }
     }
 }
 

@@ -25,6 +25,8 @@ pub(crate) struct Piece {
 
 /// Sums over the points of a region, and how far it reaches.
 pub(crate) struct Extent {
+    /// Its first pixel.
+    pub(crate) first: Option<u32>,
     pub(crate) size_px: usize,
     height_m: [f64; LANES],
     depth_m: [f64; LANES],
@@ -37,7 +39,7 @@ impl Extent {
     pub(crate) fn new() -> Self {
         let none = [0.0; LANES];
         let reach_m = [f64::NEG_INFINITY; DIRECTIONS];
-        Self { size_px: 0, height_m: none, depth_m: none, place_m: [none; 2], reach_m }
+        Self { first: None, size_px: 0, height_m: none, depth_m: none, place_m: [none; 2], reach_m }
     }
 
     fn mean(&self, sums: &[f64; LANES]) -> f64 {
@@ -80,21 +82,24 @@ impl Piece {
         self.count == PIECE_PX
     }
 
-    /// Takes from the front of these pixels those for which there is room; what is not measured is left out.
+    /// Takes from the front of these pixels those for which there is room.
     pub(crate) fn take(&mut self, pixels: &mut Range<usize>, points_m: &[[f32; 3]]) {
         let (first, taken) = (pixels.start, pixels.len().min(PIECE_PX - self.count));
         pixels.start += taken;
-        let points_m = &points_m[first..][..taken];
         let own = self.count..self.count + taken;
-        if points_m.iter().fold(true, |all, point_m| all & !point_m[2].is_nan()) {
-            self.points_m[own.clone()].copy_from_slice(points_m);
-            self.pixels[own].iter_mut().zip(first as u32..).for_each(|(own, i)| *own = i);
-            self.count += taken;
-            return;
-        }
-        for (i, point_m) in (first as u32..).zip(points_m).filter(|(_, point_m)| !point_m[2].is_nan()) {
-            (self.pixels[self.count], self.points_m[self.count]) = (i, *point_m);
-            self.count += 1;
+        self.points_m[own.clone()].copy_from_slice(&points_m[first..][..taken]);
+        self.pixels[own].iter_mut().zip(first as u32..).for_each(|(own, i)| *own = i);
+        self.count += taken;
+    }
+
+    /// Leaves out what is not measured.
+    fn keep_measured(&mut self) {
+        let taken = std::mem::take(&mut self.count);
+        for k in 0..taken {
+            if !self.points_m[k][2].is_nan() {
+                (self.pixels[self.count], self.points_m[self.count]) = (self.pixels[k], self.points_m[k]);
+                self.count += 1;
+            }
         }
     }
 
@@ -113,23 +118,34 @@ impl Piece {
         x.iter().zip(y).take(self.count).map(|(&x, &y)| DVec2::new(x, y))
     }
 
-    /// Finds out where its points are and adds them to what is known of the region. There is at least one.
+    /// Finds out where its points are, without those that are not measured, and adds them to what is known of the region.
     pub(crate) fn survey(&mut self, plan: &Plan, extent: &mut Extent) {
+        let points_m = &self.points_m[..self.count];
+        let is_whole = vectorized(
+            #[inline(always)]
+            || points_m.iter().fold(true, |all, point_m| all & !point_m[2].is_nan()),
+        );
+        if !is_whole {
+            self.keep_measured();
+        }
+        let Some(&first) = self.pixels().first() else { return };
+        extent.first.get_or_insert(first);
+        extent.size_px += self.count;
         // What is not there is where the first is.
         let first_m = self.points_m[0];
         self.points_m[self.count..].fill(first_m);
-        extent.size_px += self.count;
         vectorized(
             #[inline(always)]
             || {
                 let Self { count, points_m, heights_m, places_m: [x_m, y_m], .. } = self;
+                let mut depths_m = [0.0; PIECE_PX];
                 for k in 0..PIECE_PX {
                     let point = Vec3::from(points_m[k]).as_dvec3();
                     heights_m[k] = plan.up.dot(point);
                     x_m[k] = plan.across[0].dot(point);
                     y_m[k] = plan.across[1].dot(point);
+                    depths_m[k] = point.z;
                 }
-                let depths_m = points_m.map(|point_m| f64::from(point_m[2]));
                 add(&mut extent.height_m, &heights_m[..*count]);
                 add(&mut extent.depth_m, &depths_m[..*count]);
                 add(&mut extent.place_m[0], &x_m[..*count]);
