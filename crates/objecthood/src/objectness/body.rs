@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::objectness::cell::{CELL_M, Cell};
+use crate::objectness::cell::{CELL_M, Cell, Cells};
 use crate::objectness::gravity::{StructurePlane, Up};
 use crate::objectness::piece::{Extent, Piece};
 use crate::objectness::plan::{DIRECTIONS, FORESHORTENED, Plan};
@@ -24,8 +24,6 @@ pub(crate) const SECTORS: usize = 12;
 const FOOT_SHARE: f64 = 0.02;
 /// Its top is this share from below.
 const TOP_SHARE: f64 = 0.98;
-/// The height of a cell is this share of its heights from below.
-const CELL_SHARE: f64 = 0.8;
 /// A face whose normal has more than this along up (25 degrees from level) is a top, not a side.
 const TOP_FACE: f64 = 0.9;
 /// Sides of a flat thing are tilted alike up to this (sine; 9 degrees, the noise of normals of small faces).
@@ -62,8 +60,8 @@ pub(crate) struct Body {
     pub(crate) middle_m: DVec2,
     /// How far it reaches in the plan view in each of the directions of its outline (m).
     reach_m: [f64; DIRECTIONS],
-    /// Of a thing, how high it is cell by cell (m), in the order of cells.
-    cells: Vec<(Cell, f64)>,
+    /// Of a thing, how high it is cell by cell.
+    cells: Cells,
     /// Of a thing, the pixels of what is level with its lowest visible part.
     pub(crate) foot: Vec<u32>,
     /// Which way its sides lean, if they are one flat face that is tilted.
@@ -136,14 +134,7 @@ impl<'a> Bodies<'a> {
 
     /// How high a thing is seen at a place and about 1 cm around it (m).
     pub(crate) fn top_near_m(&self, region: usize, place_m: DVec2) -> Option<f64> {
-        let [x, y] = Cell::at(place_m).place();
-        let cells = &self.all[region].cells;
-        let column = |x: i32| {
-            let first = cells.partition_point(|of_cell| of_cell.0 < Cell::new(x, y.saturating_sub(1)));
-            cells[first..].iter().take_while(move |of_cell| of_cell.0 <= Cell::new(x, y.saturating_add(1)))
-        };
-        let around = [x.saturating_sub(1), x, x.saturating_add(1)].into_iter().flat_map(column);
-        around.map(|of_cell| of_cell.1).reduce(f64::max)
+        self.all[region].cells.top_near_m(place_m)
     }
 
     /// How long a region is in the plan view (m), along the longest of [`DIRECTIONS`].
@@ -226,13 +217,13 @@ impl Body {
 
     /// What follows from all that is seen of it.
     fn take(&mut self, look: Look, pixels: Pixels<'_>, plan: &Plan, space: &DisparitySpace) {
-        self.cells = look.cells();
         let mut heights_m = look.heights_m.clone();
         self.foot_m = element_at(&mut heights_m, FOOT_SHARE);
         self.top_m = element_at(&mut heights_m, TOP_SHARE);
         let is_foot = |&(_, height_m): &(&u32, &f64)| *height_m < self.foot_m + self.level_m;
         self.foot = look.pixels.iter().zip(&look.heights_m).filter(is_foot).map(|(&i, _)| i).collect();
         self.normal = look.normal / look.normals.max(1) as f64;
+        self.cells = Cells::new(look.heights_m, &look.runs);
         self.tilt = Tilt::of(&look.tilted, self.size_px, pixels, plan, space);
     }
 }
@@ -284,24 +275,6 @@ impl Look {
             }
         }
     }
-
-    /// The height of every cell (m). O(points + runs · log of them).
-    fn cells(&self) -> Vec<(Cell, f64)> {
-        let ends = self.runs[1.min(self.runs.len())..].iter().map(|run| run.1);
-        let ends = ends.chain([self.heights_m.len() as u32]);
-        let mut runs: Vec<(Cell, Range<u32>)> =
-            self.runs.iter().zip(ends).map(|(&(cell, start), end)| (cell, start..end)).collect();
-        runs.sort_unstable_by_key(|run| run.0);
-        let mut heights_m = Vec::new();
-        let height = |runs: &[(Cell, Range<u32>)]| {
-            heights_m.clear();
-            for (_, run) in runs {
-                heights_m.extend(&self.heights_m[run.start as usize..run.end as usize]);
-            }
-            (runs[0].0, element_at(&mut heights_m, CELL_SHARE))
-        };
-        runs.chunk_by(|a, b| a.0 == b.0).map(height).collect()
-    }
 }
 
 impl Tilt {
@@ -347,6 +320,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::objectness::cell::CELL_SHARE;
     use crate::objectness::gravity::UpSource;
 
     proptest! {
@@ -379,7 +353,7 @@ mod tests {
                     (cell, heights_m[(CELL_SHARE * heights_m.len() as f64) as usize])
                 });
                 prop_assert_eq!(
-                    body.cells.iter().map(|(cell, height_m)| (cell.place(), *height_m)).collect::<Vec<_>>(),
+                    body.cells.iter().map(|(cell, height_m)| (cell.place(), height_m)).collect::<Vec<_>>(),
                     cells.collect::<Vec<_>>()
                 );
                 for (reach_m, way) in body.reach_m.iter().zip(plan.directions) {

@@ -1,9 +1,16 @@
 //! Cells of the plan view.
 
+use std::ops::Range;
+use std::sync::OnceLock;
+
 use glam::DVec2;
+
+use crate::oversegment::structure::element_at;
 
 /// Side of a cell of the plan view (m): half the distance of contact, so that what is in contact is in neighbouring cells.
 pub(crate) const CELL_M: f64 = 0.01;
+/// The height of a cell is this share of its heights from below.
+pub(crate) const CELL_SHARE: f64 = 0.8;
 
 /// A cell of the plan view. In one number, so that many are sorted fast: by column, then by row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,6 +31,63 @@ impl Cell {
 
     pub(crate) fn place(self) -> [i32; 2] {
         [self.0 >> 32, self.0].map(|x| (x as u32 as i32).wrapping_add(i32::MIN))
+    }
+}
+
+/// How high a region is, cell by cell. Few cells are asked about, so each is looked at when it is.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cells {
+    /// Of every point (m).
+    heights_m: Vec<f64>,
+    /// Points that follow each other and are in one cell, in the order of cells.
+    runs: Vec<(Cell, Range<u32>)>,
+    /// Where the runs of each cell are, and its height (m) once it is known; in the order of cells.
+    all: Vec<(Cell, Range<u32>, OnceLock<f64>)>,
+}
+
+impl Cells {
+    /// Of points at these heights, and of where among them a run of points in one cell begins. O(runs · log of them).
+    pub(crate) fn new(heights_m: Vec<f64>, starts: &[(Cell, u32)]) -> Self {
+        let ends = starts.iter().skip(1).map(|run| run.1).chain([heights_m.len() as u32]);
+        let mut runs: Vec<(Cell, Range<u32>)> =
+            starts.iter().zip(ends).map(|(&(cell, start), end)| (cell, start..end)).collect();
+        runs.sort_unstable_by_key(|run| run.0);
+        let mut all: Vec<(Cell, Range<u32>, OnceLock<f64>)> = Vec::new();
+        for (k, (cell, _)) in (0..).zip(&runs) {
+            match all.last_mut() {
+                Some((last, runs, _)) if last == cell => runs.end = k + 1,
+                _ => all.push((*cell, k..k + 1, OnceLock::new())),
+            }
+        }
+        Self { heights_m, runs, all }
+    }
+
+    /// How high it is at a place and about 1 cm around it (m); `None` where there is nothing of it.
+    pub(crate) fn top_near_m(&self, place_m: DVec2) -> Option<f64> {
+        let [x, y] = Cell::at(place_m).place();
+        let column = |x: i32| {
+            let first = self.all.partition_point(|of_cell| of_cell.0 < Cell::new(x, y.saturating_sub(1)));
+            let last = Cell::new(x, y.saturating_add(1));
+            (first..self.all.len()).take_while(move |&k| self.all[k].0 <= last)
+        };
+        let around = [x.saturating_sub(1), x, x.saturating_add(1)].into_iter().flat_map(column);
+        around.map(|k| self.height_m(k)).reduce(f64::max)
+    }
+
+    /// The cells, in their order, with their heights (m).
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (Cell, f64)> + '_ {
+        (0..self.all.len()).map(|k| (self.all[k].0, self.height_m(k)))
+    }
+
+    fn height_m(&self, k: usize) -> f64 {
+        let (_, runs, height_m) = &self.all[k];
+        *height_m.get_or_init(|| {
+            let runs = &self.runs[runs.start as usize..runs.end as usize];
+            let heights_m =
+                runs.iter().flat_map(|(_, run)| &self.heights_m[run.start as usize..run.end as usize]);
+            let mut heights_m: Vec<f64> = heights_m.copied().collect();
+            element_at(&mut heights_m, CELL_SHARE)
+        })
     }
 }
 

@@ -4,8 +4,6 @@ use std::collections::{BTreeMap, VecDeque};
 use std::ops::AddAssign;
 use std::sync::OnceLock;
 
-use glam::{DVec3, Vec3};
-
 use crate::facets::Facets;
 use crate::objectness::history::{Event, Miss, Source};
 use crate::objectness::join::{Join, JoinedPart};
@@ -13,9 +11,10 @@ use crate::objectness::objects::pixel_box;
 use crate::oversegment::structure::{StructureSurface, element_at};
 use crate::oversegment::watershed::neighbours;
 use crate::params;
-use crate::raster::{Raster, marked};
+use crate::raster::{Raster, marked, places};
 use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::shapes::contraction::Shapes;
+use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 
 /// What stage 4 looks at besides the clusters: it stays as it is.
@@ -284,9 +283,11 @@ impl<'a> Clusters<'a> {
     pub(crate) fn top_m(&self, id: SegmentId, support: &StructureSurface) -> f64 {
         let cluster = self.get(id);
         *cluster.top_m.get_or_init(|| {
-            let every_other = cluster.pixels.iter().step_by(2);
-            let mut heights: Vec<f64> =
-                every_other.map(|&i| self.scene.height_m(i as usize, support)).collect();
+            let every_other = || cluster.pixels.iter().step_by(2).map(|&i| i as usize);
+            let Scene { disparity, space, .. } = self.scene;
+            let at = places(every_other(), disparity.width()).map(|(u, v)| [u as f64, v as f64]);
+            let seen = at.zip(every_other().map(|i| f64::from(disparity[i])));
+            let mut heights: Vec<f64> = seen.map(|(at, d)| support.height_m(at, d, space)).collect();
             element_at(&mut heights, TOP_SHARE)
         })
     }
@@ -321,26 +322,47 @@ impl Scene<'_> {
         }
         let step = (pixels.len() / CONVEXITY_SAMPLES).max(1);
         let sampled = pixels.iter().map(|&i| i as usize).skip(step / 2).step_by(step);
-        let samples: Vec<(DVec3, DVec3)> = sampled
-            .filter(|&i| self.normals[i] != [0.0; 3])
-            .map(|i| {
-                let at = position(i, self.disparity.width());
-                let point = self.space.point_m(at, f64::from(self.disparity[i]));
-                (point, Vec3::from(self.normals[i]).as_dvec3())
-            })
-            .collect();
+        let mut samples: [Vec<f64>; 6] = Default::default();
+        for i in sampled.filter(|&i| self.normals[i] != [0.0; 3]) {
+            let at = position(i, self.disparity.width());
+            let point = self.space.point_m(at, f64::from(self.disparity[i]));
+            let [x, y, z] = self.normals[i].map(f64::from);
+            let sample = [point.x, point.y, point.z, x, y, z];
+            samples.iter_mut().zip(sample).for_each(|(all, x)| all.push(x));
+        }
         let (mut sum, mut pairs) = (0.0, 0);
-        for (k, (x, n)) in samples.iter().enumerate() {
-            for (y, m) in &samples[k + 1..] {
-                let apart = *x - *y;
-                if apart.length_squared() >= CONVEXITY_APART_M2 {
-                    sum += apart.dot(*n - *m) / apart.length();
-                    pairs += 1;
-                }
-            }
+        let mut turns = vec![0.0; samples[0].len()];
+        for k in 0..samples[0].len() {
+            let own = samples.each_ref().map(|all| all[k]);
+            let others = samples.each_ref().map(|all| &all[k + 1..]);
+            let turns = &mut turns[k + 1..];
+            pairs += turns_apart(own, others, turns);
+            // In this order; of what is near nothing is added.
+            sum = turns.iter().fold(sum, |sum, turn| sum + turn);
         }
         if pairs == 0 { 0.0 } else { sum / f64::from(pairs) }
     }
+}
+
+/// How much the normals of a point and of others turn apart along the way between them, 0 where that is short; how many are not.
+/// Points and normals by coordinates.
+fn turns_apart([x, y, z, nx, ny, nz]: [f64; 6], others: [&[f64]; 6], turns: &mut [f64]) -> u32 {
+    vectorized(
+        #[inline(always)]
+        || {
+            let [xs, ys, zs, nxs, nys, nzs] = others.map(|all| &all[..turns.len()]);
+            let mut pairs = 0;
+            for (k, turn) in turns.iter_mut().enumerate() {
+                let (dx, dy, dz) = (x - xs[k], y - ys[k], z - zs[k]);
+                let squared = dx * dx + dy * dy + dz * dz;
+                let along = dx * (nx - nxs[k]) + dy * (ny - nys[k]) + dz * (nz - nzs[k]);
+                let is_apart = squared >= CONVEXITY_APART_M2;
+                *turn = if is_apart { along / squared.sqrt() } else { 0.0 };
+                pairs += u32::from(is_apart);
+            }
+            pairs
+        },
+    )
 }
 
 /// How any two clusters lie to each other; region 0 is the background, region k + 1 is cluster k. Neighbours in a row or column

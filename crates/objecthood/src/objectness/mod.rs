@@ -30,6 +30,7 @@ mod piece;
 mod plan;
 mod rim;
 pub mod size;
+mod spread;
 pub mod support;
 #[cfg(test)]
 mod testing;

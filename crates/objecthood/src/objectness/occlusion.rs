@@ -9,9 +9,11 @@ use crate::objectness::check::{Bound, Check, Checks};
 use crate::objectness::clusters::Clusters;
 use crate::objectness::history::{Event, Miss, Rule, Source};
 use crate::objectness::join::{Continuation, Join, JoinEvidence};
+use crate::objectness::spread::{Sample, Spread, Turned};
 use crate::params;
 use crate::random::Lcg;
-use crate::regions::{SegmentId, Segments};
+use crate::raster::places;
+use crate::regions::SegmentId;
 use crate::surface::disparity::position;
 use crate::surface::moments::{length, solve};
 use crate::union_find::UnionFind;
@@ -36,6 +38,8 @@ const RIDGE: f64 = 1e-6;
 const CURVED_RATIO: f64 = 1.3;
 /// Beyond so many times a tolerance nothing else is looked at.
 const HOPELESS: f64 = 2.0;
+/// Rounding turns no surface by as much.
+const ROUNDING_DEG: f64 = 0.01;
 /// Lines of sight through the gap.
 const LINES: usize = 60;
 /// What is farther than the surface in the gap by so many quanta is seen through it; nearer by so many, hides it.
@@ -62,7 +66,10 @@ pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params
         return;
     }
     let pieces = pieces(clusters);
-    let gap = Gap { clusters, params };
+    let hopeless_deg = HOPELESS * params.angle_deg + ROUNDING_DEG;
+    let hopeless_cosine =
+        if hopeless_deg < 180.0 { libm::cos(hopeless_deg.to_radians()) } else { f64::NEG_INFINITY };
+    let gap = Gap { clusters, params, hopeless_cosine };
     let looks: Vec<Look> = pieces
         .par_iter()
         .enumerate()
@@ -96,9 +103,6 @@ pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params
     }));
 }
 
-/// A place and the disparity there (quanta).
-type Sample = ([f64; 2], f64);
-
 /// A facet that something may cut.
 struct Piece {
     /// Its label.
@@ -109,6 +113,7 @@ struct Piece {
     centroid: [f64; 2],
     /// Column, row and disparity of some of them, evenly spaced.
     samples: Vec<Sample>,
+    spread: Spread,
     /// Share of its pixels in each cell of colour; empty without colour.
     colors: Vec<f64>,
 }
@@ -138,19 +143,18 @@ fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
         if pixels.len() < least_px || share < FACET_SHARE {
             return None;
         }
-        let sum = pixels.iter().fold([0.0; 2], |[x, y], &i| {
-            let [u, v] = position(i as usize, scene.disparity.width());
-            [x + u, y + v]
-        });
+        let at = places(pixels.iter().map(|&i| i as usize), scene.disparity.width());
+        let sum = at.fold([0.0; 2], |[x, y], (u, v)| [x + u as f64, y + v as f64]);
         let centroid = sum.map(|sum| sum / pixels.len() as f64);
         let sample = |q: usize| {
             let i = pixels[q * pixels.len() / SAMPLES] as usize;
             (position(i, scene.disparity.width()), f64::from(scene.disparity[i]))
         };
-        let samples = (0..SAMPLES).map(sample).collect();
+        let samples: Vec<Sample> = (0..SAMPLES).map(sample).collect();
+        let spread = Spread::of(&samples);
         let colors = scene.color.map(|color| histogram(&pixels, |i| color[i])).unwrap_or_default();
         let facet = SegmentId((facets.structure + free) as u32);
-        Some(Piece { facet, cluster, pixels, centroid, samples, colors })
+        Some(Piece { facet, cluster, pixels, centroid, samples, spread, colors })
     };
     pixels.into_iter().enumerate().filter_map(judge).collect()
 }
@@ -187,6 +191,14 @@ impl Along {
     /// Pixels with their disparities in this frame.
     fn take(&self, samples: &[Sample]) -> Vec<Sample> {
         samples.iter().map(|&(at, d)| (self.coordinates(at), d - self.origin)).collect()
+    }
+
+    /// The plane through samples that spread like this, but for rounding what [`Surface::fit`] finds from all of them. O(1).
+    fn plane(&self, spread: &Spread) -> Surface<3> {
+        let Turned { mean: [s, t, d], products: [ss, st, tt, sd, td] } =
+            spread.turned(self.middle, self.axis, self.origin);
+        let matrix = [[1.0 + RIDGE, s, t], [s, ss + RIDGE, st], [t, st, tt + RIDGE]];
+        Surface { weights: solve(matrix, [d, sd, td]) }
     }
 
     /// Slope of a surface in the image (quanta/px) from that in this frame.
@@ -308,6 +320,8 @@ impl Look {
 struct Gap<'a> {
     clusters: &'a Clusters<'a>,
     params: &'a params::Occlusion,
+    /// Of an angle that is hopeless even if it is measured with rounding.
+    hopeless_cosine: f64,
 }
 
 impl Gap<'_> {
@@ -357,11 +371,19 @@ impl Gap<'_> {
             axis: apart.map(|x| x / (length_px * length_px)),
             origin: f64::from(scene.disparity[a.pixels[0] as usize]),
         };
+        let slope = |surface: &Surface<3>| along.slope([surface.weights[1], surface.weights[2]]);
+        let normal = |surface: &Surface<3>| {
+            space.normal(along.middle, along.origin + surface.weights[0], slope(surface))
+        };
+        // Most are not alike at all, which their spread tells.
+        let [rough_a, rough_b] = [a, b].map(|piece| normal(&along.plane(&piece.spread)));
+        if rough_a.dot(rough_b) < self.hopeless_cosine {
+            return None;
+        }
         let [of_a, of_b] = [a, b].map(|piece| along.take(&piece.samples));
         let flat = [&of_a, &of_b].map(|samples| Surface::<3>::fit(samples.iter()));
-        let slopes = flat.each_ref().map(|surface| along.slope([surface.weights[1], surface.weights[2]]));
-        let normals: [DVec3; 2] =
-            [0, 1].map(|k| space.normal(along.middle, along.origin + flat[k].weights[0], slopes[k]));
+        let slopes = flat.each_ref().map(slope);
+        let normals: [DVec3; 2] = flat.each_ref().map(normal);
         let angle_deg = libm::acos(normals[0].dot(normals[1]).clamp(-1.0, 1.0)).to_degrees();
         if angle_deg > HOPELESS * most_deg {
             return None;
@@ -443,7 +465,8 @@ impl Gap<'_> {
     fn look(&self, a: &Piece, b: &Piece, surface: impl Fn([f64; 2]) -> f64) -> Option<Seen> {
         let scene = self.clusters.scene;
         let width = scene.disparity.width();
-        let labels: &Segments = &scene.facets.segments;
+        let (labels, disparity) = (scene.facets.segments.labels().as_slice(), scene.disparity.as_slice());
+        let [own_a, own_b] = [a, b].map(|piece| piece.facet.0 as i32);
         let mut random = Lcg::new(777);
         let lines = [(); LINES].map(|()| {
             let ends = [a, b].map(|piece| piece.pixels[random.below(piece.pixels.len())] as usize);
@@ -451,13 +474,12 @@ impl Gap<'_> {
         });
         let most = lines.iter().map(|line| line.steps).sum::<usize>() as f64;
         let (mut through, mut on, mut hidden) = (0_u32, 0_u32, 0_u32);
-        let mut before = vec![0_u32; labels.count()];
+        let mut before = vec![0_u32; scene.facets.segments.count()];
         for line in lines {
             for [u, v] in line {
                 let i = v * width + u;
-                let facet = labels.at(i);
-                let d = f64::from(scene.disparity[i]);
-                if facet == Some(a.facet) || facet == Some(b.facet) || d.is_nan() {
+                let (label, d) = (labels[i], f64::from(disparity[i]));
+                if (label == own_a) | (label == own_b) | d.is_nan() {
                     continue;
                 }
                 let expected = surface([u as f64, v as f64]);
@@ -465,13 +487,15 @@ impl Gap<'_> {
                     through += 1;
                     continue;
                 }
-                let free = facet.and_then(|facet| facet.index().checked_sub(scene.facets.structure));
-                let cluster = free.and_then(|free| self.clusters.of_facet(free));
-                if d <= expected + HIDDEN_QUANTA || cluster == Some(a.cluster) || cluster == Some(b.cluster) {
+                let facet = usize::try_from(label).ok();
+                let free = facet.and_then(|facet| facet.checked_sub(scene.facets.structure));
+                let cluster = || free.and_then(|free| self.clusters.of_facet(free));
+                let is_own = || cluster().is_some_and(|cluster| cluster == a.cluster || cluster == b.cluster);
+                if d <= expected + HIDDEN_QUANTA || is_own() {
                     on += 1;
                 } else {
                     hidden += 1;
-                    facet.into_iter().for_each(|facet| before[facet.index()] += 1);
+                    facet.into_iter().for_each(|facet| before[facet] += 1);
                 }
             }
             let too_much = f64::from(through) > HOPELESS * SEEN_THROUGH_SHARE * most;
@@ -490,6 +514,8 @@ impl Gap<'_> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::objectness::testing::{Table, named, single};
 
@@ -542,6 +568,23 @@ mod tests {
                 |t: usize| [0, 1].map(|k| (from[k] as f64 + reach[k] * t as f64 / steps).round() as usize);
             let expected: Vec<_> = (1..steps as usize).map(nearest).collect();
             assert_eq!(Line::between([from, to]).collect::<Vec<_>>(), expected, "to {to:?}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_plane_by_spread_is_that_of_all_samples(
+            samples in prop::collection::vec((prop::array::uniform2(0.0_f64..640.0), 100.0_f64..900.0), 3..40),
+            axis in prop::array::uniform2(-0.1_f64..0.1),
+            middle in prop::array::uniform2(0.0_f64..640.0),
+        ) {
+            let along = Along { middle, axis, origin: samples[0].1 };
+            let expected = Surface::<3>::fit(along.take(&samples).iter());
+            let got = along.plane(&Spread::of(&samples));
+            for at in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] {
+                let (got, expected) = (got.value(at), expected.value(at));
+                prop_assert!((got - expected).abs() <= 1e-6 * expected.abs().max(1.0), "{} {}", got, expected);
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::facets::Facets;
 use crate::params;
-use crate::raster::Raster;
+use crate::raster::{Raster, marked};
 use crate::regions::{RegionGraph, SegmentId};
 use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
@@ -57,6 +57,10 @@ const TORN_RIDGE_SHARE: f64 = 0.5;
 /// Every other pair of pixels is looked at, so each stands for two.
 const PAIRS_PER_SAMPLE: f64 = 2.0;
 
+/// Marks of a pixel next to which another facet lies.
+const RIGHT: i32 = 1;
+const BELOW: i32 = 2;
+
 /// One look at a border.
 struct Sample {
     look: Look,
@@ -79,24 +83,32 @@ pub fn borders(
     let (width, height) = disparity.size();
     let border = Border { facets, disparity, space, params, radius: space.length_px(params.radius_px) };
     let labels = facets.segments.labels().as_slice();
+    let row = |v: usize| &labels[v * width..(v + 1) * width];
+    let is_border = |a: i32, b: i32| i32::from((a != b) & (a >= 0) & (b >= 0));
     // Horizontal pairs on odd rows, vertical pairs in odd columns.
-    let look = |v: usize| {
-        let own = &labels[v * width..(v + 1) * width];
-        let right = if v % 2 == 1 { &own[1..] } else { &[] };
-        let below = labels.get((v + 1) * width..(v + 2) * width).unwrap_or_default();
+    let look = |marks: &mut Vec<i32>, v: usize| {
+        let (own, below) = (row(v), row((v + 1).min(height - 1)));
+        for (u, (mark, (own, below))) in (0..).zip(marks.iter_mut().zip(own.iter().zip(below))) {
+            *mark = BELOW * (is_border(*own, *below) & u & 1);
+        }
+        if v % 2 == 1 {
+            for (mark, (own, right)) in marks.iter_mut().zip(own.iter().zip(&own[1..])) {
+                *mark |= RIGHT * is_border(*own, *right);
+            }
+        }
         let mut samples = Vec::new();
-        for (u, label) in own.iter().enumerate() {
+        for u in marked(marks) {
             let i = v * width + u;
-            if right.get(u).is_some_and(|right| right != label) {
+            if marks[u] & RIGHT != 0 {
                 samples.extend(border.sample(i, i + 1));
             }
-            if u % 2 == 1 && below.get(u).is_some_and(|below| below != label) {
+            if marks[u] & BELOW != 0 {
                 samples.extend(border.sample(i, i + width));
             }
         }
         samples
     };
-    let rows: Vec<Vec<_>> = (0..height).into_par_iter().map(look).collect();
+    let rows: Vec<Vec<_>> = (0..height).into_par_iter().map_init(|| vec![0; width], look).collect();
     let add = |evidence: &mut BorderEvidence, Sample { look, gaps }| {
         match look {
             Look::Fold(fold) => evidence.folds.push(fold),
