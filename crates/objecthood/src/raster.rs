@@ -113,21 +113,6 @@ impl<T> std::ops::Index<usize> for Raster<T> {
     }
 }
 
-/// Column and row of each of some pixels of an image of this width. In scan order few divisions find them.
-pub(crate) fn places(
-    pixels: impl Iterator<Item = usize>,
-    width: usize,
-) -> impl Iterator<Item = (usize, usize)> {
-    let (mut v, mut row) = (0, 0..0);
-    pixels.map(move |i| {
-        if !row.contains(&i) {
-            v = i / width;
-            row = v * width..(v + 1) * width;
-        }
-        (i - row.start, v)
-    })
-}
-
 /// The places of the marks that are not 0, in ascending order. Few are: stretches without any are passed over at once.
 pub(crate) fn marked(marks: &[i32]) -> impl Iterator<Item = usize> + '_ {
     const STRETCH: usize = 16;
@@ -155,14 +140,6 @@ mod tests {
         ) {
             let expected: Vec<usize> = (0..marks.len()).filter(|&u| marks[u] != 0).collect();
             prop_assert_eq!(marked(&marks).collect::<Vec<_>>(), expected);
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn places_are_columns_and_rows(pixels in prop::collection::vec(0_usize..60, 0..40), width in 1_usize..9) {
-            let expected: Vec<_> = pixels.iter().map(|i| (i % width, i / width)).collect();
-            prop_assert_eq!(places(pixels.into_iter(), width).collect::<Vec<_>>(), expected);
         }
     }
 

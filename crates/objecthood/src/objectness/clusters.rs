@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::ops::AddAssign;
 use std::sync::OnceLock;
 
+use glam::{DVec3, Vec3};
+
 use crate::facets::Facets;
 use crate::objectness::history::{Event, Miss, Source};
 use crate::objectness::join::{Join, JoinedPart};
@@ -11,10 +13,9 @@ use crate::objectness::objects::pixel_box;
 use crate::oversegment::structure::{StructureSurface, element_at};
 use crate::oversegment::watershed::neighbours;
 use crate::params;
-use crate::raster::{Raster, marked, places};
+use crate::raster::{Raster, marked};
 use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::shapes::contraction::Shapes;
-use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 
 /// What stage 4 looks at besides the clusters: it stays as it is.
@@ -283,11 +284,9 @@ impl<'a> Clusters<'a> {
     pub(crate) fn top_m(&self, id: SegmentId, support: &StructureSurface) -> f64 {
         let cluster = self.get(id);
         *cluster.top_m.get_or_init(|| {
-            let every_other = || cluster.pixels.iter().step_by(2).map(|&i| i as usize);
-            let Scene { disparity, space, .. } = self.scene;
-            let at = places(every_other(), disparity.width()).map(|(u, v)| [u as f64, v as f64]);
-            let seen = at.zip(every_other().map(|i| f64::from(disparity[i])));
-            let mut heights: Vec<f64> = seen.map(|(at, d)| support.height_m(at, d, space)).collect();
+            let every_other = cluster.pixels.iter().step_by(2);
+            let mut heights: Vec<f64> =
+                every_other.map(|&i| self.scene.height_m(i as usize, support)).collect();
             element_at(&mut heights, TOP_SHARE)
         })
     }
@@ -322,102 +321,84 @@ impl Scene<'_> {
         }
         let step = (pixels.len() / CONVEXITY_SAMPLES).max(1);
         let sampled = pixels.iter().map(|&i| i as usize).skip(step / 2).step_by(step);
-        let mut samples: [Vec<f64>; 6] = Default::default();
-        for i in sampled.filter(|&i| self.normals[i] != [0.0; 3]) {
-            let at = position(i, self.disparity.width());
-            let point = self.space.point_m(at, f64::from(self.disparity[i]));
-            let [x, y, z] = self.normals[i].map(f64::from);
-            let sample = [point.x, point.y, point.z, x, y, z];
-            samples.iter_mut().zip(sample).for_each(|(all, x)| all.push(x));
-        }
+        let samples: Vec<(DVec3, DVec3)> = sampled
+            .filter(|&i| self.normals[i] != [0.0; 3])
+            .map(|i| {
+                let at = position(i, self.disparity.width());
+                let point = self.space.point_m(at, f64::from(self.disparity[i]));
+                (point, Vec3::from(self.normals[i]).as_dvec3())
+            })
+            .collect();
         let (mut sum, mut pairs) = (0.0, 0);
-        let mut turns = vec![0.0; samples[0].len()];
-        for k in 0..samples[0].len() {
-            let own = samples.each_ref().map(|all| all[k]);
-            let others = samples.each_ref().map(|all| &all[k + 1..]);
-            let turns = &mut turns[k + 1..];
-            pairs += turns_apart(own, others, turns);
-            // In this order; of what is near nothing is added.
-            sum = turns.iter().fold(sum, |sum, turn| sum + turn);
+        for (k, (x, n)) in samples.iter().enumerate() {
+            for (y, m) in &samples[k + 1..] {
+                let apart = *x - *y;
+                if apart.length_squared() >= CONVEXITY_APART_M2 {
+                    sum += apart.dot(*n - *m) / apart.length();
+                    pairs += 1;
+                }
+            }
         }
         if pairs == 0 { 0.0 } else { sum / f64::from(pairs) }
     }
 }
 
-/// How much the normals of a point and of others turn apart along the way between them, 0 where that is short; how many are not.
-/// Points and normals by coordinates.
-fn turns_apart([x, y, z, nx, ny, nz]: [f64; 6], others: [&[f64]; 6], turns: &mut [f64]) -> u32 {
-    vectorized(
-        #[inline(always)]
-        || {
-            let [xs, ys, zs, nxs, nys, nzs] = others.map(|all| &all[..turns.len()]);
-            let mut pairs = 0;
-            for (k, turn) in turns.iter_mut().enumerate() {
-                let (dx, dy, dz) = (x - xs[k], y - ys[k], z - zs[k]);
-                let squared = dx * dx + dy * dy + dz * dz;
-                let along = dx * (nx - nxs[k]) + dy * (ny - nys[k]) + dz * (nz - nzs[k]);
-                let is_apart = squared >= CONVEXITY_APART_M2;
-                *turn = if is_apart { along / squared.sqrt() } else { 0.0 };
-                pairs += u32::from(is_apart);
-            }
-            pairs
-        },
-    )
-}
-
 /// How any two clusters lie to each other; region 0 is the background, region k + 1 is cluster k. Neighbours in a row or column
-/// are those with nothing but holes between them, and only where labels change there are two. O(pixels + border pixels ·
-/// (24 + log of them)).
+/// are those with nothing but holes between them. O(pixels + border pixels · log of them).
 fn lie_of_clusters(scene: &Scene<'_>, shapes: &Shapes) -> RegionGraph<Borders> {
+    /// What was seen last in a row or column: the region, and where.
+    #[derive(Clone, Copy)]
+    struct Last {
+        region: u32,
+        pixel: usize,
+    }
     let Facets { segments, structure, .. } = scene.facets;
-    let labels = segments.labels().as_slice();
     let width = segments.labels().width();
     let Steps { touch_quanta, level_quanta } = scene.steps;
     let reach = scene.space.length_px(REACH_PX);
-    let region =
-        |facet: i32| (facet as usize).checked_sub(*structure).map_or(0, |shape| shapes.of_facet[shape] + 1);
-    let mut samples: Vec<(SegmentId, SegmentId, Borders)> = Vec::new();
-    // Of what a pixel meets in one direction, in which there are so many others.
-    let mut meet = |i: usize, step: usize, room: usize| {
-        let is_seen = |&apart: &usize| labels[i - apart * step] >= 0;
-        let Some(apart) = (1..=room.min(reach)).find(is_seen) else { return };
-        let j = i - apart * step;
-        let [a, b] = [j, i].map(|k| region(labels[k]));
-        if a == b {
+    let region = |facet: usize| facet.checked_sub(*structure).map_or(0, |shape| shapes.of_facet[shape] + 1);
+    let mut samples = Vec::new();
+    // Two regions that meet at pixels so many steps apart.
+    let mut meet = |a: Last, b: Last, apart: usize| {
+        if a.region == b.region || apart > reach {
             return;
         }
-        let rise = scene.disparity[j] - scene.disparity[i];
-        let rise = if a < b { rise } else { -rise };
+        let [d_a, d_b] = [a, b].map(|last| scene.disparity[last.pixel]);
+        let rise = if a.region < b.region { d_a - d_b } else { d_b - d_a };
         let borders = match (rise.abs(), apart) {
             (step, 1) if step <= touch_quanta => Borders { touch: 1, ..Default::default() },
             (step, _) if step <= level_quanta => Borders { level: 1, ..Default::default() },
             _ if rise > 0.0 => Borders { in_front: 1, ..Default::default() },
             _ => Borders { behind: 1, ..Default::default() },
         };
-        let (a, b) = (SegmentId(a.min(b)), SegmentId(a.max(b)));
-        // Along a border the same pair comes often in a row.
-        match samples.last_mut() {
-            Some((last_a, last_b, sum)) if (*last_a, *last_b) == (a, b) => *sum += borders,
-            _ => samples.push((a, b, borders)),
-        }
+        samples.push((SegmentId(a.region), SegmentId(b.region), borders));
     };
-    let mut changes = vec![0; width];
-    let mut above: &[i32] = &[];
-    for (v, own) in labels.chunks_exact(width).enumerate() {
-        // Of slices of one length and without branches, so that many are told at once.
-        for (change, (left, own)) in changes[1..].iter_mut().zip(own.iter().zip(&own[1..])) {
-            *change = i32::from((own != left) & (*own >= 0));
+    let mut left: Option<Last> = None;
+    // Column by column: the region, and the row.
+    let mut above: Vec<u32> = vec![NOTHING; width];
+    let mut row_of_above = vec![0; width];
+    for (run, facet) in segments.runs() {
+        let (own, v) = (region(facet), run.start / width);
+        let at = |pixel: usize| Last { region: own, pixel };
+        if let Some(left) = left.filter(|left| left.pixel / width == v) {
+            meet(left, at(run.start), run.start - left.pixel);
         }
-        marked(&changes).for_each(|u| meet(v * width + u, 1, u));
-        for (change, (above, own)) in changes.iter_mut().zip(above.iter().zip(own)) {
-            *change = i32::from((own != above) & (*own >= 0));
+        left = Some(at(run.end - 1));
+        let columns = run.start % width..run.start % width + run.len();
+        let lanes = above[columns.clone()].iter().zip(&row_of_above[columns.clone()]);
+        for ((u, i), (&region, &row)) in columns.clone().zip(run).zip(lanes) {
+            if region != own && region != NOTHING {
+                meet(Last { region, pixel: row * width + u }, at(i), v - row);
+            }
         }
-        marked(&changes).filter(|_| v > 0).for_each(|u| meet(v * width + u, width, v));
-        changes[0] = 0;
-        above = own;
+        above[columns.clone()].fill(own);
+        row_of_above[columns].fill(v);
     }
     RegionGraph::gather(shapes.count + 1, samples, |sum: &mut Borders, borders| *sum += borders)
 }
+
+/// Of no region.
+const NOTHING: u32 = u32::MAX;
 
 #[cfg(test)]
 mod tests {

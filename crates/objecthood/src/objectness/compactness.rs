@@ -15,33 +15,19 @@ struct Run {
     last: usize,
 }
 
-/// For every region from number `first` on the share of its convex hull in the image that is its own, in [0, 1]; 0 of the others and
-/// without pixels.
+/// For every region the share of its convex hull in the image that is its own, in [0, 1]; 0 without pixels. `pixels`: those of each
+/// region that are measured, in scan order.
 ///
 /// Pixels of the hull without depth, and those that show something nearer, by a step, than the region is beside them, do not count: behind them
 /// it may go on. The pixel of the region beside another is the last one before it in scan order, at the beginning of a row
 /// the first one in it. O(pixels + area of the hulls); parallel over regions.
 pub fn compactness(
     regions: &Segments,
-    first: usize,
+    pixels: &[Vec<usize>],
     points_m: &Raster<[f32; 3]>,
     space: &DisparitySpace,
 ) -> Vec<f32> {
     let width = regions.labels().width();
-    let mut runs: Vec<Vec<Run>> = vec![Vec::new(); regions.count()];
-    let mut own = vec![0_usize; regions.count()];
-    let is_measured = |i: &usize| !points_m[*i][2].is_nan();
-    for (mut run, region) in regions.runs().filter(|&(_, region)| region >= first) {
-        own[region] += run.clone().filter(is_measured).count();
-        let (Some(start), Some(end)) = (run.clone().find(is_measured), run.rfind(is_measured)) else {
-            continue;
-        };
-        let (v, start, end) = (start / width, start % width, end % width);
-        match runs[region].last_mut() {
-            Some(run) if run.v == v => run.last = end,
-            _ => runs[region].push(Run { v, first: start, last: end }),
-        }
-    }
     let z_m = |i: usize| f64::from(points_m[i][2]);
     let empty_in = |region: usize, runs: &[Run]| {
         let (mut empty, mut beside_m) = (0_usize, f64::NAN);
@@ -60,11 +46,24 @@ pub fn compactness(
         }
         empty
     };
-    let share = |(region, runs): (usize, &Vec<Run>)| {
-        let own = own[region] as f32;
-        if runs.is_empty() { 0.0 } else { own / (own + empty_in(region, runs) as f32) }
+    let share = |(region, pixels): (usize, &Vec<usize>)| {
+        let own = pixels.len() as f32;
+        if pixels.is_empty() { 0.0 } else { own / (own + empty_in(region, &rows(pixels, width)) as f32) }
     };
-    runs.par_iter().enumerate().map(share).collect()
+    pixels.par_iter().enumerate().map(share).collect()
+}
+
+/// From where to where pixels, which are in scan order, reach in each row. O(rows · log of the width).
+fn rows(mut pixels: &[usize], width: usize) -> Vec<Run> {
+    let mut runs = Vec::new();
+    while let Some(&first) = pixels.first() {
+        let v = first / width;
+        let (row, below) =
+            pixels.split_at(pixels[..width.min(pixels.len())].partition_point(|&i| i < (v + 1) * width));
+        runs.push(Run { v, first: first % width, last: row[row.len() - 1] % width });
+        pixels = below;
+    }
+    runs
 }
 
 /// The pixels whose centres lie in the convex hull of the runs' ends; `runs` by ascending row.
@@ -149,7 +148,10 @@ mod tests {
             let z = |level: u8| [0.8, 1.0, f32::NAN][usize::from(level)];
             let points = pixels.map(|&(_, level)| [0.0, 0.0, z(level)]);
             let regions = Segments::from_numbered(pixels.map(|&(region, _)| region), 3);
-            let got = compactness(&regions, 0, &points, &space);
+            let mut measured = vec![Vec::new(); 3];
+            let own = regions.members().filter(|&(i, _)| !points[i][2].is_nan());
+            own.for_each(|(i, region)| measured[region].push(i));
+            let got = compactness(&regions, &measured, &points, &space);
             for (region, got) in got.into_iter().enumerate() {
                 let is_measured = |i: &usize| !points[*i][2].is_nan();
                 let is_own = |i: &usize| regions.labels()[*i] == region as i32 && is_measured(i);

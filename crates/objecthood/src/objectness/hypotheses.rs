@@ -59,15 +59,15 @@ pub fn hypotheses(
     params: &Params,
 ) -> Vec<Hypothesis> {
     let Evidence { regions, points_m, normals, support, up, space } = *evidence;
-    let (outlines, compactness) = rayon::join(
-        || outlines(regions, first, points_m, normals, space, &params.contraction),
-        || compactness(regions, first, points_m, space),
-    );
-    let carried = support.carried();
     let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); regions.count()];
     for (run, region) in regions.runs().filter(|&(_, region)| region >= first) {
         pixels[region].extend(run.filter(|&i| !points_m[i][2].is_nan()));
     }
+    let (outlines, compactness) = rayon::join(
+        || outlines(regions, first, points_m, normals, space, &params.contraction),
+        || compactness(regions, &pixels, points_m, space),
+    );
+    let carried = support.carried();
     let judge = |(region, pixels): (usize, Vec<usize>)| {
         if pixels.len() < min_size_px.max(1) {
             return None;

@@ -6,7 +6,7 @@ use crate::discovery::{Object, ObjectId, PixelBox};
 use crate::error::{Error, Result};
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::support::{NodeId, SupportGraph};
-use crate::raster::{Raster, places};
+use crate::raster::Raster;
 use crate::regions::Segments;
 
 /// The objects, numbered 1.. by falling objectness, then falling pixel count, then first pixel; and the label image, 0 =
@@ -55,7 +55,7 @@ pub fn objects(
 /// The smallest upright rectangle around pixels, of which there is at least one.
 pub(crate) fn pixel_box(pixels: impl Iterator<Item = usize>, width: usize) -> PixelBox {
     let (mut left, mut right, mut top, mut bottom) = (usize::MAX, 0, usize::MAX, 0);
-    for (u, v) in places(pixels, width) {
+    for (u, v) in pixels.map(|i| (i % width, i / width)) {
         left = left.min(u);
         right = right.max(u);
         top = top.min(v);

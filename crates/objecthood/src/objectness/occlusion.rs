@@ -12,7 +12,6 @@ use crate::objectness::join::{Continuation, Join, JoinEvidence};
 use crate::objectness::spread::{Sample, Spread, Turned};
 use crate::params;
 use crate::random::Lcg;
-use crate::raster::places;
 use crate::regions::SegmentId;
 use crate::surface::disparity::position;
 use crate::surface::moments::{length, solve};
@@ -143,8 +142,10 @@ fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
         if pixels.len() < least_px || share < FACET_SHARE {
             return None;
         }
-        let at = places(pixels.iter().map(|&i| i as usize), scene.disparity.width());
-        let sum = at.fold([0.0; 2], |[x, y], (u, v)| [x + u as f64, y + v as f64]);
+        let sum = pixels.iter().fold([0.0; 2], |[x, y], &i| {
+            let [u, v] = position(i as usize, scene.disparity.width());
+            [x + u, y + v]
+        });
         let centroid = sum.map(|sum| sum / pixels.len() as f64);
         let sample = |q: usize| {
             let i = pixels[q * pixels.len() / SAMPLES] as usize;
