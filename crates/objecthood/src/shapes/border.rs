@@ -177,15 +177,28 @@ impl Columns {
 impl Sums {
     /// Adds columns, the first of which is at x.
     #[inline(always)]
-    fn add(&mut self, x: f64, columns: &Columns) {
-        for k in 0..LANES {
-            let x = x + k as f64;
-            let [n, y, yy] = [columns.n[k], columns.y[k], columns.yy[k]];
-            let terms = [x * n, y, columns.d[k], x * x * n, x * y, yy, x * columns.d[k], columns.yd[k]];
-            self.n += n as usize;
-            self.terms.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-        }
+    fn add(&mut self, x: f64, Columns { n, y, yy, d, yd }: &Columns) {
+        let x: [f64; LANES] = std::array::from_fn(|k| x + k as f64);
+        let times = |a: &[f64; LANES], b: &[f64; LANES]| std::array::from_fn(|k| a[k] * b[k]);
+        let xn = times(&x, n);
+        let terms = [&xn, y, d, &times(&x, &xn), &times(&x, y), yy, &times(&x, d), yd].map(total);
+        self.n += total(n) as usize;
+        self.terms.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
     }
+}
+
+/// The sum of all, by halves.
+#[inline(always)]
+fn total(values: &[f64; LANES]) -> f64 {
+    let mut sums = *values;
+    let mut half = LANES / 2;
+    while half > 0 {
+        for k in 0..half {
+            sums[k] += sums[k + half];
+        }
+        half /= 2;
+    }
+    sums[0]
 }
 
 /// The first values of a row; of a shorter one as many as there are, and then others.
