@@ -342,6 +342,13 @@ mod tests {
             for (region, body) in bodies.all.iter().enumerate() {
                 let own = || regions.members().filter(|&(i, r)| r == region && !points[i][2].is_nan()).map(|(i, _)| i);
                 prop_assert_eq!((body.size_px, body.first), (own().count(), own().next().unwrap_or(0)));
+                let mean = |value: &dyn Fn(usize) -> f64| own().map(value).sum::<f64>() / own().count().max(1) as f64;
+                prop_assert!((body.mean_m - mean(&|i| plan.height_m(points[i]))).abs() < 1e-9);
+                prop_assert!((body.middle_m.x - mean(&|i| plan.place_m(points[i]).x)).abs() < 1e-9);
+                prop_assert!((body.middle_m.y - mean(&|i| plan.place_m(points[i]).y)).abs() < 1e-9);
+                let is_foot = |&i: &usize| plan.height_m(points[i]) < body.foot_m + body.level_m;
+                let foot: Vec<u32> = own().filter(is_foot).map(|i| i as u32).collect();
+                prop_assert_eq!(&body.foot, &foot);
                 let mut cells: std::collections::BTreeMap<[i32; 2], Vec<f64>> = Default::default();
                 for i in own() {
                     let place = plan.place_m(points[i]) / CELL_M;

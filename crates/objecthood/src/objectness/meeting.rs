@@ -118,3 +118,48 @@ impl Meeting {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::objectness::gravity::{Up, UpSource};
+    use crate::params;
+    use crate::shapes::contact::touching_pairs;
+    use crate::testing::{kinect, raster};
+
+    proptest! {
+        /// Pair of points by pair of points, each asked for itself.
+        #[test]
+        fn meetings_are_those_of_single_pairs(
+            pixels in (2_usize..12, 2_usize..12)
+                .prop_flat_map(|size| raster(size, (-1_i32..4, prop::array::uniform3(0.0_f32..0.03)))),
+            direction in prop::array::uniform3(-1.0_f32..1.0),
+        ) {
+            let up = Vec3::from(direction).try_normalize().unwrap_or(Vec3::NEG_Y).to_array();
+            let up = Up { direction: up, source: UpSource::Camera };
+            let points = pixels.map(|&(_, [x, y, z])| [x, y, 1.0 + z]);
+            let regions = Segments::from_numbered(pixels.map(|pixel| pixel.0), 4);
+            let normals = points.map(|_| [0.0, 0.0, -1.0]);
+            let bodies = Bodies::new(&regions, &points, &normals, &[], &up, &kinect());
+            let touching = touching_pairs(&regions, &points, &params::Contact::default());
+            let mut expected: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
+            for (upper, lower) in touching.iter().flat_map(|&(i, j)| [(i, j), (j, i)]) {
+                let [of_upper, of_lower] = [upper, lower].map(|i| regions.at(i as usize).unwrap().index());
+                let [upper, mut lower] =
+                    [upper, lower].map(|i| Spot::of(points[i as usize], &bodies.plan));
+                let meeting = expected.entry((of_lower, of_upper)).or_default();
+                meeting.add((of_lower, &mut lower), (of_upper, &upper), &bodies);
+            }
+            let got = meetings(&touching, &regions, &points, &bodies);
+            prop_assert_eq!(got.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
+            for (got, expected) in got.values().zip(expected.values()) {
+                let counts = |meeting: &Meeting| [meeting.on, meeting.under, meeting.foot, meeting.side];
+                prop_assert_eq!(counts(got), counts(expected));
+                prop_assert!(got.side_way_m.distance(expected.side_way_m) < 1e-9);
+            }
+        }
+    }
+}
