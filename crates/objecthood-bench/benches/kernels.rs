@@ -73,7 +73,8 @@ fn context(c: &mut Criterion) {
     let oriented = orientation(&disparity, &fits, &space, &params.local_fit, workspace);
     let up = camera_up(&params.gravity);
     let planes = structure(&disparity, &fits, &oriented, &points, &space, up, &params.structure, workspace);
-    let links = Links::new(&disparity, &oriented.slope, &space, &params.watershed);
+    let links =
+        Links::new(&disparity, &oriented.slope, &planes.labels, &space, &params.watershed, workspace);
 
     let mut group = c.benchmark_group("context");
     group.sample_size(20);
@@ -98,17 +99,7 @@ fn context(c: &mut Criterion) {
         });
     });
     group.bench_function("watershed", |b| {
-        b.iter(|| {
-            watershed(
-                black_box(&disparity),
-                &fits,
-                &planes.labels,
-                &links,
-                &space,
-                &params.watershed,
-                workspace,
-            )
-        });
+        b.iter(|| watershed(black_box(&fits.residual), &links, &space, &params.watershed, workspace));
     });
     group.finish();
 }

@@ -151,9 +151,10 @@ pub(crate) fn context(
         workspace,
     );
     observer.observe(Stage::Structure(LabelMap::structure(&structure)));
-    let links = Links::new(&disparity, &orientation.slope, space, &params.watershed);
+    let links =
+        Links::new(&disparity, &orientation.slope, &structure.labels, space, &params.watershed, workspace);
     let (superpixels, planes) = rayon::join(
-        || watershed(&disparity, &fits, &structure.labels, &links, space, &params.watershed, workspace),
+        || watershed(&fits.residual, &links, space, &params.watershed, workspace),
         || structure.planes(&points),
     );
     observer.observe(Stage::Superpixels(LabelMap::superpixels(&structure, &superpixels)));
@@ -223,7 +224,8 @@ pub(crate) fn context(
     observer.observe(Stage::Objects(&discovery));
     workspace.keep(points);
     workspace.keep(disparity);
-    workspace.keep(fits);
+    fits.keep_in(workspace);
+    links.keep_in(workspace);
     workspace.keep(orientation.slope);
     workspace.keep(orientation.normal);
     workspace.keep(structure.labels);

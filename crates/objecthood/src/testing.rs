@@ -7,6 +7,7 @@ use crate::camera::Camera;
 use crate::params;
 use crate::raster::Raster;
 use crate::surface::disparity::DisparitySpace;
+use crate::surface::plane_fit::{PlaneFit, PlaneFits};
 
 /// The space of a Kinect: all lengths in pixels are as they are written.
 pub(crate) fn kinect() -> DisparitySpace {
@@ -35,4 +36,13 @@ pub(crate) fn raster<T: Clone + std::fmt::Debug + 'static>(
 /// A disparity in whole quanta, so that ties are common; one in six is missing.
 pub(crate) fn coarse_disparity() -> impl Strategy<Value = f32> + Clone {
     prop_oneof![1 => Just(f32::NAN), 5 => (200_u8..=208).prop_map(f32::from)]
+}
+
+/// These planes.
+pub(crate) fn plane_fits(fits: &Raster<PlaneFit>) -> PlaneFits {
+    PlaneFits {
+        value: fits.map(|fit| fit.value),
+        slope: [0, 1].map(|k| fits.map(|fit| fit.slope[k])),
+        residual: fits.map(|fit| fit.residual),
+    }
 }

@@ -7,7 +7,7 @@ use crate::method;
 use crate::observe::Observer;
 use crate::params::{Method, Params};
 use crate::raster::Raster;
-use crate::surface::plane_fit::{PlaneFit, Windows};
+use crate::surface::plane_fit::Windows;
 
 /// The images that stages write to, kept from one frame to the next; lists of regions and pixels are asked for anew.
 ///
@@ -35,9 +35,10 @@ pub struct Workspace {
     distances: Vec<Vec<i16>>,
     pixels: Vec<Vec<u32>>,
     keys: Vec<Vec<u64>>,
-    fits: Vec<Vec<PlaneFit>>,
     /// Of every band of rows its windows.
     pub(crate) windows: Vec<Windows>,
+    /// Of every level of a relief the pixels that are reached and not left yet.
+    pub(crate) floods: Vec<Vec<u32>>,
 }
 
 /// What there are buffers of.
@@ -64,8 +65,7 @@ shelves!(
     masks: u8,
     distances: i16,
     pixels: u32,
-    keys: u64,
-    fits: PlaneFit
+    keys: u64
 );
 
 impl Workspace {

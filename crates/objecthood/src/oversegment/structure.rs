@@ -17,7 +17,7 @@ use crate::regions::{Segments, runs};
 use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::moments::{Basis, Model, Moments, length};
-use crate::surface::plane_fit::PlaneFit;
+use crate::surface::plane_fit::PlaneFits;
 use crate::surface::window_choice::Orientation;
 use crate::workspace::Workspace;
 
@@ -126,7 +126,7 @@ impl Alike {
 #[expect(clippy::too_many_arguments, reason = "what was seen, how it was seen, and where to write")]
 pub fn structure(
     disparity: &Raster<f32>,
-    fits: &Raster<PlaneFit>,
+    fits: &PlaneFits,
     orientation: &Orientation,
     points_m: &Raster<[f32; 3]>,
     space: &DisparitySpace,
@@ -144,7 +144,7 @@ pub fn structure(
     let rows = (grid / 3..height).step_by(grid);
     let on_grid = rows.flat_map(|v| (grid / 3..width).step_by(grid).map(move |u| v * width + u));
     let mut pool: Vec<Sample> = on_grid
-        .filter(|&i| fits[i].is_some())
+        .filter(|&i| fits.at(i).is_some())
         .map(|i| Sample {
             at: position(i, width),
             disparity: f64::from(disparity[i]),

@@ -28,6 +28,38 @@ impl PlaneFit {
     }
 }
 
+/// The plane around every pixel; each of its numbers in an image of its own, so that many are read and written at once.
+#[derive(Clone, Debug)]
+pub struct PlaneFits {
+    /// As [`PlaneFit::value`].
+    pub value: Raster<f32>,
+    /// As [`PlaneFit::slope`]: along u, along v.
+    pub slope: [Raster<f32>; 2],
+    /// As [`PlaneFit::residual`].
+    pub residual: Raster<f32>,
+}
+
+impl PlaneFits {
+    /// The plane around the pixel with index `i`.
+    #[inline]
+    pub fn at(&self, i: usize) -> PlaneFit {
+        let slope = [self.slope[0][i], self.slope[1][i]];
+        PlaneFit { value: self.value[i], slope, residual: self.residual[i] }
+    }
+
+    /// Value, slope along u and v, residual.
+    #[inline(always)]
+    pub(crate) fn images(&self) -> [&Raster<f32>; 4] {
+        [&self.value, &self.slope[0], &self.slope[1], &self.residual]
+    }
+
+    /// Gives the buffers back.
+    pub(crate) fn keep_in(self, workspace: &mut Workspace) {
+        let [along_u, along_v] = self.slope;
+        [self.value, along_u, along_v, self.residual].into_iter().for_each(|image| workspace.keep(image));
+    }
+}
+
 /// A window with a smaller share of measured pixels has no fit.
 const LEAST_FILL: f64 = 0.4;
 /// Nor has one whose pixels lie in a line: determinant of their second moments (px^4).
@@ -49,23 +81,28 @@ type Sum = [f64; LANES];
 /// that lie in windows are taken term by term, for many windows side by side; those over windows slide down the rows.
 /// O(pixels · radius); differences of sums from the row's start would not depend on the radius, but each of those waits
 /// for the one before, and at a radius of 3 px that takes twice as long. Memory beside the result: for a tile only.
-pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize, workspace: &mut Workspace) -> Raster<PlaneFit> {
+pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize, workspace: &mut Workspace) -> PlaneFits {
     let (width, height) = disparity.size();
     let side = 2.0 * radius_px as f64 + 1.0;
+    let PlaneFit { value, slope: [a, b], residual } = PlaneFit::NONE;
+    let none = [value, a, b, residual];
+    let mut fits = none.map(|none| workspace.stale(disparity.len(), none));
     if LEAST_FILL * side * side > disparity.len() as f64 {
         // Not even the whole image would fill a window.
-        return disparity.with_data(workspace.filled(disparity.len(), PlaneFit::NONE));
+        fits.iter_mut().zip(none).for_each(|(image, none)| image.fill(none));
+    } else {
+        workspace.windows.resize_with(height.div_ceil(TILE), Windows::default);
+        let [values, a, b, residuals] = fits.each_mut().map(|image| image.par_chunks_mut(TILE * width));
+        let bands = values.zip(a).zip(b.zip(residuals)).zip(&mut workspace.windows);
+        bands.enumerate().for_each(|(band, (((values, a), (b, residuals)), windows))| {
+            vectorized(
+                #[inline(always)]
+                || fit_band(disparity, band * TILE, radius_px, windows, [values, a, b, residuals]),
+            );
+        });
     }
-    let mut fits = workspace.stale(disparity.len(), PlaneFit::NONE);
-    workspace.windows.resize_with(height.div_ceil(TILE), Windows::default);
-    let bands = fits.par_chunks_mut(TILE * width).zip(&mut workspace.windows);
-    bands.enumerate().for_each(|(band, (fits, windows))| {
-        vectorized(
-            #[inline(always)]
-            || fit_band(disparity, band * TILE, radius_px, windows, fits),
-        );
-    });
-    disparity.with_data(fits)
+    let [value, a, b, residual] = fits.map(|image| disparity.with_data(image));
+    PlaneFits { value, slope: [a, b], residual }
 }
 
 /// Fits the windows of the rows from `top` on, tile by tile.
@@ -75,7 +112,7 @@ fn fit_band(
     top: usize,
     radius: usize,
     windows: &mut Windows,
-    fits: &mut [PlaneFit],
+    mut fits: [&mut [f32]; 4],
 ) {
     let (width, height) = disparity.size();
     let row = |v: usize| if v < height { &disparity.as_slice()[v * width..][..width] } else { &[] };
@@ -85,9 +122,10 @@ fn fit_band(
         for v in top.saturating_sub(radius)..top + radius {
             windows.slide_down(v, row(v), left);
         }
-        for (v, fits) in (top..).zip(fits.chunks_mut(width)) {
+        for (k, v) in (top..height.min(top + TILE)).enumerate() {
             windows.slide_down(v + radius, row(v + radius), left);
-            windows.fit(&row(v)[tile.clone()], &mut fits[tile.clone()]);
+            let place = k * width + tile.start..k * width + tile.end;
+            windows.fit(&row(v)[tile.clone()], fits.each_mut().map(|image| &mut image[place.clone()]));
         }
     }
 }
@@ -165,20 +203,16 @@ impl Windows {
 
     /// Fits the windows around the measured pixels of a row of the tile.
     #[inline(always)]
-    fn fit(&self, disparity: &[f32], fits: &mut [PlaneFit]) {
+    fn fit(&self, disparity: &[f32], mut fits: [&mut [f32]; 4]) {
         let side = (2 * self.radius + 1) as f64;
-        let blocks = self.sums.iter().zip(disparity.chunks(LANES).zip(fits.chunks_mut(LANES)));
-        for (sums, (disparity, fits)) in blocks {
-            if disparity.iter().all(|d| d.is_nan()) {
-                fits.fill(PlaneFit::NONE);
-                continue;
-            }
+        let PlaneFit { value, slope: [a, b], residual } = PlaneFit::NONE;
+        for (block, (sums, disparity)) in self.sums.iter().zip(disparity.chunks(LANES)).enumerate() {
             let planes = sums.planes(LEAST_FILL * side * side);
-            for (lane, (fit, d)) in fits.iter_mut().zip(disparity).enumerate() {
-                let [value, a, b, residual] =
-                    [planes[0][lane], planes[1][lane], planes[2][lane], planes[3][lane]];
-                let plane = PlaneFit { value, slope: [a, b], residual };
-                *fit = if d.is_nan() { PlaneFit::NONE } else { plane };
+            for ((image, plane), none) in fits.iter_mut().zip(&planes).zip([value, a, b, residual]) {
+                let image = &mut image[block * LANES..];
+                for ((fit, plane), d) in image.iter_mut().zip(plane).zip(disparity) {
+                    *fit = if d.is_nan() { none } else { *plane };
+                }
             }
         }
     }
@@ -328,7 +362,7 @@ mod tests {
         ) {
             let fits = plane_fits(&disparity, radius, &mut Workspace::default());
             for i in 0..disparity.len() {
-                let (got, expected) = (fits[i], naive(&disparity, i, radius));
+                let (got, expected) = (fits.at(i), naive(&disparity, i, radius));
                 prop_assert_eq!(got.is_some(), expected.is_some(), "{}", i);
                 if expected.is_some() {
                     let off = [
@@ -352,11 +386,15 @@ mod tests {
             }),
             radius in 1_usize..=5,
         ) {
-            let mut scalar = vec![PlaneFit::NONE; disparity.len()];
-            for (band, fits) in scalar.chunks_mut(TILE * disparity.width()).enumerate() {
+            let mut scalar = [0; 4].map(|_| vec![f32::NAN; disparity.len()]);
+            let pixels: Vec<usize> = (0..disparity.len()).collect();
+            for (band, pixels) in pixels.chunks(TILE * disparity.width()).enumerate() {
+                let fits = scalar.each_mut().map(|image| &mut image[pixels[0]..][..pixels.len()]);
                 fit_band(&disparity, band * TILE, radius, &mut Windows::default(), fits);
             }
-            prop_assert_eq!(plane_fits(&disparity, radius, &mut Workspace::default()).into_vec(), scalar);
+            let PlaneFits { value, slope: [a, b], residual } =
+                plane_fits(&disparity, radius, &mut Workspace::default());
+            prop_assert_eq!([value, a, b, residual].map(Raster::into_vec), scalar);
         }
     }
 
@@ -365,7 +403,7 @@ mod tests {
     fn wide_windows_round_nothing_away() {
         let plane = |i: usize| 250.0 + 0.5 * (i % 200) as f32 - 0.25 * (i / 200) as f32;
         let disparity = Raster::from_vec(200, 200, (0..200 * 200).map(plane).collect()).unwrap();
-        let fit = plane_fits(&disparity, 90, &mut Workspace::default())[100 * 200 + 100];
+        let fit = plane_fits(&disparity, 90, &mut Workspace::default()).at(100 * 200 + 100);
         assert!(fit.residual < 1e-3 && fit.slope == [0.5, -0.25], "{fit:?}");
     }
 
@@ -373,7 +411,8 @@ mod tests {
     fn a_plane_is_its_own_fit() {
         let plane = |i: usize| 250.0 + 0.5 * (i % 20) as f32 - 0.25 * (i / 20) as f32;
         let disparity = Raster::from_vec(20, 16, (0..320).map(plane).collect()).unwrap();
-        for (i, fit) in plane_fits(&disparity, 3, &mut Workspace::default()).as_slice().iter().enumerate() {
+        let fits = plane_fits(&disparity, 3, &mut Workspace::default());
+        for (i, fit) in (0..320).map(|i| fits.at(i)).enumerate() {
             // In a corner a window has 16 of its 49 pixels.
             let near_corner = [i % 20, 19 - i % 20].iter().min() == Some(&0)
                 && [i / 20, 15 - i / 20].iter().min() == Some(&0);

@@ -6,7 +6,7 @@ use crate::params;
 use crate::raster::Raster;
 use crate::simd::vectorized;
 use crate::surface::disparity::DisparitySpace;
-use crate::surface::plane_fit::PlaneFit;
+use crate::surface::plane_fit::{PlaneFit, PlaneFits};
 use crate::workspace::Workspace;
 
 /// The surface at every pixel.
@@ -29,7 +29,7 @@ const OWN_PREFERENCE: f32 = 0.8;
 /// residual and misfit wins. Without the choice normals bend round at edges. O(9 pixels).
 pub fn orientation(
     disparity: &Raster<f32>,
-    fits: &Raster<PlaneFit>,
+    fits: &PlaneFits,
     space: &DisparitySpace,
     params: &params::LocalFit,
     workspace: &mut Workspace,
@@ -41,18 +41,29 @@ pub fn orientation(
     let mut normal = workspace.stale(disparity.len(), [0.0; 3]);
     slope.par_chunks_mut(width).zip(normal.par_chunks_mut(width)).enumerate().for_each(
         |(v, (slope, normal))| {
-            let row = v * width..(v + 1) * width;
-            let (measured, own) = (&disparity.as_slice()[row.clone()], &fits.as_slice()[row]);
+            let measured = &disparity.as_slice()[v * width..(v + 1) * width];
+            let own = &fits.residual.as_slice()[v * width..(v + 1) * width];
             vectorized(
                 #[inline(always)]
-                || speak_for_themselves(space, v, measured, own, limit, slope, normal),
+                || speak_for_themselves(space, v, measured, fits, limit, slope, normal),
             );
-            for (u, (d, own)) in measured.iter().zip(own).enumerate() {
-                if !d.is_nan()
-                    && own.residual >= limit
-                    && let Some(j) = best_window([u, v], *d, fits, reach)
-                {
-                    (slope[u], normal[u]) = turned(space, [j % width, j / width], &fits[j]);
+            for (left, (measured, own)) in
+                (0..).step_by(STRETCH).zip(measured.chunks(STRETCH).zip(own.chunks(STRETCH)))
+            {
+                let is_open = |(d, residual): (&f32, &f32)| !d.is_nan() & (*residual >= limit);
+                if !measured.iter().zip(own).fold(false, |any, pixel| any | is_open(pixel)) {
+                    continue;
+                }
+                let windows = vectorized(
+                    #[inline(always)]
+                    || Windows::best([left, v], measured, fits, reach),
+                );
+                for (lane, pixel) in measured.iter().zip(own).enumerate() {
+                    if is_open(pixel) && windows.score[lane].is_finite() {
+                        let j = windows.middle[lane] as usize;
+                        (slope[left + lane], normal[left + lane]) =
+                            turned(space, [j % width, j / width], &fits.at(j));
+                    }
                 }
             }
         },
@@ -66,14 +77,18 @@ fn speak_for_themselves(
     space: &DisparitySpace,
     v: usize,
     measured: &[f32],
-    own: &[PlaneFit],
+    fits: &PlaneFits,
     limit: f32,
     slope: &mut [[f32; 2]],
     normal: &mut [[f32; 3]],
 ) {
-    let windows = measured.iter().zip(own).zip(slope.iter_mut().zip(normal));
-    for (u, ((d, own), (slope, normal))) in windows.enumerate() {
-        let (own_slope, own_normal) = turned(space, [u, v], own);
+    let row = v * measured.len()..(v + 1) * measured.len();
+    let [value, a, b, residual] = fits.images().map(|image| &image.as_slice()[row.clone()]);
+    let own = measured.iter().zip(residual).zip(value.iter().zip(a).zip(b));
+    let turns = slope.iter_mut().zip(normal);
+    for (u, (((d, residual), ((value, a), b)), (slope, normal))) in own.zip(turns).enumerate() {
+        let own = PlaneFit { value: *value, slope: [*a, *b], residual: *residual };
+        let (own_slope, own_normal) = turned(space, [u, v], &own);
         let speaks = (own.residual < limit) & !d.is_nan();
         *slope = own_slope.map(|x| if speaks { x } else { 0.0 });
         *normal = own_normal.map(|x| if speaks { x } else { 0.0 });
@@ -87,30 +102,64 @@ fn turned(space: &DisparitySpace, [u, v]: [usize; 2], fit: &PlaneFit) -> ([f32; 
     (fit.slope, normal.as_vec3().to_array())
 }
 
-/// The middle of the window whose plane passes nearest to a pixel with this disparity and fits best; the first one on
-/// ties.
-fn best_window([u, v]: [usize; 2], disparity: f32, fits: &Raster<PlaneFit>, reach: isize) -> Option<usize> {
-    let (width, height) = fits.size();
-    let (u, v) = (u as isize, v as isize);
-    let (mut least, mut best) = (f32::INFINITY, None);
-    for dv in [-reach, 0, reach] {
-        for du in [-reach, 0, reach] {
-            let (x, y) = (u + du, v + dv);
-            if x < 0 || y < 0 || x >= width as isize || y >= height as isize {
-                continue;
-            }
-            let j = y as usize * width + x as usize;
-            let PlaneFit { value, slope, residual } = fits[j];
-            let at_pixel = value - slope[0] * du as f32 - slope[1] * dv as f32;
-            // Infinite without a fit.
-            let score = residual + MISFIT_WEIGHT * (at_pixel - disparity).abs();
-            let score = if du == 0 && dv == 0 { score * OWN_PREFERENCE } else { score };
-            if score < least {
-                (least, best) = (score, Some(j));
+/// Pixels of a row that are looked at side by side.
+const STRETCH: usize = 32;
+
+/// Of pixels side by side the windows whose planes pass nearest to them and fit best; the first ones on ties.
+struct Windows {
+    /// How badly they suit (quanta); infinite when there is none.
+    score: [f32; STRETCH],
+    /// The pixels in their middles.
+    middle: [i32; STRETCH],
+}
+
+impl Windows {
+    /// For pixels with these disparities, the first of which is at (u, v).
+    #[inline(always)]
+    fn best([u, v]: [usize; 2], disparity: &[f32], fits: &PlaneFits, reach: isize) -> Self {
+        let (width, height) = fits.residual.size();
+        let mut best = Self { score: [f32::INFINITY; STRETCH], middle: [0; STRETCH] };
+        for dv in [-reach, 0, reach] {
+            let Some(row) = v.checked_add_signed(dv).filter(|row| *row < height) else { continue };
+            for du in [-reach, 0, reach] {
+                // The pixels whose windows lie in the image.
+                let start = u.max(du.min(0).unsigned_abs());
+                let end = (u + disparity.len()).min(width.saturating_sub(du.max(0).unsigned_abs()));
+                if start < end {
+                    let first = row * width + start.wrapping_add_signed(du);
+                    best.prefer(start - u, &disparity[start - u..end - u], fits, first, [du, dv]);
+                }
             }
         }
+        best
     }
-    best
+
+    /// Prefers the windows around the pixels from `first` on where they suit better; they are that far away from the
+    /// pixels with these disparities, which stand from `lane` on.
+    #[inline(always)]
+    fn prefer(
+        &mut self,
+        lane: usize,
+        disparity: &[f32],
+        fits: &PlaneFits,
+        first: usize,
+        [du, dv]: [isize; 2],
+    ) {
+        let [value, a, b, residual] =
+            fits.images().map(|image| &image.as_slice()[first..][..disparity.len()]);
+        let windows = value.iter().zip(a).zip(b).zip(residual).zip(disparity);
+        let best = self.score[lane..].iter_mut().zip(&mut self.middle[lane..]);
+        let preference = if du == 0 && dv == 0 { OWN_PREFERENCE } else { 1.0 };
+        let (du, dv) = (du as f32, dv as f32);
+        for (k, ((least, middle), ((((value, a), b), residual), d))) in best.zip(windows).enumerate() {
+            let at_pixel = value - a * du - b * dv;
+            // Infinite without a fit.
+            let score = (residual + MISFIT_WEIGHT * (at_pixel - d).abs()) * preference;
+            let is_less = score < *least;
+            *least = if is_less { score } else { *least };
+            *middle = if is_less { (first + k) as i32 } else { *middle };
+        }
+    }
 }
 
 #[cfg(test)]
@@ -119,7 +168,7 @@ mod tests {
 
     use super::*;
     use crate::surface::disparity::position;
-    use crate::testing::{coarse_disparity, kinect, raster, small_size};
+    use crate::testing::{coarse_disparity, kinect, plane_fits, raster, small_size};
 
     /// Fits in coarse steps, so that scores tie; one in five is none.
     fn fit() -> impl Strategy<Value = PlaneFit> {
@@ -134,16 +183,21 @@ mod tests {
         prop_oneof![1 => Just(PlaneFit::NONE), 4 => some]
     }
 
+    /// Small images, and such as are wider than what is looked at together.
+    fn size() -> impl Strategy<Value = (usize, usize)> {
+        prop_oneof![4 => small_size(), 1 => (STRETCH - 3..STRETCH + 9, 1_usize..5)]
+    }
+
     proptest! {
         #[test]
         fn the_window_is_the_naive_one(
             (disparity, fits) in
-                small_size().prop_flat_map(|size| (raster(size, coarse_disparity()), raster(size, fit()))),
+                size().prop_flat_map(|size| (raster(size, coarse_disparity()), raster(size, fit()))),
             radius_px in 1_usize..6,
         ) {
             let (space, width) = (kinect(), disparity.width());
             let params = params::LocalFit { radius_px, own_window_residual_quanta: 0.8 };
-            let got = orientation(&disparity, &fits, &space, &params, &mut Workspace::default());
+            let got = orientation(&disparity, &plane_fits(&fits), &space, &params, &mut Workspace::default());
             for i in 0..disparity.len() {
                 // All windows whose middle lies at one of the nine places, in scan order.
                 let place = |d: usize| d == 0 || d == radius_px - 1;
