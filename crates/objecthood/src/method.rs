@@ -155,7 +155,7 @@ pub(crate) fn context(
         Links::new(&disparity, &orientation.slope, &structure.labels, space, &params.watershed, workspace);
     let (superpixels, planes) = rayon::join(
         || watershed(&fits.residual, &links, space, &params.watershed, workspace),
-        || structure.planes(&points),
+        || structure.planes(frame.depth_m(), &frame.camera()),
     );
     observer.observe(Stage::Superpixels(LabelMap::superpixels(&structure, &superpixels)));
 

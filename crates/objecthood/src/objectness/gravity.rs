@@ -167,6 +167,11 @@ pub(crate) struct PointSums {
 }
 
 impl PointSums {
+    /// Of `n` points; `mixed`: xy, yz, zx.
+    pub(crate) fn new(n: f64, sum: DVec3, squares: DVec3, mixed: DVec3) -> Self {
+        Self { n, sum, squares, mixed }
+    }
+
     #[inline]
     pub(crate) fn add(&mut self, p: DVec3) {
         self.n += 1.0;

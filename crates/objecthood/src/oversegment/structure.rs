@@ -9,14 +9,15 @@ use std::sync::atomic::Ordering::Relaxed;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use crate::camera::Camera;
 use crate::objectness::gravity::{PointSums, StructurePlane};
 use crate::params;
 use crate::random::Lcg;
-use crate::raster::Raster;
+use crate::raster::{Raster, marked};
 use crate::regions::{Segments, runs};
 use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
-use crate::surface::moments::{Basis, Model, Moments, length};
+use crate::surface::moments::{Basis, Model, Moments};
 use crate::surface::plane_fit::PlaneFits;
 use crate::surface::window_choice::Orientation;
 use crate::workspace::Workspace;
@@ -77,6 +78,8 @@ const DOMINANT_M2: f64 = 0.03;
 const LEAST_COSINE: f64 = 0.15;
 /// A surface whose normal has more than this upwards is one to stand on.
 pub(crate) const UPWARD: f64 = 0.3;
+/// Pixels of a row of which is asked first whether any lies near a surface.
+const STRETCH: usize = 64;
 /// What lies in front of a surface that is behind the horizon stands as high as this (m).
 const BEYOND_M: f64 = 10.0;
 
@@ -109,14 +112,33 @@ impl Tilt {
 /// wall 2 m away came to pieces; but not the slope of the disparity, whose noise is the same at any distance.
 struct Alike {
     least_cosine: f64,
-    slope_per_px: f64,
+    /// The square of the slope between them is below this.
+    slope_squared: f64,
 }
 
 impl Alike {
     fn are(&self, a: &Tilt, b: &Tilt) -> bool {
-        let between = [0, 1].map(|k| a.slope[k] - b.slope[k]);
-        a.normal.dot(b.normal) > self.least_cosine || length(between) < self.slope_per_px
+        a.normal.dot(b.normal) > self.least_cosine || squared_between(a.slope, b.slope) < self.slope_squared
     }
+}
+
+/// Squared length of the difference of two slopes.
+#[inline(always)]
+fn squared_between(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let [x, y] = [0, 1].map(|k| a[k] - b[k]);
+    x * x + y * y
+}
+
+/// The least number whose root is not below `length`, so that squares can be compared where lengths are meant.
+fn least_square(length: f64) -> f64 {
+    let mut square = length * length;
+    while square.next_down().sqrt() >= length {
+        square = square.next_down();
+    }
+    while square.sqrt() < length {
+        square = square.next_up();
+    }
+    square
 }
 
 /// Finds the structure of a scene.
@@ -139,7 +161,7 @@ pub fn structure(
     let center = [(width / 2) as f64, (height / 2) as f64];
     let alike = Alike {
         least_cosine: cosine(params.angle_deg),
-        slope_per_px: space.slope_per_px(params.slope_quanta_per_px),
+        slope_squared: least_square(space.slope_per_px(params.slope_quanta_per_px)),
     };
     let rows = (grid / 3..height).step_by(grid);
     let on_grid = rows.flat_map(|v| (grid / 3..width).step_by(grid).map(move |u| v * width + u));
@@ -183,24 +205,28 @@ pub fn structure(
         .position(|s| s.normal.dot(camera_up) > UPWARD)
         .or((!surfaces.is_empty()).then_some(0));
     let mut labels = workspace.filled(disparity.len(), Segments::NONE);
-    let label_row = |near: &mut Vec<bool>, (v, labels): (usize, &mut [i32])| {
+    let label_row = |unsure: &mut Vec<i32>, (v, labels): (usize, &mut [i32])| {
         let row = v * width..(v + 1) * width;
+        let (disparity, slopes) =
+            (&disparity.as_slice()[row.clone()], &orientation.slope.as_slice()[row.clone()]);
         // The first surface has the first word.
         for (s, surface) in surfaces.iter().enumerate() {
-            let pixels = near.iter_mut().zip(&disparity.as_slice()[row.clone()]);
             vectorized(
                 #[inline(always)]
                 || {
-                    for (u, (near, d)) in pixels.enumerate() {
-                        let misfit = f64::from(*d) - surface.model.value([u as f64, v as f64]);
-                        *near = misfit.abs() < params.tolerance_quanta;
+                    let stretches = labels.chunks_mut(STRETCH).zip(unsure.chunks_mut(STRETCH));
+                    let seen = disparity.chunks(STRETCH).zip(slopes.chunks(STRETCH));
+                    for (left, ((labels, unsure), (disparity, slopes))) in
+                        (0..).step_by(STRETCH).zip(stretches.zip(seen))
+                    {
+                        surface.mark_near(labels, disparity, [left, v], params.tolerance_quanta, unsure);
+                        if unsure.iter().fold(0, |any, near| any | near) != 0 {
+                            surface.claim(s, labels, slopes, [left, v], alike.slope_squared, unsure);
+                        }
                     }
                 },
             );
-            for u in 0..width {
-                if !near[u] || labels[u] >= 0 {
-                    continue;
-                }
+            for u in marked(unsure) {
                 let tilt = Tilt::at(row.start + u, orientation);
                 let slope = surface.model.slope([u as f64, v as f64]);
                 let own = Tilt { normal: surface.normal, slope };
@@ -210,7 +236,7 @@ pub fn structure(
             }
         }
     };
-    labels.par_chunks_mut(width).enumerate().for_each_init(|| vec![false; width], label_row);
+    labels.par_chunks_mut(width).enumerate().for_each_init(|| vec![0; width], label_row);
     let labels = disparity.with_data(labels);
     Structure { surfaces, labels, support }
 }
@@ -223,13 +249,20 @@ impl Structure {
 
     /// The surfaces as planes, each fitted to its own pixels. How much is theirs is known in the end:
     /// [`counted`](crate::objectness::outcome::Outcome::counted). O(pixels).
-    pub(crate) fn planes(&self, points_m: &Raster<[f32; 3]>) -> Vec<StructurePlane> {
-        let mut own = vec![PointSums::default(); self.surfaces.len()];
-        for (run, surface) in runs(&self.labels, 0..self.labels.height()) {
-            let mut sums = own[surface];
-            points_m.as_slice()[run].iter().for_each(|&point| sums.add(Vec3::from(point).as_dvec3()));
-            own[surface] = sums;
+    pub(crate) fn planes(&self, depth_m: &Raster<f32>, camera: &Camera) -> Vec<StructurePlane> {
+        let width = depth_m.width();
+        let rays: Vec<f64> = (0..width).map(|u| camera.ray(u as f64, 0.0)[0]).collect();
+        let mut own = vec![LaneSums::default(); self.surfaces.len()];
+        for (run, surface) in runs(&self.labels, 0..depth_m.height()) {
+            let (u, v) = (run.start % width, run.start / width);
+            let ray_y = camera.ray(0.0, v as f64)[1];
+            let rays = &rays[u..u + run.len()];
+            vectorized(
+                #[inline(always)]
+                || own[surface].add(rays, ray_y, &depth_m.as_slice()[run]),
+            );
         }
+        let own = own.iter().map(LaneSums::total);
         let plane = |(surface, own): (&StructureSurface, PointSums)| {
             let (normal, offset_m) = (surface.normal.as_vec3().to_array(), surface.offset_m as f32);
             own.fitted_plane().unwrap_or(StructurePlane { normal, offset_m, inlier_share: 0.0 })
@@ -252,6 +285,41 @@ impl Structure {
 }
 
 impl StructureSurface {
+    /// Marks the pixels, of which the first is at (u, v), that are of no surface yet and lie near this one.
+    #[inline(always)]
+    fn mark_near(
+        &self,
+        labels: &[i32],
+        disparity: &[f32],
+        [u, v]: [usize; 2],
+        quanta: f64,
+        near: &mut [i32],
+    ) {
+        for (k, ((near, label), d)) in near.iter_mut().zip(labels).zip(disparity).enumerate() {
+            let misfit = f64::from(*d) - self.model.value([(u + k) as f64, v as f64]);
+            *near = i32::from((misfit.abs() < quanta) & (*label < 0));
+        }
+    }
+
+    /// Labels those of the marked pixels whose slope is that of this surface, but for so much, and takes their mark.
+    #[inline(always)]
+    fn claim(
+        &self,
+        label: usize,
+        labels: &mut [i32],
+        slopes: &[[f32; 2]],
+        [u, v]: [usize; 2],
+        slope_squared: f64,
+        near: &mut [i32],
+    ) {
+        for (k, ((near, own), slope)) in near.iter_mut().zip(labels).zip(slopes).enumerate() {
+            let steepness = self.model.slope([(u + k) as f64, v as f64]);
+            let is_alike = squared_between(steepness, slope.map(f64::from)) < slope_squared;
+            *own = if (*near != 0) & is_alike { label as i32 } else { *own };
+            *near &= i32::from(!is_alike);
+        }
+    }
+
     /// Height (m) above the surface of what is seen at a pixel with this disparity (quanta), along its normal.
     pub fn height_m(&self, at: [f64; 2], disparity: f64, space: &DisparitySpace) -> f64 {
         let below = self.model.value(at);
@@ -260,6 +328,53 @@ impl StructureSurface {
         }
         let ray = DVec3::from(space.camera().ray(at[0], at[1]));
         (space.depth_m(below) - space.depth_m(disparity)) * self.normal.dot(ray).abs()
+    }
+}
+
+/// Points that are added side by side.
+const LANES: usize = 8;
+
+/// Sums over points, each of which adds to one of the lanes.
+#[derive(Clone, Default)]
+struct LaneSums {
+    /// 1, x, y, z, xx, yy, zz, xy, yz, zx.
+    sums: [[f64; LANES]; 10],
+}
+
+impl LaneSums {
+    /// Adds points of one row: those at depths `z_m` along rays with these x, and this y, at a depth of 1.
+    #[inline(always)]
+    fn add(&mut self, rays_x: &[f64], ray_y: f64, z_m: &[f32]) {
+        let mut sums = self.sums;
+        let (rays, depths) = (rays_x.chunks_exact(LANES), z_m.chunks_exact(LANES));
+        // A depth of 0 adds nothing.
+        let (mut last_rays, mut last_depths, mut last_counts) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for (lane, (ray, z)) in rays.remainder().iter().zip(depths.remainder()).enumerate() {
+            (last_rays[lane], last_depths[lane], last_counts[lane]) = (*ray, *z, 1.0);
+        }
+        let mut add = |rays: &[f64; LANES], depths: &[f32; LANES], counts: &[f64; LANES]| {
+            for lane in 0..LANES {
+                let z = f64::from(depths[lane]);
+                // Rounded as points are.
+                let [x, y] = [rays[lane] * z, ray_y * z].map(|x| f64::from(x as f32));
+                let terms = [counts[lane], x, y, z, x * x, y * y, z * z, x * y, y * z, z * x];
+                for (sum, term) in sums.iter_mut().zip(terms) {
+                    sum[lane] += term;
+                }
+            }
+        };
+        for (rays, depths) in rays.zip(depths) {
+            if let (Ok(rays), Ok(depths)) = (rays.try_into(), depths.try_into()) {
+                add(rays, depths, &[1.0; LANES]);
+            }
+        }
+        add(&last_rays, &last_depths, &last_counts);
+        self.sums = sums;
+    }
+
+    fn total(&self) -> PointSums {
+        let [n, x, y, z, xx, yy, zz, xy, yz, zx] = self.sums.map(|lanes| lanes.iter().sum());
+        PointSums::new(n, DVec3::new(x, y, z), DVec3::new(xx, yy, zz), DVec3::new(xy, yz, zx))
     }
 }
 
