@@ -73,8 +73,7 @@ fn context(c: &mut Criterion) {
     let oriented = orientation(&disparity, &fits, &space, &params.local_fit, workspace);
     let up = camera_up(&params.gravity);
     let planes = structure(&disparity, &fits, &oriented, &points, &space, up, &params.structure, workspace);
-    let links =
-        Links::new(&disparity, &oriented.slope, &planes.labels, &space, &params.watershed, workspace);
+    let links = Links::new(&disparity, &oriented.slope, &planes.labels, &space, &params.watershed, workspace);
 
     let mut group = c.benchmark_group("context");
     group.sample_size(20);

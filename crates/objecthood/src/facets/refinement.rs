@@ -98,31 +98,36 @@ fn best(
     value: impl Fn(usize) -> f64,
     agreement: f64,
 ) -> i32 {
-    let width = labels.width();
-    let mut around = [(Segments::NONE, 0_u32); 8];
-    let mut candidates = 0;
-    for j in [i - width - 1, i - width, i - width + 1, i - 1, i + 1, i + width - 1, i + width, i + width + 1]
-    {
+    let around_in = |v: usize| (&labels.as_slice()[v - 1..v + 2], &disparity.as_slice()[v - 1..v + 2]);
+    let (own, d, width) = (labels[i], disparity[i], labels.width());
+    let [(above, d_above), (beside, d_beside), (below, d_below)] = [i - width, i, i + width].map(around_in);
+    let mut voters = [above[0], above[1], above[2], beside[0], beside[2], below[0], below[1], below[2]];
+    let disparities =
+        [d_above[0], d_above[1], d_above[2], d_beside[0], d_beside[2], d_below[0], d_below[1], d_below[2]];
+    for (voter, other) in voters.iter_mut().zip(disparities) {
         // False when the neighbour is not measured.
-        let is_near = (disparity[j] - disparity[i]).abs() <= NEIGHBOUR_QUANTA;
-        if labels[j] < 0 || !is_near {
-            continue;
-        }
-        match around[..candidates].iter_mut().find(|(label, _)| *label == labels[j]) {
-            Some((_, votes)) => *votes += 1,
-            None => {
-                around[candidates] = (labels[j], 1);
-                candidates += 1;
-            }
-        }
+        let is_near = (other - d).abs() <= NEIGHBOUR_QUANTA;
+        *voter = if is_near { *voter } else { Segments::NONE };
     }
-    let energy = |label: i32, votes: u32| {
-        let misfit = (f64::from(disparity[i]) - value(label as usize)).abs().min(MISFIT_CAP);
-        let inertia = if label == labels[i] { INERTIA } else { 0.0 };
+    let energy = |label: i32, votes: i32| {
+        let misfit = (f64::from(d) - value(label as usize)).abs().min(MISFIT_CAP);
+        let inertia = if label == own { INERTIA } else { 0.0 };
         misfit - agreement * f64::from(votes) - inertia
     };
-    let scored = around[..candidates].iter().map(|&(label, votes)| (energy(label, votes), label));
-    scored.min_by(|x, y| x.0.total_cmp(&y.0)).map_or(labels[i], |(_, label)| label)
+    let mut least: Option<(f64, i32)> = None;
+    while let Some(label) = voters.into_iter().find(|voter| *voter >= 0) {
+        let votes = voters.iter().map(|voter| i32::from(*voter == label)).sum();
+        voters = voters.map(|voter| if voter == label { Segments::NONE } else { voter });
+        if least.is_none() && voters.iter().all(|voter| *voter < 0) {
+            // There is nothing to choose from.
+            return label;
+        }
+        let energy = energy(label, votes);
+        if least.is_none_or(|(least, _)| energy.total_cmp(&least).is_lt()) {
+            least = Some((energy, label));
+        }
+    }
+    least.map_or(own, |(_, label)| label)
 }
 
 #[cfg(test)]

@@ -304,12 +304,17 @@ pub fn linked_pairs(superpixels: &Segments, links: &Links) -> RegionGraph<u32> {
                 }
             },
         );
-        let mut pairs = Vec::new();
+        let mut pairs: Vec<([u32; 2], u32)> = Vec::new();
         for u in marked(marks) {
             let i = start + u;
-            for (side, j) in [(RIGHT, i + 1), (DOWN, i + width)] {
+            for (side, j) in [(DOWN, i + width), (RIGHT, i + 1)] {
                 if marks[u] & i32::from(side) != 0 {
-                    pairs.push((SegmentId(labels[i] as u32), SegmentId(labels[j] as u32)));
+                    let pair = [labels[i].min(labels[j]), labels[i].max(labels[j])].map(|s| s as u32);
+                    // The same pair comes often in a row.
+                    match pairs.last_mut() {
+                        Some((last, times)) if *last == pair => *times += 1,
+                        _ => pairs.push((pair, 1)),
+                    }
                 }
             }
         }
@@ -317,7 +322,44 @@ pub fn linked_pairs(superpixels: &Segments, links: &Links) -> RegionGraph<u32> {
     };
     let rows = (0..height).into_par_iter().map_init(|| vec![0; width], from_row);
     let rows: Vec<Vec<_>> = rows.collect();
-    RegionGraph::from_pairs(superpixels.count(), rows.into_iter().flatten())
+    let counted = counted(superpixels.count(), rows.into_iter().flatten());
+    RegionGraph::gather(superpixels.count(), counted, |count, times| *count += times)
+}
+
+/// How often each pair comes, in ascending order. A superpixel has few neighbours: for each of them its list is searched,
+/// which takes less time than to sort all that come.
+fn counted(
+    superpixels: usize,
+    pairs: impl Iterator<Item = ([u32; 2], u32)>,
+) -> Vec<(SegmentId, SegmentId, u32)> {
+    const END: u32 = u32::MAX;
+    let mut firsts = vec![END; superpixels];
+    // The other superpixel, how often, and the next in the list.
+    let mut entries: Vec<(u32, u32, u32)> = Vec::new();
+    for ([a, b], times) in pairs {
+        let first = &mut firsts[a as usize];
+        let mut at = *first;
+        while at != END && entries[at as usize].0 != b {
+            at = entries[at as usize].2;
+        }
+        match entries.get_mut(at as usize) {
+            Some(entry) => entry.1 += times,
+            None => {
+                entries.push((b, times, *first));
+                *first = entries.len() as u32 - 1;
+            }
+        }
+    }
+    let mut counted = Vec::with_capacity(entries.len());
+    for (a, first) in (0..).zip(firsts) {
+        let (own, mut at) = (counted.len(), first);
+        while let Some(&(b, times, next)) = entries.get(at as usize) {
+            counted.push((SegmentId(a), SegmentId(b), times));
+            at = next;
+        }
+        counted[own..].sort_unstable_by_key(|&(_, b, _)| b);
+    }
+    counted
 }
 
 #[cfg(test)]
