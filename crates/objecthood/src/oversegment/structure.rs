@@ -753,6 +753,28 @@ mod tests {
         }
 
         #[test]
+        fn squares_below_the_least_are_those_of_shorter_lengths(length in 0.0_f64..3.0, steps in -4_i64..5) {
+            let near = f64::from_bits(((length * length).to_bits() as i64).saturating_add(steps).max(0) as u64);
+            prop_assert_eq!(near < least_square(length), near.sqrt() < length);
+        }
+
+        #[test]
+        fn lanes_add_what_points_do(depths_m in prop::collection::vec(0.3_f32..4.0, 0..40), v in 0_usize..480) {
+            let camera = half().camera();
+            let rays: Vec<f64> = (0..depths_m.len()).map(|u| camera.ray(u as f64, 0.0)[0]).collect();
+            let (mut lanes, mut expected) = (LaneSums::default(), [0.0; 10]);
+            lanes.add(&rays, camera.ray(0.0, v as f64)[1], &depths_m);
+            for (u, &z_m) in depths_m.iter().enumerate() {
+                let [x, y, z] = camera.back_project(u, v, z_m).map(f64::from);
+                let terms = [1.0, x, y, z, x * x, y * y, z * z, x * y, y * z, z * x];
+                expected.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+            }
+            for (got, expected) in lanes.sums.iter().zip(expected) {
+                prop_assert!((got.iter().sum::<f64>() - expected).abs() < 1e-9, "{:?} {}", got, expected);
+            }
+        }
+
+        #[test]
         fn tangents_lie_in_the_plane(normal in prop::array::uniform3(-1.0_f64..1.0)) {
             for normal in [DVec3::from(normal).normalize_or(DVec3::Z), DVec3::Z, DVec3::NEG_Y] {
                 let [s, t] = tangents(normal);
