@@ -162,14 +162,20 @@ fn measure_normals(name: &str, frame: &Frame, workspace: &mut Workspace, figures
 
     let (integral, spent) = timed(|| normals(&points, &params.normals, workspace));
     report("integral-image normals", spent, &integral);
+    workspace.keep(integral);
 
     let space = DisparitySpace::new(frame.camera(), &params.sensor);
     let (fitted, spent) = timed(|| {
         let disparity = space.disparity(frame.depth_m());
         let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px), workspace);
-        orientation(&disparity, &fits, &space, &params.local_fit, workspace)
+        let orientation = orientation(&disparity, &fits, &space, &params.local_fit, workspace);
+        fits.leave(workspace);
+        workspace.keep(disparity);
+        orientation
     });
     report("plane fits", spent, &fitted.normal);
+    workspace.keep(fitted.slope);
+    workspace.keep(fitted.normal);
 }
 
 /// The graph segmentation of the colour image alone: time, and how many segments.

@@ -224,8 +224,8 @@ pub(crate) fn context(
     observer.observe(Stage::Objects(&discovery));
     workspace.keep(points);
     workspace.keep(disparity);
-    fits.keep_in(workspace);
-    links.keep_in(workspace);
+    fits.leave(workspace);
+    links.leave(workspace);
     workspace.keep(orientation.slope);
     workspace.keep(orientation.normal);
     workspace.keep(structure.labels);

@@ -9,7 +9,7 @@ use crate::params::{Method, Params};
 use crate::raster::Raster;
 use crate::surface::plane_fit::Windows;
 
-/// The images that stages write to, kept from one frame to the next; lists of regions and pixels are asked for anew.
+/// The images that stages write to, kept from one frame to the next; lists of regions are asked for anew.
 ///
 /// A stream of frames of one size asks the system for the memory of its images once; without, handing out and clearing
 /// the pages takes about a tenth of the time. What is found never depends on what was looked at before.
@@ -37,15 +37,20 @@ pub struct Workspace {
     keys: Vec<Vec<u64>>,
     /// Of every band of rows its windows.
     pub(crate) windows: Vec<Windows>,
-    /// Of every level of a relief the pixels that are reached and not left yet.
+    /// Of every level of a relief a queue for the pixels that are reached; empty between frames.
     pub(crate) floods: Vec<Vec<u32>>,
 }
 
-/// What there are buffers of.
-pub trait Pixel: Copy {
-    /// The buffers that nobody uses.
-    fn shelf(workspace: &mut Workspace) -> &mut Vec<Vec<Self>>;
+/// Seen by nobody outside: which buffers there are is not promised.
+mod sealed {
+    /// What there are buffers of.
+    pub trait Pixel: Copy {
+        /// The buffers that nobody uses.
+        fn shelf(workspace: &mut super::Workspace) -> &mut Vec<Vec<Self>>;
+    }
 }
+
+pub(crate) use sealed::Pixel;
 
 macro_rules! shelves {
     ($($shelf:ident: $pixel:ty),*) => {
@@ -94,11 +99,13 @@ impl Workspace {
         }
     }
 
-    /// The smallest buffer that holds `len` values, so that each is asked for the same again; else any.
+    /// The smallest buffer that holds `len` values, so that each is asked for the same again. When none does, one is given up for
+    /// the larger one that will be asked for.
     fn take<T: Pixel>(&mut self, len: usize) -> Option<Vec<T>> {
         let shelf = T::shelf(self);
         let fit = |&i: &usize| (shelf[i].capacity() < len, shelf[i].capacity());
-        (0..shelf.len()).min_by_key(fit).map(|i| shelf.swap_remove(i))
+        let best = (0..shelf.len()).min_by_key(fit).map(|i| shelf.swap_remove(i));
+        best.filter(|buffer| buffer.capacity() >= len)
     }
 
     /// A buffer of `len` values; those that were written before stay as they are, the others are `value`.

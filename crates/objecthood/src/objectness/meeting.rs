@@ -71,7 +71,7 @@ pub(crate) fn meetings(
 struct Spot {
     height_m: f64,
     place_m: DVec2,
-    /// Whether its region ends there upwards, for the region whose point it was last asked for.
+    /// Whether its region ends there upwards, once that was asked for; it holds for one other region.
     is_end: Option<bool>,
 }
 

@@ -37,7 +37,7 @@ const RIDGE: f64 = 1e-6;
 const CURVED_RATIO: f64 = 1.3;
 /// Beyond so many times a tolerance nothing else is looked at.
 const HOPELESS: f64 = 2.0;
-/// Rounding turns no surface by as much.
+/// The plane by spread and that by all samples differ by rounding alone: by less than a tenth of this in images 2000 px wide.
 const ROUNDING_DEG: f64 = 0.01;
 /// Lines of sight through the gap.
 const LINES: usize = 60;

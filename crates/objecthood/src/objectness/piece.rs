@@ -131,7 +131,7 @@ impl Piece {
         let Some(&first) = self.pixels().first() else { return };
         extent.first.get_or_insert(first);
         extent.size_px += self.count;
-        // What is not there is where the first is.
+        // Free places repeat the first point, so that they widen nothing.
         let first_m = self.points_m[0];
         self.points_m[self.count..].fill(first_m);
         vectorized(

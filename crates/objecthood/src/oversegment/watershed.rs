@@ -31,6 +31,8 @@ const FREE: u8 = 16;
 const LEVELS_PER_QUANTUM: f32 = 40.0;
 /// The level of pixels without a fit, and the number of levels below it.
 const HIGHEST: usize = 255;
+/// The queue of a level is kept for this share of the pixels: of all levels together 16 bytes a pixel at most.
+const KEPT_SHARE: usize = 64;
 /// Pixels of a row of which is asked first whether any is free.
 const STRETCH: usize = 64;
 
@@ -123,8 +125,8 @@ impl Links {
         to.into_iter().filter(move |(side, _)| sides & side != 0).map(move |(_, step)| i.wrapping_add(step))
     }
 
-    /// Gives the buffer back.
-    pub(crate) fn keep_in(self, workspace: &mut Workspace) {
+    /// Gives its memory back.
+    pub fn leave(self, workspace: &mut Workspace) {
         workspace.keep(self.sides);
     }
 }
@@ -210,6 +212,7 @@ pub fn watershed(
             first += 1;
         }
         flood.clear();
+        flood.shrink_to(residual.len() / KEPT_SHARE);
         floods[now] = flood;
     }
     workspace.floods = floods;
@@ -294,7 +297,7 @@ pub fn linked_pairs(superpixels: &Segments, links: &Links) -> RegionGraph<u32> {
             #[inline(always)]
             || {
                 let mark = |side: u8, sides: u8, a: i32, b: i32| {
-                    i32::from(side * u8::from((a != b) & (sides & side != 0)))
+                    i32::from(side * u8::from((a != b) & (a >= 0) & (b >= 0) & (sides & side != 0)))
                 };
                 for (((marked, sides), a), b) in marks.iter_mut().zip(sides).zip(own).zip(below) {
                     *marked = mark(DOWN, *sides, *a, *b);

@@ -53,8 +53,8 @@ impl PlaneFits {
         [&self.value, &self.slope[0], &self.slope[1], &self.residual]
     }
 
-    /// Gives the buffers back.
-    pub(crate) fn keep_in(self, workspace: &mut Workspace) {
+    /// Gives its memory back.
+    pub fn leave(self, workspace: &mut Workspace) {
         let [along_u, along_v] = self.slope;
         [self.value, along_u, along_v, self.residual].into_iter().for_each(|image| workspace.keep(image));
     }
