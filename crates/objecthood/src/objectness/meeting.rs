@@ -125,7 +125,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::objectness::gravity::{Up, UpSource};
+    use crate::objectness::gravity::{StructurePlane, Up, UpSource};
     use crate::params;
     use crate::shapes::contact::touching_pairs;
     use crate::testing::{kinect, raster};
@@ -137,17 +137,24 @@ mod tests {
             pixels in (2_usize..12, 2_usize..12)
                 .prop_flat_map(|size| raster(size, (-1_i32..4, prop::array::uniform3(0.0_f32..0.03)))),
             direction in prop::array::uniform3(-1.0_f32..1.0),
+            planes in 0_usize..3,
         ) {
             let up = Vec3::from(direction).try_normalize().unwrap_or(Vec3::NEG_Y).to_array();
             let up = Up { direction: up, source: UpSource::Camera };
             let points = pixels.map(|&(_, [x, y, z])| [x, y, 1.0 + z]);
             let regions = Segments::from_numbered(pixels.map(|pixel| pixel.0), 4);
             let normals = points.map(|_| [0.0, 0.0, -1.0]);
-            let bodies = Bodies::new(&regions, &points, &normals, &[], &up, &kinect());
+            let plane = StructurePlane { normal: up.direction, offset_m: 1.0, inlier_share: 1.0 };
+            let planes = &[plane; 2][..planes];
+            let bodies = Bodies::new(&regions, &points, &normals, planes, &up, &kinect());
             let touching = touching_pairs(&regions, &points, &params::Contact::default());
             let mut expected: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
             for (upper, lower) in touching.iter().flat_map(|&(i, j)| [(i, j), (j, i)]) {
                 let [of_upper, of_lower] = [upper, lower].map(|i| regions.at(i as usize).unwrap().index());
+                // A plane stands on nothing.
+                if of_upper < planes.len() {
+                    continue;
+                }
                 let [upper, mut lower] =
                     [upper, lower].map(|i| Spot::of(points[i as usize], &bodies.plan));
                 let meeting = expected.entry((of_lower, of_upper)).or_default();

@@ -204,12 +204,26 @@ pub fn structure(
         .iter()
         .position(|s| s.normal.dot(camera_up) > UPWARD)
         .or((!surfaces.is_empty()).then_some(0));
+    let labels = labelled(&surfaces, disparity, orientation, &alike, params.tolerance_quanta, workspace);
+    Structure { surfaces, labels, support }
+}
+
+/// Of every pixel the first surface that lies within `tolerance_quanta` of it and is turned as it is, or that has no normal to
+/// compare; -1 = none. O(pixels · surfaces); parallel over rows.
+fn labelled(
+    surfaces: &[StructureSurface],
+    disparity: &Raster<f32>,
+    orientation: &Orientation,
+    alike: &Alike,
+    tolerance_quanta: f64,
+    workspace: &mut Workspace,
+) -> Raster<i32> {
+    let width = disparity.width();
     let mut labels = workspace.filled(disparity.len(), Segments::NONE);
     let label_row = |unsure: &mut Vec<i32>, (v, labels): (usize, &mut [i32])| {
         let row = v * width..(v + 1) * width;
         let (disparity, slopes) =
             (&disparity.as_slice()[row.clone()], &orientation.slope.as_slice()[row.clone()]);
-        // The first surface has the first word.
         for (s, surface) in surfaces.iter().enumerate() {
             vectorized(
                 #[inline(always)]
@@ -219,7 +233,7 @@ pub fn structure(
                     for (left, ((labels, unsure), (disparity, slopes))) in
                         (0..).step_by(STRETCH).zip(stretches.zip(seen))
                     {
-                        surface.mark_near(labels, disparity, [left, v], params.tolerance_quanta, unsure);
+                        surface.mark_near(labels, disparity, [left, v], tolerance_quanta, unsure);
                         if unsure.iter().fold(0, |any, near| any | near) != 0 {
                             surface.claim(s, labels, slopes, [left, v], alike.slope_squared, unsure);
                         }
@@ -237,8 +251,7 @@ pub fn structure(
         }
     };
     labels.par_chunks_mut(width).enumerate().for_each_init(|| vec![0; width], label_row);
-    let labels = disparity.with_data(labels);
-    Structure { surfaces, labels, support }
+    disparity.with_data(labels)
 }
 
 impl Structure {
@@ -560,7 +573,7 @@ mod tests {
     use crate::frame::Frame;
     use crate::surface::plane_fit::plane_fits;
     use crate::surface::window_choice::orientation;
-    use crate::testing::space;
+    use crate::testing::{raster, space};
 
     const SIZE: (usize, usize) = (320, 240);
 
@@ -588,6 +601,46 @@ mod tests {
         let fits = plane_fits(&disparity, 2, workspace);
         let orientation = orientation(&disparity, &fits, &space, &params::LocalFit::default(), workspace);
         structure(&disparity, &fits, &orientation, &points, &space, [0.0, -1.0, 0.0], params, workspace)
+    }
+
+    proptest! {
+        #[test]
+        fn each_pixel_is_of_the_first_surface_it_lies_on(
+            pixels in (1_usize..40, 1_usize..4).prop_flat_map(|size| raster(size, (
+                // Near the surfaces below, and none.
+                prop_oneof![9 => 97.0_f32..106.0, 1 => Just(f32::NAN)],
+                prop::array::uniform2(-0.4_f32..0.4),
+                // Turned like them or not, and none.
+                prop::sample::select(vec![[0.0, 0.0, -1.0], [0.0, -0.6, -0.8], [1.0, 0.0, 0.0], [0.0; 3]]),
+            ))),
+            slope_squared in 0.0_f64..0.2,
+        ) {
+            let disparity = pixels.map(|p| p.0);
+            let orientation = Orientation { slope: pixels.map(|p| p.1), normal: pixels.map(|p| p.2) };
+            let surface = |middle: f64, normal: [f64; 3]| {
+                let mut moments = Moments::about([0.0; 2]);
+                for at in [[0.0, 0.0], [40.0, 0.0], [0.0, 4.0]] {
+                    moments.add(at, middle + 0.1 * at[0] - 0.05 * at[1]);
+                }
+                let model = moments.fit(Basis::Plane).model;
+                StructureSurface { model, normal: normal.into(), offset_m: 1.0 }
+            };
+            let surfaces = [surface(100.0, [0.0, 0.0, -1.0]), surface(103.0, [0.0, -0.6, -0.8])];
+            let alike = Alike { least_cosine: 0.9, slope_squared };
+            let labels = labelled(&surfaces, &disparity, &orientation, &alike, 2.0, &mut Workspace::default());
+            let width = disparity.width();
+            for i in 0..disparity.len() {
+                let at = position(i, width);
+                let tilt = Tilt::at(i, &orientation);
+                let lies_on = |s: &StructureSurface| {
+                    let own = Tilt { normal: s.normal, slope: s.model.slope(at) };
+                    (f64::from(disparity[i]) - s.model.value(at)).abs() < 2.0
+                        && (tilt.normal == DVec3::ZERO || alike.are(&own, &tilt))
+                };
+                let expected = surfaces.iter().position(lies_on).map_or(-1, |s| s as i32);
+                prop_assert_eq!(labels[i], expected);
+            }
+        }
     }
 
     /// The depth of the plane normal · X = -offset along the ray of a pixel.
