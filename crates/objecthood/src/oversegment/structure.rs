@@ -3,19 +3,20 @@
 //! They are taken out first: they are support and background, they say what "up" and "height" are, and every later
 //! stage is cheaper without them.
 
-use std::sync::atomic::AtomicUsize;
-use std::sync::atomic::Ordering::Relaxed;
+mod labels;
+mod planes;
+mod tilt;
+mod trials;
 
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
-use crate::camera::Camera;
-use crate::objectness::gravity::{PointSums, StructurePlane};
+use self::labels::labelled;
+use self::tilt::{Alike, Tilt, least_square};
+use self::trials::best_plane;
 use crate::params;
 use crate::random::Lcg;
-use crate::raster::{Raster, marked};
-use crate::regions::{Segments, runs};
-use crate::simd::vectorized;
+use crate::raster::Raster;
+use crate::regions::Segments;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::moments::{Basis, Model, Moments};
 use crate::surface::plane_fit::PlaneFits;
@@ -50,14 +51,6 @@ const GRID_PX: usize = 6;
 const ROUNDS: usize = 8;
 /// With fewer pixels left on the grid nothing is looked for.
 const LEAST_POOL: usize = 150;
-/// Planes tried in a round.
-const TRIALS: usize = 300;
-/// Twice the area of the triangle of a trial (px^2 at 525 px) is at least this.
-const LEAST_TRIANGLE_PX: usize = 400;
-/// A trial counts the pixels nearer than this (quanta).
-const TRIAL_QUANTA: f64 = 2.0;
-/// The best trial has at least so many.
-const LEAST_VOTES: usize = 100;
 /// Fitted again to pixels nearer than this to the plane, then to the surface (quanta).
 const REFIT_QUANTA: [f64; 3] = [3.5, 3.0, 3.0];
 /// To at least so many.
@@ -78,8 +71,6 @@ const DOMINANT_M2: f64 = 0.03;
 const LEAST_COSINE: f64 = 0.15;
 /// A surface whose normal has more than this upwards is one to stand on.
 pub(crate) const UPWARD: f64 = 0.3;
-/// Pixels of a row of which is asked first whether any lies near a surface.
-const STRETCH: usize = 64;
 /// What lies in front of a surface that is behind the horizon stands as high as this (m).
 const BEYOND_M: f64 = 10.0;
 
@@ -89,56 +80,6 @@ struct Sample {
     disparity: f64,
     point_m: DVec3,
     tilt: Tilt,
-}
-
-/// How a surface is turned at a pixel.
-struct Tilt {
-    /// Unit normal, towards the camera; zero where it is not known.
-    normal: DVec3,
-    /// Change of disparity along u and v (quanta/px).
-    slope: [f64; 2],
-}
-
-impl Tilt {
-    fn at(i: usize, orientation: &Orientation) -> Self {
-        let normal = Vec3::from(orientation.normal[i]).as_dvec3();
-        Self { normal, slope: orientation.slope[i].map(f64::from) }
-    }
-}
-
-/// What passes for the same tilt.
-///
-/// The normal tells sides of low objects from the table they stand on. Where depth is coarse noise turns it at will, and a
-/// wall 2 m away came to pieces; but not the slope of the disparity, whose noise is the same at any distance.
-struct Alike {
-    least_cosine: f64,
-    /// The square of the slope between them is below this.
-    slope_squared: f64,
-}
-
-impl Alike {
-    fn are(&self, a: &Tilt, b: &Tilt) -> bool {
-        a.normal.dot(b.normal) > self.least_cosine || squared_between(a.slope, b.slope) < self.slope_squared
-    }
-}
-
-/// Squared length of the difference of two slopes.
-#[inline(always)]
-fn squared_between(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let [x, y] = [0, 1].map(|k| a[k] - b[k]);
-    x * x + y * y
-}
-
-/// The least number whose root is not below `length`, so that squares can be compared where lengths are meant.
-fn least_square(length: f64) -> f64 {
-    let mut square = length * length;
-    while square.next_down().sqrt() >= length {
-        square = square.next_down();
-    }
-    while square.sqrt() < length {
-        square = square.next_up();
-    }
-    square
 }
 
 /// Finds the structure of a scene.
@@ -208,79 +149,10 @@ pub fn structure(
     Structure { surfaces, labels, support }
 }
 
-/// Of every pixel the first surface that lies within `tolerance_quanta` of it and is turned as it is, or that has no normal to
-/// compare; -1 = none. O(pixels · surfaces); parallel over rows.
-fn labelled(
-    surfaces: &[StructureSurface],
-    disparity: &Raster<f32>,
-    orientation: &Orientation,
-    alike: &Alike,
-    tolerance_quanta: f64,
-    workspace: &mut Workspace,
-) -> Raster<i32> {
-    let width = disparity.width();
-    let mut labels = workspace.filled(disparity.len(), Segments::NONE);
-    let label_row = |unsure: &mut Vec<i32>, (v, labels): (usize, &mut [i32])| {
-        let row = v * width..(v + 1) * width;
-        let (disparity, slopes) =
-            (&disparity.as_slice()[row.clone()], &orientation.slope.as_slice()[row.clone()]);
-        for (s, surface) in surfaces.iter().enumerate() {
-            vectorized(
-                #[inline(always)]
-                || {
-                    let stretches = labels.chunks_mut(STRETCH).zip(unsure.chunks_mut(STRETCH));
-                    let seen = disparity.chunks(STRETCH).zip(slopes.chunks(STRETCH));
-                    for (left, ((labels, unsure), (disparity, slopes))) in
-                        (0..).step_by(STRETCH).zip(stretches.zip(seen))
-                    {
-                        surface.mark_near(labels, disparity, [left, v], tolerance_quanta, unsure);
-                        if unsure.iter().fold(0, |any, near| any | near) != 0 {
-                            surface.claim(s, labels, slopes, [left, v], alike.slope_squared, unsure);
-                        }
-                    }
-                },
-            );
-            for u in marked(unsure) {
-                let tilt = Tilt::at(row.start + u, orientation);
-                let slope = surface.model.slope([u as f64, v as f64]);
-                let own = Tilt { normal: surface.normal, slope };
-                if tilt.normal == DVec3::ZERO || alike.are(&own, &tilt) {
-                    labels[u] = s as i32;
-                }
-            }
-        }
-    };
-    labels.par_chunks_mut(width).enumerate().for_each_init(|| vec![0; width], label_row);
-    disparity.with_data(labels)
-}
-
 impl Structure {
     /// The label map of the surfaces alone.
     pub(crate) fn segments(&self) -> Segments {
         Segments::from_numbered(self.labels.clone(), self.surfaces.len())
-    }
-
-    /// The surfaces as planes, each fitted to its own pixels. How much is theirs is known in the end:
-    /// [`counted`](crate::objectness::outcome::Outcome::counted). O(pixels).
-    pub(crate) fn planes(&self, depth_m: &Raster<f32>, camera: &Camera) -> Vec<StructurePlane> {
-        let width = depth_m.width();
-        let rays: Vec<f64> = (0..width).map(|u| camera.ray(u as f64, 0.0)[0]).collect();
-        let mut own = vec![LaneSums::default(); self.surfaces.len()];
-        for (run, surface) in runs(&self.labels, 0..depth_m.height()) {
-            let (u, v) = (run.start % width, run.start / width);
-            let ray_y = camera.ray(0.0, v as f64)[1];
-            let rays = &rays[u..u + run.len()];
-            vectorized(
-                #[inline(always)]
-                || own[surface].add(rays, ray_y, &depth_m.as_slice()[run]),
-            );
-        }
-        let own = own.iter().map(LaneSums::total);
-        let plane = |(surface, own): (&StructureSurface, PointSums)| {
-            let (normal, offset_m) = (surface.normal.as_vec3().to_array(), surface.offset_m as f32);
-            own.fitted_plane().unwrap_or(StructurePlane { normal, offset_m, inlier_share: 0.0 })
-        };
-        self.surfaces.iter().zip(own).map(plane).collect()
     }
 
     /// One label map of both: first the surfaces, then the segments, which lie where no surface is.
@@ -298,41 +170,6 @@ impl Structure {
 }
 
 impl StructureSurface {
-    /// Marks the pixels, of which the first is at (u, v), that are of no surface yet and lie near this one.
-    #[inline(always)]
-    fn mark_near(
-        &self,
-        labels: &[i32],
-        disparity: &[f32],
-        [u, v]: [usize; 2],
-        quanta: f64,
-        near: &mut [i32],
-    ) {
-        for (k, ((near, label), d)) in near.iter_mut().zip(labels).zip(disparity).enumerate() {
-            let misfit = f64::from(*d) - self.model.value([(u + k) as f64, v as f64]);
-            *near = i32::from((misfit.abs() < quanta) & (*label < 0));
-        }
-    }
-
-    /// Labels those of the marked pixels whose slope is that of this surface, but for so much, and takes their mark.
-    #[inline(always)]
-    fn claim(
-        &self,
-        label: usize,
-        labels: &mut [i32],
-        slopes: &[[f32; 2]],
-        [u, v]: [usize; 2],
-        slope_squared: f64,
-        near: &mut [i32],
-    ) {
-        for (k, ((near, own), slope)) in near.iter_mut().zip(labels).zip(slopes).enumerate() {
-            let steepness = self.model.slope([(u + k) as f64, v as f64]);
-            let is_alike = squared_between(steepness, slope.map(f64::from)) < slope_squared;
-            *own = if (*near != 0) & is_alike { label as i32 } else { *own };
-            *near &= i32::from(!is_alike);
-        }
-    }
-
     /// Height (m) above the surface of what is seen at a pixel with this disparity (quanta), along its normal.
     pub fn height_m(&self, at: [f64; 2], disparity: f64, space: &DisparitySpace) -> f64 {
         let below = self.model.value(at);
@@ -341,129 +178,6 @@ impl StructureSurface {
         }
         let ray = DVec3::from(space.camera().ray(at[0], at[1]));
         (space.depth_m(below) - space.depth_m(disparity)) * self.normal.dot(ray).abs()
-    }
-}
-
-/// Points that are added side by side.
-const LANES: usize = 8;
-
-/// Sums over points, each of which adds to one of the lanes.
-#[derive(Clone, Default)]
-struct LaneSums {
-    /// 1, x, y, z, xx, yy, zz, xy, yz, zx.
-    sums: [[f64; LANES]; 10],
-}
-
-impl LaneSums {
-    /// Adds points of one row: those at depths `z_m` along rays with these x, and this y, at a depth of 1.
-    #[inline(always)]
-    fn add(&mut self, rays_x: &[f64], ray_y: f64, z_m: &[f32]) {
-        let mut sums = self.sums;
-        let (rays, depths) = (rays_x.chunks_exact(LANES), z_m.chunks_exact(LANES));
-        // A depth of 0 adds nothing.
-        let (mut last_rays, mut last_depths, mut last_counts) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for (lane, (ray, z)) in rays.remainder().iter().zip(depths.remainder()).enumerate() {
-            (last_rays[lane], last_depths[lane], last_counts[lane]) = (*ray, *z, 1.0);
-        }
-        let mut add = |rays: &[f64; LANES], depths: &[f32; LANES], counts: &[f64; LANES]| {
-            for lane in 0..LANES {
-                let z = f64::from(depths[lane]);
-                // Rounded as points are.
-                let [x, y] = [rays[lane] * z, ray_y * z].map(|x| f64::from(x as f32));
-                let terms = [counts[lane], x, y, z, x * x, y * y, z * z, x * y, y * z, z * x];
-                for (sum, term) in sums.iter_mut().zip(terms) {
-                    sum[lane] += term;
-                }
-            }
-        };
-        for (rays, depths) in rays.zip(depths) {
-            if let (Ok(rays), Ok(depths)) = (rays.try_into(), depths.try_into()) {
-                add(rays, depths, &[1.0; LANES]);
-            }
-        }
-        add(&last_rays, &last_depths, &last_counts);
-        self.sums = sums;
-    }
-
-    fn total(&self) -> PointSums {
-        let [n, x, y, z, xx, yy, zz, xy, yz, zx] = self.sums.map(|lanes| lanes.iter().sum());
-        PointSums::new(n, DVec3::new(x, y, z), DVec3::new(xx, yy, zz), DVec3::new(xy, yz, zx))
-    }
-}
-
-/// The plane a u + b v + c through three samples that passes near most of them; `None` when it is near to few.
-///
-/// All planes are drawn first, and voted for in parallel: the first one with the most votes wins, whichever is counted first.
-fn best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpace) -> Option<[f64; 3]> {
-    let least_triangle = space.area_px(LEAST_TRIANGLE_PX) as f64;
-    let mut trial = |_| {
-        let [p, q, r] = std::array::from_fn(|_| &pool[random.below(pool.len())]);
-        let ([x1, y1], [x2, y2]) = ([0, 1].map(|k| q.at[k] - p.at[k]), [0, 1].map(|k| r.at[k] - p.at[k]));
-        let triangle = x1 * y2 - x2 * y1;
-        if triangle.abs() < least_triangle {
-            return None;
-        }
-        let (d1, d2) = (q.disparity - p.disparity, r.disparity - p.disparity);
-        let a = (d1 * y2 - d2 * y1) / triangle;
-        let b = (x1 * d2 - x2 * d1) / triangle;
-        let c = p.disparity - a * p.at[0] - b * p.at[1];
-        Some([a, b, c])
-    };
-    let planes: Vec<[f64; 3]> = (0..TRIALS).filter_map(&mut trial).collect();
-    let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
-    let most = AtomicUsize::new(LEAST_VOTES);
-    let count = |&plane: &[f64; 3]| {
-        let votes = votes(&voters, pool.len(), plane, most.load(Relaxed))?;
-        most.fetch_max(votes, Relaxed);
-        Some((votes, plane))
-    };
-    let counted: Vec<Option<(usize, [f64; 3])>> = planes.par_iter().map(count).collect();
-    let first_best = |best: (usize, _), next: (usize, _)| if next.0 > best.0 { next } else { best };
-    counted.into_iter().flatten().reduce(first_best).map(|(_, plane)| plane)
-}
-
-/// How many samples lie near a plane, if they are at least so many; given up when they cannot be any more.
-fn votes(voters: &[Voters], mut left: usize, plane: [f64; 3], least: usize) -> Option<usize> {
-    let mut votes = 0;
-    for voters in voters {
-        if votes + left < least {
-            return None;
-        }
-        votes += vectorized(
-            #[inline(always)]
-            || voters.near(plane),
-        );
-        left = left.saturating_sub(VOTERS);
-    }
-    (votes >= least).then_some(votes)
-}
-
-/// Samples that are counted together.
-const VOTERS: usize = 256;
-
-/// Column, row and disparity of samples, each in a list of its own; those that are missing vote for nothing.
-struct Voters {
-    u: [f64; VOTERS],
-    v: [f64; VOTERS],
-    disparity: [f64; VOTERS],
-}
-
-impl Voters {
-    fn of(pool: &[Sample]) -> Self {
-        let mut voters = Self { u: [0.0; VOTERS], v: [0.0; VOTERS], disparity: [f64::NAN; VOTERS] };
-        for (k, sample) in pool.iter().enumerate() {
-            ([voters.u[k], voters.v[k]], voters.disparity[k]) = (sample.at, sample.disparity);
-        }
-        voters
-    }
-
-    /// How many lie near a plane.
-    #[inline(always)]
-    fn near(&self, [a, b, c]: [f64; 3]) -> usize {
-        let Self { u, v, disparity } = self;
-        (0..VOTERS)
-            .map(|k| u64::from((disparity[k] - (a * u[k] + b * v[k] + c)).abs() < TRIAL_QUANTA))
-            .sum::<u64>() as usize
     }
 }
 
@@ -573,7 +287,7 @@ mod tests {
     use crate::frame::Frame;
     use crate::surface::plane_fit::plane_fits;
     use crate::surface::window_choice::orientation;
-    use crate::testing::{raster, space};
+    use crate::testing::space;
 
     const SIZE: (usize, usize) = (320, 240);
 
@@ -603,46 +317,6 @@ mod tests {
         structure(&disparity, &fits, &orientation, &points, &space, [0.0, -1.0, 0.0], params, workspace)
     }
 
-    proptest! {
-        #[test]
-        fn each_pixel_is_of_the_first_surface_it_lies_on(
-            pixels in (1_usize..40, 1_usize..4).prop_flat_map(|size| raster(size, (
-                // Near the surfaces below, and none.
-                prop_oneof![9 => 97.0_f32..106.0, 1 => Just(f32::NAN)],
-                prop::array::uniform2(-0.4_f32..0.4),
-                // Turned like them or not, and none.
-                prop::sample::select(vec![[0.0, 0.0, -1.0], [0.0, -0.6, -0.8], [1.0, 0.0, 0.0], [0.0; 3]]),
-            ))),
-            slope_squared in 0.0_f64..0.2,
-        ) {
-            let disparity = pixels.map(|p| p.0);
-            let orientation = Orientation { slope: pixels.map(|p| p.1), normal: pixels.map(|p| p.2) };
-            let surface = |middle: f64, normal: [f64; 3]| {
-                let mut moments = Moments::about([0.0; 2]);
-                for at in [[0.0, 0.0], [40.0, 0.0], [0.0, 4.0]] {
-                    moments.add(at, middle + 0.1 * at[0] - 0.05 * at[1]);
-                }
-                let model = moments.fit(Basis::Plane).model;
-                StructureSurface { model, normal: normal.into(), offset_m: 1.0 }
-            };
-            let surfaces = [surface(100.0, [0.0, 0.0, -1.0]), surface(103.0, [0.0, -0.6, -0.8])];
-            let alike = Alike { least_cosine: 0.9, slope_squared };
-            let labels = labelled(&surfaces, &disparity, &orientation, &alike, 2.0, &mut Workspace::default());
-            let width = disparity.width();
-            for i in 0..disparity.len() {
-                let at = position(i, width);
-                let tilt = Tilt::at(i, &orientation);
-                let lies_on = |s: &StructureSurface| {
-                    let own = Tilt { normal: s.normal, slope: s.model.slope(at) };
-                    (f64::from(disparity[i]) - s.model.value(at)).abs() < 2.0
-                        && (tilt.normal == DVec3::ZERO || alike.are(&own, &tilt))
-                };
-                let expected = surfaces.iter().position(lies_on).map_or(-1, |s| s as i32);
-                prop_assert_eq!(labels[i], expected);
-            }
-        }
-    }
-
     /// The depth of the plane normal · X = -offset along the ray of a pixel.
     fn plane(i: usize, normal: DVec3, offset_m: f64) -> f64 {
         let [u, v] = position(i, SIZE.0);
@@ -659,28 +333,6 @@ mod tests {
     fn table_and_wall(i: usize) -> f64 {
         let positive = |z: f64| if z > 0.0 { z } else { f64::INFINITY };
         positive(plane(i, table_normal(), 0.6)).min(positive(plane(i, WALL, 1.0)))
-    }
-
-    #[test]
-    fn votes_are_given_up_only_below_the_least() {
-        let sample = |k: usize| Sample {
-            at: position(k, 40),
-            disparity: 300.0 + (k % 7) as f64,
-            point_m: DVec3::ZERO,
-            tilt: Tilt { normal: DVec3::ZERO, slope: [0.0; 2] },
-        };
-        let pool: Vec<Sample> = (0..3 * VOTERS + 17).map(sample).collect();
-        let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
-        for plane in [[0.0, 0.0, 303.0], [0.1, -0.05, 300.0], [0.0, 0.0, 500.0]] {
-            let near = |s: &&Sample| {
-                let [u, v] = s.at;
-                (s.disparity - (plane[0] * u + plane[1] * v + plane[2])).abs() < TRIAL_QUANTA
-            };
-            let all = pool.iter().filter(near).count();
-            assert_eq!(votes(&voters, pool.len(), plane, all), Some(all), "as many as the best so far");
-            assert_eq!(votes(&voters, pool.len(), plane, 0), Some(all));
-            assert_eq!(votes(&voters, pool.len(), plane, all + 1), None);
-        }
     }
 
     #[test]
@@ -803,28 +455,6 @@ mod tests {
             let place = (share * sorted.len() as f64).floor() as usize;
             let expected = sorted.get(place).or(sorted.last()).copied().unwrap_or(0.0);
             prop_assert_eq!(element_at(&mut values, share), expected);
-        }
-
-        #[test]
-        fn squares_below_the_least_are_those_of_shorter_lengths(length in 0.0_f64..3.0, steps in -4_i64..5) {
-            let near = f64::from_bits(((length * length).to_bits() as i64).saturating_add(steps).max(0) as u64);
-            prop_assert_eq!(near < least_square(length), near.sqrt() < length);
-        }
-
-        #[test]
-        fn lanes_add_what_points_do(depths_m in prop::collection::vec(0.3_f32..4.0, 0..40), v in 0_usize..480) {
-            let camera = half().camera();
-            let rays: Vec<f64> = (0..depths_m.len()).map(|u| camera.ray(u as f64, 0.0)[0]).collect();
-            let (mut lanes, mut expected) = (LaneSums::default(), [0.0; 10]);
-            lanes.add(&rays, camera.ray(0.0, v as f64)[1], &depths_m);
-            for (u, &z_m) in depths_m.iter().enumerate() {
-                let [x, y, z] = camera.back_project(u, v, z_m).map(f64::from);
-                let terms = [1.0, x, y, z, x * x, y * y, z * z, x * y, y * z, z * x];
-                expected.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-            }
-            for (got, expected) in lanes.sums.iter().zip(expected) {
-                prop_assert!((got.iter().sum::<f64>() - expected).abs() < 1e-9, "{:?} {}", got, expected);
-            }
         }
 
         #[test]

@@ -1,0 +1,148 @@
+//! Which pixels are of which surface.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::StructureSurface;
+use super::tilt::{Alike, Tilt, squared_between};
+use crate::raster::{Raster, marked};
+use crate::regions::Segments;
+use crate::simd::vectorized;
+use crate::surface::window_choice::Orientation;
+use crate::workspace::Workspace;
+
+/// Pixels of a row of which is asked first whether any lies near a surface.
+const STRETCH: usize = 64;
+
+/// Of every pixel the first surface that lies within `tolerance_quanta` of it and is turned as it is, or that has no normal to
+/// compare; -1 = none. O(pixels · surfaces); parallel over rows.
+pub(super) fn labelled(
+    surfaces: &[StructureSurface],
+    disparity: &Raster<f32>,
+    orientation: &Orientation,
+    alike: &Alike,
+    tolerance_quanta: f64,
+    workspace: &mut Workspace,
+) -> Raster<i32> {
+    let width = disparity.width();
+    let mut labels = workspace.filled(disparity.len(), Segments::NONE);
+    let label_row = |unsure: &mut Vec<i32>, (v, labels): (usize, &mut [i32])| {
+        let row = v * width..(v + 1) * width;
+        let (disparity, slopes) =
+            (&disparity.as_slice()[row.clone()], &orientation.slope.as_slice()[row.clone()]);
+        for (s, surface) in surfaces.iter().enumerate() {
+            vectorized(
+                #[inline(always)]
+                || {
+                    let stretches = labels.chunks_mut(STRETCH).zip(unsure.chunks_mut(STRETCH));
+                    let seen = disparity.chunks(STRETCH).zip(slopes.chunks(STRETCH));
+                    for (left, ((labels, unsure), (disparity, slopes))) in
+                        (0..).step_by(STRETCH).zip(stretches.zip(seen))
+                    {
+                        surface.mark_near(labels, disparity, [left, v], tolerance_quanta, unsure);
+                        if unsure.iter().fold(0, |any, near| any | near) != 0 {
+                            surface.claim(s, labels, slopes, [left, v], alike.slope_squared, unsure);
+                        }
+                    }
+                },
+            );
+            for u in marked(unsure) {
+                let tilt = Tilt::at(row.start + u, orientation);
+                let slope = surface.model.slope([u as f64, v as f64]);
+                let own = Tilt { normal: surface.normal, slope };
+                if tilt.normal == DVec3::ZERO || alike.are(&own, &tilt) {
+                    labels[u] = s as i32;
+                }
+            }
+        }
+    };
+    labels.par_chunks_mut(width).enumerate().for_each_init(|| vec![0; width], label_row);
+    disparity.with_data(labels)
+}
+
+impl StructureSurface {
+    /// Marks the pixels, of which the first is at (u, v), that are of no surface yet and lie near this one.
+    #[inline(always)]
+    fn mark_near(
+        &self,
+        labels: &[i32],
+        disparity: &[f32],
+        [u, v]: [usize; 2],
+        quanta: f64,
+        near: &mut [i32],
+    ) {
+        for (k, ((near, label), d)) in near.iter_mut().zip(labels).zip(disparity).enumerate() {
+            let misfit = f64::from(*d) - self.model.value([(u + k) as f64, v as f64]);
+            *near = i32::from((misfit.abs() < quanta) & (*label < 0));
+        }
+    }
+
+    /// Labels those of the marked pixels whose slope is that of this surface, but for so much, and takes their mark.
+    #[inline(always)]
+    fn claim(
+        &self,
+        label: usize,
+        labels: &mut [i32],
+        slopes: &[[f32; 2]],
+        [u, v]: [usize; 2],
+        slope_squared: f64,
+        near: &mut [i32],
+    ) {
+        for (k, ((near, own), slope)) in near.iter_mut().zip(labels).zip(slopes).enumerate() {
+            let steepness = self.model.slope([(u + k) as f64, v as f64]);
+            let is_alike = squared_between(steepness, slope.map(f64::from)) < slope_squared;
+            *own = if (*near != 0) & is_alike { label as i32 } else { *own };
+            *near &= i32::from(!is_alike);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::surface::disparity::position;
+    use crate::surface::moments::{Basis, Moments};
+    use crate::testing::raster;
+
+    proptest! {
+        #[test]
+        fn each_pixel_is_of_the_first_surface_it_lies_on(
+            pixels in (1_usize..3 * STRETCH / 2, 1_usize..4).prop_flat_map(|size| raster(size, (
+                // Near the surfaces below, and none.
+                prop_oneof![9 => 97.0_f32..106.0, 1 => Just(f32::NAN)],
+                prop::array::uniform2(-0.4_f32..0.4),
+                // Turned like them or not, and none.
+                prop::sample::select(vec![[0.0, 0.0, -1.0], [0.0, -0.6, -0.8], [1.0, 0.0, 0.0], [0.0; 3]]),
+            ))),
+            slope_squared in 0.0_f64..0.2,
+        ) {
+            let disparity = pixels.map(|p| p.0);
+            let orientation = Orientation { slope: pixels.map(|p| p.1), normal: pixels.map(|p| p.2) };
+            let surface = |middle: f64, normal: [f64; 3]| {
+                let mut moments = Moments::about([0.0; 2]);
+                for at in [[0.0, 0.0], [40.0, 0.0], [0.0, 4.0]] {
+                    moments.add(at, middle + 0.1 * at[0] - 0.05 * at[1]);
+                }
+                let model = moments.fit(Basis::Plane).model;
+                StructureSurface { model, normal: normal.into(), offset_m: 1.0 }
+            };
+            let surfaces = [surface(100.0, [0.0, 0.0, -1.0]), surface(103.0, [0.0, -0.6, -0.8])];
+            let alike = Alike { least_cosine: 0.9, slope_squared };
+            let labels = labelled(&surfaces, &disparity, &orientation, &alike, 2.0, &mut Workspace::default());
+            let width = disparity.width();
+            for i in 0..disparity.len() {
+                let at = position(i, width);
+                let tilt = Tilt::at(i, &orientation);
+                let lies_on = |s: &StructureSurface| {
+                    let own = Tilt { normal: s.normal, slope: s.model.slope(at) };
+                    (f64::from(disparity[i]) - s.model.value(at)).abs() < 2.0
+                        && (tilt.normal == DVec3::ZERO || alike.are(&own, &tilt))
+                };
+                let expected = surfaces.iter().position(lies_on).map_or(-1, |s| s as i32);
+                prop_assert_eq!(labels[i], expected);
+            }
+        }
+    }
+}

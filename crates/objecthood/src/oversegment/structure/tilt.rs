@@ -1,0 +1,70 @@
+//! How surfaces are turned, and what passes for the same.
+
+use glam::{DVec3, Vec3};
+
+use crate::surface::window_choice::Orientation;
+
+/// How a surface is turned at a pixel.
+pub(super) struct Tilt {
+    /// Unit normal, towards the camera; zero where it is not known.
+    pub(super) normal: DVec3,
+    /// Change of disparity along u and v (quanta/px).
+    pub(super) slope: [f64; 2],
+}
+
+impl Tilt {
+    pub(super) fn at(i: usize, orientation: &Orientation) -> Self {
+        let normal = Vec3::from(orientation.normal[i]).as_dvec3();
+        Self { normal, slope: orientation.slope[i].map(f64::from) }
+    }
+}
+
+/// What passes for the same tilt.
+///
+/// The normal tells sides of low objects from the table they stand on. Where depth is coarse noise turns it at will, and a
+/// wall 2 m away came to pieces; but not the slope of the disparity, whose noise is the same at any distance.
+pub(super) struct Alike {
+    pub(super) least_cosine: f64,
+    /// The square of the slope between them is below this.
+    pub(super) slope_squared: f64,
+}
+
+impl Alike {
+    pub(super) fn are(&self, a: &Tilt, b: &Tilt) -> bool {
+        a.normal.dot(b.normal) > self.least_cosine || squared_between(a.slope, b.slope) < self.slope_squared
+    }
+}
+
+/// Squared length of the difference of two slopes.
+#[inline(always)]
+pub(super) fn squared_between(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let [x, y] = [0, 1].map(|k| a[k] - b[k]);
+    x * x + y * y
+}
+
+/// The least number whose root is not below `length`, so that squares can be compared where lengths are meant.
+pub(super) fn least_square(length: f64) -> f64 {
+    let mut square = length * length;
+    while square.next_down().sqrt() >= length {
+        square = square.next_down();
+    }
+    while square.sqrt() < length {
+        square = square.next_up();
+    }
+    square
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn squares_below_the_least_are_those_of_shorter_lengths(length in 0.0_f64..3.0, steps in -4_i64..5) {
+            let near = f64::from_bits(((length * length).to_bits() as i64).saturating_add(steps).max(0) as u64);
+            prop_assert_eq!(near < least_square(length), near.sqrt() < length);
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Planes through three samples, and how many others lie near them.
+
+use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::Ordering::Relaxed;
+
+use rayon::prelude::*;
+
+use super::Sample;
+use crate::random::Lcg;
+use crate::simd::vectorized;
+use crate::surface::disparity::DisparitySpace;
+
+/// Planes tried in a round.
+const TRIALS: usize = 300;
+/// Twice the area of the triangle of a trial (px^2 at 525 px) is at least this.
+const LEAST_TRIANGLE_PX: usize = 400;
+/// A trial counts the pixels nearer than this (quanta).
+const TRIAL_QUANTA: f64 = 2.0;
+/// The best trial has at least so many.
+const LEAST_VOTES: usize = 100;
+
+/// The plane a u + b v + c through three samples that passes near most of them; `None` when it is near to few.
+///
+/// All planes are drawn first, and voted for in parallel: the first one with the most votes wins, whichever is counted first.
+pub(super) fn best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpace) -> Option<[f64; 3]> {
+    let least_triangle = space.area_px(LEAST_TRIANGLE_PX) as f64;
+    let mut trial = |_| {
+        let [p, q, r] = std::array::from_fn(|_| &pool[random.below(pool.len())]);
+        let ([x1, y1], [x2, y2]) = ([0, 1].map(|k| q.at[k] - p.at[k]), [0, 1].map(|k| r.at[k] - p.at[k]));
+        let triangle = x1 * y2 - x2 * y1;
+        if triangle.abs() < least_triangle {
+            return None;
+        }
+        let (d1, d2) = (q.disparity - p.disparity, r.disparity - p.disparity);
+        let a = (d1 * y2 - d2 * y1) / triangle;
+        let b = (x1 * d2 - x2 * d1) / triangle;
+        let c = p.disparity - a * p.at[0] - b * p.at[1];
+        Some([a, b, c])
+    };
+    let planes: Vec<[f64; 3]> = (0..TRIALS).filter_map(&mut trial).collect();
+    let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
+    let most = AtomicUsize::new(LEAST_VOTES);
+    let count = |&plane: &[f64; 3]| {
+        let votes = votes(&voters, pool.len(), plane, most.load(Relaxed))?;
+        most.fetch_max(votes, Relaxed);
+        Some((votes, plane))
+    };
+    let counted: Vec<Option<(usize, [f64; 3])>> = planes.par_iter().map(count).collect();
+    let first_best = |best: (usize, _), next: (usize, _)| if next.0 > best.0 { next } else { best };
+    counted.into_iter().flatten().reduce(first_best).map(|(_, plane)| plane)
+}
+
+/// How many samples lie near a plane, if they are at least so many; given up when they cannot be any more.
+fn votes(voters: &[Voters], mut left: usize, plane: [f64; 3], least: usize) -> Option<usize> {
+    let mut votes = 0;
+    for voters in voters {
+        if votes + left < least {
+            return None;
+        }
+        votes += vectorized(
+            #[inline(always)]
+            || voters.near(plane),
+        );
+        left = left.saturating_sub(VOTERS);
+    }
+    (votes >= least).then_some(votes)
+}
+
+/// Samples that are counted together.
+const VOTERS: usize = 256;
+
+/// Column, row and disparity of samples, each in a list of its own; those that are missing vote for nothing.
+struct Voters {
+    u: [f64; VOTERS],
+    v: [f64; VOTERS],
+    disparity: [f64; VOTERS],
+}
+
+impl Voters {
+    fn of(pool: &[Sample]) -> Self {
+        let mut voters = Self { u: [0.0; VOTERS], v: [0.0; VOTERS], disparity: [f64::NAN; VOTERS] };
+        for (k, sample) in pool.iter().enumerate() {
+            ([voters.u[k], voters.v[k]], voters.disparity[k]) = (sample.at, sample.disparity);
+        }
+        voters
+    }
+
+    /// How many lie near a plane.
+    #[inline(always)]
+    fn near(&self, [a, b, c]: [f64; 3]) -> usize {
+        let Self { u, v, disparity } = self;
+        (0..VOTERS)
+            .map(|k| u64::from((disparity[k] - (a * u[k] + b * v[k] + c)).abs() < TRIAL_QUANTA))
+            .sum::<u64>() as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::super::tilt::Tilt;
+    use super::*;
+    use crate::surface::disparity::position;
+
+    #[test]
+    fn votes_are_given_up_only_below_the_least() {
+        let sample = |k: usize| Sample {
+            at: position(k, 40),
+            disparity: 300.0 + (k % 7) as f64,
+            point_m: DVec3::ZERO,
+            tilt: Tilt { normal: DVec3::ZERO, slope: [0.0; 2] },
+        };
+        let pool: Vec<Sample> = (0..3 * VOTERS + 17).map(sample).collect();
+        let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
+        for plane in [[0.0, 0.0, 303.0], [0.1, -0.05, 300.0], [0.0, 0.0, 500.0]] {
+            let near = |s: &&Sample| {
+                let [u, v] = s.at;
+                (s.disparity - (plane[0] * u + plane[1] * v + plane[2])).abs() < TRIAL_QUANTA
+            };
+            let all = pool.iter().filter(near).count();
+            assert_eq!(votes(&voters, pool.len(), plane, all), Some(all), "as many as the best so far");
+            assert_eq!(votes(&voters, pool.len(), plane, 0), Some(all));
+            assert_eq!(votes(&voters, pool.len(), plane, all + 1), None);
+        }
+    }
+}
