@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::frame::Frame;
 use crate::method;
 use crate::observe::Observer;
+use crate::oversegment::felzenszwalb::Component;
 use crate::params::{Method, Params};
 use crate::raster::Raster;
 use crate::surface::plane_fit::Windows;
@@ -35,6 +36,7 @@ pub struct Workspace {
     distances: Vec<Vec<i16>>,
     pixels: Vec<Vec<u32>>,
     keys: Vec<Vec<u64>>,
+    components: Vec<Vec<Component>>,
     /// Of every band of rows its windows.
     pub(crate) windows: Vec<Windows>,
     /// Of every level of a relief a queue for the pixels that are reached; empty between frames.
@@ -70,7 +72,8 @@ shelves!(
     masks: u8,
     distances: i16,
     pixels: u32,
-    keys: u64
+    keys: u64,
+    components: Component
 );
 
 impl Workspace {

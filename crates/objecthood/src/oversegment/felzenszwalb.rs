@@ -46,8 +46,7 @@ pub fn segment(
     let pixels = graph.pixels();
     let mut growing = Growing {
         k: params.size_preference_grey,
-        size_px: workspace.filled(pixels, 1),
-        tolerated: workspace.filled(pixels, params.size_preference_grey),
+        of: workspace.filled(pixels, Component { size_px: 1, tolerated: params.size_preference_grey }),
     };
     let mut sets = UnionFind::within(workspace.stale(pixels, 0));
     let mut part = workspace.collected((0..).zip(borders.as_slice()).map(|(i, &b)| if b { SHUT } else { i }));
@@ -63,7 +62,7 @@ pub fn segment(
     let min_size = params.min_size_px;
     for (i, part) in part.iter_mut().enumerate().filter(|(_, part)| **part != SHUT) {
         let root = sets.find(i);
-        *part = if growing.size_px[root] >= min_size { LARGE } else { root as u32 };
+        *part = if growing.of[root].size_px >= min_size { LARGE } else { root as u32 };
     }
     let open = graph.between(&part, workspace);
     workspace.shelve(part);
@@ -73,8 +72,9 @@ pub fn segment(
 
     let root = workspace.collected((0..pixels).map(|i| sets.find(i) as u32));
     workspace.shelve(sets.into_parents());
-    workspace.shelve(growing.tolerated);
-    Components { root, size_px: growing.size_px }
+    let size_px = workspace.collected(growing.of.iter().map(|component| component.size_px));
+    workspace.shelve(growing.of);
+    Components { root, size_px }
 }
 
 /// No edge joins the pixel.
@@ -87,33 +87,41 @@ const LARGE: u32 = SHUT - 1;
 struct Growing {
     /// What a component of one pixel tolerates.
     k: f32,
+    of: Vec<Component>,
+}
+
+/// A growing component.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Component {
     /// Of what is no root 0.
-    size_px: Vec<u32>,
-    /// The heaviest edge that may still join the component; of what is no root any more infinite.
-    tolerated: Vec<f32>,
+    size_px: u32,
+    /// The heaviest edge that may still join it; of what is no root any more infinite.
+    tolerated: f32,
 }
 
 impl Growing {
     /// Joins two components below the larger one's root; of a tie below p's.
     #[inline]
     fn join(&mut self, sets: &mut UnionFind, weight: f32, (p, q): (usize, usize)) {
-        let (root, child) = if self.size_px[p] < self.size_px[q] { (q, p) } else { (p, q) };
+        let size_px = [p, q].map(|root| self.of[root].size_px);
+        let is_swapped = size_px[0] < size_px[1];
+        let (root, child) = if is_swapped { (q, p) } else { (p, q) };
         sets.link(root, child);
-        self.size_px[root] += std::mem::take(&mut self.size_px[child]);
-        self.tolerated[child] = f32::INFINITY;
-        self.tolerated[root] = weight + self.k / self.size_px[root] as f32;
+        let size_px = size_px[0] + size_px[1];
+        self.of[child] = Component { size_px: 0, tolerated: f32::INFINITY };
+        self.of[root] = Component { size_px, tolerated: weight + self.k / size_px as f32 };
     }
 }
 
 impl Rule for Growing {
     #[inline]
     fn refuses(&self, root: usize, weight: f32) -> bool {
-        self.tolerated[root] < weight
+        self.of[root].tolerated < weight
     }
 
     #[inline]
     fn meet(&mut self, sets: &mut UnionFind, PixelEdge { weight, .. }: PixelEdge, (p, q): (usize, usize)) {
-        if weight <= self.tolerated[p].min(self.tolerated[q]) {
+        if weight <= self.of[p].tolerated.min(self.of[q].tolerated) {
             self.join(sets, weight, (p, q));
         }
     }
@@ -133,7 +141,7 @@ impl Rule for TooSmall<'_> {
 
     #[inline]
     fn meet(&mut self, sets: &mut UnionFind, PixelEdge { weight, .. }: PixelEdge, (p, q): (usize, usize)) {
-        if self.growing.size_px[p].min(self.growing.size_px[q]) < self.min_size {
+        if self.growing.of[p].size_px.min(self.growing.of[q].size_px) < self.min_size {
             self.growing.join(sets, weight, (p, q));
         }
     }
