@@ -170,7 +170,6 @@ fn measure_normals(name: &str, frame: &Frame, workspace: &mut Workspace, figures
         let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px), workspace);
         let orientation = orientation(&disparity, &fits, &space, &params.local_fit, workspace);
         fits.leave(workspace);
-        workspace.keep(disparity);
         orientation
     });
     report("plane fits", spent, &fitted.normal);

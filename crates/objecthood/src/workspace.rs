@@ -10,6 +10,9 @@ use crate::params::{Method, Params};
 use crate::raster::Raster;
 use crate::surface::plane_fit::Windows;
 
+/// Buffers of one kind that are kept; no method asks for as many at once.
+const MOST: usize = 16;
+
 /// The images that stages write to, kept from one frame to the next; lists of regions are asked for anew.
 ///
 /// A stream of frames of one size asks the system for the memory of its images once; without, handing out and clearing
@@ -102,12 +105,12 @@ impl Workspace {
         }
     }
 
-    /// The smallest buffer that holds `len` values, so that each is asked for the same again. When none does, one is given up for
-    /// the larger one that will be asked for.
+    /// The smallest buffer that holds `len` values, so that each is asked for the same again; of equal ones the last that was
+    /// given back, because it is nearest. When none does, one is given up for the larger one that will be asked for.
     fn take<T: Pixel>(&mut self, len: usize) -> Option<Vec<T>> {
         let shelf = T::shelf(self);
         let fit = |&i: &usize| (shelf[i].capacity() < len, shelf[i].capacity());
-        let best = (0..shelf.len()).min_by_key(fit).map(|i| shelf.swap_remove(i));
+        let best = (0..shelf.len()).rev().min_by_key(fit).map(|i| shelf.remove(i));
         best.filter(|buffer| buffer.capacity() >= len)
     }
 
@@ -139,8 +142,12 @@ impl Workspace {
         self.shelve(raster.into_vec());
     }
 
-    /// Takes a buffer back.
+    /// Takes a buffer back. Of what was never taken from here no more than [`MOST`] pile up.
     pub(crate) fn shelve<T: Pixel>(&mut self, buffer: Vec<T>) {
-        T::shelf(self).push(buffer);
+        let shelf = T::shelf(self);
+        if shelf.len() == MOST {
+            shelf.remove(0);
+        }
+        shelf.push(buffer);
     }
 }

@@ -62,6 +62,8 @@ struct Tile {
     inside: Range<usize>,
     /// One row of the source and its surroundings; zero where pixels are of the other kind.
     source: [Vec<f32>; 4],
+    /// How many of the planes are smoothed: where no pixel is of the other kind the ones need not be, all become the same.
+    planes: usize,
     /// The rows around the present one, smoothed along themselves; row v stands at v modulo their number.
     along: Vec<Planes>,
 }
@@ -73,6 +75,7 @@ impl Tile {
             columns: vec![0; TILE_PX + 2 * reach],
             inside: 0..0,
             source: [(); 4].map(|()| vec![0.0; TILE_PX + 2 * reach]),
+            planes: 4,
             along: vec![[[0.0; TILE_PX]; 4]; 2 * reach + 1],
         }
     }
@@ -89,12 +92,21 @@ impl Tile {
         smoothed: &mut [&mut [f32]; 3],
     ) {
         let width = color.width();
-        let of_kind = |i: usize| depth_m[i].is_nan() != measured;
-        let row_of = |v: usize| v * width + columns.start..v * width + columns.end;
-        if !rows.clone().flat_map(row_of).any(of_kind) {
+        let others = |rows: Range<usize>, columns: Range<usize>| {
+            let row = |v: usize| &depth_m.as_slice()[v * width..][columns.clone()];
+            rows.map(|v| row(v).iter().filter(|z| z.is_nan() == measured).count()).sum::<usize>()
+        };
+        if others(rows.clone(), columns.clone()) == rows.len() * columns.len() {
             return;
         }
-        let reach = self.reach as isize;
+        let reach = self.reach;
+        let near = |range: &Range<usize>, size: usize| {
+            range.start.saturating_sub(reach)..size.min(range.end + reach)
+        };
+        let is_alone = others(near(&rows, color.height()), near(&columns, width)) == 0;
+        self.planes = if is_alone { 3 } else { 4 };
+        let row_of = |v: usize| v * width + columns.start..v * width + columns.end;
+        let reach = reach as isize;
         let left = columns.start as isize - reach;
         for (u, at) in (left..).zip(&mut self.columns) {
             *at = mirror(u, width);
@@ -102,7 +114,7 @@ impl Tile {
         let at = |u: usize| (u as isize - left).clamp(0, self.columns.len() as isize) as usize;
         self.inside = at(0)..at(width);
         let ring = self.along.len() as isize;
-        let mut sums = [[0.0; TILE_PX]; 4];
+        let mut sums = [[filtered_alike(kernel, filtered_alike(kernel, 1.0)); TILE_PX]; 4];
         for v in rows.start as isize - reach..rows.end as isize + reach {
             self.smooth_along(
                 color,
@@ -118,16 +130,21 @@ impl Tile {
                 continue;
             }
             let at = |t: isize| &self.along[(v + t).rem_euclid(ring) as usize];
-            for (c, sums) in sums.iter_mut().enumerate() {
+            for (c, sums) in sums[..self.planes].iter_mut().enumerate() {
                 filtered(sums, kernel, |t| (&at(-(t as isize))[c], &at(t as isize)[c]));
             }
             let [colors @ .., one] = &sums;
             let row = row_of(v as usize);
             let out = row.start - rows.start * width..row.end - rows.start * width;
             for (out, sums) in smoothed.iter_mut().map(|plane| &mut plane[out.clone()]).zip(colors) {
-                let depths = &depth_m.as_slice()[row.clone()];
-                for ((out, z), (sum, one)) in out.iter_mut().zip(depths).zip(sums.iter().zip(one)) {
-                    *out = if z.is_nan() == measured { *out } else { sum / one };
+                let sums = sums.iter().zip(one);
+                if is_alone {
+                    out.iter_mut().zip(sums).for_each(|(out, (sum, one))| *out = sum / one);
+                } else {
+                    let depths = &depth_m.as_slice()[row.clone()];
+                    for ((out, z), (sum, one)) in out.iter_mut().zip(depths).zip(sums) {
+                        *out = if z.is_nan() == measured { *out } else { sum / one };
+                    }
                 }
             }
         }
@@ -164,7 +181,7 @@ impl Tile {
         for place in (0..inside.start).chain(inside.end..columns.len()) {
             read(place..place + 1, columns[place]);
         }
-        for (sums, source) in self.along[place].iter_mut().zip(&self.source) {
+        for (sums, source) in self.along[place][..self.planes].iter_mut().zip(&self.source) {
             filtered(sums, kernel, |t| (&source[reach - t..], &source[reach + t..]));
         }
     }
@@ -182,6 +199,11 @@ fn filtered<'a>(sums: &mut [f32; TILE_PX], kernel: &[f32], pair: impl Fn(usize) 
             *sum += weight * (before + after);
         }
     }
+}
+
+/// What [`filtered`] makes of values that are all the same.
+fn filtered_alike(kernel: &[f32], value: f32) -> f32 {
+    kernel[1..].iter().fold(kernel[0] * value, |sum, weight| sum + weight * (value + value))
 }
 
 /// The right half of the kernel, the middle tap first.
@@ -257,6 +279,25 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn a_pixel_of_the_other_kind_changes_no_bit_beyond_its_reach(
+            colors in prop::collection::vec(any::<[u8; 3]>(), 80 * 7),
+            lost in 0_usize..80 * 7,
+        ) {
+            let color = Raster::from_vec(80, 7, colors).unwrap();
+            let mut depth = color.map(|_| 1.0);
+            let workspace = &mut Workspace::default();
+            let whole = smooth(&color, &depth, &params::Smoothing::default(), workspace);
+            depth.as_mut_slice()[lost] = f32::NAN;
+            let holed = smooth(&color, &depth, &params::Smoothing::default(), workspace);
+            let is_far = |i: &usize| (i % 80).abs_diff(lost % 80) > 2 || (i / 80).abs_diff(lost / 80) > 2;
+            for (whole, holed) in whole.iter().zip(&holed) {
+                for i in (0..color.len()).filter(is_far) {
+                    prop_assert_eq!(whole[i].to_bits(), holed[i].to_bits());
+                }
+            }
+        }
+
         #[test]
         fn equals_the_naive_mean_over_neighbours_of_the_same_kind(
             (width, pixels) in (1_usize..9, 1_usize..9).prop_flat_map(|(w, h)| {
