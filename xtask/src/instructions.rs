@@ -95,8 +95,10 @@ enum Verdict {
     Unknown,
     /// It has grown by more than is tolerated; by this share.
     Grown(f64),
-    /// It is much the same, or smaller; by this share.
+    /// It is much the same; by this share.
     Fine(f64),
+    /// It is smaller by more than is tolerated of growth, and could grow back unseen; by this share.
+    Fallen(f64),
 }
 
 impl Verdict {
@@ -105,23 +107,36 @@ impl Verdict {
             None | Some(0) => Self::Unknown,
             Some(known) => {
                 let growth = now as f64 / known as f64 - 1.0;
-                let limit = u128::from(known) * (100 + TOLERATED_PERCENT);
-                if u128::from(now) * 100 > limit { Self::Grown(growth) } else { Self::Fine(growth) }
+                let (known, now) = (u128::from(known), 100 * u128::from(now));
+                if now > known * (100 + TOLERATED_PERCENT) {
+                    Self::Grown(growth)
+                } else if now < known * (100 - TOLERATED_PERCENT) {
+                    Self::Fallen(growth)
+                } else {
+                    Self::Fine(growth)
+                }
             }
         }
     }
 
     fn passes(&self) -> bool {
-        matches!(self, Self::Fine(_))
+        matches!(self, Self::Fine(_) | Self::Fallen(_))
     }
 
     fn text(&self, now: u64) -> String {
         let mega = now as f64 / 1e6;
         match self {
             Self::Unknown => format!("{mega:.2} million instructions, of which nothing is known yet"),
-            Self::Grown(share) | Self::Fine(share) => {
+            Self::Grown(share) | Self::Fine(share) | Self::Fallen(share) => {
                 let (before, percent) = (mega / (1.0 + share), 100.0 * share);
-                format!("{before:.2} million instructions were known, now {mega:.2} ({percent:+.2} %)")
+                let advice = if let Self::Fallen(_) = self {
+                    "; cargo xtask bench --instructions keeps it so"
+                } else {
+                    ""
+                };
+                format!(
+                    "{before:.2} million instructions were known, now {mega:.2} ({percent:+.2} %){advice}"
+                )
             }
         }
     }
@@ -187,6 +202,7 @@ mod tests {
         assert!(Verdict::of(Some(100_000), 102_900).passes());
         assert!(Verdict::of(Some(100_000), 103_000).passes());
         assert!(!Verdict::of(Some(100_000), 103_100).passes());
+        assert!(Verdict::of(Some(100_000), 97_000).passes());
         assert!(Verdict::of(Some(100_000), 20_000).passes());
         assert!(!Verdict::of(None, 1).passes());
         assert!(!Verdict::of(Some(0), 1).passes());
@@ -196,6 +212,9 @@ mod tests {
     fn both_counts_are_said() {
         let said = Verdict::of(Some(200_000_000), 210_000_000).text(210_000_000);
         assert_eq!(said, "200.00 million instructions were known, now 210.00 (+5.00 %)");
+        let said = Verdict::of(Some(200_000_000), 190_000_000).text(190_000_000);
+        let advice = "; cargo xtask bench --instructions keeps it so";
+        assert_eq!(said, format!("200.00 million instructions were known, now 190.00 (-5.00 %){advice}"));
     }
 
     #[test]

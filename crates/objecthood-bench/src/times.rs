@@ -41,8 +41,10 @@ pub fn open(file: &Path) -> Result<Named> {
 
 /// Measures frames.
 pub struct Bench<'a> {
-    /// One pool for each number of threads.
+    /// One pool for each number of threads, in the order of their turns.
     pools: Vec<(usize, ThreadPool)>,
+    /// The one in which kernels run.
+    one: ThreadPool,
     allocator: &'a StatsAlloc<System>,
     peer: Option<Peer>,
     /// As a stream of frames keeps it.
@@ -59,6 +61,7 @@ impl<'a> Bench<'a> {
     pub fn new(allocator: &'a StatsAlloc<System>, peer: Option<Peer>) -> Result<Self> {
         Ok(Self {
             pools: pools()?,
+            one: pool(1)?,
             allocator,
             peer,
             workspace: Workspace::default(),
@@ -101,7 +104,9 @@ impl<'a> Bench<'a> {
                 }
             }
         }
-        let one = &self.pools[0].1;
+        // Which number of threads comes first takes turns: what comes later finds the caches warm.
+        self.pools.reverse();
+        let one = &self.one;
         let of_kernels = &mut self.of_kernels;
         one.install(|| measure_normals(name, frame, of_kernels, figures));
         // What every stage that looks at each pixel once must cost at least.
@@ -141,8 +146,11 @@ pub fn alone(frames: &[Named]) -> Result<Vec<Figure>> {
 
 /// Pools of 1 and of 2 threads.
 fn pools() -> Result<Vec<(usize, ThreadPool)>> {
-    let pool = |threads| Ok((threads, ThreadPoolBuilder::new().num_threads(threads).build()?));
-    [1, 2].into_iter().map(pool).collect()
+    [1, 2].into_iter().map(|threads| Ok((threads, pool(threads)?))).collect()
+}
+
+fn pool(threads: usize) -> Result<ThreadPool> {
+    Ok(ThreadPoolBuilder::new().num_threads(threads).build()?)
 }
 
 /// The normals of both methods: time, and angle to the table's plane.

@@ -1,6 +1,7 @@
 //! What was measured: every figure by the name of its series, and what is said of a series.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use anyhow::{Context, Result};
 
@@ -16,6 +17,15 @@ pub(crate) struct Spread {
     pub(crate) low: f64,
     pub(crate) median: f64,
     pub(crate) high: f64,
+}
+
+impl fmt::Display for Spread {
+    /// With as many digits as are asked for, two without.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = f.precision().unwrap_or(2);
+        let Self { low, median, high } = self;
+        write!(f, "{median:.digits$} ({low:.digits$} .. {high:.digits$})")
+    }
 }
 
 impl Figures {
@@ -72,6 +82,7 @@ mod tests {
         let lines: String = [9.0, 1.0, 5.0, 3.0, 7.0].map(|v| format!("learn0\ta/cpu_ms\t{v}\n")).concat();
         figures.read(&lines, |_, series| series.to_owned()).unwrap();
         assert_eq!(figures.spread("a/cpu_ms"), Some(Spread { low: 3.0, median: 5.0, high: 7.0 }));
+        assert_eq!(format!("{:.1}", figures.spread("a/cpu_ms").unwrap()), "5.0 (3.0 .. 7.0)");
         assert_eq!((figures.count("a/cpu_ms"), figures.median("b")), (5, None));
         assert_eq!(figures.between("", "/cpu_ms").collect::<Vec<_>>(), ["a"]);
         assert!(figures.read("a line\n", |_, series| series.to_owned()).is_err());

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::figures::{Figures, Spread};
+use super::figures::Figures;
 use super::machine::Machine;
 use super::targets::TARGETS;
 use crate::house::METHODS;
@@ -163,8 +163,5 @@ fn costs(text: &mut String, figures: &Figures, growth: usize) {
 
 /// Median and quartiles of a series.
 fn spread(figures: &Figures, series: &str) -> String {
-    figures.spread(series).map_or_else(
-        || "–".to_owned(),
-        |Spread { low, median, high }| format!("{median:.2} ({low:.2} .. {high:.2})"),
-    )
+    figures.spread(series).map_or_else(|| "–".to_owned(), |spread| spread.to_string())
 }

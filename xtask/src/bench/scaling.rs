@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use anyhow::{Context, Result};
 
-use super::figures::Figures;
+use super::figures::{Figures, Spread};
 use super::machine::Machine;
 use super::ours::Program;
 use super::plot::Plot;
@@ -23,13 +23,13 @@ const WIDTHS_LIMIT: f64 = 1.5;
 struct Point {
     level: String,
     pixels: f64,
-    ms: f64,
+    ms: Spread,
     mb: f64,
 }
 
 impl Point {
     fn us_per_px(&self) -> f64 {
-        1e3 * self.ms / self.pixels
+        1e3 * self.ms.median / self.pixels
     }
 
     fn megapixels(&self) -> f64 {
@@ -83,9 +83,9 @@ fn points(figures: &Figures, method: &str, kind: &str) -> Vec<Point> {
     let mut levels: Vec<&str> = figures.between(&start, "/cpu_ms").collect();
     levels.sort_by_key(|level| (level.len(), *level));
     let point = |level: &str| {
-        let median = |quantity| figures.median(&format!("{start}{level}/{quantity}"));
+        let spread = |quantity| figures.spread(&format!("{start}{level}/{quantity}"));
         let width = if kind == "size" { level.parse().ok()? } else { 640.0 };
-        let (ms, mb) = (median("cpu_ms")?, median("mb")?);
+        let (ms, mb) = (spread("cpu_ms")?, spread("mb")?.median);
         Some(Point { level: level.to_owned(), pixels: width * width * 0.75, ms, mb })
     };
     levels.into_iter().filter_map(point).collect()
@@ -94,7 +94,7 @@ fn points(figures: &Figures, method: &str, kind: &str) -> Vec<Point> {
 fn markdown(sizes: &[(&str, Vec<Point>)], things: &[(&str, Vec<Point>)]) -> String {
     let mut text = String::new();
     text.push_str(
-        "Median over three scenes and three rounds, CPU on one thread; memory is the peak of `objecthood segment`, what is paid \
+        "Median and quartiles over three scenes and three rounds, CPU on one thread; memory is the peak of `objecthood segment`, what is paid \
          for the program itself included.\n\n",
     );
     text.push_str("| 20 things on a table | image | megapixels | ms | µs a pixel | peak MB | bytes a pixel more |\n|---|---|---|---|---|---|---|\n");
@@ -132,9 +132,12 @@ fn markdown(sizes: &[(&str, Vec<Point>)], things: &[(&str, Vec<Point>)]) -> Stri
         for (method, points) in curves {
             let at = |level: &str| points.iter().find(|point| point.level == level).map(Point::us_per_px);
             let [low, high] = levels.map(at);
-            let Some(ratio) = high.zip(low).map(|(high, low)| high / low) else { continue };
-            let verdict = if ratio <= limit { "met" } else { "**missed**" };
-            let _ = writeln!(text, "| `{method}`, {what} | {ratio:.2} x | ≤ {limit} x | {verdict} |");
+            let (ratio, verdict) = match high.zip(low).map(|(high, low)| high / low) {
+                Some(ratio) if ratio <= limit => (format!("{ratio:.2} x"), "met"),
+                Some(ratio) => (format!("{ratio:.2} x"), "**missed**"),
+                None => ("–".to_owned(), "not measured"),
+            };
+            let _ = writeln!(text, "| `{method}`, {what} | {ratio} | ≤ {limit} x | {verdict} |");
         }
     }
     text.push_str(
@@ -158,6 +161,6 @@ fn draw(house: &House, sizes: &[(&str, Vec<Point>)], things: &[(&str, Vec<Point>
         [p.megapixels(), p.mb]
     })?;
     plot("growth-things.svg", things, [one, "things on the table", "ms a frame"], |p| {
-        [p.level.parse().unwrap_or(0.0), p.ms]
+        [p.level.parse().unwrap_or(0.0), p.ms.median]
     })
 }
