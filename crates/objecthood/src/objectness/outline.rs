@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::objectness::clusters::REACH_PX;
 use crate::params;
-use crate::raster::{Raster, marked, part};
+use crate::raster::{Raster, marked};
 use crate::regions::{SegmentId, Segments};
 use crate::shapes::border::{Fold, fold_angle_deg};
 use crate::surface::disparity::DisparitySpace;
@@ -47,7 +47,7 @@ enum End {
 }
 
 /// Rows that are looked at together.
-const BAND_ROWS: usize = 64;
+const BAND_ROWS: usize = 16;
 
 struct View<'a> {
     regions: &'a Segments,
@@ -86,25 +86,25 @@ pub fn outlines(
         aside: space.length_px(ASIDE_PX),
     };
     let labels = regions.labels().as_slice();
-    let row = |v: usize| &labels[v * width..(v + 1) * width];
     let sides_in = |band: usize| {
         let mut sides = Vec::new();
-        // All pixels at the edge of the image may have an outline, and so the first and the last of a row stay marked.
-        let mut marks = vec![1; width];
-        let inner = width.saturating_sub(2);
-        for v in band * BAND_ROWS..height.min((band + 1) * BAND_ROWS) {
-            let (own, above, below) = (row(v), row(v.saturating_sub(1)), row((v + 1).min(height - 1)));
-            let (left, right) = (part(own, 0, inner), part(own, 2, inner));
-            let [above, own, below] = [above, own, below].map(|row| part(row, 1, inner));
-            let is_edge = v == 0 || v + 1 == height;
-            // Of slices of one length and without branches, so that many are told at once.
-            for (k, mark) in marks[1.min(width)..][..inner].iter_mut().enumerate() {
-                let label = own[k];
-                let differs =
-                    (left[k] ^ label) | (right[k] ^ label) | (above[k] ^ label) | (below[k] ^ label);
-                *mark = i32::from(label >= first as i32) & i32::from((differs != 0) | is_edge);
+        let mut marks = vec![0; width];
+        let rows = band * BAND_ROWS..height.min((band + 1) * BAND_ROWS);
+        for (run, region) in regions.runs_in(rows).filter(|&(_, region)| region >= first) {
+            let marks = &mut marks[..run.len()];
+            let v = run.start / width;
+            if v == 0 || v + 1 == height {
+                marks.fill(1);
+            } else {
+                let [above, below] =
+                    [run.start - width, run.start + width].map(|i| &labels[i..][..run.len()]);
+                // Without branches, so that many are told at once.
+                for ((mark, above), below) in marks.iter_mut().zip(above).zip(below) {
+                    *mark = (above ^ region as i32) | (below ^ region as i32);
+                }
+                (marks[0], marks[run.len() - 1]) = (1, 1);
             }
-            marked(&marks).for_each(|u| view.sides(u, v, &mut sides));
+            marked(marks).for_each(|k| view.sides(run.start % width + k, v, &mut sides));
         }
         sides
     };
