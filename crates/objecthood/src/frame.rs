@@ -22,6 +22,8 @@ pub struct Frame {
     depth_m: Raster<f32>,
     color: Option<Raster<[u8; 3]>>,
     camera: Camera,
+    /// Pixels with depth.
+    measured_px: usize,
 }
 
 impl Frame {
@@ -42,15 +44,19 @@ impl Frame {
         let corners = [camera.ray(0.0, 0.0), camera.ray(right, bottom)];
         let lean = corners.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let farthest_m = (FARTHEST_M / lean) as f32;
-        let mut any = false;
+        let mut measured_px = 0;
         for z in depth_m.as_mut_slice() {
             if *z > 0.0 && *z < farthest_m {
-                any = true;
+                measured_px += 1;
             } else {
                 *z = f32::NAN;
             }
         }
-        if any { Ok(Self { depth_m, color, camera }) } else { Err(Error::NoValidDepth) }
+        if measured_px > 0 {
+            Ok(Self { depth_m, color, camera, measured_px })
+        } else {
+            Err(Error::NoValidDepth)
+        }
     }
 
     /// Depth in metres, `NaN` = none.
@@ -71,6 +77,11 @@ impl Frame {
     /// Number of columns and rows.
     pub fn size(&self) -> (usize, usize) {
         self.depth_m.size()
+    }
+
+    /// Number of pixels with depth; never zero.
+    pub fn measured_px(&self) -> usize {
+        self.measured_px
     }
 
     /// Whether the pixel with index `i` has depth.
@@ -120,6 +131,7 @@ mod tests {
         let depth = Raster::from_vec(6, 1, vec![1.0, 0.0, -1.0, f32::INFINITY, f32::NAN, 3e38]).unwrap();
         let frame = Frame::new(depth, None, camera()).unwrap();
         assert_eq!((0..6).filter(|&i| frame.is_valid(i)).collect::<Vec<_>>(), [0]);
+        assert_eq!(frame.measured_px(), 1);
         assert!(frame.points_m()[1][0].is_nan());
     }
 

@@ -193,7 +193,7 @@ pub(crate) fn context(
     observer.observe(Stage::Clusters { facets: &facets, history: History::of(&clusters) });
 
     let outcome = outcome(&clusters, structure.support, &params.objectness);
-    let planes = outcome.counted(planes, frame.depth_m());
+    let planes = outcome.counted(planes, frame.measured_px());
     let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
     let mut support = forest(&outcome.regions, &points, &orientation.normal, &planes, &up, space, params);
     observer.observe(Stage::Support { graph: &support, regions: &outcome.regions });

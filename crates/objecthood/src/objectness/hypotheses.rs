@@ -59,8 +59,11 @@ pub fn hypotheses(
     params: &Params,
 ) -> Vec<Hypothesis> {
     let Evidence { regions, points_m, normals, support, up, space } = *evidence;
-    let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); regions.count()];
-    for (run, region) in regions.runs().filter(|&(_, region)| region >= first) {
+    let things = || regions.runs().filter(|&(_, region)| region >= first);
+    let mut most = vec![0; regions.count()];
+    things().for_each(|(run, region)| most[region] += run.len());
+    let mut pixels: Vec<Vec<usize>> = most.into_iter().map(Vec::with_capacity).collect();
+    for (run, region) in things() {
         pixels[region].extend(run.filter(|&i| !points_m[i][2].is_nan()));
     }
     let (outlines, compactness) = rayon::join(

@@ -55,11 +55,17 @@ pub fn objects(
 /// The smallest upright rectangle around pixels, of which there is at least one.
 pub(crate) fn pixel_box(pixels: impl Iterator<Item = usize>, width: usize) -> PixelBox {
     let (mut left, mut right, mut top, mut bottom) = (usize::MAX, 0, usize::MAX, 0);
-    for (u, v) in pixels.map(|i| (i % width, i / width)) {
-        left = left.min(u);
-        right = right.max(u);
-        top = top.min(v);
-        bottom = bottom.max(v);
+    let mut row = 0..0;
+    for i in pixels {
+        // Most are in the row of the one before.
+        if !row.contains(&i) {
+            let v = i / width;
+            row = v * width..(v + 1) * width;
+            top = top.min(v);
+            bottom = bottom.max(v);
+        }
+        left = left.min(i - row.start);
+        right = right.max(i - row.start);
     }
     PixelBox { u: left, v: top, width: right - left + 1, height: bottom - top + 1 }
 }

@@ -48,12 +48,11 @@ pub(crate) fn outcome(
 }
 
 impl Outcome {
-    /// The planes of the structure, with the share of all points that is counted as theirs in the end. O(pixels).
-    pub(crate) fn counted(&self, planes: Vec<StructurePlane>, depth_m: &Raster<f32>) -> Vec<StructurePlane> {
+    /// The planes of the structure, with the share of all `measured_px` points that is counted as theirs in the end. O(runs).
+    pub(crate) fn counted(&self, planes: Vec<StructurePlane>, measured_px: usize) -> Vec<StructurePlane> {
         let mut size_px = vec![0_usize; self.regions.count()];
         self.regions.runs().for_each(|(run, region)| size_px[region] += run.len());
-        let measured = depth_m.as_slice().iter().filter(|z_m| !z_m.is_nan()).count();
-        let share = |size: usize| (size as f64 / measured as f64) as f32;
+        let share = |size: usize| (size as f64 / measured_px as f64) as f32;
         let planes = planes.into_iter().zip(size_px);
         planes.map(|(plane, size)| StructurePlane { inlier_share: share(size), ..plane }).collect()
     }
