@@ -183,22 +183,16 @@ impl Body {
         space: &DisparitySpace,
     ) -> Self {
         let (points_m, normals) = pixels;
-        let (mut extent, mut look, mut piece) = (Extent::new(), Look::default(), Piece::new());
+        let most = if is_thing { runs.iter().map(ExactSizeIterator::len).sum() } else { 0 };
+        let (mut extent, mut look, mut piece) = (Extent::new(), Look::of_at_most(most), Piece::new());
         let mut survey = |piece: &mut Piece| {
             piece.survey(plan, &mut extent);
             if is_thing {
                 look.add(piece, normals.as_slice(), plan);
             }
-            piece.clear();
         };
         for run in runs {
-            let mut rest = run.clone();
-            while !rest.is_empty() {
-                piece.take(&mut rest, points_m.as_slice());
-                if piece.is_full() {
-                    survey(&mut piece);
-                }
-            }
+            piece.take(run.clone(), points_m.as_slice(), &mut survey);
         }
         survey(&mut piece);
         let Some(first) = extent.first else { return Self::default() };
@@ -255,9 +249,13 @@ struct Side {
 }
 
 impl Look {
+    /// Of so many pixels, for which there is room.
+    fn of_at_most(count: usize) -> Self {
+        Self { pixels: Vec::with_capacity(count), heights_m: Vec::with_capacity(count), ..Self::default() }
+    }
+
     fn add(&mut self, piece: &Piece, normals: &[[f32; 3]], plan: &Plan) {
-        for (k, place_m) in piece.places_m().enumerate() {
-            let cell = Cell::at(place_m);
+        for (k, cell) in piece.cells().into_iter().take(piece.pixels().len()).enumerate() {
             if self.runs.last().is_none_or(|run| run.0 != cell) {
                 self.runs.push((cell, (self.heights_m.len() + k) as u32));
             }

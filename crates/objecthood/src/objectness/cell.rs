@@ -13,7 +13,7 @@ pub(crate) const CELL_M: f64 = 0.01;
 pub(crate) const CELL_SHARE: f64 = 0.8;
 
 /// A cell of the plan view. In one number, so that many are sorted fast: by column, then by row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Cell(u64);
 
 impl Cell {

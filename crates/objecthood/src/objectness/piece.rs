@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec2, Vec3};
 
+use crate::objectness::cell::Cell;
 use crate::objectness::plan::{DIRECTIONS, Plan};
 use crate::simd::vectorized;
 
@@ -74,22 +75,25 @@ impl Piece {
         }
     }
 
-    pub(crate) fn clear(&mut self) {
-        self.count = 0;
-    }
-
-    pub(crate) fn is_full(&self) -> bool {
-        self.count == PIECE_PX
-    }
-
-    /// Takes from the front of these pixels those for which there is room.
-    pub(crate) fn take(&mut self, pixels: &mut Range<usize>, points_m: &[[f32; 3]]) {
-        let (first, taken) = (pixels.start, pixels.len().min(PIECE_PX - self.count));
-        pixels.start += taken;
-        let own = self.count..self.count + taken;
-        self.points_m[own.clone()].copy_from_slice(&points_m[first..][..taken]);
-        self.pixels[own].iter_mut().zip(first as u32..).for_each(|(own, i)| *own = i);
-        self.count += taken;
+    /// Takes these pixels; whenever it is full it is looked at and emptied.
+    pub(crate) fn take(
+        &mut self,
+        mut pixels: Range<usize>,
+        points_m: &[[f32; 3]],
+        mut look: impl FnMut(&mut Self),
+    ) {
+        while !pixels.is_empty() {
+            let (first, taken) = (pixels.start, pixels.len().min(PIECE_PX - self.count));
+            pixels.start += taken;
+            let own = self.count..self.count + taken;
+            self.points_m[own.clone()].copy_from_slice(&points_m[first..][..taken]);
+            self.pixels[own].iter_mut().zip(first as u32..).for_each(|(own, i)| *own = i);
+            self.count += taken;
+            if self.count == PIECE_PX {
+                look(self);
+                self.count = 0;
+            }
+        }
     }
 
     /// Leaves out what is not measured.
@@ -112,10 +116,15 @@ impl Piece {
         &self.heights_m[..self.count]
     }
 
-    /// As far as it is [surveyed](Self::survey).
-    pub(crate) fn places_m(&self) -> impl Iterator<Item = DVec2> + '_ {
-        let [x, y] = &self.places_m;
-        x.iter().zip(y).take(self.count).map(|(&x, &y)| DVec2::new(x, y))
+    /// The cells of its pixels, as far as it is [surveyed](Self::survey); behind them free places.
+    pub(crate) fn cells(&self) -> [Cell; PIECE_PX] {
+        let [x_m, y_m] = &self.places_m;
+        let mut cells = [Cell::default(); PIECE_PX];
+        vectorized(
+            #[inline(always)]
+            || (0..PIECE_PX).for_each(|k| cells[k] = Cell::at(DVec2::new(x_m[k], y_m[k]))),
+        );
+        cells
     }
 
     /// Finds out where its points are, without those that are not measured, and adds them to what is known of the region.
