@@ -34,6 +34,7 @@ use crate::shapes::convexity::{convexities, shapes};
 use crate::shapes::descriptor::descriptors;
 use crate::surface::curvature::curvature;
 use crate::surface::disparity::DisparitySpace;
+use crate::surface::moments::Moments;
 use crate::surface::normals::normals;
 use crate::surface::plane_fit::plane_fits;
 use crate::surface::window_choice::orientation;
@@ -160,8 +161,9 @@ pub(crate) fn context(
     observer.observe(Stage::Superpixels(LabelMap::superpixels(&structure, &superpixels)));
 
     // 2. Facets: superpixels that lie on one surface.
-    let joined = linked_pairs(&superpixels, &links);
-    let facets = merge_surfaces(&superpixels, &structure, &joined, &disparity, space, &params.merging);
+    let (joined, moments) =
+        rayon::join(|| linked_pairs(&superpixels, &links), || Moments::of_segments(&superpixels, &disparity));
+    let facets = merge_surfaces(&superpixels, &structure, &moments, &joined, space, &params.merging);
     let facets = refine(facets, &disparity, &params.refinement);
     observer.observe(Stage::Facets(&facets.segments));
 

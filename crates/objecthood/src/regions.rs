@@ -219,6 +219,12 @@ impl<E> RegionGraph<E> {
         &self.edges
     }
 
+    /// Of edges that are sorted by (a, b), a < b, each pair once.
+    pub(crate) fn from_sorted(regions: usize, edges: Vec<RegionEdge<E>>) -> Self {
+        debug_assert!(edges.is_sorted_by(|one, next| (one.a, one.b) < (next.a, next.b)));
+        Self { regions, edges }
+    }
+
     /// The same graph with other evidence.
     pub fn map<F>(&self, mut f: impl FnMut(&RegionEdge<E>) -> F) -> RegionGraph<F> {
         let edges = self.edges.iter().map(|e| RegionEdge { a: e.a, b: e.b, evidence: f(e) }).collect();

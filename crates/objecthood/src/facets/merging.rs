@@ -8,7 +8,6 @@ use rayon::prelude::*;
 use crate::facets::Facets;
 use crate::oversegment::structure::Structure;
 use crate::params;
-use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::moments::{Basis, Fit, Model, Moments};
@@ -27,12 +26,17 @@ const QUADRATIC_PX: f64 = 40.0;
 
 /// A region that grows.
 struct Region {
+    /// What hangs together by pairs of neighbours is of one island.
+    island: u32,
+    /// The superpixel that stands for it, or for what it is a part of.
+    superpixel: u32,
     moments: Moments,
     squared_error: f64,
     steepness: f64,
-    /// Ascending, all of them alive.
+    /// Places in the island: ascending, all of them alive.
     neighbours: Vec<u32>,
-    version: u32,
+    /// How often it has grown; none when it is a part of another.
+    version: Option<u32>,
 }
 
 /// A merge on the heap: by cost, then by both regions.
@@ -42,7 +46,7 @@ struct Merge {
     cost: u32,
     a: u32,
     b: u32,
-    versions: [u32; 2],
+    versions: [Option<u32>; 2],
 }
 
 /// Merges superpixels to facets, those whose common surface disagrees least with both first.
@@ -51,13 +55,13 @@ struct Merge {
 /// quadratics up to `quadratic_tolerance_quanta`, which join the stripes of curved faces. Regions below
 /// `min_facet_px` are dropped; the structure comes first, then the facets in the order of the superpixel that stands for
 /// each. O(E log E) for E pairs of neighbours, each a solve of 3 or 6 unknowns, as long as no region has very many
-/// neighbours: with D of them each of its merges costs D solves. Merges touch no pixel. What does not hang together cannot merge, and
-/// is looked at in parallel.
+/// neighbours: with D of them each of its merges costs D solves. `moments` of every superpixel; merges touch no pixel. What does
+/// not hang together cannot merge, and is looked at in parallel.
 pub fn merge_surfaces(
     superpixels: &Segments,
     structure: &Structure,
+    moments: &[Moments],
     linked_pairs: &RegionGraph<u32>,
-    disparity: &Raster<f32>,
     space: &DisparitySpace,
     params: &params::Merging,
 ) -> Facets {
@@ -65,17 +69,31 @@ pub fn merge_surfaces(
     let linked = linked_pairs.edges().iter().filter(|e| e.evidence >= least_border);
     let pairs: Vec<[usize; 2]> = linked.map(|e| [e.a.index(), e.b.index()]).collect();
     let costs = Costs { space, small_px: space.area_px(SMALL_PX).max(1) as f64 };
-    let mut islands = Islands::new(Moments::of_segments(superpixels, disparity), &pairs);
-    islands.all.par_iter_mut().for_each(|island| {
+    let mut regions = Regions::new(moments, &pairs);
+    regions.islands().into_par_iter().with_max_len(1).for_each(|mut island| {
         island.merge(Basis::Plane, params.plane_tolerance_quanta, &costs);
         island.merge(Basis::Quadratic, params.quadratic_tolerance_quanta, &costs);
     });
-    islands.into_facets(superpixels, structure, space.area_px(params.min_facet_px))
+    regions.facets(superpixels, structure, space.area_px(params.min_facet_px))
 }
 
 impl Region {
-    fn new(moments: Moments) -> Self {
-        Self { moments, squared_error: 0.0, steepness: 0.0, neighbours: Vec::new(), version: 0 }
+    fn fit(&mut self, basis: Basis) {
+        let fit = fit(&self.moments, basis, QUADRATIC_TRIAL_PX);
+        self.squared_error = fit.squared_error;
+        self.steepness = fit.model.steepness();
+    }
+
+    fn add_neighbour(&mut self, k: u32) {
+        if let Err(place) = self.neighbours.binary_search(&k) {
+            self.neighbours.insert(place, k);
+        }
+    }
+
+    fn remove_neighbour(&mut self, k: u32) {
+        if let Ok(place) = self.neighbours.binary_search(&k) {
+            self.neighbours.remove(place);
+        }
     }
 }
 
@@ -85,111 +103,105 @@ struct Costs<'a> {
     small_px: f64,
 }
 
-/// Superpixels that hang together by pairs of neighbours.
-struct Island {
-    /// Ascending.
-    superpixels: Vec<u32>,
-    /// The regions that are alive, at the place of the superpixel that stands for each.
-    regions: Vec<Option<Region>>,
-    sets: UnionFind,
+/// All regions.
+struct Regions {
+    /// Island by island.
+    all: Vec<Region>,
+    /// Of each superpixel the place there.
+    places: Vec<usize>,
 }
 
-/// All superpixels.
-struct Islands {
-    all: Vec<Island>,
-    /// Of each superpixel the island, and its place there.
-    places: Vec<[usize; 2]>,
+/// The regions that hang together.
+struct Island<'a> {
+    regions: &'a mut [Region],
 }
 
-impl Islands {
-    /// Of superpixels with these moments. `pairs` of neighbours, each once, sorted.
-    fn new(moments: Vec<Moments>, pairs: &[[usize; 2]]) -> Self {
+impl Regions {
+    /// Of superpixels with these moments, each a region. `pairs` of neighbours, each once, sorted.
+    fn new(moments: &[Moments], pairs: &[[usize; 2]]) -> Self {
         let mut sets = UnionFind::new(moments.len());
         for pair in pairs {
             let [a, b] = pair.map(|s| sets.find(s));
             sets.link(a.min(b), a.max(b));
         }
-        let (island_of, count) = sets.groups();
-        let mut members: Vec<(Vec<u32>, Vec<Option<Region>>)> =
-            (0..count).map(|_| Default::default()).collect();
-        let mut places = Vec::with_capacity(moments.len());
-        for ((s, moments), island) in (0..).zip(moments).zip(island_of) {
-            let (superpixels, regions) = &mut members[island as usize];
-            places.push([island as usize, regions.len()]);
-            superpixels.push(s);
-            regions.push(Some(Region::new(moments)));
+        let (island_of, islands) = sets.groups();
+        let mut order: Vec<usize> = (0..moments.len()).collect();
+        order.sort_by_key(|&s| island_of[s]);
+        let (mut places, mut firsts) = (vec![0; moments.len()], vec![0; islands]);
+        for (place, &s) in order.iter().enumerate().rev() {
+            places[s] = place;
+            firsts[island_of[s] as usize] = place;
         }
+        let region = |&s: &usize| Region {
+            island: island_of[s],
+            superpixel: s as u32,
+            moments: moments[s].clone(),
+            squared_error: 0.0,
+            steepness: 0.0,
+            neighbours: Vec::new(),
+            version: Some(0),
+        };
+        let mut all: Vec<Region> = order.iter().map(region).collect();
         // Sorted, because the pairs are: first those with smaller, then those with greater numbers.
         for &[a, b] in pairs {
-            let ([island, a], [_, b]) = (places[a], places[b]);
+            let first = firsts[island_of[a] as usize];
             for (own, other) in [(a, b), (b, a)] {
-                if let Some(region) = &mut members[island].1[own] {
-                    region.neighbours.push(other as u32);
-                }
+                all[places[own]].neighbours.push((places[other] - first) as u32);
             }
         }
-        let island = |(superpixels, regions): (Vec<u32>, Vec<_>)| {
-            let sets = UnionFind::new(regions.len());
-            Island { superpixels, regions, sets }
-        };
-        Self { all: members.into_iter().map(island).collect(), places }
+        Self { all, places }
     }
 
-    fn into_facets(self, superpixels: &Segments, structure: &Structure, min_facet_px: usize) -> Facets {
-        let Self { mut all, places } = self;
-        let is_large = |r: &&Region| r.moments.count() >= min_facet_px as f64;
+    /// Those with something to merge.
+    fn islands(&mut self) -> Vec<Island<'_>> {
+        let islands = self.all.chunk_by_mut(|a, b| a.island == b.island);
+        islands.filter(|regions| regions.len() > 1).map(|regions| Island { regions }).collect()
+    }
+
+    fn facets(self, superpixels: &Segments, structure: &Structure, min_facet_px: usize) -> Facets {
         let mut models: Vec<Model> = structure.surfaces.iter().map(|s| s.model).collect();
-        let mut facets = models.len() as i32;
-        let mut facet_of_root = vec![Segments::NONE; places.len()];
-        for (facet, &[island, place]) in facet_of_root.iter_mut().zip(&places) {
-            if let Some(region) = all[island].regions[place].as_ref().filter(is_large) {
-                *facet = facets;
-                facets += 1;
-                models.push(fit(&region.moments, Basis::Quadratic, QUADRATIC_PX).model);
-            }
+        let mut facet_of: Vec<i32> = Vec::with_capacity(self.places.len());
+        for place in self.places {
+            let Region { superpixel, moments, version, .. } = &self.all[place];
+            facet_of.push(match version {
+                // Of the smaller number, so it is known.
+                None => facet_of[*superpixel as usize],
+                Some(_) if moments.count() < min_facet_px as f64 => Segments::NONE,
+                Some(_) => {
+                    models.push(fit(moments, Basis::Quadratic, QUADRATIC_PX).model);
+                    models.len() as i32 - 1
+                }
+            });
         }
-        let mut facet = |[island, place]: [usize; 2]| {
-            let Island { superpixels, sets, .. } = &mut all[island];
-            facet_of_root[superpixels[sets.find(place)] as usize]
-        };
-        let facet_of: Vec<i32> = places.iter().map(|&place| facet(place)).collect();
-        let label = |(&surface, &s): (&i32, &i32)| match (surface, s) {
-            (0.., _) => surface,
-            (_, 0..) => facet_of[s as usize],
-            _ => Segments::NONE,
-        };
-        let labels = structure.labels.as_slice().par_iter().zip(superpixels.labels().as_slice());
-        let labels = structure.labels.with_data(labels.map(label).collect());
+        // Superpixels lie where no surface is.
+        let mut labels = structure.labels.clone();
+        for (run, s) in superpixels.runs() {
+            labels.as_mut_slice()[run].fill(facet_of[s]);
+        }
         let segments = Segments::from_numbered(labels, models.len());
         Facets { segments, models, structure: structure.surfaces.len() }
     }
 }
 
-impl Island {
+impl Island<'_> {
     fn merge(&mut self, basis: Basis, tolerance: f32, costs: &Costs<'_>) {
-        for region in self.regions.iter_mut().flatten() {
-            let fit = fit(&region.moments, basis, QUADRATIC_TRIAL_PX);
-            region.squared_error = fit.squared_error;
-            region.steepness = fit.model.steepness();
-            region.version = 0;
-        }
+        let alive = self.regions.iter_mut().filter(|region| region.version.is_some());
+        alive.for_each(|region| region.fit(basis));
         let mut candidates = Vec::new();
-        for a in 0..self.regions.len() as u32 {
-            let Some(region) = &self.regions[a as usize] else { continue };
+        for (a, region) in (0..).zip(&*self.regions) {
             let later = region.neighbours.iter().filter(|&&b| b > a);
             candidates
                 .extend(later.filter_map(|&b| self.candidate(a, b, basis, tolerance, costs)).map(Reverse));
         }
         let mut heap = BinaryHeap::from(candidates);
         while let Some(Reverse(Merge { a, b, versions, .. })) = heap.pop() {
-            if [a, b].map(|k| self.regions[k as usize].as_ref().map(|r| r.version)) != versions.map(Some) {
+            if [a, b].map(|k| self.regions[k as usize].version) != versions {
                 continue;
             }
             self.join(a, b, basis);
-            let Some(region) = &self.regions[a as usize] else { continue };
-            let candidates = region.neighbours.iter();
+            let neighbours = self.regions[a as usize].neighbours.iter();
             heap.extend(
-                candidates.filter_map(|&t| self.candidate(a, t, basis, tolerance, costs)).map(Reverse),
+                neighbours.filter_map(|&t| self.candidate(a, t, basis, tolerance, costs)).map(Reverse),
             );
         }
     }
@@ -197,35 +209,27 @@ impl Island {
     /// The merge of two living regions, if it costs less than the tolerance.
     fn candidate(&self, a: u32, b: u32, basis: Basis, tolerance: f32, costs: &Costs<'_>) -> Option<Merge> {
         let (a, b) = (a.min(b), a.max(b));
-        let (x, y) = (self.regions[a as usize].as_ref()?, self.regions[b as usize].as_ref()?);
+        let [x, y] = [a, b].map(|k| &self.regions[k as usize]);
         let cost = costs.cost(x, y, basis) as f32;
         (cost < tolerance).then_some(Merge { cost: cost.to_bits(), a, b, versions: [x.version, y.version] })
     }
 
     /// Merges region `b` into region `a`.
     fn join(&mut self, a: u32, b: u32, basis: Basis) {
-        let (Some(mut x), Some(y)) = (self.regions[a as usize].take(), self.regions[b as usize].take())
-        else {
-            return;
-        };
+        let Ok([x, y]) = self.regions.get_disjoint_mut([a as usize, b as usize]) else { return };
         x.moments = x.moments.merged(&y.moments);
-        let fit = fit(&x.moments, basis, QUADRATIC_TRIAL_PX);
-        x.squared_error = fit.squared_error;
-        x.steepness = fit.model.steepness();
-        x.version += 1;
-        x.neighbours.extend(y.neighbours.iter().filter(|&&t| t != a));
-        x.neighbours.retain(|&t| t != b);
-        x.neighbours.sort_unstable();
-        x.neighbours.dedup();
-        for &t in &y.neighbours {
-            if let Some(region) = &mut self.regions[t as usize] {
-                region.neighbours.retain(|&k| k != a && k != b);
-                let place = region.neighbours.partition_point(|&k| k < a);
-                region.neighbours.insert(place, a);
-            }
+        x.fit(basis);
+        x.version = x.version.map(|version| version + 1);
+        (y.version, y.superpixel) = (None, x.superpixel);
+        let mut others = std::mem::take(&mut y.neighbours);
+        others.retain(|&t| t != a);
+        x.remove_neighbour(b);
+        others.iter().for_each(|&t| x.add_neighbour(t));
+        for t in others {
+            let region = &mut self.regions[t as usize];
+            region.remove_neighbour(b);
+            region.add_neighbour(a);
         }
-        self.regions[a as usize] = Some(x);
-        self.sets.link(a as usize, b as usize);
     }
 }
 
@@ -264,6 +268,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::raster::Raster;
     use crate::regions::SegmentId;
     use crate::surface::disparity::position;
     use crate::testing::{kinect, raster};
@@ -364,8 +369,9 @@ mod tests {
         ) {
             let params = params::Merging { quadratic_tolerance_quanta, min_facet_px, ..Default::default() };
             let neighbours = adjacency(&superpixels);
+            let moments = Moments::of_segments(&superpixels, &disparity);
             let structure = no_structure(&superpixels);
-            let facets = merge_surfaces(&superpixels, &structure, &neighbours, &disparity, &kinect(), &params);
+            let facets = merge_surfaces(&superpixels, &structure, &moments, &neighbours, &kinect(), &params);
 
             let single = |s: usize| {
                 let pixels: Vec<u32> = superpixels.members().filter(|m| m.1 == s).map(|m| m.0 as u32).collect();
@@ -394,7 +400,8 @@ mod tests {
             Segments::from_numbered(disparity.with_data((0..320).map(|i| i % 40 / 4).collect()), 10);
         let structure = no_structure(&superpixels);
         let neighbours = adjacency(&superpixels);
-        merge_surfaces(&superpixels, &structure, &neighbours, &disparity, &kinect(), params).segments.count()
+        let moments = Moments::of_segments(&superpixels, &disparity);
+        merge_surfaces(&superpixels, &structure, &moments, &neighbours, &kinect(), params).segments.count()
     }
 
     #[test]
@@ -427,8 +434,9 @@ mod tests {
         let structure = Structure { surfaces: vec![surface], labels: labels.clone(), support: Some(0) };
         let superpixels = Segments::from_numbered(labels.map(|l| -1 - l), 1);
         let neighbours = adjacency(&superpixels);
+        let moments = Moments::of_segments(&superpixels, &disparity);
         let params = params::Merging::default();
-        let facets = merge_surfaces(&superpixels, &structure, &neighbours, &disparity, &kinect(), &params);
+        let facets = merge_surfaces(&superpixels, &structure, &moments, &neighbours, &kinect(), &params);
         assert_eq!((facets.structure, facets.models.len(), facets.models[0]), (1, 2, model));
         assert_eq!(facets.segments.labels(), &labels.map(|l| -l));
     }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::params;
 use crate::raster::{Raster, marked};
-use crate::regions::{RegionGraph, SegmentId, Segments};
+use crate::regions::{RegionEdge, RegionGraph, SegmentId, Segments};
 use crate::simd::vectorized;
 use crate::surface::disparity::DisparitySpace;
 use crate::workspace::Workspace;
@@ -325,16 +325,12 @@ pub fn linked_pairs(superpixels: &Segments, links: &Links) -> RegionGraph<u32> {
     };
     let rows = (0..height).into_par_iter().map_init(|| vec![0; width], from_row);
     let rows: Vec<Vec<_>> = rows.collect();
-    let counted = counted(superpixels.count(), rows.into_iter().flatten());
-    RegionGraph::gather(superpixels.count(), counted, |count, times| *count += times)
+    counted(superpixels.count(), rows.into_iter().flatten())
 }
 
-/// How often each pair comes, in ascending order. A superpixel has few neighbours: for each of them its list is searched,
+/// How often each pair comes, of which the smaller number stands first. A superpixel has few neighbours: for each of them its list is searched,
 /// which takes less time than to sort all that come.
-fn counted(
-    superpixels: usize,
-    pairs: impl Iterator<Item = ([u32; 2], u32)>,
-) -> Vec<(SegmentId, SegmentId, u32)> {
+fn counted(superpixels: usize, pairs: impl Iterator<Item = ([u32; 2], u32)>) -> RegionGraph<u32> {
     const END: u32 = u32::MAX;
     let mut firsts = vec![END; superpixels];
     // The other superpixel, how often, and the next in the list.
@@ -353,16 +349,16 @@ fn counted(
             }
         }
     }
-    let mut counted = Vec::with_capacity(entries.len());
+    let mut edges = Vec::with_capacity(entries.len());
     for (a, first) in (0..).zip(firsts) {
-        let (own, mut at) = (counted.len(), first);
+        let (own, mut at) = (edges.len(), first);
         while let Some(&(b, times, next)) = entries.get(at as usize) {
-            counted.push((SegmentId(a), SegmentId(b), times));
+            edges.push(RegionEdge { a: SegmentId(a), b: SegmentId(b), evidence: times });
             at = next;
         }
-        counted[own..].sort_unstable_by_key(|&(_, b, _)| b);
+        edges[own..].sort_unstable_by_key(|edge| edge.b);
     }
-    counted
+    RegionGraph::from_sorted(superpixels, edges)
 }
 
 #[cfg(test)]
