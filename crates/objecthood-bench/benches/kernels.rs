@@ -7,7 +7,7 @@ use objecthood::objectness::gravity::camera_up;
 use objecthood::oversegment::graph::{PixelGraph, Unmeasured};
 use objecthood::oversegment::smoothing::smooth;
 use objecthood::oversegment::structure::structure;
-use objecthood::oversegment::watershed::{Links, watershed};
+use objecthood::oversegment::watershed::{Links, seeds, watershed};
 use objecthood::surface::curvature::curvature;
 use objecthood::surface::disparity::DisparitySpace;
 use objecthood::surface::normals::normals;
@@ -66,13 +66,13 @@ fn paper(c: &mut Criterion) {
 fn context(c: &mut Criterion) {
     let (frame, params) = (frame(), Params::default());
     let space = DisparitySpace::new(frame.camera(), &params.sensor);
-    let (points, disparity) = (frame.points_m(), space.disparity(frame.depth_m()));
+    let (depth_m, disparity) = (frame.depth_m(), space.disparity(frame.depth_m()));
     let radius_px = space.length_px(params.local_fit.radius_px);
     let workspace = &mut Workspace::default();
     let fits = plane_fits(&disparity, radius_px, workspace);
     let oriented = orientation(&disparity, &fits, &space, &params.local_fit, workspace);
     let up = camera_up(&params.gravity);
-    let planes = structure(&disparity, &fits, &oriented, &points, &space, up, &params.structure, workspace);
+    let planes = structure(&disparity, &fits, &oriented, depth_m, &space, up, &params.structure, workspace);
     let links = Links::new(&disparity, &oriented.slope, &planes.labels, &space, &params.watershed, workspace);
 
     let mut group = c.benchmark_group("context");
@@ -89,7 +89,7 @@ fn context(c: &mut Criterion) {
                 black_box(&disparity),
                 &fits,
                 &oriented,
-                &points,
+                depth_m,
                 &space,
                 up,
                 &params.structure,
@@ -98,7 +98,10 @@ fn context(c: &mut Criterion) {
         });
     });
     group.bench_function("watershed", |b| {
-        b.iter(|| watershed(black_box(&fits.residual), &links, &space, &params.watershed, workspace));
+        b.iter(|| {
+            let seeds = seeds(black_box(&fits.residual), &links, &space, &params.watershed);
+            watershed(&fits.residual, &seeds, &links, workspace)
+        });
     });
     group.finish();
 }

@@ -97,8 +97,12 @@ impl Frame {
 
     /// As [`points_m`](Self::points_m), in a buffer of the workspace.
     pub(crate) fn points_in(&self, workspace: &mut Workspace) -> Raster<[f32; 3]> {
-        let (width, height) = self.size();
-        let mut points = workspace.stale(width * height, [f32::NAN; 3]);
+        self.points_within(workspace.stale(self.depth_m.len(), [f32::NAN; 3]))
+    }
+
+    /// As [`points_m`](Self::points_m), in a buffer of that many.
+    pub(crate) fn points_within(&self, mut points: Vec<[f32; 3]>) -> Raster<[f32; 3]> {
+        let (width, _) = self.size();
         let columns: Vec<f64> = (0..width).map(|u| self.camera.ray(u as f64, 0.0)[0]).collect();
         points.par_chunks_mut(width).zip(self.depth_m.as_slice().par_chunks(width)).enumerate().for_each(
             |(v, (points, depths))| {

@@ -24,7 +24,7 @@ use crate::oversegment::felzenszwalb::segment;
 use crate::oversegment::graph::{PixelGraph, Unmeasured};
 use crate::oversegment::smoothing::smooth;
 use crate::oversegment::structure::structure;
-use crate::oversegment::watershed::{Links, linked_pairs, watershed};
+use crate::oversegment::watershed::{Links, linked_pairs, seeds, watershed};
 use crate::params::{Channels, Params, UpFrom};
 use crate::raster::Raster;
 use crate::shapes::border::borders;
@@ -132,7 +132,6 @@ pub(crate) fn context(
     observer: &mut dyn Observer,
 ) -> Result<Discovery> {
     let space = &DisparitySpace::new(frame.camera(), &params.sensor);
-    let points = frame.points_in(workspace);
 
     // What single pixels tell: the plane that fits their surroundings best.
     let disparity = space.disparity_in(frame.depth_m(), workspace);
@@ -145,7 +144,7 @@ pub(crate) fn context(
         &disparity,
         &fits,
         &orientation,
-        &points,
+        frame.depth_m(),
         space,
         camera_up(&params.gravity),
         &params.structure,
@@ -154,9 +153,12 @@ pub(crate) fn context(
     observer.observe(Stage::Structure(LabelMap::structure(&structure)));
     let links =
         Links::new(&disparity, &orientation.slope, &structure.labels, space, &params.watershed, workspace);
-    let (superpixels, planes) = rayon::join(
-        || watershed(&fits.residual, &links, space, &params.watershed, workspace),
-        || structure.planes(frame.depth_m(), &frame.camera()),
+    let seeds = seeds(&fits.residual, &links, space, &params.watershed);
+    // The flood has one order; beside it there is time for what later stages need.
+    let points = workspace.stale(disparity.len(), [f32::NAN; 3]);
+    let (superpixels, (planes, points)) = rayon::join(
+        || watershed(&fits.residual, &seeds, &links, workspace),
+        || (structure.planes(frame.depth_m(), &frame.camera()), frame.points_within(points)),
     );
     observer.observe(Stage::Superpixels(LabelMap::superpixels(&structure, &superpixels)));
 

@@ -9,6 +9,7 @@ mod tilt;
 mod trials;
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use self::labels::labelled;
 use self::tilt::{Alike, Tilt, least_square};
@@ -76,10 +77,32 @@ const BEYOND_M: f64 = 10.0;
 
 /// A pixel of the grid.
 struct Sample {
+    pixel: usize,
     at: [f64; 2],
     disparity: f64,
-    point_m: DVec3,
-    tilt: Tilt,
+}
+
+/// What may be structure, and the samples near it.
+struct Candidate {
+    surface: StructureSurface,
+    inliers: Vec<Sample>,
+}
+
+/// How large a surface is.
+struct Extent {
+    area_m2: f64,
+    longest_m: f64,
+}
+
+/// What is looked at.
+struct Seen<'a> {
+    disparity: &'a Raster<f32>,
+    orientation: &'a Orientation,
+    depth_m: &'a Raster<f32>,
+    space: &'a DisparitySpace,
+    /// Columns and rows from one sample to the next.
+    grid: usize,
+    alike: Alike,
 }
 
 /// Finds the structure of a scene.
@@ -91,61 +114,37 @@ pub fn structure(
     disparity: &Raster<f32>,
     fits: &PlaneFits,
     orientation: &Orientation,
-    points_m: &Raster<[f32; 3]>,
+    depth_m: &Raster<f32>,
     space: &DisparitySpace,
     camera_up: [f32; 3],
     params: &params::Structure,
     workspace: &mut Workspace,
 ) -> Structure {
-    let (width, height) = disparity.size();
-    let grid = space.length_px(GRID_PX);
-    let center = [(width / 2) as f64, (height / 2) as f64];
     let alike = Alike {
         least_cosine: cosine(params.angle_deg),
         slope_squared: least_square(space.slope_per_px(params.slope_quanta_per_px)),
     };
-    let rows = (grid / 3..height).step_by(grid);
-    let on_grid = rows.flat_map(|v| (grid / 3..width).step_by(grid).map(move |u| v * width + u));
-    let mut pool: Vec<Sample> = on_grid
-        .filter(|&i| fits.at(i).is_some())
-        .map(|i| Sample {
-            at: position(i, width),
-            disparity: f64::from(disparity[i]),
-            point_m: Vec3::from(points_m[i]).as_dvec3(),
-            tilt: Tilt::at(i, orientation),
-        })
-        .collect();
+    let seen = Seen { disparity, orientation, depth_m, space, grid: space.length_px(GRID_PX), alike };
+    let pool = seen.samples(fits);
     let everything = pool.len();
-
-    let mut random = Lcg::new(12345);
+    let candidates = seen.candidates(pool);
+    let extents: Vec<Extent> = candidates.par_iter().map(|candidate| seen.extent(candidate)).collect();
     let mut surfaces = Vec::new();
-    for _ in 0..ROUNDS {
-        if pool.len() <= LEAST_POOL {
-            break;
-        }
-        let Some(plane) = best_plane(&pool, &mut random, space) else { break };
-        let normal = space.normal([0.0; 2], plane[2], [plane[0], plane[1]]);
-        let Some(model) = refit(&pool, plane, normal, center, &alike) else { continue };
-        let is_inlier = |s: &Sample| (s.disparity - model.value(s.at)).abs() < INLIER_QUANTA;
-        let (inliers, rest): (Vec<_>, Vec<_>) = pool.into_iter().partition(is_inlier);
-        pool = rest;
-        let extent = Extent::of(&largest_piece(&inliers, grid), normal, grid, space);
+    for (Candidate { surface, inliers }, extent) in candidates.into_iter().zip(extents) {
         let is_large = extent.area_m2 > LARGE_M2 && extent.longest_m > LONG_M;
         let dominates = surfaces.is_empty()
             && inliers.len() as f64 > DOMINANT_SHARE * everything as f64
             && extent.area_m2 > DOMINANT_M2;
         if is_large || dominates {
-            let offset_m = space.distance_m([0.0; 2], plane[2], [plane[0], plane[1]]);
-            surfaces.push(StructureSurface { model, normal, offset_m });
+            surfaces.push(surface);
         }
     }
-
     let camera_up = Vec3::from(camera_up).as_dvec3();
     let support = surfaces
         .iter()
         .position(|s| s.normal.dot(camera_up) > UPWARD)
         .or((!surfaces.is_empty()).then_some(0));
-    let labels = labelled(&surfaces, disparity, orientation, &alike, params.tolerance_quanta, workspace);
+    let labels = labelled(&surfaces, disparity, orientation, &seen.alike, params.tolerance_quanta, workspace);
     Structure { surfaces, labels, support }
 }
 
@@ -181,33 +180,86 @@ impl StructureSurface {
     }
 }
 
-/// The quadratic through the samples near the plane that face the same way; `None` when they are few.
-fn refit(
-    pool: &[Sample],
-    [a, b, c]: [f64; 3],
-    normal: DVec3,
-    center: [f64; 2],
-    alike: &Alike,
-) -> Option<Model> {
-    let plane = Tilt { normal, slope: [a, b] };
-    let mut surface: Option<Model> = None;
-    for tolerance in REFIT_QUANTA {
-        let value = |at: [f64; 2]| surface.map_or(a * at[0] + b * at[1] + c, |model| model.value(at));
-        let mut moments = Moments::about(center);
-        for s in pool {
-            if (s.disparity - value(s.at)).abs() < tolerance && alike.are(&plane, &s.tilt) {
-                moments.add(s.at, s.disparity);
-            }
-        }
-        if moments.count() < LEAST_REFIT as f64 {
-            break;
-        }
-        surface = Some(moments.fit(Basis::Quadratic).model);
+impl Seen<'_> {
+    /// The pixels of the grid through whose surroundings there is a plane.
+    fn samples(&self, fits: &PlaneFits) -> Vec<Sample> {
+        let (width, height) = self.disparity.size();
+        let rows = (self.grid / 3..height).step_by(self.grid);
+        let pixels = rows.flat_map(|v| (self.grid / 3..width).step_by(self.grid).map(move |u| v * width + u));
+        let sample = |pixel: usize| Sample {
+            pixel,
+            at: position(pixel, width),
+            disparity: f64::from(self.disparity[pixel]),
+        };
+        pixels.filter(|&pixel| fits.at(pixel).is_some()).map(sample).collect()
     }
-    surface
+
+    /// The surfaces near most samples, each with those that are near no surface before it.
+    fn candidates(&self, mut pool: Vec<Sample>) -> Vec<Candidate> {
+        let mut random = Lcg::new(12345);
+        let mut candidates = Vec::new();
+        for _ in 0..ROUNDS {
+            if pool.len() <= LEAST_POOL {
+                break;
+            }
+            let Some([a, b, c]) = best_plane(&pool, &mut random, self.space) else { break };
+            let normal = self.space.normal([0.0; 2], c, [a, b]);
+            let Some(model) = self.refit(&pool, [a, b, c], normal) else { continue };
+            let offset_m = self.space.distance_m([0.0; 2], c, [a, b]);
+            let is_inlier = |s: &mut Sample| (s.disparity - model.value(s.at)).abs() < INLIER_QUANTA;
+            let inliers = pool.extract_if(.., is_inlier).collect();
+            candidates.push(Candidate { surface: StructureSurface { model, normal, offset_m }, inliers });
+        }
+        candidates
+    }
+
+    /// The quadratic through the samples near the plane that face the same way; `None` when they are few.
+    fn refit(&self, pool: &[Sample], [a, b, c]: [f64; 3], normal: DVec3) -> Option<Model> {
+        let (width, height) = self.disparity.size();
+        let center = [(width / 2) as f64, (height / 2) as f64];
+        let plane = Tilt { normal, slope: [a, b] };
+        let mut surface: Option<Model> = None;
+        for tolerance in REFIT_QUANTA {
+            let value = |at: [f64; 2]| surface.map_or(a * at[0] + b * at[1] + c, |model| model.value(at));
+            let mut moments = Moments::about(center);
+            for s in pool {
+                if (s.disparity - value(s.at)).abs() < tolerance
+                    && self.alike.are(&plane, &Tilt::at(s.pixel, self.orientation))
+                {
+                    moments.add(s.at, s.disparity);
+                }
+            }
+            if moments.count() < LEAST_REFIT as f64 {
+                break;
+            }
+            surface = Some(moments.fit(Basis::Quadratic).model);
+        }
+        surface
+    }
+
+    /// How large the largest connected piece is: tops of boxes that happen to be as high as a shelf are no surface.
+    fn extent(&self, Candidate { surface, inliers }: &Candidate) -> Extent {
+        let width = self.disparity.width();
+        let camera = self.space.camera();
+        let point_m = |s: &Sample| {
+            let point = camera.back_project(s.pixel % width, s.pixel / width, self.depth_m[s.pixel]);
+            Vec3::from(point).as_dvec3()
+        };
+        let points_m: Vec<DVec3> = largest_piece(inliers, self.grid).into_iter().map(point_m).collect();
+        let area_m2 = points_m.iter().map(|p| {
+            let cosine = (-surface.normal.dot(*p) / p.length()).max(LEAST_COSINE);
+            (self.grid * self.grid) as f64 * p.z * p.z / (camera.fx_px * camera.fy_px) / cosine
+        });
+        let width_m = |axis: DVec3| {
+            let mut along: Vec<f64> = points_m.iter().map(|p| p.dot(axis)).collect();
+            element_at(&mut along, 0.95) - element_at(&mut along, 0.05)
+        };
+        let [t1, t2] = tangents(surface.normal);
+        Extent { area_m2: area_m2.sum(), longest_m: width_m(t1).max(width_m(t2)) }
+    }
 }
 
-/// The samples of the largest connected piece: tops of boxes that happen to be as high as a shelf are no surface.
+/// The samples of the largest connected piece.
 fn largest_piece(inliers: &[Sample], grid: usize) -> Vec<&Sample> {
     let cell = |s: &Sample| s.at.map(|x| (x / grid as f64) as usize);
     let [columns, rows] = [0, 1].map(|k| inliers.iter().map(|s| cell(s)[k] + 1).max().unwrap_or(0));
@@ -238,29 +290,6 @@ fn largest_piece(inliers: &[Sample], grid: usize) -> Vec<&Sample> {
     largest
 }
 
-/// How large a surface is.
-struct Extent {
-    area_m2: f64,
-    longest_m: f64,
-}
-
-impl Extent {
-    fn of(inliers: &[&Sample], normal: DVec3, grid: usize, space: &DisparitySpace) -> Self {
-        let camera = space.camera();
-        let area_m2 = inliers.iter().map(|s| {
-            let p = s.point_m;
-            let cosine = (-normal.dot(p) / p.length()).max(LEAST_COSINE);
-            (grid * grid) as f64 * p.z * p.z / (camera.fx_px * camera.fy_px) / cosine
-        });
-        let width_m = |axis: DVec3| {
-            let mut along: Vec<f64> = inliers.iter().map(|s| s.point_m.dot(axis)).collect();
-            element_at(&mut along, 0.95) - element_at(&mut along, 0.05)
-        };
-        let [t1, t2] = tangents(normal);
-        Self { area_m2: area_m2.sum(), longest_m: width_m(t1).max(width_m(t2)) }
-    }
-}
-
 /// Two unit vectors along a plane, at right angles.
 pub(crate) fn tangents(normal: DVec3) -> [DVec3; 2] {
     let along = DVec3::new(normal.y, -normal.x, 0.0).try_normalize().unwrap_or(DVec3::X);
@@ -284,7 +313,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::frame::Frame;
     use crate::surface::plane_fit::plane_fits;
     use crate::surface::window_choice::orientation;
     use crate::testing::space;
@@ -308,13 +336,11 @@ mod tests {
             space.depth_m(f64::from(space.disparity(&depth)[0]).round()) as f32
         };
         let depth = Raster::from_vec(SIZE.0, SIZE.1, (0..SIZE.0 * SIZE.1).map(quantised).collect()).unwrap();
-        let frame = Frame::new(depth.clone(), None, space.camera());
-        let points = frame.map_or_else(|_| depth.map(|_| [f32::NAN; 3]), |frame| frame.points_m());
         let workspace = &mut Workspace::default();
         let disparity = space.disparity(&depth);
         let fits = plane_fits(&disparity, 2, workspace);
         let orientation = orientation(&disparity, &fits, &space, &params::LocalFit::default(), workspace);
-        structure(&disparity, &fits, &orientation, &points, &space, [0.0, -1.0, 0.0], params, workspace)
+        structure(&disparity, &fits, &orientation, &depth, &space, [0.0, -1.0, 0.0], params, workspace)
     }
 
     /// The depth of the plane normal · X = -offset along the ray of a pixel.

@@ -174,13 +174,12 @@ pub(crate) fn neighbours(i: usize, width: usize, height: usize) -> impl Iterator
 
 /// Superpixels on everything measured that is no structure: regions grow in flat surface first and meet on the edges.
 ///
-/// Watershed by flooding (Meyer 1994) of the relief of fit residuals (quanta), one seed per block where the residual is
-/// least, across links only; what no seed reaches is flooded by itself. O(pixels).
+/// Watershed by flooding (Meyer 1994) of the relief of fit residuals (quanta) from [`seeds`], across links only; what no
+/// seed reaches is flooded by itself. O(pixels).
 pub fn watershed(
     residual: &Raster<f32>,
+    seeds: &[usize],
     links: &Links,
-    space: &DisparitySpace,
-    params: &params::Watershed,
     workspace: &mut Workspace,
 ) -> Segments {
     let mut floods = std::mem::take(&mut workspace.floods);
@@ -191,7 +190,7 @@ pub fn watershed(
         _ => HIGHEST,
     };
     let mut count = 0;
-    for i in seeds(residual, links, space.length_px(params.seed_block_px)) {
+    for &i in seeds {
         labels[i] = count;
         count += 1;
         floods[level(i)].push(i as u32);
@@ -221,8 +220,14 @@ pub fn watershed(
 }
 
 /// Of every block with free pixels the first of those with the least residual. O(pixels); parallel over rows of blocks.
-fn seeds(residual: &Raster<f32>, links: &Links, block: usize) -> Vec<usize> {
+pub fn seeds(
+    residual: &Raster<f32>,
+    links: &Links,
+    space: &DisparitySpace,
+    params: &params::Watershed,
+) -> Vec<usize> {
     let (width, height) = residual.size();
+    let block = space.length_px(params.seed_block_px);
     let seeds_from = |top: usize| -> Vec<usize> {
         // Of every column the least, and the first row that has it. Residuals are not negative: their bits are in their order.
         let (mut least, mut rows) = (vec![i32::MAX; width], vec![0; width]);
@@ -409,7 +414,8 @@ mod tests {
         let Relief { disparity, slope, residual, structure } = relief;
         let workspace = &mut Workspace::default();
         let links = Links::new(disparity, slope, structure, &kinect(), params, workspace);
-        let superpixels = watershed(residual, &links, &kinect(), params, workspace);
+        let seeds = seeds(residual, &links, &kinect(), params);
+        let superpixels = watershed(residual, &seeds, &links, workspace);
         (links, superpixels)
     }
 

@@ -97,20 +97,12 @@ impl Voters {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
-    use super::super::tilt::Tilt;
     use super::*;
     use crate::surface::disparity::position;
 
     #[test]
     fn votes_are_given_up_only_below_the_least() {
-        let sample = |k: usize| Sample {
-            at: position(k, 40),
-            disparity: 300.0 + (k % 7) as f64,
-            point_m: DVec3::ZERO,
-            tilt: Tilt { normal: DVec3::ZERO, slope: [0.0; 2] },
-        };
+        let sample = |k: usize| Sample { pixel: k, at: position(k, 40), disparity: 300.0 + (k % 7) as f64 };
         let pool: Vec<Sample> = (0..3 * VOTERS + 17).map(sample).collect();
         let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
         for plane in [[0.0, 0.0, 303.0], [0.1, -0.05, 300.0], [0.0, 0.0, 500.0]] {
