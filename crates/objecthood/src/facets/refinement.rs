@@ -6,12 +6,15 @@ use crate::facets::Facets;
 use crate::params;
 use crate::raster::{Raster, marked, part};
 use crate::regions::Segments;
+use crate::simd::vectorized;
 use crate::surface::disparity::position;
 
 /// Passes over the borders.
 const PASSES: usize = 4;
 /// Neighbours in the image that differ by more (quanta) are none in space.
 const NEIGHBOUR_QUANTA: f32 = 15.0;
+/// Fewer pixels are looked at by one thread.
+const SIDE_BY_SIDE: usize = 1024;
 /// Misfit beyond this (quanta) counts as this: an outlier is no worse than another.
 const MISFIT_CAP: f64 = 6.0;
 /// What a pixel's present facet is preferred by (quanta).
@@ -29,7 +32,7 @@ pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refineme
     let mut labels = segments.into_labels();
     let (width, height) = labels.size();
     let mut active = open_pixels(&labels, disparity);
-    let mut pass_of = vec![0_u8; labels.len()];
+    let mut pass_of = never_inside(width, height);
     for pass in 1..=PASSES as u8 {
         let change = |&i: &u32| {
             let i = i as usize;
@@ -38,14 +41,15 @@ pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refineme
             let label = best(i, &labels, disparity, value, params.agreement_quanta);
             (label != labels[i]).then_some((i, label))
         };
-        let changes: Vec<(usize, i32)> = active.par_iter().filter_map(change).collect();
+        let changes: Vec<(usize, i32)> =
+            active.par_iter().with_min_len(SIDE_BY_SIDE).filter_map(change).collect();
         changes.iter().for_each(|&(i, label)| labels.as_mut_slice()[i] = label);
         active.clear();
         for (i, _) in changes {
             for j in [i - width, i, i + width].into_iter().flat_map(|i| [i - 1, i, i + 1]) {
-                let is_new = std::mem::replace(&mut pass_of[j], pass) != pass;
-                if is_new && is_inside(j, width, height) && is_open(j, &labels, disparity) {
-                    active.push(j as u32);
+                if pass_of[j] < pass {
+                    pass_of[j] = pass;
+                    active.extend(is_open(j, &labels, disparity).then_some(j as u32));
                 }
             }
         }
@@ -53,10 +57,15 @@ pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refineme
     Facets { segments: Segments::from_numbered(labels, count), models, structure }
 }
 
-/// Whether a pixel is not at the edge of the image.
-fn is_inside(i: usize, width: usize, height: usize) -> bool {
-    let (u, v) = (i % width, i / width);
-    u > 0 && u + 1 < width && v > 0 && v + 1 < height
+/// Of every pixel the pass before which it was looked at last: none yet; those at the edge of the image never are.
+fn never_inside(width: usize, height: usize) -> Vec<u8> {
+    let mut pass_of = vec![0; width * height];
+    pass_of[..width].fill(u8::MAX);
+    pass_of[(height - 1) * width..].fill(u8::MAX);
+    for row in pass_of.chunks_mut(width) {
+        (row[0], row[width - 1]) = (u8::MAX, u8::MAX);
+    }
+    pass_of
 }
 
 /// The pixels inside the image that are [`is_open`], in scan order. O(pixels); parallel over rows.
@@ -70,11 +79,17 @@ fn open_pixels(labels: &Raster<i32>, disparity: &Raster<f32>) -> Vec<u32> {
         let measured = part(&disparity.as_slice()[v * width..], 1, inner);
         // Most pixels are of one facet with their neighbours, or have no depth: of slices of one length and without branches,
         // so that many are told at once.
-        for (k, mark) in marks.iter_mut().enumerate() {
-            let label = own[k];
-            let differs = (left[k] ^ label) | (right[k] ^ label) | (above[k] ^ label) | (below[k] ^ label);
-            *mark = i32::from((differs != 0) | (label < 0)) & i32::from(!measured[k].is_nan());
-        }
+        vectorized(
+            #[inline(always)]
+            || {
+                for (k, mark) in marks.iter_mut().enumerate() {
+                    let (label, d) = (own[k], measured[k]);
+                    let differs =
+                        (left[k] ^ label) | (right[k] ^ label) | (above[k] ^ label) | (below[k] ^ label);
+                    *mark = i32::from((differs != 0) | (label < 0)) & i32::from(!d.is_nan());
+                }
+            },
+        );
         let pixels = marked(marks).map(|k| v * width + 1 + k);
         pixels.filter(|&i| is_open(i, labels, disparity)).map(|i| i as u32).collect::<Vec<_>>()
     };
@@ -101,33 +116,37 @@ fn best(
     let around_in = |v: usize| (&labels.as_slice()[v - 1..v + 2], &disparity.as_slice()[v - 1..v + 2]);
     let (own, d, width) = (labels[i], disparity[i], labels.width());
     let [(above, d_above), (beside, d_beside), (below, d_below)] = [i - width, i, i + width].map(around_in);
-    let mut voters = [above[0], above[1], above[2], beside[0], beside[2], below[0], below[1], below[2]];
+    let voters = [above[0], above[1], above[2], beside[0], beside[2], below[0], below[1], below[2]];
     let disparities =
         [d_above[0], d_above[1], d_above[2], d_beside[0], d_beside[2], d_below[0], d_below[1], d_below[2]];
-    for (voter, other) in voters.iter_mut().zip(disparities) {
-        // False when the neighbour is not measured.
-        let is_near = (other - d).abs() <= NEIGHBOUR_QUANTA;
-        *voter = if is_near { *voter } else { Segments::NONE };
-    }
-    let energy = |label: i32, votes: i32| {
+    // False when the neighbour is not measured.
+    let mut left = those(|k| (voters[k] >= 0) & ((disparities[k] - d).abs() <= NEIGHBOUR_QUANTA));
+    let energy = |label: i32, votes: u32| {
         let misfit = (f64::from(d) - value(label as usize)).abs().min(MISFIT_CAP);
         let inertia = if label == own { INERTIA } else { 0.0 };
         misfit - agreement * f64::from(votes) - inertia
     };
     let mut least: Option<(f64, i32)> = None;
-    while let Some(label) = voters.into_iter().find(|voter| *voter >= 0) {
-        let votes = voters.iter().map(|voter| i32::from(*voter == label)).sum();
-        voters = voters.map(|voter| if voter == label { Segments::NONE } else { voter });
-        if least.is_none() && voters.iter().all(|voter| *voter < 0) {
+    while left != 0 {
+        let label = voters[left.trailing_zeros() as usize];
+        let same = left & those(|k| voters[k] == label);
+        left &= !same;
+        if least.is_none() && left == 0 {
             // There is nothing to choose from.
             return label;
         }
-        let energy = energy(label, votes);
+        let energy = energy(label, same.count_ones());
         if least.is_none_or(|(least, _)| energy.total_cmp(&least).is_lt()) {
             least = Some((energy, label));
         }
     }
     least.map_or(own, |(_, label)| label)
+}
+
+/// A bit for each of eight.
+#[inline(always)]
+fn those(is: impl Fn(usize) -> bool) -> u8 {
+    (0..8).fold(0, |bits, k| bits | u8::from(is(k)) << k)
 }
 
 #[cfg(test)]
