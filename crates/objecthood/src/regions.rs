@@ -120,27 +120,46 @@ impl Segments {
     }
 }
 
-/// The [`runs`] of a label map, kept. O(pixels) to find them, O(1) to start at any row.
-#[derive(Clone, Debug)]
+/// The [`runs`] of a label map, kept. O(pixels) to find them, in parallel over bands of rows; O(1) to start at any row.
+#[derive(Clone, Debug, Default)]
 struct Runs {
     /// First pixel, the pixel behind the last, label.
     all: Vec<[u32; 3]>,
-    /// Row by row the number of runs above; then of all.
-    above: Vec<u32>,
+    /// Row by row the number of runs in it and above.
+    upto: Vec<u32>,
 }
 
 impl Runs {
     fn of(labels: &Raster<i32>) -> Self {
-        let (mut all, mut above) = (Vec::new(), vec![0]);
-        for row in 0..labels.height() {
-            all.extend(runs(labels, row..row + 1).map(|(run, s)| [run.start, run.end, s].map(|x| x as u32)));
-            above.push(all.len() as u32);
+        let height = labels.height();
+        // A band for each thread, so that one thread finds them all where they stay.
+        let rows = height.div_ceil(rayon::current_num_threads());
+        let tops: Vec<usize> = (0..height).step_by(rows).collect();
+        let band = |&top: &usize| Self::of_rows(labels, top..height.min(top + rows));
+        let bands: Vec<Self> = tops.par_iter().map(band).collect();
+        bands.into_iter().reduce(Self::followed_by).unwrap_or_default()
+    }
+
+    fn of_rows(labels: &Raster<i32>, rows: Range<usize>) -> Self {
+        let mut found = Self::default();
+        for row in rows {
+            let runs = runs(labels, row..row + 1);
+            found.all.extend(runs.map(|(run, s)| [run.start, run.end, s].map(|x| x as u32)));
+            found.upto.push(found.all.len() as u32);
         }
-        Self { all, above }
+        found
+    }
+
+    fn followed_by(mut self, below: Self) -> Self {
+        let above = self.all.len() as u32;
+        self.all.extend(below.all);
+        self.upto.extend(below.upto.into_iter().map(|upto| above + upto));
+        self
     }
 
     fn within(&self, rows: Range<usize>) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
-        let [first, end] = [rows.start, rows.end].map(|row| self.above[row] as usize);
+        let above = |row: usize| row.checked_sub(1).map_or(0, |last| self.upto[last] as usize);
+        let [first, end] = [rows.start, rows.end].map(above);
         self.all[first..end].iter().map(|run| {
             let [start, end, segment] = run.map(|x| x as usize);
             (start..end, segment)

@@ -1,10 +1,11 @@
 //! Clusters: shapes on their way to objects, and what is known of each (METHOD 3.9).
 
 use std::collections::{BTreeMap, VecDeque};
-use std::ops::AddAssign;
+use std::ops::{AddAssign, Range};
 use std::sync::OnceLock;
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use crate::facets::Facets;
 use crate::objectness::history::{Event, Miss, Source};
@@ -16,6 +17,7 @@ use crate::params;
 use crate::raster::{Raster, marked};
 use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::shapes::contraction::Shapes;
+use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 
 /// What stage 4 looks at besides the clusters: it stays as it is.
@@ -45,6 +47,11 @@ impl Steps {
     /// What a link of the watershed allows; side by side one quantum more, as much as rounding makes.
     pub(crate) fn of(params: &params::Watershed) -> Self {
         Self { touch_quanta: params.link_jump_quanta + 1.0, level_quanta: params.link_jump_quanta }
+    }
+
+    /// Whether there is no step between two pixels side by side.
+    fn touch(self, disparity: &Raster<f32>, i: usize, j: usize) -> bool {
+        (disparity[j] - disparity[i]).abs() <= self.touch_quanta
     }
 }
 
@@ -106,27 +113,45 @@ pub(crate) fn fill(facets: Facets, disparity: &Raster<f32>, steps: Steps) -> Fac
     let count = facets.segments.count();
     let mut labels = facets.segments.into_labels();
     let (width, height) = labels.size();
+    let mut open = VecDeque::from(givers(&labels, disparity, steps));
     let slice = labels.as_mut_slice();
-    let touch = |i: usize, j: usize| (disparity[j] - disparity[i]).abs() <= steps.touch_quanta;
-    // Only what touches something without a facet has anything to give.
-    let pixels = slice.iter().zip(disparity.as_slice());
-    let bare: Vec<i32> = pixels.map(|(label, d)| i32::from(*label < 0) & i32::from(!d.is_nan())).collect();
-    let mut givers: Vec<usize> = Vec::new();
-    for i in marked(&bare) {
-        givers.extend(neighbours(i, width, height).map(|(j, _)| j).filter(|&j| slice[j] >= 0 && touch(i, j)));
-    }
-    givers.sort_unstable();
-    givers.dedup();
-    let mut open = VecDeque::from(givers);
     while let Some(i) = open.pop_front() {
         for (j, _) in neighbours(i, width, height) {
-            if slice[j] < 0 && touch(i, j) {
+            if slice[j] < 0 && steps.touch(disparity, i, j) {
                 slice[j] = slice[i];
                 open.push_back(j);
             }
         }
     }
     Facets { segments: Segments::from_numbered(labels, count), ..facets }
+}
+
+/// The pixels with a facet that touch one that is measured and has none, in scan order. O(pixels); parallel over rows.
+fn givers(labels: &Raster<i32>, disparity: &Raster<f32>, steps: Steps) -> Vec<usize> {
+    let (width, height) = labels.size();
+    let around = |bare: &mut Vec<i32>, v: usize| {
+        let row = v * width..(v + 1) * width;
+        let pixels = labels.as_slice()[row.clone()].iter().zip(&disparity.as_slice()[row.clone()]);
+        vectorized(
+            #[inline(always)]
+            || {
+                for (bare, (label, d)) in bare.iter_mut().zip(pixels) {
+                    *bare = i32::from(*label < 0) & i32::from(!d.is_nan());
+                }
+            },
+        );
+        let mut givers = Vec::new();
+        for i in marked(bare).map(|u| row.start + u) {
+            let near = neighbours(i, width, height).map(|(j, _)| j);
+            givers.extend(near.filter(|&j| labels[j] >= 0 && steps.touch(disparity, i, j)));
+        }
+        givers
+    };
+    let rows = (0..height).into_par_iter().map_init(|| vec![0; width], around);
+    let mut givers: Vec<usize> = rows.flatten_iter().collect();
+    givers.sort_unstable();
+    givers.dedup();
+    givers
 }
 
 impl AddAssign for Borders {
@@ -301,9 +326,11 @@ impl<'a> Clusters<'a> {
 
 impl Cluster {
     fn extend(&mut self, pixels: &[u32]) {
+        // Nothing before the first of them moves. What follows are two sorted runs: linear.
+        let first =
+            pixels.first().map_or(self.pixels.len(), |first| self.pixels.partition_point(|own| own < first));
         self.pixels.extend(pixels);
-        // Two sorted runs: linear.
-        self.pixels.sort();
+        self.pixels[first..].sort();
         self.top_m = OnceLock::new();
         self.convexity = OnceLock::new();
     }
@@ -346,6 +373,21 @@ impl Scene<'_> {
 /// How any two clusters lie to each other; region 0 is the background, region k + 1 is cluster k. Neighbours in a row or column
 /// are those with nothing but holes between them. O(pixels + border pixels · log of them).
 fn lie_of_clusters(scene: &Scene<'_>, shapes: &Shapes) -> RegionGraph<Borders> {
+    let width = scene.facets.segments.labels().width();
+    // A strip for each thread: pairs are counted, so it does not matter which comes first.
+    let columns = width.div_ceil(rayon::current_num_threads());
+    let strips: Vec<Range<usize>> =
+        (0..width).step_by(columns).map(|left| left..width.min(left + columns)).collect();
+    let met: Vec<Vec<Meeting>> = strips.into_par_iter().map(|strip| meetings(scene, shapes, strip)).collect();
+    let add = |sum: &mut Borders, borders| *sum += borders;
+    RegionGraph::gather(shapes.count + 1, met.into_iter().flatten(), add)
+}
+
+/// How two regions lie to each other at one pair of pixels.
+type Meeting = (SegmentId, SegmentId, Borders);
+
+/// Where regions meet above each other in these columns, or side by side, the right one in these columns.
+fn meetings(scene: &Scene<'_>, shapes: &Shapes, strip: Range<usize>) -> Vec<Meeting> {
     /// What was seen last in a row or column: the region, and where.
     #[derive(Clone, Copy)]
     struct Last {
@@ -357,7 +399,7 @@ fn lie_of_clusters(scene: &Scene<'_>, shapes: &Shapes) -> RegionGraph<Borders> {
     let Steps { touch_quanta, level_quanta } = scene.steps;
     let reach = scene.space.length_px(REACH_PX);
     let region = |facet: usize| facet.checked_sub(*structure).map_or(0, |shape| shapes.of_facet[shape] + 1);
-    let mut samples = Vec::new();
+    let mut met = Vec::new();
     // Two regions that meet at pixels so many steps apart.
     let mut meet = |a: Last, b: Last, apart: usize| {
         if a.region == b.region || apart > reach {
@@ -371,30 +413,35 @@ fn lie_of_clusters(scene: &Scene<'_>, shapes: &Shapes) -> RegionGraph<Borders> {
             _ if rise > 0.0 => Borders { in_front: 1, ..Default::default() },
             _ => Borders { behind: 1, ..Default::default() },
         };
-        samples.push((SegmentId(a.region), SegmentId(b.region), borders));
+        met.push((SegmentId(a.region), SegmentId(b.region), borders));
     };
     let mut left: Option<Last> = None;
-    // Column by column: the region, and the row.
-    let mut above: Vec<u32> = vec![NOTHING; width];
-    let mut row_of_above = vec![0; width];
+    // Column by column of the strip: the region, and the row.
+    let mut above: Vec<u32> = vec![NOTHING; strip.len()];
+    let mut row_of_above = vec![0; strip.len()];
     for (run, facet) in segments.runs() {
         let (own, v) = (region(facet), run.start / width);
         let at = |pixel: usize| Last { region: own, pixel };
-        if let Some(left) = left.filter(|left| left.pixel / width == v) {
+        let (first, end) = (run.start - v * width, run.end - v * width);
+        if let Some(left) = left.filter(|left| left.pixel / width == v && strip.contains(&first)) {
             meet(left, at(run.start), run.start - left.pixel);
         }
         left = Some(at(run.end - 1));
-        let columns = run.start % width..run.start % width + run.len();
-        let lanes = above[columns.clone()].iter().zip(&row_of_above[columns.clone()]);
-        for ((u, i), (&region, &row)) in columns.clone().zip(run).zip(lanes) {
+        let (first, end) = (first.max(strip.start), end.min(strip.end));
+        if first >= end {
+            continue;
+        }
+        let lanes = first - strip.start..end - strip.start;
+        let seen = above[lanes.clone()].iter().zip(&row_of_above[lanes.clone()]);
+        for (u, (&region, &row)) in (first..end).zip(seen) {
             if region != own && region != NOTHING {
-                meet(Last { region, pixel: row * width + u }, at(i), v - row);
+                meet(Last { region, pixel: row * width + u }, at(v * width + u), v - row);
             }
         }
-        above[columns.clone()].fill(own);
-        row_of_above[columns].fill(v);
+        above[lanes.clone()].fill(own);
+        row_of_above[lanes].fill(v);
     }
-    RegionGraph::gather(shapes.count + 1, samples, |sum: &mut Borders, borders| *sum += borders)
+    met
 }
 
 /// Of no region.
