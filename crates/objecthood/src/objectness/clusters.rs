@@ -326,11 +326,13 @@ impl<'a> Clusters<'a> {
 
 impl Cluster {
     fn extend(&mut self, pixels: &[u32]) {
-        // Nothing before the first of them moves. What follows are two sorted runs: linear.
-        let first =
-            pixels.first().map_or(self.pixels.len(), |first| self.pixels.partition_point(|own| own < first));
+        let (Some(first), Some(last)) = (pixels.iter().min(), pixels.iter().max()) else { return };
+        // Only between them there is something to sort.
+        let [from, to] = [first, last].map(|end| self.pixels.partition_point(|own| own < end));
+        let behind = self.pixels.split_off(to);
         self.pixels.extend(pixels);
-        self.pixels[first..].sort();
+        self.pixels[from..].sort();
+        self.pixels.extend(behind);
         self.top_m = OnceLock::new();
         self.convexity = OnceLock::new();
     }
