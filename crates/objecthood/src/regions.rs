@@ -96,7 +96,16 @@ impl Segments {
 
     /// Those in some of the rows.
     pub(crate) fn runs_in(&self, rows: Range<usize>) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
-        self.runs.get_or_init(|| Runs::of(&self.labels)).within(rows)
+        self.find_runs().within(rows)
+    }
+
+    /// Its runs; asked for before threads ask at once, of which else each would find them.
+    pub(crate) fn find_runs(&self) -> &Runs {
+        self.runs.get().unwrap_or_else(|| {
+            // Not within the lock: who waits there for another thread may be handed work that asks for the same.
+            let found = Runs::of(&self.labels);
+            self.runs.get_or_init(|| found)
+        })
     }
 
     /// Of every segment its [`runs`](Self::runs). O(runs).
@@ -122,7 +131,7 @@ impl Segments {
 
 /// The [`runs`] of a label map, kept. O(pixels) to find them, in parallel over bands of rows; O(1) to start at any row.
 #[derive(Clone, Debug, Default)]
-struct Runs {
+pub(crate) struct Runs {
     /// First pixel, the pixel behind the last, label.
     all: Vec<[u32; 3]>,
     /// Row by row the number of runs in it and above.

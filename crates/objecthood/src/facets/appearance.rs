@@ -35,6 +35,7 @@ impl Appearance {
         };
         let direction_bins =
             |v: usize, bins: &mut [i32]| direction_bins(&normals.as_slice()[row(v)], params, bins);
+        superpixels.segments.find_runs();
         let (color, normal) = rayon::join(
             || Histograms::new(superpixels, color_bins),
             || Histograms::new(superpixels, direction_bins),

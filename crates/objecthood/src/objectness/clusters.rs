@@ -185,6 +185,7 @@ impl<'a> Clusters<'a> {
             }
             clusters
         };
+        scene.facets.segments.find_runs();
         let (mut clusters, lie) = rayon::join(gather, || lie_of_clusters(scene, shapes));
         for edge in lie.edges() {
             // Region 0 is the background.
