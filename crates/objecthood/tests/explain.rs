@@ -2,10 +2,13 @@
 
 mod common;
 
+use std::time::Duration;
+
 use common::{cut_box, stack, two_boxes};
 use objecthood::explain::{Decision, Explainer, Explanation, Flip, Outcome, Question, Reason};
 use objecthood::objectness::history::Rule;
 use objecthood::{Camera, Error, Frame, Method, Params, Raster};
+use rayon::prelude::*;
 
 /// Explains a pixel and checks what holds of every explanation.
 fn checked(explainer: &Explainer<'_>, pixel: [usize; 2]) -> Explanation {
@@ -41,6 +44,27 @@ fn every_pixel_of_small_scenes_is_explained() {
             checked(&explainer, [i % width, i / width]);
         }
     }
+}
+
+/// They waited for each other for ever where one was handed the other's work while both wanted the same tables.
+#[test]
+fn questions_of_many_threads_are_answered_as_those_of_one() {
+    let (done, answered) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let (frame, params) = (stack(), Params::default());
+        let explainer = Explainer::new(&frame, &params).expect("the scene is valid");
+        let objects = &explainer.discovery().objects;
+        let pixels: Vec<_> = objects.iter().filter_map(|object| explainer.pixel_of(object.id)).collect();
+        let explain = |&pixel: &[usize; 2]| format!("{:?}", explainer.explain(pixel));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().expect("four threads");
+        let many: Vec<_> = pool.install(|| pixels.par_iter().map(explain).collect());
+        let alone = Explainer::new(&frame, &params).expect("the scene is valid");
+        let one: Vec<_> = pixels.iter().map(|&pixel| format!("{:?}", alone.explain(pixel))).collect();
+        done.send((many, one)).expect("somebody waits");
+    });
+    let (many, one) = answered.recv_timeout(Duration::from_secs(120)).expect("no thread waits for another");
+    assert!(one.len() > 1);
+    assert_eq!(many, one);
 }
 
 #[test]

@@ -151,7 +151,11 @@ impl<'a> Search<'a> {
             self.spend(sweep::looks(self.params))?;
             self.is_swept = true;
         }
-        let sweep = self.sweep.get_or_init(|| Sweep::new(self.frame, self.params, self.run));
+        let sweep = self.sweep.get().unwrap_or_else(|| {
+            // Not within the lock: who waits there for another thread may be handed work that asks for the same.
+            let swept = Sweep::new(self.frame, self.params, self.run);
+            self.sweep.get_or_init(|| swept)
+        });
         Some(sweep.guesses(self.run, pair))
     }
 
