@@ -100,7 +100,7 @@ impl Frame {
         self.points_within(workspace.stale(self.depth_m.len(), [f32::NAN; 3]))
     }
 
-    /// As [`points_m`](Self::points_m), in a buffer of that many.
+    /// As [`points_m`](Self::points_m), in a buffer of one value a pixel.
     pub(crate) fn points_within(&self, mut points: Vec<[f32; 3]>) -> Raster<[f32; 3]> {
         let (width, _) = self.size();
         let columns: Vec<f64> = (0..width).map(|u| self.camera.ray(u as f64, 0.0)[0]).collect();

@@ -153,11 +153,11 @@ pub(crate) fn context(
     observer.observe(Stage::Structure(LabelMap::structure(&structure)));
     let links =
         Links::new(&disparity, &orientation.slope, &structure.labels, space, &params.watershed, workspace);
-    let seeds = seeds(&fits.residual, &links, space, &params.watershed);
+    let starts = seeds(&fits.residual, &links, space, &params.watershed);
     // The flood has one order; beside it there is time for what later stages need.
     let points = workspace.stale(disparity.len(), [f32::NAN; 3]);
     let (superpixels, (planes, points)) = rayon::join(
-        || watershed(&fits.residual, &seeds, &links, workspace),
+        || watershed(&fits.residual, &starts, &links, workspace),
         || (structure.planes(frame.depth_m(), &frame.camera()), frame.points_within(points)),
     );
     observer.observe(Stage::Superpixels(LabelMap::superpixels(&structure, &superpixels)));

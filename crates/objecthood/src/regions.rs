@@ -96,11 +96,15 @@ impl Segments {
 
     /// Those in some of the rows.
     pub(crate) fn runs_in(&self, rows: Range<usize>) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
-        self.find_runs().within(rows)
+        self.kept_runs().within(rows)
     }
 
-    /// Its runs; asked for before threads ask at once, of which else each would find them.
-    pub(crate) fn find_runs(&self) -> &Runs {
+    /// Finds its runs. To be called before several threads ask for them, else each of them searches.
+    pub(crate) fn find_runs(&self) {
+        self.kept_runs();
+    }
+
+    fn kept_runs(&self) -> &Runs {
         self.runs.get().unwrap_or_else(|| {
             // Not within the lock: who waits there for another thread may be handed work that asks for the same.
             let found = Runs::of(&self.labels);
@@ -131,7 +135,7 @@ impl Segments {
 
 /// The [`runs`] of a label map, kept. O(pixels) to find them, in parallel over bands of rows; O(1) to start at any row.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Runs {
+struct Runs {
     /// First pixel, the pixel behind the last, label.
     all: Vec<[u32; 3]>,
     /// Row by row the number of runs in it and above.
@@ -141,7 +145,7 @@ pub(crate) struct Runs {
 impl Runs {
     fn of(labels: &Raster<i32>) -> Self {
         let height = labels.height();
-        // A band for each thread, so that one thread finds them all where they stay.
+        // A band for each thread: one thread alone has nothing to put together.
         let rows = height.div_ceil(rayon::current_num_threads());
         let tops: Vec<usize> = (0..height).step_by(rows).collect();
         let band = |&top: &usize| Self::of_rows(labels, top..height.min(top + rows));
@@ -324,6 +328,24 @@ mod tests {
             for pair in runs.windows(2) {
                 let [(a, own), (b, next)] = pair else { continue };
                 prop_assert!(a.end < b.start || own != next || b.start % width == 0, "{:?}", runs);
+            }
+        }
+    }
+
+    #[test]
+    fn runs_in_some_rows_are_theirs_on_any_number_of_threads() {
+        let labels = Raster::from_vec(7, 11, (0..77).map(|i| i * i / 5 % 4 - 1).collect()).unwrap();
+        for threads in [1, 2, 3, 8, 16] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let segments = Segments::from_numbered(labels.clone(), 3);
+            pool.install(|| segments.find_runs());
+            for rows in (0..=11).flat_map(|end| (0..=end).map(move |start| start..end)) {
+                let found: Vec<_> = segments.runs_in(rows.clone()).collect();
+                assert_eq!(
+                    found,
+                    runs(&labels, rows.clone()).collect::<Vec<_>>(),
+                    "{threads} threads, {rows:?}"
+                );
             }
         }
     }

@@ -11,7 +11,7 @@ use crate::raster::Raster;
 use crate::surface::plane_fit::Windows;
 
 /// Buffers of one kind that are kept; no method asks for as many at once.
-const MOST: usize = 16;
+const MOST_KEPT: usize = 16;
 
 /// The images that stages write to, kept from one frame to the next; lists of regions are asked for anew.
 ///
@@ -142,12 +142,37 @@ impl Workspace {
         self.shelve(raster.into_vec());
     }
 
-    /// Takes a buffer back. Of what was never taken from here no more than [`MOST`] pile up.
+    /// Takes a buffer back. Of what was never taken from here no more than [`MOST_KEPT`] pile up.
     pub(crate) fn shelve<T: Pixel>(&mut self, buffer: Vec<T>) {
         let shelf = T::shelf(self);
-        if shelf.len() == MOST {
+        if shelf.len() == MOST_KEPT {
             shelf.remove(0);
         }
         shelf.push(buffer);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_never_taken_does_not_pile_up() {
+        let mut workspace = Workspace::default();
+        for _ in 0..3 * MOST_KEPT {
+            workspace.keep(Raster::filled(4, 3, 1.0_f32).unwrap());
+        }
+        assert_eq!(workspace.scalars.len(), MOST_KEPT);
+    }
+
+    #[test]
+    fn of_buffers_that_hold_enough_the_smallest_is_handed_out_and_of_those_the_last() {
+        let mut workspace = Workspace::default();
+        let buffers = [9, 12, 12, 40].map(|len| vec![0_u32; len]);
+        let last = buffers[2].as_ptr();
+        buffers.into_iter().for_each(|buffer| workspace.shelve(buffer));
+        let taken = workspace.stale(10, 7_u32);
+        assert_eq!(taken.as_ptr(), last);
+        assert_eq!(workspace.pixels.iter().map(Vec::len).collect::<Vec<_>>(), [9, 12, 40]);
     }
 }

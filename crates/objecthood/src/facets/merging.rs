@@ -55,8 +55,9 @@ struct Merge {
 /// quadratics up to `quadratic_tolerance_quanta`, which join the stripes of curved faces. Regions below
 /// `min_facet_px` are dropped; the structure comes first, then the facets in the order of the superpixel that stands for
 /// each. O(E log E) for E pairs of neighbours, each a solve of 3 or 6 unknowns, as long as no region has very many
-/// neighbours: with D of them each of its merges costs D solves. `moments` of every superpixel; merges touch no pixel. What does
-/// not hang together cannot merge, and is looked at in parallel.
+/// neighbours: with D of them each of its merges costs D solves. `moments` are those of every
+/// superpixel, and superpixels lie where the structure has no surface; merges touch no pixel. What does not hang together cannot
+/// merge, and is looked at in parallel.
 pub fn merge_surfaces(
     superpixels: &Segments,
     structure: &Structure,
@@ -69,7 +70,9 @@ pub fn merge_surfaces(
     let linked = linked_pairs.edges().iter().filter(|e| e.evidence >= least_border);
     let pairs: Vec<[usize; 2]> = linked.map(|e| [e.a.index(), e.b.index()]).collect();
     let costs = Costs { space, small_px: space.area_px(SMALL_PX).max(1) as f64 };
+    debug_assert_eq!(moments.len(), superpixels.count());
     let mut regions = Regions::new(moments, &pairs);
+    // An island each: a few have nearly all there is to do.
     regions.islands().into_par_iter().with_max_len(1).for_each(|mut island| {
         island.merge(Basis::Plane, params.plane_tolerance_quanta, &costs);
         island.merge(Basis::Quadratic, params.quadratic_tolerance_quanta, &costs);
@@ -210,6 +213,7 @@ impl Island<'_> {
     fn candidate(&self, a: u32, b: u32, basis: Basis, tolerance: f32, costs: &Costs<'_>) -> Option<Merge> {
         let (a, b) = (a.min(b), a.max(b));
         let [x, y] = [a, b].map(|k| &self.regions[k as usize]);
+        debug_assert!(x.version.is_some() && y.version.is_some(), "neighbours are alive");
         let cost = costs.cost(x, y, basis) as f32;
         (cost < tolerance).then_some(Merge { cost: cost.to_bits(), a, b, versions: [x.version, y.version] })
     }

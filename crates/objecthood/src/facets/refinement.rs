@@ -13,8 +13,8 @@ use crate::surface::disparity::position;
 const PASSES: usize = 4;
 /// Neighbours in the image that differ by more (quanta) are none in space.
 const NEIGHBOUR_QUANTA: f32 = 15.0;
-/// Fewer pixels are looked at by one thread.
-const SIDE_BY_SIDE: usize = 1024;
+/// Fewer pixels are not worth another thread.
+const LEAST_PX_A_THREAD: usize = 1024;
 /// Misfit beyond this (quanta) counts as this: an outlier is no worse than another.
 const MISFIT_CAP: f64 = 6.0;
 /// What a pixel's present facet is preferred by (quanta).
@@ -32,7 +32,7 @@ pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refineme
     let mut labels = segments.into_labels();
     let (width, height) = labels.size();
     let mut active = open_pixels(&labels, disparity);
-    let mut pass_of = never_inside(width, height);
+    let mut asked_in = before_all_passes(width, height);
     for pass in 1..=PASSES as u8 {
         let change = |&i: &u32| {
             let i = i as usize;
@@ -42,13 +42,13 @@ pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refineme
             (label != labels[i]).then_some((i, label))
         };
         let changes: Vec<(usize, i32)> =
-            active.par_iter().with_min_len(SIDE_BY_SIDE).filter_map(change).collect();
+            active.par_iter().with_min_len(LEAST_PX_A_THREAD).filter_map(change).collect();
         changes.iter().for_each(|&(i, label)| labels.as_mut_slice()[i] = label);
         active.clear();
         for (i, _) in changes {
             for j in [i - width, i, i + width].into_iter().flat_map(|i| [i - 1, i, i + 1]) {
-                if pass_of[j] < pass {
-                    pass_of[j] = pass;
+                if asked_in[j] < pass {
+                    asked_in[j] = pass;
                     active.extend(is_open(j, &labels, disparity).then_some(j as u32));
                 }
             }
@@ -57,15 +57,16 @@ pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refineme
     Facets { segments: Segments::from_numbered(labels, count), models, structure }
 }
 
-/// Of every pixel the pass before which it was looked at last: none yet; those at the edge of the image never are.
-fn never_inside(width: usize, height: usize) -> Vec<u8> {
-    let mut pass_of = vec![0; width * height];
-    pass_of[..width].fill(u8::MAX);
-    pass_of[(height - 1) * width..].fill(u8::MAX);
-    for row in pass_of.chunks_mut(width) {
+/// Of every pixel the last pass that asked whether it is open: none yet. At the edge of the image one that never comes, so that
+/// nothing is asked there.
+fn before_all_passes(width: usize, height: usize) -> Vec<u8> {
+    let mut asked_in = vec![0; width * height];
+    asked_in[..width].fill(u8::MAX);
+    asked_in[(height - 1) * width..].fill(u8::MAX);
+    for row in asked_in.chunks_mut(width) {
         (row[0], row[width - 1]) = (u8::MAX, u8::MAX);
     }
-    pass_of
+    asked_in
 }
 
 /// The pixels inside the image that are [`is_open`], in scan order. O(pixels); parallel over rows.
@@ -229,6 +230,27 @@ mod tests {
                 prop_assert!(!disparity[i].is_nan() || labels[i] == expected[i], "what is not measured stays");
             }
         }
+    }
+
+    #[test]
+    fn passes_over_many_pixels_are_the_same_on_any_number_of_threads() {
+        let (width, height) = (120, 90);
+        let at = |i: usize| (i * 7 + i / 11 * 3 + i / 120 * 5) % 13;
+        let disparity = (0..width * height).map(|i| 200.0 + (at(i) % 5) as f32).collect();
+        let disparity = Raster::from_vec(width, height, disparity).unwrap();
+        let labels = disparity.with_data((0..width * height).map(|i| at(i) as i32 % 4 - 1).collect());
+        assert!(open_pixels(&labels, &disparity).len() > 4 * LEAST_PX_A_THREAD);
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let models = [201.0, 203.0, 204.0].map(level).to_vec();
+            let facets =
+                Facets { segments: Segments::from_numbered(labels.clone(), 3), models, structure: 0 };
+            let params = params::Refinement::default();
+            pool.install(|| refine(facets, &disparity, &params)).segments.into_labels()
+        };
+        let alone = on(1);
+        assert_ne!(alone, labels);
+        assert!([2, 8].into_iter().all(|threads| on(threads) == alone));
     }
 
     #[test]

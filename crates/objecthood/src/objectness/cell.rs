@@ -17,13 +17,13 @@ pub(crate) const CELL_SHARE: f64 = 0.8;
 pub(crate) struct Cell(u64);
 
 impl Cell {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn at(place_m: DVec2) -> Self {
         let place = place_m / CELL_M;
         Self::new(floor(place.x), floor(place.y))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(x: i32, y: i32) -> Self {
         let ascending = |x: i32| u64::from(x.wrapping_sub(i32::MIN) as u32);
         Self(ascending(x) << 32 | ascending(y))
@@ -92,7 +92,7 @@ impl Cells {
 }
 
 /// The integer below, saturating: a conversion and a comparison, which a library's `floor` on the oldest x86-64 is not.
-#[inline]
+#[inline(always)]
 fn floor(x: f64) -> i32 {
     let toward_zero = x as i32;
     toward_zero.saturating_sub(i32::from(f64::from(toward_zero) > x))

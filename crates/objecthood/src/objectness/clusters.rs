@@ -126,7 +126,7 @@ pub(crate) fn fill(facets: Facets, disparity: &Raster<f32>, steps: Steps) -> Fac
     Facets { segments: Segments::from_numbered(labels, count), ..facets }
 }
 
-/// The pixels with a facet that touch one that is measured and has none, in scan order. O(pixels); parallel over rows.
+/// The pixels with a facet that touch one that is measured and has none, in scan order. O(pixels + theirs · log of them); parallel over rows.
 fn givers(labels: &Raster<i32>, disparity: &Raster<f32>, steps: Steps) -> Vec<usize> {
     let (width, height) = labels.size();
     let around = |bare: &mut Vec<i32>, v: usize| {
@@ -262,7 +262,7 @@ impl<'a> Clusters<'a> {
     }
 
     /// Gives a cluster to where the event says, and notes the event. Of a patch of the background the event is only noted: see
-    /// [`Self::extend`]. O(pixels of both + neighbours).
+    /// [`Self::extend`]. O(n log n + neighbours) for the n pixels from the first to the last that are given.
     pub(crate) fn give(&mut self, event: Event) {
         if let Source::Cluster(from) = event.from {
             self.merge(event.into, from);
@@ -301,7 +301,7 @@ impl<'a> Clusters<'a> {
         cluster.extend(&pixels);
     }
 
-    /// Adds pixels of the background to a cluster. O(pixels of both).
+    /// Adds pixels of the background to a cluster. O(n log n) for the n pixels from the first to the last that are added.
     pub(crate) fn extend(&mut self, id: SegmentId, pixels: &[u32]) {
         self.clusters[id.index()].extend(pixels);
     }
@@ -452,6 +452,8 @@ const NOTHING: u32 = u32::MAX;
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use proptest::prelude::*;
 
     use super::*;
@@ -515,7 +517,39 @@ mod tests {
         counted
     }
 
+    #[test]
+    fn borders_are_counted_alike_on_any_number_of_threads() {
+        // Wider than there are threads, with holes that strips cut.
+        let rows = ["aaaa..bbbb_cc", "aa..bb.bb__cc", "d.........ccc", "dddd__aaa_a_a"];
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let table = Table::drawn(&rows, &[0.1, 0.11, 0.3, 0.2]);
+                let scene = table.scene();
+                let clusters = single(&scene);
+                let neighbours = |id: SegmentId| clusters.get(id).neighbours.clone();
+                clusters.alive().into_iter().map(neighbours).collect::<Vec<_>>()
+            })
+        };
+        assert!([2, 3, 5, 16].into_iter().all(|threads| on(threads) == on(1)));
+    }
+
     proptest! {
+        #[test]
+        fn what_is_added_stands_in_its_place(
+            own in prop::collection::btree_set(0_u32..60, 0..20),
+            new in prop::collection::btree_set(0_u32..60, 0..20),
+            turn in 0_usize..20,
+        ) {
+            let mut new: Vec<u32> = new.difference(&own).copied().collect();
+            let middle = turn % new.len().max(1);
+            new.rotate_left(middle);
+            let mut cluster = Cluster { pixels: own.iter().copied().collect(), ..Default::default() };
+            cluster.extend(&new);
+            let expected: BTreeSet<u32> = own.into_iter().chain(new).collect();
+            prop_assert_eq!(cluster.pixels, expected.into_iter().collect::<Vec<_>>());
+        }
+
         #[test]
         fn merging_keeps_clusters_in_step_with_their_pixels(
             table in scenery(),

@@ -88,6 +88,8 @@ fn facets_among(pixels: &[usize], facets: &Segments, now: u16, seen: &mut [u16])
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::discovery::{ObjectnessParts, OrientedBox};
     use crate::objectness::support::SupportEdge;
@@ -117,6 +119,22 @@ mod tests {
         let support =
             SupportGraph { nodes: Vec::new(), edges: vec![SupportEdge::seen(NodeId(0), NodeId(7), 1)] };
         objects(hypotheses, &Segments::from_labels(&columns), &points, &support).unwrap()
+    }
+
+    proptest! {
+        #[test]
+        fn a_box_of_pixels_is_that_of_their_places(
+            pixels in prop::collection::vec(0_usize..60, 1..20),
+            width in 1_usize..9,
+        ) {
+            let PixelBox { u, v, width: wide, height: tall } = pixel_box(pixels.iter().copied(), width);
+            let around = |place: fn(usize, usize) -> usize| {
+                let places = || pixels.iter().map(|&i| place(i, width));
+                (places().min().unwrap(), places().max().unwrap() + 1)
+            };
+            prop_assert_eq!((u, u + wide), around(|i, width| i % width));
+            prop_assert_eq!((v, v + tall), around(|i, width| i / width));
+        }
     }
 
     #[test]

@@ -491,8 +491,9 @@ impl Gap<'_> {
         (joint, added.max(0.0).sqrt() / noise)
     }
 
-    /// What is seen along lines from random pixels of one piece to random pixels of the other; `None` when it is hopelessly much
-    /// that is seen through, or little that is hidden, whatever the lines that are left would show.
+    /// What is seen along lines from random pixels of one piece to random pixels of the other, as shares of the measured pixels on
+    /// them that are of neither piece; `None` when it is hopelessly much that is seen through, or little that is hidden, whatever
+    /// the lines that are left would show.
     fn look(&self, a: &Piece, b: &Piece, surface: impl Fn([f64; 2]) -> f64) -> Option<Seen> {
         let scene = self.clusters.scene;
         let width = scene.disparity.width();
@@ -649,7 +650,7 @@ mod tests {
             let by_spread = along.normal(&along.plane(&Spread::of(&samples)), &space);
             let by_samples = along.normal(&Surface::<3>::fit(along.take(&samples).iter()), &space);
             // Both normals of a pair may be off.
-            let apart_deg = by_spread.cross(by_samples).length().to_degrees();
+            let apart_deg = (by_spread - by_samples).length().to_degrees();
             prop_assert!(apart_deg < ROUNDING_DEG / 20.0, "{} degrees", apart_deg);
         }
     }

@@ -51,7 +51,6 @@ const BAND_ROWS: usize = 16;
 
 struct View<'a> {
     regions: &'a Segments,
-    first: usize,
     points_m: &'a Raster<[f32; 3]>,
     normals: &'a Raster<[f32; 3]>,
     space: &'a DisparitySpace,
@@ -77,7 +76,6 @@ pub fn outlines(
     let (width, height) = regions.labels().size();
     let view = View {
         regions,
-        first,
         points_m,
         normals,
         space,
@@ -86,6 +84,7 @@ pub fn outlines(
         aside: space.length_px(ASIDE_PX),
     };
     let labels = regions.labels().as_slice();
+    regions.find_runs();
     let sides_in = |band: usize| {
         let mut sides = Vec::new();
         let mut marks = vec![0; width];
@@ -98,13 +97,14 @@ pub fn outlines(
             } else {
                 let [above, below] =
                     [run.start - width, run.start + width].map(|i| &labels[i..][..run.len()]);
-                // Without branches, so that many are told at once.
+                // Without branches, so that the compiler tells many at once; runs are too short for wider units than all machines have.
                 for ((mark, above), below) in marks.iter_mut().zip(above).zip(below) {
                     *mark = (above ^ region as i32) | (below ^ region as i32);
                 }
                 (marks[0], marks[run.len() - 1]) = (1, 1);
             }
-            marked(marks).for_each(|k| view.sides(run.start % width + k, v, &mut sides));
+            let region = SegmentId(region as u32);
+            marked(marks).for_each(|k| view.sides(run.start + k, region, &mut sides));
         }
         sides
     };
@@ -117,14 +117,15 @@ pub fn outlines(
 }
 
 impl View<'_> {
-    /// Adds those of the four sides of a pixel that are of the outline of its region.
-    fn sides(&self, u: usize, v: usize, sides: &mut Vec<Side>) {
+    /// Adds those of the four sides of pixel `i` that are of the outline of its region, if it is measured.
+    fn sides(&self, i: usize, region: SegmentId, sides: &mut Vec<Side>) {
         let (width, height) = self.regions.labels().size();
-        let i = v * width + u;
-        let is_asked = |region: &SegmentId| region.index() >= self.first && !self.points_m[i][2].is_nan();
-        let Some(region) = self.regions.at(i).filter(is_asked) else { return };
+        let (u, v) = (i % width, i / width);
         let camera = self.space.camera();
         let z_m = f64::from(self.points_m[i][2]);
+        if z_m.is_nan() {
+            return;
+        }
         // A side of a pixel in a row is a piece of a column.
         let (tall_m, wide_m) = (z_m / camera.fy_px, z_m / camera.fx_px);
         let directions = [
@@ -217,8 +218,12 @@ impl Outline {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+    use crate::objectness::Scene;
     use crate::objectness::testing::Table;
+    use crate::testing::{raster, small_size};
 
     /// The outlines of the table and the things of a drawing, in sides of pixels at the depth of the table.
     fn drawn(rows: &[&str], heights_m: &[f64]) -> Vec<Outline> {
@@ -289,9 +294,34 @@ mod tests {
         assert!(bent(1.0) < 0.05 && bent(-1.0) > 0.95, "{} {}", bent(1.0), bent(-1.0));
     }
 
+    proptest! {
+        #[test]
+        fn marked_pixels_are_all_that_have_an_outline(
+            cells in small_size().prop_flat_map(|size| raster(size, (prop::option::weighted(0.8, 0_i32..4), 0_u8..3))),
+            first in 0_usize..3,
+        ) {
+            let table = Table::new(cells.size(), |u, v| {
+                let (facet, level) = cells.get(u, v)?;
+                Some(((*facet)?, [0.0, 0.02, 0.2][usize::from(*level)]))
+            });
+            let Scene { facets, points_m, normals, space, .. } = table.scene();
+            let (regions, params) = (&facets.segments, &params::Contraction::default());
+            let [reach, aside] = [REACH_PX, ASIDE_PX].map(|px| space.length_px(px));
+            let view = View { regions, points_m, normals, space, params, reach, aside };
+            let mut expected = vec![Outline::default(); regions.count()];
+            for (i, region) in regions.members().filter(|&(_, region)| region >= first) {
+                let mut sides = Vec::new();
+                view.sides(i, SegmentId(region as u32), &mut sides);
+                sides.iter().for_each(|side| expected[region].add(side));
+            }
+            prop_assert_eq!(outlines(regions, first, points_m, normals, space, params), expected);
+        }
+    }
+
     #[test]
     fn outlines_are_the_same_on_any_number_of_threads() {
-        let rows = ["__aaa___bb", "__aa_.._bb", "cccc....bb", "cccc______"];
+        // More rows than one thread looks at together.
+        let rows = ["__aaa___bb", "__aa_.._bb", "cccc....bb", "cccc______"].repeat(12);
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| drawn(&rows, &[0.1, 0.3, 0.1]))

@@ -116,7 +116,7 @@ impl Piece {
         &self.heights_m[..self.count]
     }
 
-    /// The cells of its pixels, as far as it is [surveyed](Self::survey); behind them free places.
+    /// The cells of its pixels, as far as it is [surveyed](Self::survey); behind them some that mean nothing.
     pub(crate) fn cells(&self) -> [Cell; PIECE_PX] {
         let [x_m, y_m] = &self.places_m;
         let mut cells = [Cell::default(); PIECE_PX];

@@ -333,8 +333,8 @@ pub fn linked_pairs(superpixels: &Segments, links: &Links) -> RegionGraph<u32> {
     counted(superpixels.count(), rows.into_iter().flatten())
 }
 
-/// How often each pair comes, of which the smaller number stands first. A superpixel has few neighbours: for each of them its list is searched,
-/// which takes less time than to sort all that come.
+/// The graph of pairs that come, the smaller number first, with how often each does. A superpixel has few neighbours: for each
+/// pair its list is searched, which takes less time than to sort all that come.
 fn counted(superpixels: usize, pairs: impl Iterator<Item = ([u32; 2], u32)>) -> RegionGraph<u32> {
     const END: u32 = u32::MAX;
     let mut firsts = vec![END; superpixels];
