@@ -123,7 +123,11 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Each method on one frame after the other with nothing in between: all frames on one thread, then all on two.
+/// Frames that follow each other on as many threads: enough that the second core is awake, and few, so that a bad moment of the
+/// machine meets both numbers of threads.
+const TURN: usize = 15;
+
+/// Each method on one frame after the other with nothing in between, on one thread and on two in turns of [`TURN`] frames.
 ///
 /// # Errors
 /// When a method refuses a frame.
@@ -133,11 +137,13 @@ pub fn alone(frames: &[Named]) -> Result<Vec<Figure>> {
     for (method_name, method) in METHODS {
         let params = Params { method, ..Params::default() };
         let mut workspace = Workspace::default();
-        for (threads, pool) in &pools {
-            for Named { name, frame } in frames {
-                let (found, spent) = timed(|| pool.install(|| workspace.discover(frame, &params)));
-                found?;
-                figures.extend(spent.figures(name, &format!("{method_name}/alone/{threads}")));
+        for turn in frames.chunks(TURN) {
+            for (threads, pool) in &pools {
+                for Named { name, frame } in turn {
+                    let (found, spent) = timed(|| pool.install(|| workspace.discover(frame, &params)));
+                    found?;
+                    figures.extend(spent.figures(name, &format!("{method_name}/alone/{threads}")));
+                }
             }
         }
     }
