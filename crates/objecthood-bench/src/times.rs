@@ -127,7 +127,7 @@ impl<'a> Bench<'a> {
 /// machine meets both numbers of threads.
 const TURN: usize = 15;
 
-/// Each method on one frame after the other with nothing in between, on one thread and on two in turns of [`TURN`] frames.
+/// Each method on one frame after the other with nothing in between, on one thread and on two in turns of a few frames.
 ///
 /// # Errors
 /// When a method refuses a frame.
