@@ -126,7 +126,8 @@ pub(crate) fn fill(facets: Facets, disparity: &Raster<f32>, steps: Steps) -> Fac
     Facets { segments: Segments::from_numbered(labels, count), ..facets }
 }
 
-/// The pixels with a facet that touch one that is measured and has none, in scan order. O(pixels + theirs · log of them); parallel over rows.
+/// The pixels with a facet that touch one that is measured and has none, in scan order. O(pixels + theirs · log of them); parallel
+/// over rows.
 fn givers(labels: &Raster<i32>, disparity: &Raster<f32>, steps: Steps) -> Vec<usize> {
     let (width, height) = labels.size();
     let around = |bare: &mut Vec<i32>, v: usize| {
