@@ -65,16 +65,22 @@ const LEAST_FILL: f64 = 0.4;
 /// Nor has one whose pixels lie in a line: determinant of their second moments (px^4).
 const LEAST_SPREAD: f64 = 1e-3;
 
+/// Windows have at most this half size r (px): the sum of the squares of whole numbers over a larger one, (2 r + 1)^2 r (r + 1) / 3,
+/// would not fit its 31 bits.
+const MOST_RADIUS_PX: usize = 190;
+
 /// Width and height of the tiles that are fitted one by one: what their sums need stays in the first cache. Fixed, so
 /// that rounding does not depend on the number of threads.
 const TILE: usize = 64;
 /// Windows that are fitted side by side.
 const LANES: usize = 16;
-/// Of each of them a sum of whole numbers, which is exact, or of disparities times whole numbers.
+/// Of each of them a sum of disparities times whole numbers ...
 type Sum = [f64; LANES];
+/// ... or of whole numbers alone.
+type Count = [i32; LANES];
 
 /// Least-squares plane through the disparities (quanta, `NaN` = none) in the square window of half size `radius_px`
-/// around every measured pixel.
+/// around every measured pixel; from 190 px on they grow no more.
 ///
 /// The residual is noise estimate, edge detector and watershed relief at once. In disparity and not in z, where the
 /// tolerance of the same fit would have to grow with z^2 and slanted planes would be biased. Sums over the parts of rows
@@ -83,6 +89,7 @@ type Sum = [f64; LANES];
 /// for the one before, and at a radius of 3 px that takes twice as long. Memory beside the result: for a tile only.
 pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize, workspace: &mut Workspace) -> PlaneFits {
     let (width, height) = disparity.size();
+    let radius_px = radius_px.min(MOST_RADIUS_PX);
     let side = 2.0 * radius_px as f64 + 1.0;
     let PlaneFit { value, slope: [a, b], residual } = PlaneFit::NONE;
     let none = [value, a, b, residual];
@@ -132,8 +139,8 @@ fn fit_band(
 
 /// The sums over the windows around the pixels of one row of a tile.
 ///
-/// All but dd are exact, in any order, at radii up to 80 px: disparities of a frame, a factor of 200 apart at most, are whole multiples
-/// below 2^32 of one number, and no sum is 2^21 times as large.
+/// Counts are whole numbers. The others but dd are exact, in any order, at radii up to 80 px: disparities of a frame, a factor of
+/// 200 apart at most, are whole multiples below 2^32 of one number, and no sum is 2^21 times as large.
 #[derive(Debug, Default)]
 pub(crate) struct Windows {
     radius: usize,
@@ -143,7 +150,7 @@ pub(crate) struct Windows {
     rows: Vec<[RowSums; TILE / LANES]>,
     /// The row that enters, from where the first window starts to where the last one ends: 1 and disparity where it is
     /// measured, else 0.
-    measured: Vec<f64>,
+    measured: Vec<i32>,
     disparity: Vec<f64>,
 }
 
@@ -151,7 +158,7 @@ pub(crate) struct Windows {
 #[derive(Debug, Default)]
 struct Sums {
     /// 1, x, y, xx, xy, yy.
-    counts: [Sum; 6],
+    counts: [Count; 6],
     /// d, dx, dy, dd.
     disparities: [Sum; 4],
 }
@@ -160,7 +167,7 @@ struct Sums {
 #[derive(Clone, Copy, Debug, Default)]
 struct RowSums {
     /// 1, x, xx.
-    counts: [Sum; 3],
+    counts: [Count; 3],
     /// d, dx, dd.
     disparities: [Sum; 3],
 }
@@ -173,7 +180,7 @@ impl Windows {
         self.sums = Default::default();
         self.rows.clear();
         self.rows.resize(2 * radius + 1, Default::default());
-        self.measured.resize(TILE + 2 * radius, 0.0);
+        self.measured.resize(TILE + 2 * radius, 0);
         self.disparity.resize(TILE + 2 * radius, 0.0);
     }
 
@@ -196,11 +203,11 @@ impl Windows {
         let first = left.saturating_sub(self.radius).min(row.len());
         let row = &row[first..row.len().min(left + TILE + self.radius)];
         let inside = (first + self.radius).saturating_sub(left)..;
-        self.measured.fill(0.0);
+        self.measured.fill(0);
         self.disparity.fill(0.0);
         let read = self.measured[inside.clone()].iter_mut().zip(&mut self.disparity[inside]);
         for ((measured, disparity), d) in read.zip(row) {
-            (*measured, *disparity) = if d.is_nan() { (0.0, 0.0) } else { (1.0, f64::from(*d)) };
+            (*measured, *disparity) = if d.is_nan() { (0, 0.0) } else { (1, f64::from(*d)) };
         }
     }
 
@@ -226,7 +233,7 @@ impl RowSums {
     ///
     /// From the last pixel to the first, sums of the sums are the moments about the pixel before the first.
     #[inline(always)]
-    fn of(measured: &[f64], disparity: &[f64], radius: usize) -> Self {
+    fn of(measured: &[i32], disparity: &[f64], radius: usize) -> Self {
         let mut row = Self::default();
         let Self { counts: [n, x, xx], disparities: [d, dx, dd] } = &mut row;
         for (measured, disparity) in measured.windows(LANES).zip(disparity.windows(LANES)).rev() {
@@ -241,12 +248,12 @@ impl RowSums {
                 dd[lane] += disparity[lane] * disparity[lane];
             }
         }
-        let middle = (radius + 1) as f64;
+        let middle = radius as i32 + 1;
         for lane in 0..LANES {
             // So far a pixel at x counts x (x + 1) / 2.
-            xx[lane] = 2.0 * xx[lane] - (2.0 * middle + 1.0) * x[lane] + middle * middle * n[lane];
+            xx[lane] = 2 * xx[lane] - (2 * middle + 1) * x[lane] + middle * middle * n[lane];
             x[lane] -= middle * n[lane];
-            dx[lane] -= middle * d[lane];
+            dx[lane] -= f64::from(middle) * d[lane];
         }
         row
     }
@@ -258,10 +265,10 @@ impl Sums {
     fn slide_down(&mut self, leaving: &RowSums, entering: &RowSums, radius: usize) {
         let [ns, xs, ys, xxs, xys, yys] = &mut self.counts;
         let [[n, x, xx], [n_in, x_in, xx_in]] = [&leaving.counts, &entering.counts];
-        let (y, y_in) = (-(radius as f64) - 1.0, radius as f64);
+        let (y, y_in) = (-(radius as i32) - 1, radius as i32);
         for lane in 0..LANES {
             // All that was in the windows is one row higher now.
-            yys[lane] += ns[lane] - 2.0 * ys[lane] + n_in[lane] * (y_in * y_in) - n[lane] * (y * y);
+            yys[lane] += ns[lane] - 2 * ys[lane] + n_in[lane] * (y_in * y_in) - n[lane] * (y * y);
             ys[lane] += n_in[lane] * y_in - n[lane] * y - ns[lane];
             xys[lane] += x_in[lane] * y_in - x[lane] * y - xs[lane];
             ns[lane] += n_in[lane] - n[lane];
@@ -270,6 +277,7 @@ impl Sums {
         }
         let [ds, dxs, dys, dds] = &mut self.disparities;
         let [[d, dx, dd], [d_in, dx_in, dd_in]] = [&leaving.disparities, &entering.disparities];
+        let (y, y_in) = (f64::from(y), f64::from(y_in));
         for lane in 0..LANES {
             dys[lane] += d_in[lane] * y_in - d[lane] * y - ds[lane];
             ds[lane] += d_in[lane] - d[lane];
@@ -288,8 +296,8 @@ impl Sums {
         let [ns, xs, ys, xxs, xys, yys] = &self.counts;
         let [ds, dxs, dys, dds] = &self.disparities;
         for lane in 0..LANES {
-            let [n, x, y] = [ns[lane], xs[lane], ys[lane]];
-            let [xx, xy, yy] = [xxs[lane], xys[lane], yys[lane]];
+            let [n, x, y] = [ns[lane], xs[lane], ys[lane]].map(f64::from);
+            let [xx, xy, yy] = [xxs[lane], xys[lane], yys[lane]].map(f64::from);
             let [d, dx, dy, dd] = [ds[lane], dxs[lane], dys[lane], dds[lane]];
             let [xx, xy, yy] = [n * xx - x * x, n * xy - x * y, n * yy - y * y];
             let [dx, dy, dd] = [n * dx - d * x, n * dy - d * y, n * dd - d * d];
@@ -410,6 +418,19 @@ mod tests {
         let disparity = Raster::from_vec(200, 200, (0..200 * 200).map(plane).collect()).unwrap();
         let fit = plane_fits(&disparity, 90, &mut Workspace::default()).at(100 * 200 + 100);
         assert!(fit.residual < 1e-3 && fit.slope == [0.5, -0.25], "{fit:?}");
+    }
+
+    /// Sums of squares must not run over, whatever the radius.
+    #[test]
+    fn windows_grow_to_a_limit() {
+        let side = 2 * MOST_RADIUS_PX + 9;
+        let plane = |i: usize| 450.0 + 0.5 * (i % side) as f32 - 0.25 * (i / side) as f32;
+        let disparity = Raster::from_vec(side, side, (0..side * side).map(plane).collect()).unwrap();
+        let [largest, larger] = [MOST_RADIUS_PX, MOST_RADIUS_PX + 50]
+            .map(|radius_px| plane_fits(&disparity, radius_px, &mut Workspace::default()));
+        let fit = larger.at(side * side / 2);
+        assert!(fit.residual < 1e-2 && fit.slope.map(|s| (s * 1e3).round()) == [500.0, -250.0], "{fit:?}");
+        assert_eq!(larger.images(), largest.images());
     }
 
     #[test]
