@@ -165,7 +165,15 @@ pub(crate) fn context(
     // 2. Facets: superpixels that lie on one surface.
     let (joined, moments) =
         rayon::join(|| linked_pairs(&superpixels, &links), || Moments::of_segments(&superpixels, &disparity));
-    let facets = merge_surfaces(&superpixels, &structure, &moments, &joined, space, &params.merging);
+    let facets = merge_surfaces(
+        &superpixels,
+        &structure.surfaces,
+        structure.labels,
+        &moments,
+        &joined,
+        space,
+        &params.merging,
+    );
     let facets = refine(facets, &disparity, &params.refinement);
     observer.observe(Stage::Facets(&facets.segments));
 
@@ -232,7 +240,7 @@ pub(crate) fn context(
     links.leave(workspace);
     workspace.keep(orientation.slope);
     workspace.keep(orientation.normal);
-    workspace.keep(structure.labels);
+    workspace.keep(facets.segments.into_labels());
     workspace.keep(superpixels.into_labels());
     Ok(discovery)
 }

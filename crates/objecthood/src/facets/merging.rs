@@ -6,8 +6,9 @@ use std::collections::BinaryHeap;
 use rayon::prelude::*;
 
 use crate::facets::Facets;
-use crate::oversegment::structure::Structure;
+use crate::oversegment::structure::StructureSurface;
 use crate::params;
+use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::moments::{Basis, Fit, Model, Moments};
@@ -35,18 +36,27 @@ struct Region {
     steepness: f64,
     /// Places in the island: ascending, all of them alive.
     neighbours: Vec<u32>,
-    /// How often it has grown; none when it is a part of another.
-    version: Option<u32>,
+    /// After how many merges of its island it was as it is now; none when it is a part of another.
+    since: Option<u32>,
 }
 
-/// A merge on the heap: by cost, then by both regions.
+/// A merge on the heap. One number, so that the order of two is told without a branch: the bits of the cost, which are in its order
+/// because it is not negative; both regions; after how many merges of the island it was thought of.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Merge {
-    /// The bits of the cost, which are in its order because it is not negative.
-    cost: u32,
-    a: u32,
-    b: u32,
-    versions: [Option<u32>; 2],
+struct Merge(u128);
+
+impl Merge {
+    fn new(cost: f32, [a, b]: [u32; 2], when: u32) -> Self {
+        Self([cost.to_bits(), a, b, when].into_iter().fold(0, |bits, part| bits << 32 | u128::from(part)))
+    }
+
+    fn regions(self) -> [u32; 2] {
+        [64, 32].map(|shift| (self.0 >> shift) as u32)
+    }
+
+    fn when(self) -> u32 {
+        self.0 as u32
+    }
 }
 
 /// Merges superpixels to facets, those whose common surface disagrees least with both first.
@@ -56,11 +66,12 @@ struct Merge {
 /// `min_facet_px` are dropped; the structure comes first, then the facets in the order of the superpixel that stands for
 /// each. O(E log E) for E pairs of neighbours, each a solve of 3 or 6 unknowns, as long as no region has very many
 /// neighbours: with D of them each of its merges costs D solves. `moments` are those of every
-/// superpixel, and superpixels lie where the structure has no surface; merges touch no pixel. What does not hang together cannot
+/// superpixel, and superpixels lie where `structure`, the label map of the `surfaces`, has none; merges touch no pixel. What does not hang together cannot
 /// merge, and is looked at in parallel.
 pub fn merge_surfaces(
     superpixels: &Segments,
-    structure: &Structure,
+    surfaces: &[StructureSurface],
+    structure: Raster<i32>,
     moments: &[Moments],
     linked_pairs: &RegionGraph<u32>,
     space: &DisparitySpace,
@@ -77,7 +88,7 @@ pub fn merge_surfaces(
         island.merge(Basis::Plane, params.plane_tolerance_quanta, &costs);
         island.merge(Basis::Quadratic, params.quadratic_tolerance_quanta, &costs);
     });
-    regions.facets(superpixels, structure, space.area_px(params.min_facet_px))
+    regions.facets(superpixels, surfaces, structure, space.area_px(params.min_facet_px))
 }
 
 impl Region {
@@ -117,6 +128,8 @@ struct Regions {
 /// The regions that hang together.
 struct Island<'a> {
     regions: &'a mut [Region],
+    /// How many merges there have been.
+    merges: u32,
 }
 
 impl Regions {
@@ -142,7 +155,7 @@ impl Regions {
             squared_error: 0.0,
             steepness: 0.0,
             neighbours: Vec::new(),
-            version: Some(0),
+            since: Some(0),
         };
         let mut all: Vec<Region> = order.iter().map(region).collect();
         // Sorted, because the pairs are: first those with smaller, then those with greater numbers.
@@ -158,15 +171,21 @@ impl Regions {
     /// Those with something to merge.
     fn islands(&mut self) -> Vec<Island<'_>> {
         let islands = self.all.chunk_by_mut(|a, b| a.island == b.island);
-        islands.filter(|regions| regions.len() > 1).map(|regions| Island { regions }).collect()
+        islands.filter(|regions| regions.len() > 1).map(|regions| Island { regions, merges: 0 }).collect()
     }
 
-    fn facets(self, superpixels: &Segments, structure: &Structure, min_facet_px: usize) -> Facets {
-        let mut models: Vec<Model> = structure.surfaces.iter().map(|s| s.model).collect();
+    fn facets(
+        self,
+        superpixels: &Segments,
+        surfaces: &[StructureSurface],
+        mut labels: Raster<i32>,
+        min_facet_px: usize,
+    ) -> Facets {
+        let mut models: Vec<Model> = surfaces.iter().map(|s| s.model).collect();
         let mut facet_of: Vec<i32> = Vec::with_capacity(self.places.len());
         for place in self.places {
-            let Region { superpixel, moments, version, .. } = &self.all[place];
-            facet_of.push(match version {
+            let Region { superpixel, moments, since, .. } = &self.all[place];
+            facet_of.push(match since {
                 // Of the smaller number, so it is known.
                 None => facet_of[*superpixel as usize],
                 Some(_) if moments.count() < min_facet_px as f64 => Segments::NONE,
@@ -177,18 +196,17 @@ impl Regions {
             });
         }
         // Superpixels lie where no surface is.
-        let mut labels = structure.labels.clone();
         for (run, s) in superpixels.runs() {
             labels.as_mut_slice()[run].fill(facet_of[s]);
         }
         let segments = Segments::from_numbered(labels, models.len());
-        Facets { segments, models, structure: structure.surfaces.len() }
+        Facets { segments, models, structure: surfaces.len() }
     }
 }
 
 impl Island<'_> {
     fn merge(&mut self, basis: Basis, tolerance: f32, costs: &Costs<'_>) {
-        let alive = self.regions.iter_mut().filter(|region| region.version.is_some());
+        let alive = self.regions.iter_mut().filter(|region| region.since.is_some());
         alive.for_each(|region| region.fit(basis));
         let mut candidates = Vec::new();
         for (a, region) in (0..).zip(&*self.regions) {
@@ -197,34 +215,38 @@ impl Island<'_> {
                 .extend(later.filter_map(|&b| self.candidate(a, b, basis, tolerance, costs)).map(Reverse));
         }
         let mut heap = BinaryHeap::from(candidates);
-        while let Some(Reverse(Merge { a, b, versions, .. })) = heap.pop() {
-            if [a, b].map(|k| self.regions[k as usize].version) != versions {
-                continue;
+        while let Some(Reverse(merge)) = heap.pop() {
+            let [a, b] = merge.regions();
+            let is_as_then =
+                |k: u32| self.regions[k as usize].since.is_some_and(|since| since <= merge.when());
+            if is_as_then(a) & is_as_then(b) {
+                self.join(a, b, basis);
+                let neighbours = self.regions[a as usize].neighbours.iter();
+                heap.extend(
+                    neighbours.filter_map(|&t| self.candidate(a, t, basis, tolerance, costs)).map(Reverse),
+                );
             }
-            self.join(a, b, basis);
-            let neighbours = self.regions[a as usize].neighbours.iter();
-            heap.extend(
-                neighbours.filter_map(|&t| self.candidate(a, t, basis, tolerance, costs)).map(Reverse),
-            );
         }
     }
 
     /// The merge of two living regions, if it costs less than the tolerance.
     fn candidate(&self, a: u32, b: u32, basis: Basis, tolerance: f32, costs: &Costs<'_>) -> Option<Merge> {
-        let (a, b) = (a.min(b), a.max(b));
-        let [x, y] = [a, b].map(|k| &self.regions[k as usize]);
-        debug_assert!(x.version.is_some() && y.version.is_some(), "neighbours are alive");
+        let pair = [a.min(b), a.max(b)];
+        let [x, y] = pair.map(|k| &self.regions[k as usize]);
+        debug_assert!(x.since.is_some() && y.since.is_some(), "neighbours are alive");
         let cost = costs.cost(x, y, basis) as f32;
-        (cost < tolerance).then_some(Merge { cost: cost.to_bits(), a, b, versions: [x.version, y.version] })
+        (cost < tolerance).then(|| Merge::new(cost, pair, self.merges))
     }
 
-    /// Merges region `b` into region `a`.
+    /// Merges region `b` into region `a`, which comes before it.
     fn join(&mut self, a: u32, b: u32, basis: Basis) {
-        let Ok([x, y]) = self.regions.get_disjoint_mut([a as usize, b as usize]) else { return };
+        self.merges += 1;
+        let (before, from_b) = self.regions.split_at_mut(b as usize);
+        let (x, y) = (&mut before[a as usize], &mut from_b[0]);
         x.moments = x.moments.merged(&y.moments);
         x.fit(basis);
-        x.version = x.version.map(|version| version + 1);
-        (y.version, y.superpixel) = (None, x.superpixel);
+        x.since = Some(self.merges);
+        (y.since, y.superpixel) = (None, x.superpixel);
         let mut others = std::mem::take(&mut y.neighbours);
         others.retain(|&t| t != a);
         x.remove_neighbour(b);
@@ -272,7 +294,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::raster::Raster;
     use crate::regions::SegmentId;
     use crate::surface::disparity::position;
     use crate::testing::{kinect, raster};
@@ -360,8 +381,8 @@ mod tests {
         RegionGraph::from_pairs(segments.count(), pairs)
     }
 
-    fn no_structure(like: &Segments) -> Structure {
-        Structure { surfaces: Vec::new(), labels: like.labels().map(|_| -1), support: None }
+    fn no_structure(like: &Segments) -> Raster<i32> {
+        like.labels().map(|_| -1)
     }
 
     proptest! {
@@ -375,7 +396,7 @@ mod tests {
             let neighbours = adjacency(&superpixels);
             let moments = Moments::of_segments(&superpixels, &disparity);
             let structure = no_structure(&superpixels);
-            let facets = merge_surfaces(&superpixels, &structure, &moments, &neighbours, &kinect(), &params);
+            let facets = merge_surfaces(&superpixels, &[], structure, &moments, &neighbours, &kinect(), &params);
 
             let single = |s: usize| {
                 let pixels: Vec<u32> = superpixels.members().filter(|m| m.1 == s).map(|m| m.0 as u32).collect();
@@ -405,7 +426,9 @@ mod tests {
         let structure = no_structure(&superpixels);
         let neighbours = adjacency(&superpixels);
         let moments = Moments::of_segments(&superpixels, &disparity);
-        merge_surfaces(&superpixels, &structure, &moments, &neighbours, &kinect(), params).segments.count()
+        merge_surfaces(&superpixels, &[], structure, &moments, &neighbours, &kinect(), params)
+            .segments
+            .count()
     }
 
     #[test]
@@ -435,12 +458,19 @@ mod tests {
             normal: glam::DVec3::NEG_Z,
             offset_m: 1.0,
         };
-        let structure = Structure { surfaces: vec![surface], labels: labels.clone(), support: Some(0) };
         let superpixels = Segments::from_numbered(labels.map(|l| -1 - l), 1);
         let neighbours = adjacency(&superpixels);
         let moments = Moments::of_segments(&superpixels, &disparity);
         let params = params::Merging::default();
-        let facets = merge_surfaces(&superpixels, &structure, &moments, &neighbours, &kinect(), &params);
+        let facets = merge_surfaces(
+            &superpixels,
+            &[surface],
+            labels.clone(),
+            &moments,
+            &neighbours,
+            &kinect(),
+            &params,
+        );
         assert_eq!((facets.structure, facets.models.len(), facets.models[0]), (1, 2, model));
         assert_eq!(facets.segments.labels(), &labels.map(|l| -l));
     }
