@@ -49,12 +49,14 @@ pub mod objectness;
 pub mod observe;
 pub mod oversegment;
 pub mod params;
+mod quantile;
 mod random;
 pub mod raster;
 pub mod regions;
 pub mod shapes;
 mod simd;
 pub mod surface;
+mod tangents;
 #[cfg(test)]
 mod testing;
 mod union_find;

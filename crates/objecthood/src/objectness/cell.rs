@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use glam::DVec2;
 
-use crate::oversegment::structure::element_at;
+use crate::quantile::element_at;
 
 /// Side of a cell of the plan view (m): half the distance of contact, so that what is in contact is in neighbouring cells.
 pub(crate) const CELL_M: f64 = 0.01;

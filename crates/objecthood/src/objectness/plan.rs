@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::objectness::gravity::Up;
-use crate::oversegment::structure::tangents;
+use crate::tangents::tangents;
 
 /// The outline of a region in the plan view is known in so many directions.
 pub(crate) const DIRECTIONS: usize = 16;

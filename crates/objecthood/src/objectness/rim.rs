@@ -5,8 +5,9 @@ use glam::Vec3;
 use crate::objectness::check::{Bound, Check, Checks};
 use crate::objectness::clusters::{Clusters, Scene};
 use crate::objectness::join::RimCircle;
-use crate::oversegment::structure::{StructureSurface, tangents};
+use crate::oversegment::structure::StructureSurface;
 use crate::regions::SegmentId;
+use crate::tangents::tangents;
 
 /// The rim is what lies within this height (m) of the top.
 const BAND_M: f64 = 0.012;

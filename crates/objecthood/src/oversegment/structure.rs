@@ -3,6 +3,7 @@
 //! They are taken out first: they are support and background, they say what "up" and "height" are, and every later
 //! stage is cheaper without them.
 
+mod extent;
 mod labels;
 mod planes;
 mod tilt;
@@ -11,6 +12,7 @@ mod trials;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use self::extent::Extent;
 use self::labels::labelled;
 use self::tilt::{Alike, Tilt, least_square};
 use self::trials::best_plane;
@@ -58,8 +60,6 @@ const REFIT_QUANTA: [f64; 3] = [3.5, 3.0, 3.0];
 const LEAST_REFIT: usize = 50;
 /// Nearer than this pixels are taken out with the surface (quanta).
 const INLIER_QUANTA: f64 = 3.0;
-/// Samples hang together when they are at most so many places of the grid apart.
-const PIECE_GAP: usize = 2;
 /// A surface this large ...
 const LARGE_M2: f64 = 0.18;
 /// ... and this long is structure;
@@ -68,8 +68,6 @@ const LONG_M: f64 = 0.5;
 const DOMINANT_SHARE: f64 = 0.2;
 /// ... and has this area.
 const DOMINANT_M2: f64 = 0.03;
-/// A pixel seen more glancingly than this cosine counts as if it were seen so.
-const LEAST_COSINE: f64 = 0.15;
 /// A surface whose normal has more than this upwards is one to stand on.
 pub(crate) const UPWARD: f64 = 0.3;
 /// What lies in front of a surface that is behind the horizon stands as high as this (m).
@@ -86,12 +84,6 @@ struct Sample {
 struct Candidate {
     surface: StructureSurface,
     inliers: Vec<Sample>,
-}
-
-/// How large a surface is.
-struct Extent {
-    area_m2: f64,
-    longest_m: f64,
 }
 
 /// What is looked at.
@@ -128,7 +120,7 @@ pub fn structure(
     let pool = seen.samples(fits);
     let everything = pool.len();
     let candidates = seen.candidates(pool);
-    let extents: Vec<Extent> = candidates.par_iter().map(|candidate| seen.extent(candidate)).collect();
+    let extents: Vec<Extent> = candidates.par_iter().map(|candidate| Extent::of(candidate, &seen)).collect();
     let mut surfaces = Vec::new();
     for (Candidate { surface, inliers }, extent) in candidates.into_iter().zip(extents) {
         let is_large = extent.area_m2 > LARGE_M2 && extent.longest_m > LONG_M;
@@ -236,71 +228,6 @@ impl Seen<'_> {
         }
         surface
     }
-
-    /// How large the largest connected piece is: tops of boxes that happen to be as high as a shelf are no surface.
-    fn extent(&self, Candidate { surface, inliers }: &Candidate) -> Extent {
-        let width = self.disparity.width();
-        let camera = self.space.camera();
-        let point_m = |s: &Sample| {
-            let point = camera.back_project(s.pixel % width, s.pixel / width, self.depth_m[s.pixel]);
-            Vec3::from(point).as_dvec3()
-        };
-        let points_m: Vec<DVec3> = largest_piece(inliers, self.grid).into_iter().map(point_m).collect();
-        let area_m2 = points_m.iter().map(|p| {
-            let cosine = (-surface.normal.dot(*p) / p.length()).max(LEAST_COSINE);
-            (self.grid * self.grid) as f64 * p.z * p.z / (camera.fx_px * camera.fy_px) / cosine
-        });
-        let width_m = |axis: DVec3| {
-            let mut along: Vec<f64> = points_m.iter().map(|p| p.dot(axis)).collect();
-            element_at(&mut along, 0.95) - element_at(&mut along, 0.05)
-        };
-        let [t1, t2] = tangents(surface.normal);
-        Extent { area_m2: area_m2.sum(), longest_m: width_m(t1).max(width_m(t2)) }
-    }
-}
-
-/// The samples of the largest connected piece.
-fn largest_piece(inliers: &[Sample], grid: usize) -> Vec<&Sample> {
-    let cell = |s: &Sample| s.at.map(|x| (x / grid as f64) as usize);
-    let [columns, rows] = [0, 1].map(|k| inliers.iter().map(|s| cell(s)[k] + 1).max().unwrap_or(0));
-    let mut open: Vec<Option<&Sample>> = vec![None; columns * rows];
-    for sample in inliers {
-        let [u, v] = cell(sample);
-        open[u * rows + v] = Some(sample);
-    }
-    let mut largest = Vec::new();
-    for first in 0..open.len() {
-        let Some(sample) = open[first].take() else { continue };
-        let mut piece = vec![sample];
-        let mut around = vec![[first / rows, first % rows]];
-        while let Some([u, v]) = around.pop() {
-            for u in u.saturating_sub(PIECE_GAP)..columns.min(u + PIECE_GAP + 1) {
-                for v in v.saturating_sub(PIECE_GAP)..rows.min(v + PIECE_GAP + 1) {
-                    if let Some(sample) = open[u * rows + v].take() {
-                        piece.push(sample);
-                        around.push([u, v]);
-                    }
-                }
-            }
-        }
-        if piece.len() > largest.len() {
-            largest = piece;
-        }
-    }
-    largest
-}
-
-/// Two unit vectors along a plane, at right angles.
-pub(crate) fn tangents(normal: DVec3) -> [DVec3; 2] {
-    let along = DVec3::new(normal.y, -normal.x, 0.0).try_normalize().unwrap_or(DVec3::X);
-    [along, normal.cross(along)]
-}
-
-/// The element that this share of the values lie below; reorders them. 0 of no values. O(n).
-pub(crate) fn element_at(values: &mut [f64], share: f64) -> f64 {
-    let Some(last) = values.len().checked_sub(1) else { return 0.0 };
-    let place = ((share * values.len() as f64) as usize).min(last);
-    *values.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
 /// Cosine of an angle in degrees, the same on every platform.
@@ -310,8 +237,6 @@ fn cosine(degrees: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
     use crate::surface::plane_fit::plane_fits;
     use crate::surface::window_choice::orientation;
@@ -468,28 +393,5 @@ mod tests {
             (found.labels.clone(), format!("{:?} {:?}", found.surfaces, found.support))
         };
         assert!([2, 8].into_iter().all(|threads| on(threads) == on(1)));
-    }
-
-    proptest! {
-        #[test]
-        fn an_element_is_that_of_the_sorted_values(
-            mut values in prop::collection::vec(-5.0_f64..5.0, 0..30),
-            share in 0.0_f64..=1.0,
-        ) {
-            let mut sorted = values.clone();
-            sorted.sort_by(f64::total_cmp);
-            let place = (share * sorted.len() as f64).floor() as usize;
-            let expected = sorted.get(place).or(sorted.last()).copied().unwrap_or(0.0);
-            prop_assert_eq!(element_at(&mut values, share), expected);
-        }
-
-        #[test]
-        fn tangents_lie_in_the_plane(normal in prop::array::uniform3(-1.0_f64..1.0)) {
-            for normal in [DVec3::from(normal).normalize_or(DVec3::Z), DVec3::Z, DVec3::NEG_Y] {
-                let [s, t] = tangents(normal);
-                let dots = [s.dot(t), s.dot(normal), t.dot(normal), s.length() - 1.0, t.length() - 1.0];
-                prop_assert!(dots.iter().all(|dot| dot.abs() < 1e-9), "{normal}: {s} {t}");
-            }
-        }
     }
 }

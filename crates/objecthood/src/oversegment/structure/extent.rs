@@ -1,0 +1,166 @@
+//! How large a surface is, to tell structure from faces of things.
+
+use std::ops::Range;
+
+use glam::{DVec3, Vec3};
+
+use super::{Candidate, Sample, Seen};
+use crate::quantile::element_at;
+use crate::tangents::tangents;
+
+/// Samples hang together when they are at most so many places of the grid apart.
+const PIECE_GAP: usize = 2;
+/// A pixel seen more glancingly than this cosine counts as if it were seen so.
+const LEAST_COSINE: f64 = 0.15;
+
+/// Bits of a word.
+const WORD: usize = u64::BITS as usize;
+
+/// How large a surface is.
+pub(super) struct Extent {
+    pub(super) area_m2: f64,
+    pub(super) longest_m: f64,
+}
+
+impl Extent {
+    /// Of the largest connected piece: tops of boxes that happen to be as high as a shelf are no surface.
+    pub(super) fn of(Candidate { surface, inliers }: &Candidate, seen: &Seen<'_>) -> Self {
+        let width = seen.disparity.width();
+        let camera = seen.space.camera();
+        let point_m = |s: &Sample| {
+            let point = camera.back_project(s.pixel % width, s.pixel / width, seen.depth_m[s.pixel]);
+            Vec3::from(point).as_dvec3()
+        };
+        let cell = |s: &Sample| s.at.map(|x| (x / seen.grid as f64) as usize);
+        let cells: Vec<[usize; 2]> = inliers.iter().map(cell).collect();
+        let points_m: Vec<DVec3> = largest_piece(&cells).into_iter().map(|k| point_m(&inliers[k])).collect();
+        let area_m2 = points_m.iter().map(|p| {
+            let cosine = (-surface.normal.dot(*p) / p.length()).max(LEAST_COSINE);
+            (seen.grid * seen.grid) as f64 * p.z * p.z / (camera.fx_px * camera.fy_px) / cosine
+        });
+        let width_m = |axis: DVec3| {
+            let mut along: Vec<f64> = points_m.iter().map(|p| p.dot(axis)).collect();
+            element_at(&mut along, 0.95) - element_at(&mut along, 0.05)
+        };
+        let [t1, t2] = tangents(surface.normal);
+        Self { area_m2: area_m2.sum(), longest_m: width_m(t1).max(width_m(t2)) }
+    }
+}
+
+/// Which of these places of a grid, column and row, are the largest connected piece; of several as large the one that begins in
+/// the first column. No two are the same place. O(places + columns · rows / 64).
+fn largest_piece(places: &[[usize; 2]]) -> Vec<usize> {
+    let [columns, rows] = [0, 1].map(|k| places.iter().map(|place| place[k] + 1).max().unwrap_or(0));
+    let mut open = Open::new(columns, rows);
+    let mut numbers = vec![0; columns * rows];
+    for (k, &[u, v]) in places.iter().enumerate() {
+        open.insert(u, v);
+        numbers[u * rows + v] = k;
+    }
+    let mut largest = Vec::new();
+    for column in 0..columns {
+        while let Some(row) = open.take_first(column) {
+            let mut piece = vec![numbers[column * rows + row]];
+            let mut around = vec![[column, row]];
+            while let Some([u, v]) = around.pop() {
+                for u in u.saturating_sub(PIECE_GAP)..columns.min(u + PIECE_GAP + 1) {
+                    for v in open.take(u, v.saturating_sub(PIECE_GAP)..v + PIECE_GAP + 1) {
+                        piece.push(numbers[u * rows + v]);
+                        around.push([u, v]);
+                    }
+                }
+            }
+            if piece.len() > largest.len() {
+                largest = piece;
+            }
+        }
+    }
+    largest
+}
+
+/// Places of a grid, a bit each, column by column: so many are asked for at once.
+struct Open {
+    /// A column each. The last one of each is empty, so that there are always two to read.
+    words: Vec<u64>,
+    words_a_column: usize,
+}
+
+impl Open {
+    fn new(columns: usize, rows: usize) -> Self {
+        let words_a_column = rows.div_ceil(WORD) + 1;
+        Self { words: vec![0; columns * words_a_column], words_a_column }
+    }
+
+    fn insert(&mut self, column: usize, row: usize) {
+        self.words[column * self.words_a_column + row / WORD] |= 1 << (row % WORD);
+    }
+
+    /// Takes out the first place of a column.
+    fn take_first(&mut self, column: usize) -> Option<usize> {
+        let words = &mut self.words[column * self.words_a_column..][..self.words_a_column];
+        let k = words.iter().position(|&word| word != 0)?;
+        let row = words[k].trailing_zeros() as usize;
+        words[k] &= words[k] - 1;
+        Some(k * WORD + row)
+    }
+
+    /// Takes out those of these rows of a column that there are, fewer than 64 rows of which the first is one of the grid.
+    fn take(&mut self, column: usize, rows: Range<usize>) -> impl Iterator<Item = usize> + use<> {
+        let words = &mut self.words[column * self.words_a_column + rows.start / WORD..][..2];
+        let (both, shift) = (u128::from(words[0]) | u128::from(words[1]) << WORD, rows.start % WORD);
+        let mut found = both >> shift & ((1 << rows.len()) - 1);
+        let left = both & !(found << shift);
+        words.copy_from_slice(&[left as u64, (left >> WORD) as u64]);
+        std::iter::from_fn(move || {
+            let row = (found != 0).then(|| rows.start + found.trailing_zeros() as usize);
+            found &= found.wrapping_sub(1);
+            row
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Grids also of more rows than a word has bits.
+        #[test]
+        fn the_largest_piece_is_the_naive_one(
+            grid in (1_usize..12, prop_oneof![1_usize..12, 60_usize..140]).prop_flat_map(|(columns, rows)| {
+                prop::collection::vec(prop::collection::vec(prop::bool::weighted(0.08), rows), columns)
+            }),
+            backwards in prop::bool::ANY,
+        ) {
+            let row_of = |(u, column): (usize, &Vec<bool>)| {
+                let taken = column.iter().enumerate().filter(|taken| *taken.1);
+                taken.map(|(v, _)| [u, v]).collect::<Vec<_>>()
+            };
+            let mut places: Vec<[usize; 2]> = grid.iter().enumerate().flat_map(row_of).collect();
+            // What hangs together gets one name, that of its first place, until nothing changes any more.
+            let mut names: Vec<usize> = (0..places.len()).collect();
+            let near = |a: [usize; 2], b: [usize; 2]| (0..2).all(|k| a[k].abs_diff(b[k]) <= 2);
+            for _ in 0..places.len() {
+                for (a, b) in (0..places.len()).flat_map(|a| (0..a).map(move |b| (a, b))) {
+                    if near(places[a], places[b]) {
+                        let name = names[a].min(names[b]);
+                        (names[a], names[b]) = (name, name);
+                    }
+                }
+            }
+            let size = |name: usize| names.iter().filter(|&&n| n == name).count();
+            let largest = (0..places.len()).rev().max_by_key(|&name| size(name));
+            let members = (0..places.len()).filter(|&k| Some(names[k]) == largest);
+            let mut expected: Vec<[usize; 2]> = members.map(|k| places[k]).collect();
+            if backwards {
+                places.reverse();
+            }
+            let mut got: Vec<[usize; 2]> = largest_piece(&places).into_iter().map(|k| places[k]).collect();
+            got.sort_unstable();
+            expected.sort_unstable();
+            prop_assert_eq!(got, expected);
+        }
+    }
+}

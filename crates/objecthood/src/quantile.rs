@@ -1,0 +1,29 @@
+//! Quantiles of lists of numbers.
+
+/// The element that this share of the values lie below; reorders them. 0 of no values. O(n).
+pub(crate) fn element_at(values: &mut [f64], share: f64) -> f64 {
+    let Some(last) = values.len().checked_sub(1) else { return 0.0 };
+    let place = ((share * values.len() as f64) as usize).min(last);
+    *values.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn an_element_is_that_of_the_sorted_values(
+            mut values in prop::collection::vec(-5.0_f64..5.0, 0..30),
+            share in 0.0_f64..=1.0,
+        ) {
+            let mut sorted = values.clone();
+            sorted.sort_by(f64::total_cmp);
+            let place = (share * sorted.len() as f64).floor() as usize;
+            let expected = sorted.get(place).or(sorted.last()).copied().unwrap_or(0.0);
+            prop_assert_eq!(element_at(&mut values, share), expected);
+        }
+    }
+}
