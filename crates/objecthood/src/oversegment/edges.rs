@@ -1,6 +1,8 @@
 //! Edges from the lightest to the heaviest, as far as they lie between two sets.
 
-use crate::oversegment::graph::PixelEdge;
+use rayon::prelude::*;
+
+use crate::oversegment::graph::{PixelEdge, STEPS, four};
 use crate::union_find::UnionFind;
 use crate::workspace::Workspace;
 
@@ -9,11 +11,13 @@ use crate::workspace::Workspace;
 /// The key of an edge is the bits of its weight, below them its number. Weights are not negative, so keys sort as weights do,
 /// equal weights in the order of their numbers.
 pub(crate) struct Edges {
-    /// Bucket by bucket; within one the numbers ascend.
+    /// Band by band, the keys of a band bucket by bucket; within one the numbers ascend.
     keys: Vec<u64>,
+    /// Places of a band, some of which stay free at its end.
+    band_len: usize,
+    /// Of every band where each bucket ends in it.
+    ends: Vec<u32>,
     spare: Vec<u64>,
-    /// Where each bucket ends.
-    ends: Vec<usize>,
     /// From p to q in each direction.
     ahead: [u32; 4],
 }
@@ -41,8 +45,14 @@ impl<F: FnMut(&mut UnionFind, PixelEdge, (usize, usize))> Rule for F {
     }
 }
 
-/// The sign of the weight, which is 0, its exponent and five more bits.
-const BUCKET_BITS: u32 = 14;
+/// The exponent of the weight and five more bits; its sign is 0.
+const BUCKET_BITS: u32 = 13;
+
+const BUCKETS: usize = 1 << BUCKET_BITS;
+
+/// Pixels whose edges are dealt together. Keys that are dealt go to some three hundred places at a time, which the second nearest
+/// cache has to hold: 0.4 MB and as much that is read and written in order.
+const BAND_PX: usize = 1 << 14;
 
 /// Half of the bits of the weight that follow.
 const DIGIT_BITS: u32 = 9;
@@ -54,26 +64,37 @@ const FEW: usize = 64;
 const BLOCK: usize = 128;
 
 impl Edges {
-    /// Deals the keys, of which there are `counts` at the start of each band of `band_len` places. O(keys).
-    pub(crate) fn new(
-        keys: Vec<u64>,
-        band_len: usize,
-        counts: &[usize],
-        ahead: [u32; 4],
-        workspace: &mut Workspace,
-    ) -> Self {
-        let bucket = |key: u64| (key >> (u64::BITS - BUCKET_BITS)) as usize;
-        let bands = || keys.chunks(band_len).zip(counts).flat_map(|(band, &count)| &band[..count]);
-        let mut ends = vec![0; 1 << BUCKET_BITS];
-        bands().for_each(|&key| ends[bucket(key)] += 1);
-        places(&mut ends);
-        let mut dealt = workspace.stale(keys.len(), 0);
-        for &key in bands() {
-            let place = &mut ends[bucket(key)];
-            dealt[*place] = key;
-            *place += 1;
-        }
-        Self { keys: dealt, spare: keys, ends, ahead }
+    /// Deals the edges of an image of this width whose bits are set in `open`. O(pixels + edges found); parallel over bands.
+    pub(crate) fn new(weights: &[f32], open: &[u8], width: usize, workspace: &mut Workspace) -> Self {
+        let band_px = (BAND_PX / width).max(1) * width;
+        let band_len = STEPS.len() * band_px;
+        let bands = open.len().div_ceil(band_px);
+        let mut keys = workspace.stale(weights.len(), 0);
+        let mut ends = workspace.filled(bands * BUCKETS, 0);
+        // What is dealt in one after the other goes to the same places.
+        let threads = rayon::current_num_threads();
+        let mut spare = workspace.stale(threads * band_len, 0);
+        let share = bands.div_ceil(threads);
+        let shares = keys.par_chunks_mut(share * band_len).zip(ends.par_chunks_mut(share * BUCKETS));
+        shares.zip(spare.par_chunks_mut(band_len)).enumerate().for_each(|(i, ((keys, ends), spare))| {
+            let bands = keys.chunks_mut(band_len).zip(ends.chunks_exact_mut(BUCKETS));
+            for (band, (keys, ends)) in (i * share..).zip(bands) {
+                let first = band * band_px;
+                let open = &open[first..][..keys.len() / STEPS.len()];
+                let weights = &weights[STEPS.len() * first..][..keys.len()];
+                let count = find(weights, open, width, STEPS.len() * first, keys, ends);
+                places(ends);
+                let (keys, dealt) = (&mut keys[..count], &mut spare[..count]);
+                for &key in &*keys {
+                    let place = &mut ends[bucket(key)];
+                    dealt[*place as usize] = key;
+                    *place += 1;
+                }
+                keys.copy_from_slice(dealt);
+            }
+        });
+        let ahead = STEPS.map(|(du, dv)| (dv * width).wrapping_add_signed(du) as u32);
+        Self { keys, band_len, ends, spare, ahead }
     }
 
     /// Hands every edge that lies between two sets when its turn comes to the rule, but for those that it refuses anyway.
@@ -98,19 +119,30 @@ impl Edges {
             let q = p.wrapping_add(ahead[key as usize % ahead.len()]);
             PixelEdge { weight: f32::from_bits((key >> u32::BITS) as u32), p, q }
         };
-        let mut apart = [(edge(0), (0, 0)); BLOCK];
-        let mut start = 0;
-        for &end in &self.ends {
-            let bucket = &mut self.keys[start..end];
-            start = end;
-            let mut count = 0;
-            for &key in &*bucket {
-                let PixelEdge { p, q, .. } = edge(key);
-                self.spare[count] = key;
-                count += usize::from(sets.two_up(p as usize) != sets.two_up(q as usize));
+        let bands = || self.keys.chunks(self.band_len).zip(self.ends.chunks_exact(BUCKETS));
+        let mut counts = [0; BUCKETS];
+        for (_, ends) in bands() {
+            counts[0] += ends[0];
+            for ((count, start), end) in counts[1..].iter_mut().zip(ends).zip(&ends[1..]) {
+                *count += end - start;
             }
-            let keys = &mut self.spare[..count];
-            sort(keys, &mut bucket[..count]);
+        }
+        let most = counts.iter().fold(0, |most, &count| most.max(count as usize));
+        self.spare.resize(self.spare.len().max(2 * most), 0);
+        let (keys, sorted) = self.spare.split_at_mut(most);
+        let mut apart = [(edge(0), (0, 0)); BLOCK];
+        for bucket in (0..BUCKETS).filter(|&bucket| counts[bucket] > 0) {
+            let mut count = 0;
+            for (band, ends) in bands() {
+                let start = bucket.checked_sub(1).map_or(0, |before| ends[before]);
+                for &key in &band[start as usize..ends[bucket] as usize] {
+                    let PixelEdge { p, q, .. } = edge(key);
+                    keys[count] = key;
+                    count += usize::from(sets.two_up(p as usize) != sets.two_up(q as usize));
+                }
+            }
+            let keys = &mut keys[..count];
+            sort(keys, &mut sorted[..count]);
             for block in keys.chunks(BLOCK) {
                 let mut count = 0;
                 let lightest = edge(block[0]).weight;
@@ -130,8 +162,46 @@ impl Edges {
             }
         }
         workspace.shelve(self.keys);
+        workspace.shelve(self.ends);
         workspace.shelve(self.spare);
     }
+}
+
+/// The bucket of a key.
+#[inline(always)]
+fn bucket(key: u64) -> usize {
+    (key >> (u64::BITS - 1 - BUCKET_BITS)) as usize % BUCKETS
+}
+
+/// Writes the keys of the edges that are open, the first pixel's first edge of this `number`, to the start of `keys`, counts them
+/// by their buckets, and says how many they are.
+fn find(
+    weights: &[f32],
+    open: &[u8],
+    width: usize,
+    number: usize,
+    keys: &mut [u64],
+    counts: &mut [u32],
+) -> usize {
+    let mut number = number as u64;
+    let mut count = 0;
+    for (weights, open) in weights.chunks_exact(STEPS.len() * width).zip(open.chunks_exact(width)) {
+        let [right, down, down_right, down_left] = four(weights);
+        let weights = right.iter().zip(down).zip(down_right.iter().zip(down_left));
+        for (&open, ((a, b), (c, d))) in open.iter().zip(weights) {
+            if open % (1 << STEPS.len()) != 0 {
+                for (k, weight) in (0_u32..).zip([a, b, c, d]) {
+                    let key = u64::from(weight.to_bits()) << u32::BITS | (number + u64::from(k));
+                    let is_open = u32::from(open) >> k & 1;
+                    keys[count] = key;
+                    count += is_open as usize;
+                    counts[bucket(key)] += is_open;
+                }
+            }
+            number += STEPS.len() as u64;
+        }
+    }
+    count
 }
 
 /// Sorts the keys of a bucket, whose numbers ascend; `spare` is as long.
@@ -144,12 +214,12 @@ fn sort(keys: &mut [u64], spare: &mut [u64]) {
     }
     let pass = |from: &[u64], to: &mut [u64], shift: u32| {
         let digit = |key: u64| (key >> shift) as usize % (1 << DIGIT_BITS);
-        let mut ends = [0; 1 << DIGIT_BITS];
+        let mut ends = [0_u32; 1 << DIGIT_BITS];
         from.iter().for_each(|&key| ends[digit(key)] += 1);
         places(&mut ends);
         for &key in from {
             let place = &mut ends[digit(key)];
-            to[*place] = key;
+            to[*place as usize] = key;
             *place += 1;
         }
     };
@@ -158,7 +228,7 @@ fn sort(keys: &mut [u64], spare: &mut [u64]) {
 }
 
 /// Turns counts into the places where each begins.
-fn places(counts: &mut [usize]) {
+fn places(counts: &mut [u32]) {
     let mut place = 0;
     for count in counts {
         place += std::mem::replace(count, place);
