@@ -49,21 +49,19 @@ pub fn segment(
         of: workspace.filled(pixels, Component { size_px: 1, tolerated: params.size_preference_grey }),
     };
     let mut sets = UnionFind::within(workspace.stale(pixels, 0));
-    let mut part = workspace.collected((0..).zip(borders.as_slice()).map(|(i, &b)| if b { SHUT } else { i }));
-    let mut open = graph.between(&part, workspace);
+    let mut open = graph.without(borders, workspace);
     settle(graph, borders, growing.k, &mut open);
-    joining(graph, &open, |PixelEdge { weight, p, q }| {
-        growing.join(&mut sets, weight, (p as usize, q as usize));
-    });
+    joining(graph, &open, |edge| growing.pair(&mut sets, edge));
     let edges = graph.edges(&open, workspace);
     workspace.shelve(open);
     edges.between_sets(&mut sets, workspace, &mut growing);
 
     let min_size = params.min_size_px;
-    for (i, part) in part.iter_mut().enumerate().filter(|(_, part)| **part != SHUT) {
+    let part = workspace.collected(borders.as_slice().iter().enumerate().map(|(i, &shut)| {
         let root = sets.find(i);
-        *part = if growing.of[root].size_px >= min_size { LARGE } else { root as u32 };
-    }
+        let kept = if growing.of[root].size_px >= min_size { LARGE } else { root as u32 };
+        if shut { SHUT } else { kept }
+    }));
     let open = graph.between(&part, workspace);
     workspace.shelve(part);
     let edges = graph.edges(&open, workspace);
@@ -100,6 +98,15 @@ pub(crate) struct Component {
 }
 
 impl Growing {
+    /// Joins two single pixels, as [`join`](Self::join) would.
+    #[inline]
+    fn pair(&mut self, sets: &mut UnionFind, PixelEdge { weight, p, q }: PixelEdge) {
+        let (root, child) = (p as usize, q as usize);
+        sets.link(root, child);
+        self.of[child] = Component { size_px: 0, tolerated: f32::INFINITY };
+        self.of[root] = Component { size_px: 2, tolerated: weight + self.k / 2.0 };
+    }
+
     /// Joins two components below the larger one's root; of a tie below p's.
     #[inline]
     fn join(&mut self, sets: &mut UnionFind, weight: f32, (p, q): (usize, usize)) {

@@ -105,20 +105,34 @@ impl PixelGraph {
     /// Of every pixel, which of its four edges lie between different parts, without those of pixels whose part is
     /// [`Self::NO_PART`]: bit d for direction d. O(pixels).
     pub(crate) fn between(&self, part: &[u32], workspace: &mut Workspace) -> Vec<u8> {
+        self.open(part, |p, q| (p != q) & (p != Self::NO_PART) & (q != Self::NO_PART), workspace)
+    }
+
+    /// Of every pixel, which of its four edges lead from what is not shut to what is not: bit d for direction d. O(pixels).
+    pub(crate) fn without(&self, shut: &Raster<bool>, workspace: &mut Workspace) -> Vec<u8> {
+        self.open(shut.as_slice(), |p, q| !p & !q, workspace)
+    }
+
+    /// Bit d of every pixel: whether its edge in direction d is open, by what is said `of` both its pixels.
+    fn open<T: Copy + Sync>(
+        &self,
+        of: &[T],
+        is_open: impl Fn(T, T) -> bool + Sync,
+        workspace: &mut Workspace,
+    ) -> Vec<u8> {
         let width = self.width;
-        let mut open = workspace.stale(part.len(), 0);
+        let mut open = workspace.stale(of.len(), 0);
         open.par_chunks_mut(width).enumerate().for_each(|(v, open)| {
             vectorized(
                 #[inline(always)]
                 || {
                     open.fill(0);
                     for (d, (du, dv)) in STEPS.into_iter().enumerate() {
-                        let Some(others) = part.get((v + dv) * width..(v + dv + 1) * width) else { continue };
+                        let Some(others) = of.get((v + dv) * width..(v + dv + 1) * width) else { continue };
                         let (from, to) = columns(du, width);
-                        let ends = part[v * width..][from.clone()].iter().zip(&others[to]);
+                        let ends = of[v * width..][from.clone()].iter().zip(&others[to]);
                         for (open, (&p, &q)) in open[from].iter_mut().zip(ends) {
-                            let is_between = (p != q) & (p != Self::NO_PART) & (q != Self::NO_PART);
-                            *open |= u8::from(is_between) << d;
+                            *open |= u8::from(is_open(p, q)) << d;
                         }
                     }
                 },
