@@ -6,12 +6,13 @@ use glam::{DVec2, DVec3, Vec3};
 
 use crate::objectness::cell::{CELL_M, Cell, Cells};
 use crate::objectness::gravity::{StructurePlane, Up};
-use crate::objectness::piece::{Extent, Piece};
+use crate::objectness::piece::{Extent, PIECE_PX, Piece};
 use crate::objectness::plan::{DIRECTIONS, FORESHORTENED, Plan};
 use crate::oversegment::structure::UPWARD;
 use crate::quantile::element_at;
 use crate::raster::Raster;
 use crate::regions::Segments;
+use crate::simd::{extend_where, vectorized};
 use crate::surface::disparity::DisparitySpace;
 
 /// Heights that differ by less (m) are the same: what rises less above its surroundings is not told from them either
@@ -217,7 +218,7 @@ impl Body {
         self.top_m = element_at(&mut heights_m, TOP_SHARE);
         let is_foot = |&(_, height_m): &(&u32, &f64)| *height_m < self.foot_m + self.level_m;
         self.foot = look.pixels.iter().zip(&look.heights_m).filter(is_foot).map(|(&i, _)| i).collect();
-        self.normal = look.normal / look.normals.max(1) as f64;
+        self.normal = look.normal / f64::from(look.normals.max(1));
         self.cells = Cells::new(look.heights_m, &look.runs);
         self.tilt = Tilt::of(&look.tilted, self.size_px, pixels, plan, space);
     }
@@ -236,12 +237,12 @@ struct Look {
     /// Neighbouring points in one cell of the plan view, and where they begin among the heights.
     runs: Vec<(Cell, u32)>,
     normal: DVec3,
-    normals: usize,
+    normals: u32,
     tilted: Vec<Side>,
 }
 
 /// A pixel of a face that is tilted, and no top.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Side {
     pixel: u32,
     /// What of its normal is upwards.
@@ -256,23 +257,38 @@ impl Look {
     }
 
     fn add(&mut self, piece: &Piece, normals: &[[f32; 3]], plan: &Plan) {
-        for (k, cell) in piece.cells().into_iter().take(piece.pixels().len()).enumerate() {
-            if self.runs.last().is_none_or(|run| run.0 != cell) {
-                self.runs.push((cell, (self.heights_m.len() + k) as u32));
-            }
-        }
-        self.pixels.extend(piece.pixels());
-        self.heights_m.extend(piece.heights_m());
-        for (&pixel, &height_m) in piece.pixels().iter().zip(piece.heights_m()) {
-            let normal = normals[pixel as usize];
-            // Of no normal nothing is added.
-            self.normal += Vec3::from(normal).as_dvec3();
-            self.normals += usize::from(normal != [0.0; 3]);
-            let upward = plan.upward(normal);
-            if upward < TOP_FACE && upward.abs() > LEAST_TILT {
-                self.tilted.push(Side { pixel, upward, height_m });
-            }
-        }
+        let (pixels, heights_m) = (piece.pixels(), piece.heights_m());
+        let cells = piece.cells();
+        let mut is_start = [false; PIECE_PX];
+        is_start[0] = self.runs.last().is_none_or(|run| run.0 != cells[0]);
+        (1..PIECE_PX).for_each(|k| is_start[k] = cells[k] != cells[k - 1]);
+        let starts = cells.into_iter().zip(self.heights_m.len() as u32..);
+        extend_where::<PIECE_PX, _>(&mut self.runs, starts.zip(is_start).take(pixels.len()));
+        self.pixels.extend(pixels);
+        self.heights_m.extend(heights_m);
+
+        let mut own = [[0.0; 3]; PIECE_PX];
+        own.iter_mut().zip(pixels).for_each(|(own, &pixel)| *own = normals[pixel as usize]);
+        let (mut upward, mut is_side) = ([0.0; PIECE_PX], [false; PIECE_PX]);
+        self.normals += vectorized(
+            #[inline(always)]
+            || {
+                let mut count = 0;
+                for k in 0..PIECE_PX {
+                    upward[k] = plan.upward(own[k]);
+                    is_side[k] = (upward[k] < TOP_FACE) & (upward[k].abs() > LEAST_TILT);
+                    let [x, y, z] = own[k];
+                    count += u32::from((x != 0.0) | (y != 0.0) | (z != 0.0));
+                }
+                count
+            },
+        );
+        // Of no normal nothing is added.
+        self.normal = own[..pixels.len()].iter().fold(self.normal, |sum, &n| sum + Vec3::from(n).as_dvec3());
+        let sides = pixels.iter().zip(heights_m).zip(upward).zip(is_side);
+        let sides =
+            sides.map(|(((&pixel, &height_m), upward), is_side)| (Side { pixel, upward, height_m }, is_side));
+        extend_where::<PIECE_PX, _>(&mut self.tilted, sides);
     }
 }
 
@@ -335,7 +351,8 @@ mod tests {
             let up = Up { direction: up, source: UpSource::Camera };
             let points = pixels.map(|&(_, point, is_measured)| if is_measured { point } else { [f32::NAN; 3] });
             let regions = Segments::from_numbered(pixels.map(|pixel| pixel.0), 2);
-            let normals = points.map(|_| [0.0, 0.0, -1.0]);
+            // Some have none.
+            let normals = pixels.map(|&(_, n, _)| if n[0] < 0.5 { n } else { [0.0; 3] });
             let bodies = Bodies::new(&regions, &points, &normals, &[], &up, &crate::testing::kinect());
             let plan = Plan::new(&up);
             for (region, body) in bodies.all.iter().enumerate() {
@@ -345,6 +362,9 @@ mod tests {
                 prop_assert!((body.mean_m - mean(&|i| plan.height_m(points[i]))).abs() < 1e-9);
                 prop_assert!((body.middle_m.x - mean(&|i| plan.place_m(points[i]).x)).abs() < 1e-9);
                 prop_assert!((body.middle_m.y - mean(&|i| plan.place_m(points[i]).y)).abs() < 1e-9);
+                let known = || own().filter(|&i| normals[i] != [0.0; 3]);
+                let normal = known().map(|i| Vec3::from(normals[i]).as_dvec3()).sum::<DVec3>();
+                prop_assert_eq!(body.normal, normal / known().count().max(1) as f64);
                 let is_foot = |&i: &usize| plan.height_m(points[i]) < body.foot_m + body.level_m;
                 let foot: Vec<u32> = own().filter(is_foot).map(|i| i as u32).collect();
                 prop_assert_eq!(&body.foot, &foot);

@@ -183,7 +183,7 @@ fn push_out(
     [x_m, y_m]: [&[f64; PIECE_PX]; 2],
     directions: &[DVec2; DIRECTIONS],
 ) {
-    let [(left, right), (low, high)] = [x_m, y_m].map(limits);
+    let ((left, right), (low, high)) = (limits(x_m), limits(y_m));
     let mut is_beyond = [false; DIRECTIONS];
     for k in 0..DIRECTIONS {
         let DVec2 { x, y } = directions[k];
@@ -208,7 +208,14 @@ fn limits(values: &[f64; PIECE_PX]) -> (f64, f64) {
             high[k] = larger(block[k], high[k]);
         }
     }
-    (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
+    // By halves, so that no comparison waits for all before it.
+    for half in [4, 2, 1] {
+        for k in 0..half {
+            low[k] = if low[k + half] < low[k] { low[k + half] } else { low[k] };
+            high[k] = larger(high[k + half], high[k]);
+        }
+    }
+    (low[0], high[0])
 }
 
 /// One instruction, where `max` minds what is no number.

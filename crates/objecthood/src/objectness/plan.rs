@@ -31,11 +31,13 @@ impl Plan {
     }
 
     /// Height along up, relative to the camera (m).
+    #[inline(always)]
     pub(crate) fn height_m(&self, point_m: [f32; 3]) -> f64 {
         self.up.dot(Vec3::from(point_m).as_dvec3())
     }
 
     /// How much of a normal is upwards.
+    #[inline(always)]
     pub(crate) fn upward(&self, normal: [f32; 3]) -> f64 {
         self.height_m(normal)
     }
