@@ -388,7 +388,7 @@ fn lie_of_clusters(scene: &Scene<'_>, shapes: &Shapes) -> RegionGraph<Borders> {
     RegionGraph::gather(shapes.count + 1, met.into_iter().flatten(), add)
 }
 
-/// How two regions lie to each other at one pair of pixels.
+/// How two regions lie to each other at some pairs of pixels.
 type Meeting = (SegmentId, SegmentId, Borders);
 
 /// Where regions meet above each other in these columns, or side by side, the right one in these columns.
@@ -404,7 +404,7 @@ fn meetings(scene: &Scene<'_>, shapes: &Shapes, strip: Range<usize>) -> Vec<Meet
     let Steps { touch_quanta, level_quanta } = scene.steps;
     let reach = scene.space.length_px(REACH_PX);
     let region = |facet: usize| facet.checked_sub(*structure).map_or(0, |shape| shapes.of_facet[shape] + 1);
-    let mut met = Vec::new();
+    let mut met: Vec<Meeting> = Vec::new();
     // Two regions that meet at pixels so many steps apart.
     let mut meet = |a: Last, b: Last, apart: usize| {
         if a.region == b.region || apart > reach {
@@ -418,7 +418,12 @@ fn meetings(scene: &Scene<'_>, shapes: &Shapes, strip: Range<usize>) -> Vec<Meet
             _ if rise > 0.0 => Borders { in_front: 1, ..Default::default() },
             _ => Borders { behind: 1, ..Default::default() },
         };
-        met.push((SegmentId(a.region), SegmentId(b.region), borders));
+        let [a, b] = [a, b].map(|last| SegmentId(last.region));
+        // Along a row the same two often meet again, and then are sorted once.
+        match met.last_mut() {
+            Some((last_a, last_b, sum)) if (*last_a, *last_b) == (a, b) => *sum += borders,
+            _ => met.push((a, b, borders)),
+        }
     };
     let mut left: Option<Last> = None;
     // Column by column of the strip: the region, and the row.

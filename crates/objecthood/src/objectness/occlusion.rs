@@ -116,23 +116,30 @@ impl Gap<'_> {
     /// How piece `b` continues piece `a`: `None` when they are of one cluster, touch, are too far apart or hopelessly unlike.
     fn compare(&self, a: &Piece, b: &Piece) -> Option<Look> {
         let scene = self.clusters.scene;
-        let touch = || self.clusters.borders(a.cluster, b.cluster).touch as usize;
-        if a.cluster == b.cluster || touch() > scene.space.length_px(TOUCH_PX) {
+        if a.cluster == b.cluster {
+            return None;
+        }
+        let distance_m = a.middle_m.distance(b.middle_m);
+        if distance_m > self.params.max_distance_m {
+            return None;
+        }
+        let touch = self.clusters.borders(a.cluster, b.cluster).touch as usize;
+        if touch > scene.space.length_px(TOUCH_PX) {
             return None;
         }
         let origin = f64::from(scene.disparity[a.pixels[0] as usize]);
         let along = Along::between([a.centroid, b.centroid], origin)?;
-        let distance_m = self.distance_m(a, b);
-        if distance_m > self.params.max_distance_m {
-            return None;
-        }
         let color_overlap = scene.color.map(|_| a.color_overlap(b));
         if color_overlap.is_some_and(|overlap| HOPELESS * overlap < self.params.color_overlap) {
             return None;
         }
         let Common { surface, normal, disagreement_quanta, angle_deg } = self.common(a, b, &along)?;
-        let Seen { hidden, through, hider } =
-            look(self.clusters, [a, b], |at| along.origin + surface.value(along.coordinates(at)))?;
+        let Seen { hidden, through, hider } = look(
+            self.clusters,
+            [a, b],
+            #[inline(always)]
+            move |at| along.origin + surface.value(along.coordinates(at)),
+        )?;
         let continuation = Continuation {
             disagreement_quanta,
             angle_deg,
@@ -145,16 +152,6 @@ impl Gap<'_> {
             scene.support.is_some_and(|support| normal.dot(support.normal).abs() > HORIZONTAL);
         let checks = self.checks(&continuation, is_horizontal);
         Some(Look { clusters: [a.cluster, b.cluster], checks, continuation, hider })
-    }
-
-    /// From the middle of one piece to that of the other.
-    fn distance_m(&self, a: &Piece, b: &Piece) -> f64 {
-        let scene = self.clusters.scene;
-        let [point_a, point_b] = [a, b].map(|piece| {
-            let model = &scene.facets.models[piece.facet.index()];
-            scene.space.point_m(piece.centroid, model.value(piece.centroid).max(1.0))
-        });
-        point_a.distance(point_b)
     }
 
     /// The surface that goes through both pieces; `None` when they are hopelessly unlike.

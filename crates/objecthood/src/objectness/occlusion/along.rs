@@ -35,6 +35,7 @@ impl Along {
         })
     }
 
+    #[inline(always)]
     pub(super) fn coordinates(&self, at: [f64; 2]) -> [f64; 2] {
         let [x, y] = [0, 1].map(|k| at[k] - self.middle[k]);
         let [along, across] = self.axis;

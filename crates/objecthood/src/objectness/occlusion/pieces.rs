@@ -1,5 +1,7 @@
 //! Facets that something may cut.
 
+use glam::DVec3;
+
 use crate::objectness::clusters::Clusters;
 use crate::objectness::spread::{Sample, Spread};
 use crate::regions::SegmentId;
@@ -26,6 +28,8 @@ pub(super) struct Piece {
     /// In scan order.
     pub(super) pixels: Vec<u32>,
     pub(super) centroid: [f64; 2],
+    /// Where its facet is, in the middle (m).
+    pub(super) middle_m: DVec3,
     /// Column, row and disparity of some of them, evenly spaced.
     pub(super) samples: Vec<Sample>,
     pub(super) spread: Spread,
@@ -79,7 +83,9 @@ pub(super) fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
         let spread = Spread::of(&samples);
         let colors = scene.color.map(|color| histogram(&pixels, |i| color[i])).unwrap_or_default();
         let facet = SegmentId((facets.structure + free) as u32);
-        Some(Piece { facet, cluster, pixels, centroid, samples, spread, colors })
+        let middle = facets.models[facet.index()].value(centroid).max(1.0);
+        let middle_m = scene.space.point_m(centroid, middle);
+        Some(Piece { facet, cluster, pixels, centroid, middle_m, samples, spread, colors })
     };
     pixels.into_iter().enumerate().filter_map(judge).collect()
 }

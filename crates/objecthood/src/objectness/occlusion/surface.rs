@@ -9,11 +9,13 @@ pub(super) const RIDGE: f64 = 1e-6;
 const CURVED_RATIO: f64 = 1.3;
 
 /// Disparity over 1, S, T and T^2, the first K of them.
+#[derive(Clone, Copy)]
 pub(super) struct Surface<const K: usize> {
     pub(super) weights: [f64; K],
 }
 
 impl<const K: usize> Surface<K> {
+    #[inline(always)]
     fn terms([s, t]: [f64; 2]) -> [f64; K] {
         let all = [1.0, s, t, t * t];
         std::array::from_fn(|k| all[k])
@@ -38,6 +40,7 @@ impl<const K: usize> Surface<K> {
         Self { weights: solve(whole, right) }
     }
 
+    #[inline(always)]
     pub(super) fn value(&self, at: [f64; 2]) -> f64 {
         Self::terms(at).iter().zip(&self.weights).map(|(term, weight)| term * weight).sum()
     }
@@ -71,13 +74,15 @@ pub(super) fn joint(
     let of = [of_a, of_b];
     let both = || of_a.iter().chain(of_b);
     let flat_error = [0, 1].map(|k| flat[k].mean_squared_error(of[k].iter()));
-    let curved_error = of.map(|samples| Surface::<4>::fit(samples.iter()).mean_squared_error(samples.iter()));
-    let is_curved =
-        flat_error.iter().zip(&curved_error).all(|(flat, curved)| flat.sqrt() > CURVED_RATIO * curved.sqrt());
-    let (joint, single) = if is_curved {
-        (Surface::<4>::fit(both()), curved_error)
-    } else {
-        (Surface::<3>::fit(both()).curved(), flat_error)
+    let curved_error = |k: usize| {
+        let error = Surface::<4>::fit(of[k].iter()).mean_squared_error(of[k].iter());
+        (flat_error[k].sqrt() > CURVED_RATIO * error.sqrt()).then_some(error)
+    };
+    // Most are flat on the first side, and the other need not be looked at.
+    let curved_error = curved_error(0).and_then(|of_a| Some([of_a, curved_error(1)?]));
+    let (joint, single) = match curved_error {
+        Some(curved_error) => (Surface::<4>::fit(both()), curved_error),
+        None => (Surface::<3>::fit(both()).curved(), flat_error),
     };
     let added = joint.mean_squared_error(both()) - (single[0] + single[1]) / 2.0;
     (joint, added.max(0.0).sqrt() / noise)
