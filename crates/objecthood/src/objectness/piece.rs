@@ -209,7 +209,7 @@ fn limits(values: &[f64; PIECE_PX]) -> (f64, f64) {
         }
     }
     // By halves, so that no comparison waits for all before it.
-    for half in [4, 2, 1] {
+    for half in [LANES / 2, LANES / 4, LANES / 8] {
         for k in 0..half {
             low[k] = if low[k + half] < low[k] { low[k + half] } else { low[k] };
             high[k] = larger(high[k + half], high[k]);
