@@ -410,7 +410,7 @@ parameters! {
 
     /// Planes fitted to the window around every pixel (`context`).
     LocalFit local_fit, read by [Method::Context] {
-        /// Half the side of the window, without its middle.
+        /// Half the side of the window, without its middle; never more than 199 pixels of the image.
         radius_px: usize = 3, 1..=50, "px at a focal length of 525 px", "METHOD 3.1";
         /// A pixel keeps its own window below this residual; above, the best of nine windows speaks for it.
         own_window_residual_quanta: f32 = 0.8, 0.0..=1000.0, "quanta of disparity", "METHOD 3.2: a short cut that saves time";

@@ -1,4 +1,4 @@
-//! Loops over pixels, compiled for the vector units that the machine has.
+//! Loops over pixels without branches, compiled for the vector units that the machine has.
 
 /// Runs `work`, which is compiled once for every width of vectors; which one runs the machine decides.
 ///
@@ -10,7 +10,8 @@ pub(crate) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
     if cfg!(feature = "scalar") { work() } else { pulp::Arch::new().dispatch(work) }
 }
 
-/// Adds those of at most N values that are marked, without branches: where none can foresee which they are.
+/// Adds the marked ones of at most N values in their order, without branches: where none can foresee which they are. Panics when
+/// values come after N marked ones.
 pub(crate) fn extend_where<const N: usize, T: Copy + Default>(
     all: &mut Vec<T>,
     values: impl Iterator<Item = (T, bool)>,

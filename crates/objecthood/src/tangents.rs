@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// Two unit vectors along a plane, at right angles; the first lies level in the image.
+/// Two unit vectors along the plane with this unit normal, at right angles; the first is parallel to the image plane.
 pub(crate) fn tangents(normal: DVec3) -> [DVec3; 2] {
     let along = DVec3::new(normal.y, -normal.x, 0.0).try_normalize().unwrap_or(DVec3::X);
     [along, normal.cross(along)]

@@ -65,13 +65,13 @@ impl Merge {
 /// quadratics up to `quadratic_tolerance_quanta`, which join the stripes of curved faces. Regions below
 /// `min_facet_px` are dropped; the structure comes first, then the facets in the order of the superpixel that stands for
 /// each. O(E log E) for E pairs of neighbours, each a solve of 3 or 6 unknowns, as long as no region has very many
-/// neighbours: with D of them each of its merges costs D solves. `moments` are those of every
-/// superpixel, and superpixels lie where `structure`, the label map of the `surfaces`, has none; merges touch no pixel. What does not hang together cannot
-/// merge, and is looked at in parallel.
+/// neighbours: with D of them each of its merges costs D solves. `structure_labels` says of every pixel which of the `surfaces` it is
+/// of, -1 = none, which is where superpixels lie; it becomes the label map of the facets. `moments` are those of every superpixel;
+/// merges touch no pixel. What does not hang together cannot merge, and is looked at in parallel.
 pub fn merge_surfaces(
     superpixels: &Segments,
     surfaces: &[StructureSurface],
-    structure: Raster<i32>,
+    structure_labels: Raster<i32>,
     moments: &[Moments],
     linked_pairs: &RegionGraph<u32>,
     space: &DisparitySpace,
@@ -88,7 +88,7 @@ pub fn merge_surfaces(
         island.merge(Basis::Plane, params.plane_tolerance_quanta, &costs);
         island.merge(Basis::Quadratic, params.quadratic_tolerance_quanta, &costs);
     });
-    regions.facets(superpixels, surfaces, structure, space.area_px(params.min_facet_px))
+    regions.facets(superpixels, surfaces, structure_labels, space.area_px(params.min_facet_px))
 }
 
 impl Region {

@@ -352,7 +352,7 @@ mod tests {
             let points = pixels.map(|&(_, point, is_measured)| if is_measured { point } else { [f32::NAN; 3] });
             let regions = Segments::from_numbered(pixels.map(|pixel| pixel.0), 2);
             // Some have none.
-            let normals = pixels.map(|&(_, n, _)| if n[0] < 0.5 { n } else { [0.0; 3] });
+            let normals = pixels.map(|&(_, vector, _)| if vector[0] < 0.5 { vector } else { [0.0; 3] });
             let bodies = Bodies::new(&regions, &points, &normals, &[], &up, &crate::testing::kinect());
             let plan = Plan::new(&up);
             for (region, body) in bodies.all.iter().enumerate() {
@@ -365,6 +365,14 @@ mod tests {
                 let known = || own().filter(|&i| normals[i] != [0.0; 3]);
                 let normal = known().map(|i| Vec3::from(normals[i]).as_dvec3()).sum::<DVec3>();
                 prop_assert_eq!(body.normal, normal / known().count().max(1) as f64);
+                let side = |i: usize| {
+                    let (upward, height_m) = (plan.upward(normals[i]), plan.height_m(points[i]));
+                    (upward < 0.9 && upward.abs() > 0.14).then_some(Side { pixel: i as u32, upward, height_m })
+                };
+                let sides: Vec<Side> = own().filter_map(side).collect();
+                let tilt = Tilt::of(&sides, own().count(), (&points, &normals), &plan, &crate::testing::kinect());
+                let told = |tilt: Option<Tilt>| tilt.map(|tilt| (tilt.toward, tilt.alike));
+                prop_assert_eq!(told(body.tilt), told(tilt));
                 let is_foot = |&i: &usize| plan.height_m(points[i]) < body.foot_m + body.level_m;
                 let foot: Vec<u32> = own().filter(is_foot).map(|i| i as u32).collect();
                 prop_assert_eq!(&body.foot, &foot);

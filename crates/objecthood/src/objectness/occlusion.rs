@@ -1,4 +1,9 @@
 //! Occlusion joins: a surface cut in two by something nearer goes on behind it (METHOD 3.13).
+//!
+//! 1. [`pieces`]: the large facets of clusters before which something stands.
+//! 2. [`along`]: for two of them a frame along the gap, in which pairs are told that are turned hopelessly apart.
+//! 3. [`surface`]: one surface through both, and how much worse it fits than one each.
+//! 4. [`sight`]: what is seen in the gap, along the pixels of [`line`]s.
 
 mod along;
 mod line;
@@ -36,7 +41,7 @@ const HORIZONTAL_COLOR: f64 = 0.15;
 /// Joins clusters of which one facet each continues the other behind something nearer: same surface, same direction, and the gap
 /// shows what is nearer, hardly anything that is farther.
 ///
-/// O(F^2 · (samples + pixels of the lines)) for F facets that are large and partly hidden; in parallel over pairs.
+/// O(F^2 · (samples + pixels of the lines + all facets)) for F facets that are large and partly hidden; in parallel over pairs.
 pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params::Occlusion) {
     if !params.enabled {
         return;
@@ -134,18 +139,18 @@ impl Gap<'_> {
             return None;
         }
         let Common { surface, normal, disagreement_quanta, angle_deg } = self.common(a, b, &along)?;
-        let Seen { hidden, through, hider } = look(
+        let Seen { hidden_share, seen_through_share, hider } = look(
             self.clusters,
             [a, b],
             #[inline(always)]
-            move |at| along.origin + surface.value(along.coordinates(at)),
+            move |at| along.disparity(&surface, at),
         )?;
         let continuation = Continuation {
             disagreement_quanta,
             angle_deg,
             distance_m,
-            hidden_share: hidden,
-            seen_through_share: through,
+            hidden_share,
+            seen_through_share,
             color_overlap,
         };
         let is_horizontal =

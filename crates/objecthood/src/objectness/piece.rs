@@ -204,21 +204,28 @@ fn limits(values: &[f64; PIECE_PX]) -> (f64, f64) {
     let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
     for block in values.as_chunks::<LANES>().0 {
         for k in 0..LANES {
-            low[k] = if block[k] < low[k] { block[k] } else { low[k] };
+            low[k] = smaller(block[k], low[k]);
             high[k] = larger(block[k], high[k]);
         }
     }
     // By halves, so that no comparison waits for all before it.
-    for half in [LANES / 2, LANES / 4, LANES / 8] {
+    const { assert!(LANES == 8, "as many halves as follow") }
+    for half in [4, 2, 1] {
         for k in 0..half {
-            low[k] = if low[k + half] < low[k] { low[k + half] } else { low[k] };
+            low[k] = smaller(low[k + half], low[k]);
             high[k] = larger(high[k + half], high[k]);
         }
     }
     (low[0], high[0])
 }
 
-/// One instruction, where `max` minds what is no number.
+/// One instruction, where `min` minds what is no number.
+#[inline(always)]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// As [`smaller`].
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }

@@ -17,6 +17,7 @@ pub(crate) struct Edges {
     band_len: usize,
     /// Of every band where each bucket ends in it.
     ends: Vec<u32>,
+    /// Room for a band that is dealt, later for the largest bucket and, if it suffices, for sorting it.
     spare: Vec<u64>,
     /// From p to q in each direction.
     ahead: [u32; 4],
@@ -51,7 +52,8 @@ const BUCKET_BITS: u32 = 13;
 const BUCKETS: usize = 1 << BUCKET_BITS;
 
 /// Pixels whose edges are dealt together. Keys that are dealt go to some three hundred places at a time, which the second nearest
-/// cache has to hold: 0.4 MB and as much that is read and written in order.
+/// cache has to hold: 0.4 MB and as much that is read and written in order (2 MB on the Intel Xeon where 8 and 32 thousand were no
+/// better).
 const BAND_PX: usize = 1 << 14;
 
 /// Half of the bits of the weight that follow.
@@ -70,19 +72,21 @@ impl Edges {
         let band_len = STEPS.len() * band_px;
         let bands = open.len().div_ceil(band_px);
         let mut keys = workspace.stale(weights.len(), 0);
+        // Counts, then where buckets begin, at last where they end.
         let mut ends = workspace.filled(bands * BUCKETS, 0);
-        // What is dealt in one after the other goes to the same places.
-        let threads = rayon::current_num_threads();
-        let mut spare = workspace.stale(threads * band_len, 0);
+        // What is dealt in one after the other goes to the same places; two are room for all but the largest buckets.
+        let threads = rayon::current_num_threads().min(bands);
+        let room = band_len.min(weights.len());
+        let mut spare = workspace.stale(threads.max(2) * room, 0);
         let share = bands.div_ceil(threads);
         let shares = keys.par_chunks_mut(share * band_len).zip(ends.par_chunks_mut(share * BUCKETS));
-        shares.zip(spare.par_chunks_mut(band_len)).enumerate().for_each(|(i, ((keys, ends), spare))| {
+        shares.zip(spare.par_chunks_mut(room)).enumerate().for_each(|(i, ((keys, ends), spare))| {
             let bands = keys.chunks_mut(band_len).zip(ends.chunks_exact_mut(BUCKETS));
             for (band, (keys, ends)) in (i * share..).zip(bands) {
                 let first = band * band_px;
                 let open = &open[first..][..keys.len() / STEPS.len()];
                 let weights = &weights[STEPS.len() * first..][..keys.len()];
-                let count = find(weights, open, width, STEPS.len() * first, keys, ends);
+                let count = open_keys(weights, open, width, STEPS.len() * first, keys, ends);
                 places(ends);
                 let (keys, dealt) = (&mut keys[..count], &mut spare[..count]);
                 for &key in &*keys {
@@ -106,7 +110,7 @@ impl Edges {
     /// How far it is to a root, and whether two ends have one already, no processor can guess, and each wrong guess costs
     /// more than all else that is done for an edge. So both ends are taken two steps up without a branch, the ways of many
     /// edges at once, and edges whose ends meet are left out, and those that the rule refuses at one of them. What remains
-    /// mostly stands at two roots; which they are by then is asked again, one edge after the other. O(edges · log pixels).
+    /// mostly stands at two roots; which they are by then is asked again, one edge after the other. O(pixels + edges · log pixels).
     pub(crate) fn between_sets(
         mut self,
         sets: &mut UnionFind,
@@ -128,8 +132,11 @@ impl Edges {
             }
         }
         let most = counts.iter().fold(0, |most, &count| most.max(count as usize));
-        self.spare.resize(self.spare.len().max(2 * most), 0);
-        let (keys, sorted) = self.spare.split_at_mut(most);
+        if self.spare.len() < most {
+            self.spare.reserve_exact(most - self.spare.len());
+            self.spare.resize(most, 0);
+        }
+        let (keys, room) = self.spare.split_at_mut(most);
         let mut apart = [(edge(0), (0, 0)); BLOCK];
         for bucket in (0..BUCKETS).filter(|&bucket| counts[bucket] > 0) {
             let mut count = 0;
@@ -142,7 +149,7 @@ impl Edges {
                 }
             }
             let keys = &mut keys[..count];
-            sort(keys, &mut sorted[..count]);
+            sort(keys, room);
             for block in keys.chunks(BLOCK) {
                 let mut count = 0;
                 let lightest = edge(block[0]).weight;
@@ -175,7 +182,7 @@ fn bucket(key: u64) -> usize {
 
 /// Writes the keys of the edges that are open, the first pixel's first edge of this `number`, to the start of `keys`, counts them
 /// by their buckets, and says how many they are.
-fn find(
+fn open_keys(
     weights: &[f32],
     open: &[u8],
     width: usize,
@@ -204,14 +211,17 @@ fn find(
     count
 }
 
-/// Sorts the keys of a bucket, whose numbers ascend; `spare` is as long.
+/// Sorts the keys of a bucket, whose numbers ascend.
 ///
-/// A radix sort from the lower digit on (Knuth 5.2.5). O(keys).
-fn sort(keys: &mut [u64], spare: &mut [u64]) {
-    if keys.len() < FEW {
-        keys.sort_unstable();
+/// A radix sort from the lower digit on (Knuth 5.2.5), O(keys), where there is room for as many; where there is not, most weights
+/// of the image are nearly equal: if they all are the keys are in order, else they are compared.
+fn sort(keys: &mut [u64], room: &mut [u64]) {
+    let Some(spare) = room.get_mut(..keys.len()).filter(|spare| spare.len() >= FEW) else {
+        if !keys.is_sorted() {
+            keys.sort_unstable();
+        }
         return;
-    }
+    };
     let pass = |from: &[u64], to: &mut [u64], shift: u32| {
         let digit = |key: u64| (key >> shift) as usize % (1 << DIGIT_BITS);
         let mut ends = [0_u32; 1 << DIGIT_BITS];

@@ -98,7 +98,7 @@ pub(crate) struct Component {
 }
 
 impl Growing {
-    /// Joins two single pixels, as [`join`](Self::join) would.
+    /// Joins two single pixels, as [`join`](Self::join) would, without reading the sizes of both: a line of the cache each.
     #[inline]
     fn pair(&mut self, sets: &mut UnionFind, PixelEdge { weight, p, q }: PixelEdge) {
         let (root, child) = (p as usize, q as usize);
@@ -236,5 +236,32 @@ mod tests {
                 prop_assert_eq!(fast.size_px[root as usize] as usize, members);
             }
         }
+    }
+
+    /// Edges are dealt in bands of rows, of which there are three here.
+    #[test]
+    fn several_bands_equal_the_textbook() {
+        let (width, height) = (300, 120);
+        let depth = Raster::filled(width, height, 1.0).unwrap();
+        // Patches of few levels with noise, so that equal weights lie in all bands.
+        let level = |i: usize, c: usize| {
+            let patch = i % width / 25 * 7 + i / width / 20 * 5 + c;
+            let noise = (i as u32 * 3 + c as u32).wrapping_mul(0x9e37_79b9) >> 29;
+            (patch * 53 % 200) as u8 + noise as u8
+        };
+        let color = (0..width * height).map(|i| [0, 1, 2].map(|c| level(i, c))).collect();
+        let color = Raster::from_vec(width, height, color).unwrap();
+        let borders = depth.with_data(vec![false; width * height]);
+        let workspace = &mut Workspace::default();
+        let smoothed = smooth(&color, &depth, &params::Smoothing { sigma_px: 0.0 }, workspace);
+        let frame = Frame::new(depth, Some(color), Camera::new(1.0, 1.0, 0.0, 0.0).unwrap()).unwrap();
+        let params = params::Graph { size_preference_grey: 60.0, min_size_px: 30, ..Default::default() };
+        let sensor = params::Sensor::default();
+        let graph =
+            PixelGraph::new(&frame, Some(&smoothed), Unmeasured::ByColor, &sensor, &params, workspace);
+        let fast = by_first_pixel(&segment(&graph, &borders, &params, workspace).root);
+        let slow = by_first_pixel(&textbook(&graph, &borders, 60.0, 30));
+        assert!(slow.iter().collect::<std::collections::BTreeSet<_>>().len() > 10);
+        assert!(fast == slow);
     }
 }

@@ -65,9 +65,9 @@ const LEAST_FILL: f64 = 0.4;
 /// Nor has one whose pixels lie in a line: determinant of their second moments (px^4).
 const LEAST_SPREAD: f64 = 1e-3;
 
-/// Windows have at most this half size r (px): the sum of the squares of whole numbers over a larger one, (2 r + 1)^2 r (r + 1) / 3,
-/// would not fit its 31 bits.
-const MOST_RADIUS_PX: usize = 190;
+/// Windows have at most this half size r (px): of a larger one the sum of the squares of whole numbers, (2 r + 1)^2 r (r + 1) / 3, does
+/// not fit 31 bits.
+const MOST_RADIUS_PX: usize = 199;
 
 /// Width and height of the tiles that are fitted one by one: what their sums need stays in the first cache. Fixed, so
 /// that rounding does not depend on the number of threads.
@@ -80,7 +80,7 @@ type Sum = [f64; LANES];
 type Count = [i32; LANES];
 
 /// Least-squares plane through the disparities (quanta, `NaN` = none) in the square window of half size `radius_px`
-/// around every measured pixel; from 190 px on they grow no more.
+/// around every measured pixel; from 199 px on they grow no more.
 ///
 /// The residual is noise estimate, edge detector and watershed relief at once. In disparity and not in z, where the
 /// tolerance of the same fit would have to grow with z^2 and slanted planes would be biased. Sums over the parts of rows
@@ -89,7 +89,6 @@ type Count = [i32; LANES];
 /// for the one before, and at a radius of 3 px that takes twice as long. Memory beside the result: for a tile only.
 pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize, workspace: &mut Workspace) -> PlaneFits {
     let (width, height) = disparity.size();
-    let radius_px = radius_px.min(MOST_RADIUS_PX);
     let side = 2.0 * radius_px as f64 + 1.0;
     let PlaneFit { value, slope: [a, b], residual } = PlaneFit::NONE;
     let none = [value, a, b, residual];
@@ -98,6 +97,7 @@ pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize, workspace: &mut Wor
         // Not even the whole image would fill a window.
         fits.iter_mut().zip(none).for_each(|(image, none)| image.fill(none));
     } else {
+        let radius_px = radius_px.min(MOST_RADIUS_PX);
         workspace.windows.resize_with(height.div_ceil(TILE), Windows::default);
         let [values, a, b, residuals] = fits.each_mut().map(|image| image.par_chunks_mut(TILE * width));
         let bands = values.zip(a).zip(b.zip(residuals)).zip(&mut workspace.windows);
@@ -423,7 +423,7 @@ mod tests {
     /// Sums of squares must not run over, whatever the radius.
     #[test]
     fn windows_grow_to_a_limit() {
-        let side = 2 * MOST_RADIUS_PX + 9;
+        let side = 420;
         let plane = |i: usize| 450.0 + 0.5 * (i % side) as f32 - 0.25 * (i / side) as f32;
         let disparity = Raster::from_vec(side, side, (0..side * side).map(plane).collect()).unwrap();
         let [largest, larger] = [MOST_RADIUS_PX, MOST_RADIUS_PX + 50]

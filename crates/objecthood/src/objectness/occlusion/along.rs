@@ -20,7 +20,7 @@ pub(super) struct Along {
     /// How S grows in the image (1/px).
     axis: [f64; 2],
     /// Disparities are counted from here.
-    pub(super) origin: f64,
+    origin: f64,
 }
 
 impl Along {
@@ -36,10 +36,16 @@ impl Along {
     }
 
     #[inline(always)]
-    pub(super) fn coordinates(&self, at: [f64; 2]) -> [f64; 2] {
+    fn coordinates(&self, at: [f64; 2]) -> [f64; 2] {
         let [x, y] = [0, 1].map(|k| at[k] - self.middle[k]);
         let [along, across] = self.axis;
         [x * along + y * across, y * along - x * across]
+    }
+
+    /// Disparity of a surface in this frame at a pixel (quanta).
+    #[inline(always)]
+    pub(super) fn disparity(&self, surface: &Surface<4>, at: [f64; 2]) -> f64 {
+        self.origin + surface.value(self.coordinates(at))
     }
 
     /// Pixels with their disparities in this frame.

@@ -28,7 +28,7 @@ pub(super) struct Piece {
     /// In scan order.
     pub(super) pixels: Vec<u32>,
     pub(super) centroid: [f64; 2],
-    /// Where its facet is, in the middle (m).
+    /// Where its facet's surface is at the centroid (m).
     pub(super) middle_m: DVec3,
     /// Column, row and disparity of some of them, evenly spaced.
     pub(super) samples: Vec<Sample>,
@@ -45,7 +45,7 @@ impl Piece {
     }
 }
 
-/// The large facets of clusters before which something stands.
+/// The large facets of clusters before which something stands. O(pixels of those clusters).
 pub(super) fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
     let scene = clusters.scene;
     let facets = scene.facets;
@@ -83,8 +83,9 @@ pub(super) fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
         let spread = Spread::of(&samples);
         let colors = scene.color.map(|color| histogram(&pixels, |i| color[i])).unwrap_or_default();
         let facet = SegmentId((facets.structure + free) as u32);
-        let middle = facets.models[facet.index()].value(centroid).max(1.0);
-        let middle_m = scene.space.point_m(centroid, middle);
+        // A bent surface may leave what can be seen.
+        let disparity = facets.models[facet.index()].value(centroid).max(1.0);
+        let middle_m = scene.space.point_m(centroid, disparity);
         Some(Piece { facet, cluster, pixels, centroid, middle_m, samples, spread, colors })
     };
     pixels.into_iter().enumerate().filter_map(judge).collect()

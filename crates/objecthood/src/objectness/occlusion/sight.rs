@@ -22,18 +22,19 @@ pub(super) const HIDDEN_SHARE: f64 = 0.5;
 /// So many pixels of a line are looked at together.
 const STRETCH_PX: usize = 64;
 
-/// What lies in the gap between two pieces.
+/// What lies in the gap between two pieces, as shares of its measured pixels.
 #[derive(Debug, PartialEq)]
 pub(super) struct Seen {
-    pub(super) hidden: f64,
-    pub(super) through: f64,
+    pub(super) hidden_share: f64,
+    pub(super) seen_through_share: f64,
     /// The facet that hides most.
     pub(super) hider: Option<SegmentId>,
 }
 
 /// What is seen along lines from random pixels of one piece to random pixels of the other, as shares of the measured pixels on
 /// them that are of neither piece; `None` when it is hopelessly much that is seen through, or little that is hidden, whatever
-/// the lines that are left would show.
+/// the lines that are left would show. `surface`: the disparity (quanta) that is expected at a column and row. O(pixels of the
+/// lines + facets).
 pub(super) fn look(
     clusters: &Clusters<'_>,
     [a, b]: [&Piece; 2],
@@ -77,7 +78,7 @@ pub(super) fn look(
     // The first of equal ones.
     let hider = before.iter().zip(0..).max_by_key(|&(&count, facet)| (count, Reverse(facet)));
     let hider = hider.filter(|(count, _)| **count > 0).map(|(_, facet)| SegmentId(facet));
-    Some(Seen { hidden: share(hidden), through: share(through), hider })
+    Some(Seen { hidden_share: share(hidden), seen_through_share: share(through), hider })
 }
 
 /// From random pixels of one piece to random pixels of the other.
@@ -89,7 +90,7 @@ fn lines(pieces: [&Piece; 2], width: usize) -> [Line; LINES] {
     })
 }
 
-/// Whether too much is seen through, or too little hidden, when at most so much is seen.
+/// Whether too much is seen through, or too little hidden, even if `most` pixels are seen in the end.
 fn is_hopeless(through: u32, on: u32, most: f64) -> bool {
     f64::from(through) > HOPELESS * SEEN_THROUGH_SHARE * most
         || f64::from(through + on) > (1.0 - HIDDEN_SHARE / HOPELESS) * most
@@ -193,7 +194,7 @@ mod tests {
         let hider = most.and_then(|most| before.iter().position(|count| *count == most));
         let share = |part: f64| part / all.max(1.0);
         let hider = hider.map(|facet| SegmentId(facet as u32));
-        Some(Seen { hidden: share(hidden), through: share(through), hider })
+        Some(Seen { hidden_share: share(hidden), seen_through_share: share(through), hider })
     }
 
     proptest! {

@@ -8,7 +8,7 @@ pub(super) const RIDGE: f64 = 1e-6;
 /// A facet is curved when its residual falls by this factor with a squared term across the gap: a cylinder that lies along it.
 const CURVED_RATIO: f64 = 1.3;
 
-/// Disparity over 1, S, T and T^2, the first K of them.
+/// Disparity (quanta, from the origin of [`Along`](super::along::Along)) over 1, S, T and T^2 of that frame, the first K of them.
 #[derive(Clone, Copy)]
 pub(super) struct Surface<const K: usize> {
     pub(super) weights: [f64; K],

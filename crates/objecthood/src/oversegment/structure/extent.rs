@@ -23,7 +23,7 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// Of the largest connected piece: tops of boxes that happen to be as high as a shelf are no surface.
+    /// Of the largest connected piece of its samples: tops of boxes that happen to be as high as a shelf are no surface.
     pub(super) fn of(Candidate { surface, inliers }: &Candidate, seen: &Seen<'_>) -> Self {
         let width = seen.disparity.width();
         let camera = seen.space.camera();
@@ -47,19 +47,20 @@ impl Extent {
     }
 }
 
-/// Which of these places of a grid, column and row, are the largest connected piece; of several as large the one that begins in
-/// the first column. No two are the same place. O(places + columns · rows / 64).
+/// Which of these places of a grid, column and row, are the largest connected piece; of several as large the one whose first place,
+/// column by column, comes first. No two are the same place. O(columns · rows).
 fn largest_piece(places: &[[usize; 2]]) -> Vec<usize> {
     let [columns, rows] = [0, 1].map(|k| places.iter().map(|place| place[k] + 1).max().unwrap_or(0));
     let mut open = Open::new(columns, rows);
-    let mut numbers = vec![0; columns * rows];
+    let mut numbers = vec![0_usize; columns * rows];
     for (k, &[u, v]) in places.iter().enumerate() {
         open.insert(u, v);
         numbers[u * rows + v] = k;
     }
     let mut largest = Vec::new();
     for column in 0..columns {
-        while let Some(row) = open.take_first(column) {
+        let mut word = 0;
+        while let Some(row) = open.take_first(column, &mut word) {
             let mut piece = vec![numbers[column * rows + row]];
             let mut around = vec![[column, row]];
             while let Some([u, v]) = around.pop() {
@@ -78,9 +79,9 @@ fn largest_piece(places: &[[usize; 2]]) -> Vec<usize> {
     largest
 }
 
-/// Places of a grid, a bit each, column by column: so many are asked for at once.
+/// Places of a grid, a bit each, column by column, so that a word of them is asked for at once.
 struct Open {
-    /// A column each. The last one of each is empty, so that there are always two to read.
+    /// `words_a_column` of each; the last of them is empty, so that there are always two to read.
     words: Vec<u64>,
     words_a_column: usize,
 }
@@ -95,13 +96,14 @@ impl Open {
         self.words[column * self.words_a_column + row / WORD] |= 1 << (row % WORD);
     }
 
-    /// Takes out the first place of a column.
-    fn take_first(&mut self, column: usize) -> Option<usize> {
+    /// Takes out the first place of a column. Before word `from` there is none, nor before what it becomes.
+    fn take_first(&mut self, column: usize, from: &mut usize) -> Option<usize> {
         let words = &mut self.words[column * self.words_a_column..][..self.words_a_column];
-        let k = words.iter().position(|&word| word != 0)?;
-        let row = words[k].trailing_zeros() as usize;
-        words[k] &= words[k] - 1;
-        Some(k * WORD + row)
+        *from += words[*from..].iter().position(|&word| word != 0)?;
+        let word = &mut words[*from];
+        let row = word.trailing_zeros() as usize;
+        *word &= *word - 1;
+        Some(*from * WORD + row)
     }
 
     /// Takes out those of these rows of a column that there are, fewer than 64 rows of which the first is one of the grid.
@@ -134,15 +136,17 @@ mod tests {
             }),
             backwards in prop::bool::ANY,
         ) {
-            let row_of = |(u, column): (usize, &Vec<bool>)| {
+            let places_of = |(u, column): (usize, &Vec<bool>)| {
                 let taken = column.iter().enumerate().filter(|taken| *taken.1);
                 taken.map(|(v, _)| [u, v]).collect::<Vec<_>>()
             };
-            let mut places: Vec<[usize; 2]> = grid.iter().enumerate().flat_map(row_of).collect();
+            let mut places: Vec<[usize; 2]> = grid.iter().enumerate().flat_map(places_of).collect();
             // What hangs together gets one name, that of its first place, until nothing changes any more.
             let mut names: Vec<usize> = (0..places.len()).collect();
             let near = |a: [usize; 2], b: [usize; 2]| (0..2).all(|k| a[k].abs_diff(b[k]) <= 2);
-            for _ in 0..places.len() {
+            let mut before = Vec::new();
+            while before != names {
+                before.clone_from(&names);
                 for (a, b) in (0..places.len()).flat_map(|a| (0..a).map(move |b| (a, b))) {
                     if near(places[a], places[b]) {
                         let name = names[a].min(names[b]);
