@@ -6,12 +6,12 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use objecthood::objectness::gravity::camera_up;
 use objecthood::oversegment::graph::{PixelGraph, Unmeasured};
 use objecthood::oversegment::smoothing::smooth;
-use objecthood::oversegment::structure::structure;
+use objecthood::oversegment::structure::find_structure;
 use objecthood::oversegment::watershed::{Links, seeds, watershed};
 use objecthood::surface::curvature::curvature;
-use objecthood::surface::disparity::DisparitySpace;
 use objecthood::surface::normals::normals;
 use objecthood::surface::plane_fit::plane_fits;
+use objecthood::surface::surfaces::{Surfaces, find_surfaces};
 use objecthood::surface::window_choice::orientation;
 use objecthood::{Frame, Params, Workspace};
 use objecthood_bench::graph::{color_alone, graph_segmentation};
@@ -65,41 +65,28 @@ fn paper(c: &mut Criterion) {
 
 fn context(c: &mut Criterion) {
     let (frame, params) = (frame(), Params::default());
-    let space = DisparitySpace::new(frame.camera(), &params.sensor);
-    let (depth_m, disparity) = (frame.depth_m(), space.disparity(frame.depth_m()));
-    let radius_px = space.length_px(params.local_fit.radius_px);
     let workspace = &mut Workspace::default();
-    let fits = plane_fits(&disparity, radius_px, workspace);
-    let oriented = orientation(&disparity, &fits, &space, &params.local_fit, workspace);
+    let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit, workspace);
+    let Surfaces { space, disparity, fits, orientation: oriented } = &surfaces;
+    let radius_px = space.length_px(params.local_fit.radius_px);
     let up = camera_up(&params.gravity);
-    let planes = structure(&disparity, &fits, &oriented, depth_m, &space, up, &params.structure, workspace);
-    let links = Links::new(&disparity, &oriented.slope, &planes.labels, &space, &params.watershed, workspace);
+    let planes = find_structure(frame.depth_m(), &surfaces, up, &params.structure, workspace);
+    let links = Links::new(disparity, &oriented.slope, &planes.labels, space, &params.watershed, workspace);
 
     let mut group = c.benchmark_group("context");
     group.sample_size(20);
     group.bench_function("plane fits", |b| {
-        b.iter(|| plane_fits(black_box(&disparity), radius_px, workspace));
+        b.iter(|| plane_fits(black_box(disparity), radius_px, workspace));
     });
     group.bench_function("orientation", |b| {
-        b.iter(|| orientation(black_box(&disparity), &fits, &space, &params.local_fit, workspace));
+        b.iter(|| orientation(black_box(disparity), fits, space, &params.local_fit, workspace));
     });
     group.bench_function("structure", |b| {
-        b.iter(|| {
-            structure(
-                black_box(&disparity),
-                &fits,
-                &oriented,
-                depth_m,
-                &space,
-                up,
-                &params.structure,
-                workspace,
-            )
-        });
+        b.iter(|| find_structure(black_box(frame.depth_m()), &surfaces, up, &params.structure, workspace));
     });
     group.bench_function("watershed", |b| {
         b.iter(|| {
-            let seeds = seeds(black_box(&fits.residual), &links, &space, &params.watershed);
+            let seeds = seeds(black_box(&fits.residual), &links, space, &params.watershed);
             watershed(&fits.residual, &seeds, &links, workspace)
         });
     });

@@ -1,7 +1,7 @@
 //! Whether memory grows from frame to frame.
 
 use anyhow::{Context, Result};
-use objecthood::{Frame, Method, Params, Workspace};
+use objecthood::{Frame, Method, Params, Pipeline};
 
 /// Frames after which memory is looked at first: by then everything that is kept is there.
 pub const WARM_FRAMES: usize = 100;
@@ -12,9 +12,10 @@ pub const WARM_FRAMES: usize = 100;
 /// When a method refuses a frame, or the system does not say how much memory there is.
 pub fn growth(frames: &[Frame], method: Method, count: usize) -> Result<[f64; 2]> {
     let params = Params { method, ..Params::default() };
-    let (mut workspace, mut warm) = (Workspace::default(), 0.0);
+    let (mut pipeline, mut warm) = (Pipeline::default(), 0.0);
     for (k, frame) in frames.iter().cycle().take(count).enumerate() {
-        std::hint::black_box(workspace.discover(frame, &params)?);
+        pipeline.forget();
+        std::hint::black_box(pipeline.discover(frame, &params)?);
         if k + 1 == WARM_FRAMES.min(count) {
             warm = resident_mb()?;
         }

@@ -1,6 +1,6 @@
 //! How long the stages of a frame take.
 
-use objecthood::{Observer, Stage};
+use objecthood::{Observer, Output};
 
 use crate::figure::{Now, Spent};
 
@@ -19,8 +19,8 @@ impl Laps {
 }
 
 impl Observer for Laps {
-    fn observe(&mut self, stage: Stage<'_>) {
-        self.laps.push((stage.name(), self.since.elapsed()));
+    fn observe(&mut self, output: Output<'_>) {
+        self.laps.push((output.stage().name(), self.since.elapsed()));
         self.since = Spent::now();
     }
 }

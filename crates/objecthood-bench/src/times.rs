@@ -8,7 +8,7 @@ use objecthood::surface::disparity::DisparitySpace;
 use objecthood::surface::normals::normals;
 use objecthood::surface::plane_fit::plane_fits;
 use objecthood::surface::window_choice::orientation;
-use objecthood::{Frame, Method, Params, Raster, Workspace};
+use objecthood::{Frame, Method, Params, Pipeline, Raster, Workspace};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use stats_alloc::{Region, StatsAlloc};
 
@@ -48,7 +48,7 @@ pub struct Bench<'a> {
     allocator: &'a StatsAlloc<System>,
     peer: Option<Peer>,
     /// As a stream of frames keeps it.
-    workspace: Workspace,
+    pipeline: Pipeline,
     /// What single kernels take from it they do not give back.
     of_kernels: Workspace,
 }
@@ -64,7 +64,7 @@ impl<'a> Bench<'a> {
             one: pool(1)?,
             allocator,
             peer,
-            workspace: Workspace::default(),
+            pipeline: Pipeline::default(),
             of_kernels: Workspace::default(),
         })
     }
@@ -75,13 +75,14 @@ impl<'a> Bench<'a> {
     /// When a method refuses the frame or the peer has ended.
     pub fn measure(&mut self, named: &Named, figures: &mut Vec<Figure>) -> Result<()> {
         let Named { name, frame } = named;
-        let workspace = &mut self.workspace;
+        let pipeline = &mut self.pipeline;
         for (threads, pool) in &self.pools {
             for (method_name, method) in METHODS {
                 let params = Params { method, ..Params::default() };
                 let before = Region::new(self.allocator);
                 let mut laps = Laps::start();
-                let discover = || workspace.discover_observed(frame, &params, &mut laps);
+                pipeline.forget();
+                let discover = || pipeline.discover_observed(frame, &params, &mut laps).map(drop);
                 let (found, spent) = timed(|| pool.install(discover));
                 found?;
                 let asked = before.change();
@@ -136,11 +137,13 @@ pub fn alone(frames: &[Named]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (method_name, method) in METHODS {
         let params = Params { method, ..Params::default() };
-        let mut workspace = Workspace::default();
+        let mut pipeline = Pipeline::default();
         for turn in frames.chunks(TURN) {
             for (threads, pool) in &pools {
                 for Named { name, frame } in turn {
-                    let (found, spent) = timed(|| pool.install(|| workspace.discover(frame, &params)));
+                    pipeline.forget();
+                    let discover = || pipeline.discover(frame, &params).map(drop);
+                    let (found, spent) = timed(|| pool.install(discover));
                     found?;
                     figures.extend(spent.figures(name, &format!("{method_name}/alone/{threads}")));
                 }

@@ -4,7 +4,7 @@ mod text;
 
 use anyhow::{Context, Result};
 use objecthood::explain::Explainer;
-use objecthood::{Error, ObjectId, Params};
+use objecthood::{Error, ObjectId, Params, Pipeline};
 use objecthood_io::explanation::ExplanationFile;
 use objecthood_io::scope::Scope;
 use objecthood_io::{Capture, output};
@@ -57,7 +57,8 @@ impl<'a> Plan<'a> {
 
     /// What is to be printed; writes the picture.
     fn explain(&self, name: &str, capture: &Capture) -> Result<String> {
-        let explainer = Explainer::new(&capture.frame, &self.params).map_err(said_of_usage)?;
+        let explainer =
+            Explainer::new(&Pipeline::default(), &capture.frame, &self.params).map_err(said_of_usage)?;
         let pixel = self.pixel(&explainer)?;
         let explanation = explainer.explain(pixel).map_err(said_of_usage)?;
         let mut text = if self.args.json {
@@ -80,7 +81,7 @@ impl<'a> Plan<'a> {
     }
 
     /// The pixel that is asked for.
-    fn pixel(&self, explainer: &Explainer<'_>) -> Result<[usize; 2]> {
+    fn pixel(&self, explainer: &Explainer) -> Result<[usize; 2]> {
         let Some(id) = self.args.object else { return Ok(self.args.at.unwrap_or_default()) };
         explainer.pixel_of(ObjectId(id)).ok_or_else(|| {
             let count = explainer.discovery().objects.len();

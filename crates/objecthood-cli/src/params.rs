@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use anyhow::{Context, Result};
-use objecthood::{Method, ParameterInfo, Params};
+use objecthood::{ParameterInfo, Params, Reader};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -53,13 +53,13 @@ fn as_table(rows: &[Row]) -> String {
     let mut text = String::new();
     let width = rows.iter().map(|row| row.info.name.len()).max().unwrap_or(0);
     for Row { info, value } in rows {
-        let ParameterInfo { name, default, range, unit, meaning, source, methods } = info;
+        let ParameterInfo { name, default, range, unit, meaning, source, readers } = info;
         let value = plain(value);
         let _ = write!(text, "{name:width$}  {value:>8}  {range} [{unit}]");
         if !same(&value, default) {
             let _ = write!(text, "  (default {default})");
         }
-        let _ = writeln!(text, "\n    {meaning} [{source}; read by {}]", listed(methods));
+        let _ = writeln!(text, "\n    {meaning} [{source}; read by {}]", listed(readers));
     }
     text
 }
@@ -68,22 +68,23 @@ fn as_toml(params: &Params, rows: &[Row]) -> String {
     let mut text = format!("method = \"{}\"\n", params.method);
     let mut group = "";
     for Row { info, value } in rows {
-        let ParameterInfo { name, default, range, unit, meaning, source, methods } = info;
+        let ParameterInfo { name, default, range, unit, meaning, source, readers } = info;
         let (its_group, name) = name.split_once('.').unwrap_or(("", name));
         if its_group != group {
             group = its_group;
             let _ = writeln!(text, "\n[{group}]");
         }
         let _ = writeln!(text, "# {meaning}\n# {range} [{unit}]; default {default}: {source}");
-        let _ = writeln!(text, "# read by {}", listed(methods));
+        let _ = writeln!(text, "# read by {}", listed(readers));
         // A JSON scalar is a TOML scalar.
         let _ = writeln!(text, "{name} = {value}");
     }
     text
 }
 
-fn listed(methods: &[Method]) -> String {
-    methods.iter().map(Method::to_string).collect::<Vec<_>>().join(" and ")
+fn listed(readers: &[Reader]) -> String {
+    let named = |reader: &Reader| format!("{} (first by its stage {})", reader.method, reader.first_stage);
+    readers.iter().map(named).collect::<Vec<_>>().join(" and ")
 }
 
 /// A value without quotes.

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use objecthood::{Object, Observer, Params, Workspace};
+use objecthood::{Object, Observer, Params, Pipeline};
 use objecthood_io::scene::notices;
 use objecthood_io::scope::Scope;
 use objecthood_io::{Capture, output};
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     let total = frames.len() + unreadable.len();
 
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
-    let work = |workspace: &mut Workspace, input: &Input| plan.segment(workspace, input);
+    let work = |pipeline: &mut Pipeline, input: &Input| plan.segment(pipeline, input);
     let reported = crew::report_in_order(frames, args.settings.threads(), &bar, work, |input, done| {
         for notice in &done.notices {
             terminal::complain(&format!("note: {}: {notice}", input.path.display()));
@@ -80,11 +80,11 @@ impl<'a> Plan<'a> {
     }
 
     /// Finds the objects in one frame and writes what was asked for: all of it or nothing.
-    fn segment(&self, workspace: &mut Workspace, input: &Input) -> Result<Done> {
+    fn segment(&self, pipeline: &mut Pipeline, input: &Input) -> Result<Done> {
         let mut laps = Laps::start();
         let capture = self.read(input)?;
         laps.end("reading");
-        let done = self.look_and_write(workspace, input, &capture, &mut laps);
+        let done = self.look_and_write(pipeline, input, &capture, &mut laps);
         tracing::info!("{}: {laps}", input.path.display());
         done.with_context(|| input.path.display().to_string())
     }
@@ -97,7 +97,7 @@ impl<'a> Plan<'a> {
 
     fn look_and_write(
         &self,
-        workspace: &mut Workspace,
+        pipeline: &mut Pipeline,
         input: &Input,
         capture: &Capture,
         laps: &mut Laps,
@@ -106,7 +106,7 @@ impl<'a> Plan<'a> {
         let mut nobody = ();
         let next = recording.as_mut().map_or(&mut nobody as &mut dyn Observer, |recording| recording);
         let mut watch = Watch { laps, next };
-        let discovery = workspace.discover_observed(&capture.frame, &self.params, &mut watch)?;
+        let discovery = pipeline.discover_observed(&capture.frame, &self.params, &mut watch)?;
 
         let found = Found {
             source: &input.path.display().to_string(),
@@ -121,7 +121,7 @@ impl<'a> Plan<'a> {
         output::write_together(&files)?;
         laps.end("writing");
         let files = files.into_iter().map(|(path, _)| path).collect();
-        Ok(Done { notices: notices(capture, &discovery), objects: discovery.objects, files })
+        Ok(Done { notices: notices(capture, discovery), objects: discovery.objects.clone(), files })
     }
 
     /// Refuses outputs in the place of files that are read: `camera.json` is the scene file of `camera-depth.png`.

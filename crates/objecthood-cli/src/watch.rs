@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
-use objecthood::{Observer, Stage};
+use objecthood::{Observer, Output};
 
 /// The times of what is done one after the other.
 pub(crate) struct Laps {
@@ -43,9 +43,9 @@ pub(crate) struct Watch<'a> {
 }
 
 impl Observer for Watch<'_> {
-    fn observe(&mut self, stage: Stage<'_>) {
-        self.laps.end(stage.name());
-        self.next.observe(stage);
+    fn observe(&mut self, output: Output<'_>) {
+        self.laps.end(output.stage().name());
+        self.next.observe(output);
         self.laps.start = Instant::now();
     }
 }

@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use objecthood::{Observer, Segments, Stage};
+use objecthood::{Observer, Output, Segments};
 use serde::Serialize;
 
 use crate::contingency::{Classes, Contingency};
@@ -251,12 +251,12 @@ impl<'a> StageObserver<'a> {
 }
 
 impl Observer for StageObserver<'_> {
-    fn observe(&mut self, stage: Stage<'_>) {
+    fn observe(&mut self, output: Output<'_>) {
         let Ok(stages) = &mut self.stages else { return };
-        let (segments, metrics) = match stage {
-            Stage::Superpixels(map) => (map.segments(), &mut stages.superpixels),
-            Stage::Facets(segments) => (Cow::Borrowed(segments), &mut stages.facets),
-            Stage::Shapes(map) => (map.segments(), &mut stages.shapes),
+        let (segments, metrics) = match output {
+            Output::Superpixels(map) => (map.segments(), &mut stages.superpixels),
+            Output::Facets(segments) => (Cow::Borrowed(segments), &mut stages.facets),
+            Output::Shapes(map) => (map.segments(), &mut stages.shapes),
             _ => return,
         };
         match StageMetrics::of(&segments, self.truth) {
@@ -428,16 +428,16 @@ mod tests {
         let [one, two] =
             [[0, 0], [0, 1]].map(|r| Segments::from_labels(&Raster::from_vec(2, 1, r.to_vec()).unwrap()));
         let mut observer = StageObserver::new(&truth);
-        observer.observe(Stage::Superpixels((&two).into()));
-        observer.observe(Stage::Shapes((&one).into()));
+        observer.observe(Output::Superpixels((&two).into()));
+        observer.observe(Output::Shapes((&one).into()));
         let stages = observer.into_stages().unwrap();
         let regions = stages.by_name().map(|(_, metrics)| metrics.map(|m| m.regions));
         assert_eq!(regions, [Some(2.0), None, Some(1.0)]);
 
         let wide = Segments::from_labels(&Raster::from_vec(3, 1, vec![0; 3]).unwrap());
         let mut observer = StageObserver::new(&truth);
-        observer.observe(Stage::Facets(&wide));
-        observer.observe(Stage::Shapes((&one).into()));
+        observer.observe(Output::Facets(&wide));
+        observer.observe(Output::Shapes((&one).into()));
         assert!(matches!(observer.into_stages(), Err(Error::SegmentsSize { .. })));
     }
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use objecthood::{Camera, Observer, Raster, Segments, Stage};
+use objecthood::{Camera, Observer, Output, Raster, Segments};
 use objecthood_eval::{
     Error, LabelFolder, Prediction, Scene, SceneRef, Split, StageObserver, evaluate, evaluate_settings, mosd,
 };
@@ -64,7 +64,7 @@ fn every_setting_has_a_report_with_its_stages() {
         }
         let mut observer = StageObserver::new(&scene.truth);
         let segments = Segments::from_labels(&prediction.labels.map(|&l| i32::from(l)));
-        observer.observe(Stage::Shapes((&segments).into()));
+        observer.observe(Output::Shapes((&segments).into()));
         Ok::<_, Error>(Prediction { stages: Some(observer.into_stages()?), ..prediction })
     };
     let reports = evaluate_settings(&scenes, None, &[true, false], predict).unwrap();

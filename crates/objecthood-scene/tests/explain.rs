@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use objecthood::explain::{Decision, Explainer, Explanation, Flip, Question, Reason};
 use objecthood::objectness::history::Rule;
 use objecthood::objectness::join::JoinEvidence;
-use objecthood::{Camera, Discovery, Frame, Params, discover};
+use objecthood::{Camera, Discovery, Frame, Params, Pipeline, discover};
 use objecthood_scene::{Family, Sensor, Viewpoint, generate, render};
 
 /// So many cases of every kind.
@@ -103,12 +103,12 @@ struct Count {
 }
 
 /// One pixel of every object.
-fn of_objects(explainer: &Explainer<'_>) -> Vec<[usize; 2]> {
+fn of_objects(explainer: &Explainer) -> Vec<[usize; 2]> {
     explainer.discovery().objects.iter().filter_map(|object| explainer.pixel_of(object.id)).collect()
 }
 
 /// One pixel of every facet.
-fn of_facets(explainer: &Explainer<'_>) -> Vec<[usize; 2]> {
+fn of_facets(explainer: &Explainer) -> Vec<[usize; 2]> {
     let labels = explainer.facets().labels();
     let mut first = vec![None; explainer.facets().count()];
     for (i, &facet) in labels.as_slice().iter().enumerate() {
@@ -120,7 +120,7 @@ fn of_facets(explainer: &Explainer<'_>) -> Vec<[usize; 2]> {
 }
 
 /// A decision agrees with what its explanation says beside it.
-fn check_consistent(explainer: &Explainer<'_>, explanation: &Explanation) {
+fn check_consistent(explainer: &Explainer, explanation: &Explanation) {
     for border in &explanation.borders {
         let Some(decision) = &border.decision else { continue };
         let vote_mm = border.vote_mm.unwrap();
@@ -152,13 +152,13 @@ fn check_consistent(explainer: &Explainer<'_>, explanation: &Explanation) {
 }
 
 /// With the value that the flip names the whole method decides otherwise, half way it does not.
-fn check_flip(frame: &Frame, explainer: &Explainer<'_>, decision: &Decision, flip: &Flip) {
+fn check_flip(frame: &Frame, explainer: &Explainer, decision: &Decision, flip: &Flip) {
     let &Flip::At { parameter, from, to, is_tight } = flip else { return };
     let default = Params::default();
     assert_eq!(default.number(parameter), Some(from));
     let answer = |value: f64| {
         let params = default.with_number(parameter, value).unwrap();
-        let other = Explainer::new(frame, &params).unwrap();
+        let other = Explainer::new(&Pipeline::default(), frame, &params).unwrap();
         check_labels(explainer, other.discovery(), decision.question, other.answer(decision.question));
         other.answer(decision.question)
     };
@@ -172,7 +172,7 @@ fn check_flip(frame: &Frame, explainer: &Explainer<'_>, decision: &Decision, fli
 }
 
 /// The label image says the same, as far as it shows what is asked.
-fn check_labels(explainer: &Explainer<'_>, found: &Discovery, question: Question, answer: bool) {
+fn check_labels(explainer: &Explainer, found: &Discovery, question: Question, answer: bool) {
     let labels_of = |facet: u32| {
         let own = explainer.facets().labels().as_slice().iter().zip(found.labels.as_slice());
         let mut labels: Vec<u16> =
@@ -199,7 +199,7 @@ fn check_labels(explainer: &Explainer<'_>, found: &Discovery, question: Question
 /// What is no object but would be with another value is explained by that filter.
 fn check_filter(
     frame: &Frame,
-    explainer: &Explainer<'_>,
+    explainer: &Explainer,
     params: &Params,
     kind: Kind,
     cases: &mut Vec<Decision>,
@@ -220,11 +220,7 @@ fn check_filter(
 }
 
 /// What was decided in a frame, by kind, each question once.
-fn decisions(
-    frame: &Frame,
-    explainer: &Explainer<'_>,
-    pixels: &[[usize; 2]],
-) -> BTreeMap<Kind, Vec<Decision>> {
+fn decisions(frame: &Frame, explainer: &Explainer, pixels: &[[usize; 2]]) -> BTreeMap<Kind, Vec<Decision>> {
     let mut cases: BTreeMap<Kind, Vec<Decision>> = BTreeMap::new();
     let mut lax = Params::default();
     lax.height.min_top_m = -1.0;
@@ -262,7 +258,7 @@ fn subject(decision: &Decision) -> [u32; 2] {
 }
 
 /// Joins of the result have to be in the explanations of its objects.
-fn check_joins(explainer: &Explainer<'_>) {
+fn check_joins(explainer: &Explainer) {
     for object in &explainer.discovery().objects {
         let explanation = explainer.describe(explainer.pixel_of(object.id).unwrap()).unwrap();
         let is_occlusion = |evidence: &JoinEvidence| matches!(evidence, JoinEvidence::Occlusion(_));
@@ -277,11 +273,11 @@ fn check_joins(explainer: &Explainer<'_>) {
 fn count(
     frame: &Frame,
     kinds: &[Asked],
-    pixels: fn(&Explainer<'_>) -> Vec<[usize; 2]>,
+    pixels: fn(&Explainer) -> Vec<[usize; 2]>,
     counts: &mut BTreeMap<Kind, Count>,
 ) {
     let params = Params::default();
-    let explainer = Explainer::new(frame, &params).unwrap();
+    let explainer = Explainer::new(&Pipeline::default(), frame, &params).unwrap();
     check_joins(&explainer);
     for (kind, cases) in decisions(frame, &explainer, &pixels(&explainer)) {
         let Some(&(_, enough, _)) = kinds.iter().find(|(known, ..)| *known == kind) else { continue };

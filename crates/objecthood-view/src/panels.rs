@@ -137,7 +137,7 @@ pub fn png(picture: &RgbImage) -> ImageResult<Vec<u8>> {
 
 #[cfg(test)]
 mod tests {
-    use objecthood::{Observer, Raster, Stage};
+    use objecthood::{Observer, Output, Raster};
 
     use super::*;
     use crate::palette::object_color;
@@ -152,10 +152,10 @@ mod tests {
         let label = |i: usize| if hole(i) { 0 } else { (i * (objects + 1) / pixels) as u16 };
         let regions = testing::segments(width, height, |i| (i % 97 / 3) as i32 - 1);
         let mut recording = Recording::default();
-        recording.observe(Stage::Normals(&testing::raster(width, height, |_| [0.6, 0.0, -0.8])));
-        recording.observe(Stage::Superpixels((&regions).into()));
-        recording.observe(Stage::Facets(&regions));
-        recording.observe(Stage::Shapes((&regions).into()));
+        recording.observe(Output::Normals(&testing::raster(width, height, |_| [0.6, 0.0, -0.8])));
+        recording.observe(Output::Superpixels((&regions).into()));
+        recording.observe(Output::Facets(&regions));
+        recording.observe(Output::Shapes((&regions).into()));
         let discovery = testing::discovery(testing::raster(width, height, label));
         (testing::frame(depth_m, color), recording, discovery)
     }

@@ -1,6 +1,6 @@
 //! What the picture needs of every stage.
 
-use objecthood::{Observer, Raster, Segments, Stage};
+use objecthood::{Observer, Output, Raster, Segments};
 
 /// Watches one frame and keeps what [`panels`](crate::panels()) draws: normals and label maps.
 ///
@@ -19,14 +19,14 @@ pub struct Recording {
 }
 
 impl Observer for Recording {
-    fn observe(&mut self, stage: Stage<'_>) {
-        match stage {
-            Stage::Normals(normals) => self.normals = Some(normals.clone()),
-            Stage::Superpixels(map) => self.superpixels = Some(map.segments().into_owned()),
-            Stage::Facets(segments) => self.facets = Some(segments.clone()),
-            Stage::Shapes(map) => self.shapes = Some(map.segments().into_owned()),
-            Stage::Structure(map) => self.structure = map.segments().count(),
-            Stage::Support { regions, .. } => self.supports = Some(regions.clone()),
+    fn observe(&mut self, output: Output<'_>) {
+        match output {
+            Output::Normals(normals) => self.normals = Some(normals.clone()),
+            Output::Superpixels(map) => self.superpixels = Some(map.segments().into_owned()),
+            Output::Facets(segments) => self.facets = Some(segments.clone()),
+            Output::Shapes(map) => self.shapes = Some(map.segments().into_owned()),
+            Output::Structure(map) => self.structure = map.segments().count(),
+            Output::Support { regions, .. } => self.supports = Some(regions.clone()),
             _ => {}
         }
     }
@@ -46,12 +46,12 @@ mod tests {
         };
         let normals = Raster::filled(4, 1, [0.0, 0.0, -1.0]).unwrap();
         let mut recording = Recording::default();
-        recording.observe(Stage::Normals(&normals));
-        recording.observe(Stage::Superpixels((&segments(4)).into()));
-        recording.observe(Stage::Facets(&segments(3)));
-        recording.observe(Stage::Shapes((&segments(2)).into()));
-        recording.observe(Stage::Structure((&segments(3)).into()));
-        recording.observe(Stage::Support { graph: &SupportGraph::default(), regions: &segments(1) });
+        recording.observe(Output::Normals(&normals));
+        recording.observe(Output::Superpixels((&segments(4)).into()));
+        recording.observe(Output::Facets(&segments(3)));
+        recording.observe(Output::Shapes((&segments(2)).into()));
+        recording.observe(Output::Structure((&segments(3)).into()));
+        recording.observe(Output::Support { graph: &SupportGraph::default(), regions: &segments(1) });
         assert_eq!(recording.structure, 3);
         assert_eq!(recording.supports, Some(segments(1)));
         assert_eq!(recording.normals, Some(normals));

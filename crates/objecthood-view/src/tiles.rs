@@ -201,7 +201,7 @@ fn metres(length_m: f32) -> String {
 #[cfg(test)]
 mod tests {
     use objecthood::objectness::support::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportNode};
-    use objecthood::{Discovery, Frame, ObjectId, Observer, Stage};
+    use objecthood::{Discovery, Frame, ObjectId, Observer, Output};
 
     use super::*;
     use crate::palette::ink_on;
@@ -232,12 +232,12 @@ mod tests {
         let node = |p_o| SupportNode { kind: NodeKind::Surface, p_s: 0.0, p_o, height_m: 0.0, size_px: 1 };
         let nodes = [1.0, 0.5, 0.0, 1.0].map(node).to_vec();
         let mut recording = Recording::default();
-        recording.observe(Stage::Normals(&testing::raster(4, 2, |i| axes[i % 4])));
-        recording.observe(Stage::Superpixels((&testing::segments(4, 2, |i| i as i32 - 1)).into()));
-        recording.observe(Stage::Facets(&testing::segments(4, 2, |_| -1)));
-        recording.observe(Stage::Shapes((&shapes).into()));
+        recording.observe(Output::Normals(&testing::raster(4, 2, |i| axes[i % 4])));
+        recording.observe(Output::Superpixels((&testing::segments(4, 2, |i| i as i32 - 1)).into()));
+        recording.observe(Output::Facets(&testing::segments(4, 2, |_| -1)));
+        recording.observe(Output::Shapes((&shapes).into()));
         discovery.support = SupportGraph { nodes, edges: vec![] };
-        recording.observe(Stage::Support { graph: &discovery.support, regions: &shapes });
+        recording.observe(Output::Support { graph: &discovery.support, regions: &shapes });
         (frame, recording, discovery)
     }
 
@@ -299,7 +299,7 @@ mod tests {
     #[test]
     fn structure_is_grey_and_not_counted() {
         let (frame, mut recording, discovery) = small_scene();
-        recording.observe(Stage::Structure((&testing::segments(4, 2, |i| (i as i32) - 6)).into()));
+        recording.observe(Output::Structure((&testing::segments(4, 2, |i| (i as i32) - 6)).into()));
         let view = View::new(&frame, &recording, &discovery);
         let tile = superpixels(&view).unwrap();
         assert_eq!(tile.title, "superpixels 4", "of the six with depth two are structure");

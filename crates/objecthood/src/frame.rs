@@ -1,5 +1,7 @@
 //! What a depth camera sees at one moment. The conventions of units and missing values stand here, once.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::camera::Camera;
@@ -17,10 +19,12 @@ const FARTHEST_M: f64 = 1e15;
 ///   input, or so far that the point would not be finite, counts as missing and is stored as `NaN`.
 /// * colour: sRGB, 8 bits a channel, registered to the depth pixel by pixel; may be absent altogether.
 /// * points are not stored: they follow from depth and camera ([`Frame::points_m`]).
+///
+/// A frame never changes, and a clone shares its images.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    depth_m: Raster<f32>,
-    color: Option<Raster<[u8; 3]>>,
+    depth_m: Arc<Raster<f32>>,
+    color: Option<Arc<Raster<[u8; 3]>>>,
     camera: Camera,
     /// Pixels with depth.
     measured_px: usize,
@@ -53,7 +57,7 @@ impl Frame {
             }
         }
         if measured_px > 0 {
-            Ok(Self { depth_m, color, camera, measured_px })
+            Ok(Self { depth_m: Arc::new(depth_m), color: color.map(Arc::new), camera, measured_px })
         } else {
             Err(Error::NoValidDepth)
         }
@@ -66,7 +70,7 @@ impl Frame {
 
     /// Colour, if the frame has any.
     pub fn color(&self) -> Option<&Raster<[u8; 3]>> {
-        self.color.as_ref()
+        self.color.as_deref()
     }
 
     /// The camera that saw it.
@@ -82,6 +86,16 @@ impl Frame {
     /// Number of pixels with depth; never zero.
     pub fn measured_px(&self) -> usize {
         self.measured_px
+    }
+
+    /// Whether it is this frame or a clone of it: the same images in memory, seen by the same camera.
+    pub(crate) fn is_clone_of(&self, other: &Self) -> bool {
+        let shares_color = match (&self.color, &other.color) {
+            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
+            (None, None) => true,
+            _ => false,
+        };
+        Arc::ptr_eq(&self.depth_m, &other.depth_m) && shares_color && self.camera == other.camera
     }
 
     /// Whether the pixel with index `i` has depth.

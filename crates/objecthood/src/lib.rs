@@ -47,14 +47,17 @@ pub mod frame;
 mod method;
 pub mod objectness;
 pub mod observe;
+mod outputs;
 pub mod oversegment;
 pub mod params;
+mod pipeline;
 mod quantile;
 mod random;
 pub mod raster;
 pub mod regions;
 pub mod shapes;
 mod simd;
+mod stage;
 pub mod surface;
 mod tangents;
 #[cfg(test)]
@@ -66,10 +69,12 @@ pub use camera::Camera;
 pub use discovery::{Discovery, Notice, Object, ObjectId, ObjectnessParts, OrientedBox, PixelBox};
 pub use error::{Error, Result};
 pub use frame::Frame;
-pub use observe::{LabelMap, Observer, Stage};
-pub use params::{Method, ParameterInfo, Params};
+pub use observe::{LabelMap, Observer, Output};
+pub use params::{Method, ParameterInfo, Params, Reader};
+pub use pipeline::Pipeline;
 pub use raster::Raster;
 pub use regions::{RegionEdge, RegionGraph, SegmentId, Segments};
+pub use stage::Stage;
 pub use workspace::Workspace;
 
 /// Looks at a frame and says what in it can be grasped and moved. Who has many frames asks a [`Workspace`], which is faster.
@@ -89,5 +94,5 @@ pub fn discover(frame: &Frame, params: &Params) -> Result<Discovery> {
 /// # Errors
 /// As [`discover`].
 pub fn discover_observed(frame: &Frame, params: &Params, observer: &mut dyn Observer) -> Result<Discovery> {
-    Workspace::default().discover_observed(frame, params, observer)
+    Pipeline::default().discover_observed(frame, params, observer).cloned()
 }

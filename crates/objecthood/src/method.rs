@@ -1,247 +1,149 @@
 //! The methods: the order of the stages, and nothing else.
+//!
+//! Every stage is a function from outputs of earlier stages and its own parameters to one output. [`recall`] runs it only where
+//! the output is not there yet.
 
-use crate::discovery::{Discovery, Notice};
+use crate::discovery::Discovery;
 use crate::error::Result;
 use crate::facets::appearance::Appearance;
+use crate::facets::find_facets;
 use crate::facets::grouping::facets;
-use crate::facets::merging::merge_surfaces;
-use crate::facets::refinement::refine;
 use crate::frame::Frame;
-use crate::objectness::decision::decided;
-use crate::objectness::forest::forest;
-use crate::objectness::gravity::{camera_up, dominant_plane, on_plane, up};
-use crate::objectness::history::History;
+use crate::objectness::clustering::{Rules, find_clusters};
+use crate::objectness::conclusion::{conclude_context, conclude_paper};
+use crate::objectness::gravity::{camera_up, find_ground};
 use crate::objectness::hypotheses::{Evidence, hypotheses};
-use crate::objectness::objects::objects;
+use crate::objectness::standing::{find_hypotheses, find_standing};
 use crate::objectness::support::support;
-use crate::objectness::{
-    Clusters, Scene, Steps, absorb_fragments, drop_low, fill, join_behind_occluders, join_bottoms,
-    join_vessels, outcome,
-};
-use crate::observe::{LabelMap, Observer, Stage};
-use crate::oversegment::absorb::absorb;
-use crate::oversegment::felzenszwalb::segment;
-use crate::oversegment::graph::{PixelGraph, Unmeasured};
-use crate::oversegment::smoothing::smooth;
-use crate::oversegment::structure::structure;
-use crate::oversegment::watershed::{Links, linked_pairs, seeds, watershed};
-use crate::params::{Channels, Params, UpFrom};
-use crate::raster::Raster;
-use crate::shapes::border::borders;
+use crate::objectness::{Scene, Steps, fill};
+use crate::observe::{LabelMap, Observer, Output};
+use crate::outputs::{ContextOutputs, PaperOutputs, recall, try_recall};
+use crate::oversegment::linked::flood_superpixels;
+use crate::oversegment::paper::segment_graph;
+use crate::oversegment::structure::find_structure;
+use crate::params::{Channels, Params};
+use crate::shapes::border::measure_borders;
 use crate::shapes::contact::contacts;
 use crate::shapes::contraction::{contract, votes};
 use crate::shapes::convexity::{convexities, shapes};
 use crate::shapes::descriptor::descriptors;
 use crate::surface::curvature::curvature;
 use crate::surface::disparity::DisparitySpace;
-use crate::surface::moments::Moments;
 use crate::surface::normals::normals;
-use crate::surface::plane_fit::plane_fits;
-use crate::surface::window_choice::orientation;
+use crate::surface::surfaces::find_surfaces;
 use crate::workspace::Workspace;
 
 /// The published method: "Unsupervised Object Exploration Using Context" (RO-MAN 2014).
-pub(crate) fn paper(
+pub(crate) fn paper<'k>(
     frame: &Frame,
     params: &Params,
-    workspace: &mut Workspace,
+    kept: &'k mut PaperOutputs,
     observer: &mut dyn Observer,
-) -> Result<Discovery> {
+    workspace: &mut Workspace,
+) -> Result<&'k Discovery> {
     let params = &without_missing_color(frame, params);
-    let points = frame.points_in(workspace);
 
     // What single pixels tell: normals, and where they bend (eq. 2).
-    let normals = normals(&points, &params.normals, workspace);
-    observer.observe(Stage::Normals(&normals));
-    let curvature = curvature(&normals, &params.curvature, workspace);
-    observer.observe(Stage::Curvature(&curvature));
-    let borders = high_curvature(frame, &curvature, params);
+    let points_m = recall(&mut kept.points_m, || frame.points_in(workspace));
+    let normals = recall(&mut kept.normals, || normals(points_m, &params.normals, workspace));
+    observer.observe(Output::Normals(normals));
+    let curvature = recall(&mut kept.curvature, || curvature(normals, &params.curvature, workspace));
+    observer.observe(Output::Curvature(curvature));
 
     // 1. Over-segmentation on colour, depth and curvature (eq. 1).
-    workspace.keep(curvature);
-    let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing, workspace));
-    let unmeasured = unmeasured(params);
-    let graph =
-        PixelGraph::new(frame, smoothed.as_ref(), unmeasured, &params.sensor, &params.graph, workspace);
-    smoothed.into_iter().flatten().for_each(|plane| workspace.keep(plane));
-    let components = segment(&graph, &borders, &params.graph, workspace);
-    let min_size = params.graph.min_size_px;
-    let superpixels =
-        absorb(&graph, &components, &borders, frame.depth_m(), &params.absorption, min_size, workspace);
-    graph.leave(workspace);
-    components.leave(workspace);
-    observer.observe(Stage::Superpixels((&superpixels.segments).into()));
+    let superpixels = recall(&mut kept.superpixels, || segment_graph(frame, curvature, params, workspace));
+    observer.observe(Output::Superpixels((&superpixels.segments).into()));
 
     // 2. Facets: superpixels that look alike (eq. 3).
-    let appearance = Appearance::new(&superpixels, frame.color(), &normals, &params.appearance);
-    let facets = facets(&superpixels, &appearance, frame.depth_m(), &params.grouping);
-    observer.observe(Stage::Facets(&facets));
+    let facets = recall(&mut kept.facets, || {
+        let appearance = Appearance::new(superpixels, frame.color(), normals, &params.appearance);
+        facets(superpixels, &appearance, frame.depth_m(), &params.grouping)
+    });
+    observer.observe(Output::Facets(facets));
 
     // 3. Shapes: facets joined across convex edges (eq. 4 and 5).
-    let described = descriptors(&facets, &superpixels.core, &points, &normals);
-    let convexities = convexities(&contacts(&facets, &points, &params.contact), &described);
-    let shapes = shapes(&facets, &described, &convexities);
-    observer.observe(Stage::Shapes((&shapes).into()));
+    let shapes = recall(&mut kept.shapes, || {
+        let described = descriptors(facets, &superpixels.core, points_m, normals);
+        let convexities = convexities(&contacts(facets, points_m, &params.contact), &described);
+        shapes(facets, &described, &convexities)
+    });
+    observer.observe(Output::Shapes(shapes.into()));
 
     // 4. Objectness: size, and support against gravity (eq. 6 to 8).
-    let plane = dominant_plane(&points, &params.gravity, workspace);
-    let up = up(plane.as_ref(), &params.gravity);
-    let described = descriptors(&shapes, &superpixels.core, &points, &normals);
-    let touching = contacts(&shapes, &points, &params.contact);
-    let mut support = support(&shapes, &described, &touching, &points, &up);
-    observer.observe(Stage::Support { graph: &support, regions: &shapes });
-    let space = &DisparitySpace::new(frame.camera(), &params.sensor);
-    let evidence = Evidence {
-        regions: &shapes,
-        points_m: &points,
-        normals: &normals,
-        support: &support,
-        up: &up,
-        space,
-    };
-    let hypotheses = hypotheses(&evidence, 0, params.objectness.min_size_px, params);
-    observer.observe(Stage::Hypotheses(&hypotheses));
-    let (objects, labels) = objects(decided(hypotheses, params), &facets, &points, &support)?;
-    support.mark(&objects);
-
-    let missing_plane = plane.is_none() && params.gravity.up_from == UpFrom::Plane;
-    let missing_color = frame.color().is_none();
-    let notices = [(missing_plane, Notice::NoPlane), (missing_color, Notice::NoColor)];
-    let discovery = Discovery {
-        objects,
-        up,
-        structure: on_plane(plane.as_ref(), &labels, &points, &params.gravity),
-        structure_planes: plane.into_iter().collect(),
-        labels,
-        support,
-        notices: notices.into_iter().filter_map(|(holds, notice)| holds.then_some(notice)).collect(),
-    };
-    observer.observe(Stage::Objects(&discovery));
-    workspace.keep(points);
-    workspace.keep(normals);
-    workspace.keep(superpixels.segments.into_labels());
+    let ground = recall(&mut kept.ground, || find_ground(points_m, &params.gravity, workspace));
+    let support = recall(&mut kept.support, || {
+        let described = descriptors(shapes, &superpixels.core, points_m, normals);
+        support(shapes, &described, &contacts(shapes, points_m, &params.contact), points_m, &ground.up)
+    });
+    observer.observe(Output::Support { graph: support, regions: shapes });
+    let hypotheses = recall(&mut kept.hypotheses, || {
+        let space = &DisparitySpace::new(frame.camera(), &params.sensor);
+        let evidence = Evidence { regions: shapes, points_m, normals, support, up: &ground.up, space };
+        hypotheses(&evidence, 0, params.objectness.min_size_px, params)
+    });
+    observer.observe(Output::Hypotheses(hypotheses));
+    let discovery = try_recall(&mut kept.discovery, || {
+        conclude_paper(frame, facets, points_m, (ground, support), hypotheses, params)
+    })?;
+    observer.observe(Output::Objects(discovery));
     Ok(discovery)
 }
 
 /// The same four stages, with surfaces fitted in disparity and the evidence of whole borders; what borders cannot tell the
 /// surroundings decide. Colour is asked only about parts behind an occluder.
-pub(crate) fn context(
+pub(crate) fn context<'k>(
     frame: &Frame,
     params: &Params,
-    workspace: &mut Workspace,
+    kept: &'k mut ContextOutputs,
     observer: &mut dyn Observer,
-) -> Result<Discovery> {
-    let space = &DisparitySpace::new(frame.camera(), &params.sensor);
-
+    workspace: &mut Workspace,
+) -> Result<&'k Discovery> {
     // What single pixels tell: the plane that fits their surroundings best.
-    let disparity = space.disparity_in(frame.depth_m(), workspace);
-    let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px), workspace);
-    let orientation = orientation(&disparity, &fits, space, &params.local_fit, workspace);
-    observer.observe(Stage::Normals(&orientation.normal));
+    let surfaces =
+        recall(&mut kept.surfaces, || find_surfaces(frame, &params.sensor, &params.local_fit, workspace));
+    observer.observe(Output::Normals(&surfaces.orientation.normal));
 
     // 1. Over-segmentation: large planes, then a watershed of how badly a plane fits.
-    let structure = structure(
-        &disparity,
-        &fits,
-        &orientation,
-        frame.depth_m(),
-        space,
-        camera_up(&params.gravity),
-        &params.structure,
-        workspace,
-    );
-    observer.observe(Stage::Structure(LabelMap::structure(&structure)));
-    let links =
-        Links::new(&disparity, &orientation.slope, &structure.labels, space, &params.watershed, workspace);
-    let starts = seeds(&fits.residual, &links, space, &params.watershed);
-    // The flood has one order; beside it there is time for what later stages need.
-    let points = workspace.stale(disparity.len(), [f32::NAN; 3]);
-    let (superpixels, (planes, points)) = rayon::join(
-        || watershed(&fits.residual, &starts, &links, workspace),
-        || (structure.planes(frame.depth_m(), &frame.camera()), frame.points_within(points)),
-    );
-    observer.observe(Stage::Superpixels(LabelMap::superpixels(&structure, &superpixels)));
+    let structure = recall(&mut kept.structure, || {
+        find_structure(frame.depth_m(), surfaces, camera_up(&params.gravity), &params.structure, workspace)
+    });
+    observer.observe(Output::Structure(LabelMap::structure(structure)));
+    let superpixels = recall(&mut kept.superpixels, || {
+        flood_superpixels(surfaces, structure, &params.watershed, workspace)
+    });
+    observer.observe(Output::Superpixels(LabelMap::superpixels(structure, &superpixels.segments)));
 
     // 2. Facets: superpixels that lie on one surface.
-    let (joined, moments) =
-        rayon::join(|| linked_pairs(&superpixels, &links), || Moments::of_segments(&superpixels, &disparity));
-    let facets = merge_surfaces(
-        &superpixels,
-        &structure.surfaces,
-        structure.labels,
-        &moments,
-        &joined,
-        space,
-        &params.merging,
-    );
-    let facets = refine(facets, &disparity, &params.refinement);
-    observer.observe(Stage::Facets(&facets.segments));
+    let facets = recall(&mut kept.facets, || {
+        find_facets(surfaces, structure, superpixels, &params.merging, &params.refinement)
+    });
+    observer.observe(Output::Facets(&facets.segments));
 
     // 3. Shapes: facets whose borders vote for one shape.
-    let borders = borders(&facets, &disparity, space, &params.border);
-    observer.observe(Stage::Borders { facets: &facets, evidence: &borders });
-    let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
-    observer.observe(Stage::Shapes(LabelMap::shapes(&facets, &shapes)));
+    let borders = recall(&mut kept.borders, || {
+        measure_borders(facets, &surfaces.disparity, &surfaces.space, &params.border)
+    });
+    observer.observe(Output::Borders { facets, evidence: borders });
+    let shapes =
+        recall(&mut kept.shapes, || contract(&votes(borders, facets.structure, &params.contraction)));
+    observer.observe(Output::Shapes(LabelMap::shapes(facets, shapes)));
 
     // 4. Objectness: what the surroundings of a shape tell, and support against gravity.
     let steps = Steps::of(&params.watershed);
-    let facets = fill(facets, &disparity, steps);
-    let scene = Scene {
-        facets: &facets,
-        disparity: &disparity,
-        normals: &orientation.normal,
-        points_m: &points,
-        color: frame.color(),
-        space,
-        support: structure.support.map(|s| &structure.surfaces[s]),
-        steps,
-    };
-    let mut clusters = Clusters::new(&scene, &shapes);
-    absorb_fragments(&mut clusters, &params.fragments);
-    drop_low(&mut clusters, &params.height);
-    join_vessels(&mut clusters, &params.vessels);
-    join_bottoms(&mut clusters, structure.support, &params.vessels);
-    join_behind_occluders(&mut clusters, &params.occlusion);
-    observer.observe(Stage::Clusters { facets: &facets, history: History::of(&clusters) });
-
-    let outcome = outcome(&clusters, structure.support, &params.objectness);
-    let planes = outcome.counted(planes, frame.measured_px());
-    let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
-    let mut support = forest(&outcome.regions, &points, &orientation.normal, &planes, &up, space, params);
-    observer.observe(Stage::Support { graph: &support, regions: &outcome.regions });
-    let evidence = Evidence {
-        regions: &outcome.regions,
-        points_m: &points,
-        normals: &orientation.normal,
-        support: &support,
-        up: &up,
-        space,
-    };
-    let mut hypotheses = hypotheses(&evidence, planes.len(), 1, params);
-    outcome.describe(&mut hypotheses, &clusters);
-    observer.observe(Stage::Hypotheses(&hypotheses));
-    let (objects, labels) = objects(decided(hypotheses, params), &facets.segments, &points, &support)?;
-    support.mark(&objects);
-
-    let missing_plane = structure.support.is_none() && params.gravity.up_from == UpFrom::Plane;
-    let discovery = Discovery {
-        objects,
-        labels,
-        up,
-        structure: outcome.structure_labels(),
-        structure_planes: planes,
-        support,
-        notices: missing_plane.then_some(Notice::NoPlane).into_iter().collect(),
-    };
-    observer.observe(Stage::Objects(&discovery));
-    workspace.keep(points);
-    workspace.keep(disparity);
-    fits.leave(workspace);
-    links.leave(workspace);
-    workspace.keep(orientation.slope);
-    workspace.keep(orientation.normal);
-    workspace.keep(facets.segments.into_labels());
-    workspace.keep(superpixels.into_labels());
+    let filled = recall(&mut kept.filled, || fill(facets, &surfaces.disparity, steps));
+    let points_m = recall(&mut kept.points_m, || frame.points_in(workspace));
+    let scene = &Scene::new(frame, surfaces, structure, filled, points_m, steps);
+    let clusters = recall(&mut kept.clusters, || find_clusters(scene, shapes, Rules::of(params)));
+    observer.observe(Output::Clusters { facets: filled, clusters });
+    let standing =
+        recall(&mut kept.standing, || find_standing(frame, scene, clusters, &structure.planes, params));
+    observer.observe(Output::Support { graph: &standing.graph, regions: &standing.outcome.regions });
+    let hypotheses = recall(&mut kept.hypotheses, || find_hypotheses(scene, clusters, standing, params));
+    observer.observe(Output::Hypotheses(hypotheses));
+    let discovery = try_recall(&mut kept.discovery, || {
+        conclude_context(&filled.segments, points_m, standing, hypotheses, params)
+    })?;
+    observer.observe(Output::Objects(discovery));
     Ok(discovery)
 }
 
@@ -253,17 +155,4 @@ fn without_missing_color(frame: &Frame, params: &Params) -> Params {
         params.appearance.color_weight = 0.0;
     }
     params
-}
-
-/// Where curvature bounds superpixels, or depth alone makes them, pixels without depth stand apart.
-fn unmeasured(params: &Params) -> Unmeasured {
-    let bounded = params.curvature.enabled || params.graph.channels == Channels::Depth;
-    if bounded { Unmeasured::Apart } else { Unmeasured::ByColor }
-}
-
-/// The pixels that bound superpixels: depth and a curvature above the threshold.
-fn high_curvature(frame: &Frame, curvature: &Raster<f32>, params: &Params) -> Raster<bool> {
-    let (enabled, threshold) = (params.curvature.enabled, params.curvature.threshold);
-    let high = |(c, z): (&f32, &f32)| enabled & !z.is_nan() & (*c > threshold);
-    curvature.with_data(curvature.as_slice().iter().zip(frame.depth_m().as_slice()).map(high).collect())
 }

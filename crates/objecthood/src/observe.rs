@@ -1,10 +1,10 @@
-//! The one hook through which pictures, timings and tests see intermediate results.
+//! What the stages put out, as pictures, timings and tests see it.
 
 use std::borrow::Cow;
 
 use crate::discovery::Discovery;
 use crate::facets::Facets;
-use crate::objectness::history::History;
+use crate::objectness::clustering::Clustering;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::support::SupportGraph;
 use crate::oversegment::structure::Structure as Planes;
@@ -12,11 +12,12 @@ use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 use crate::shapes::border::BorderEvidence;
 use crate::shapes::contraction::Shapes as Grouping;
+use crate::stage::Stage;
 
-/// What a stage has just produced. Each is announced at most once a frame, in this order.
+/// A view of what a stage put out; one variant a [`Stage`], in the same order.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
-pub enum Stage<'a> {
+pub enum Output<'a> {
     /// Unit normals towards the camera, zero where there is none.
     Normals(&'a Raster<[f32; 3]>),
     /// Curvature of every pixel, eq. 2 (`paper`).
@@ -40,8 +41,8 @@ pub enum Stage<'a> {
     Clusters {
         /// The facets, and what was missing between them filled.
         facets: &'a Facets,
-        /// What was given to what, and what was left alone.
-        history: History<'a>,
+        /// What was given to what, what was left alone, and what is left.
+        clusters: &'a Clustering,
     },
     /// Stage 4, first half: what supports what; which of it are objects is not yet known.
     Support {
@@ -56,21 +57,21 @@ pub enum Stage<'a> {
     Objects(&'a Discovery),
 }
 
-impl Stage<'_> {
-    /// What the stage is called, for people.
-    pub fn name(&self) -> &'static str {
+impl Output<'_> {
+    /// The stage that put it out.
+    pub fn stage(&self) -> Stage {
         match self {
-            Self::Normals(_) => "normals",
-            Self::Curvature(_) => "curvature",
-            Self::Structure(_) => "structure",
-            Self::Superpixels(_) => "superpixels",
-            Self::Facets(_) => "facets",
-            Self::Borders { .. } => "borders",
-            Self::Shapes(_) => "shapes",
-            Self::Clusters { .. } => "clusters",
-            Self::Hypotheses(_) => "hypotheses",
-            Self::Support { .. } => "support",
-            Self::Objects(_) => "objects",
+            Self::Normals(_) => Stage::Normals,
+            Self::Curvature(_) => Stage::Curvature,
+            Self::Structure(_) => Stage::Structure,
+            Self::Superpixels(_) => Stage::Superpixels,
+            Self::Facets(_) => Stage::Facets,
+            Self::Borders { .. } => Stage::Borders,
+            Self::Shapes(_) => Stage::Shapes,
+            Self::Clusters { .. } => Stage::Clusters,
+            Self::Support { .. } => Stage::Support,
+            Self::Hypotheses(_) => Stage::Hypotheses,
+            Self::Objects(_) => Stage::Objects,
         }
     }
 }
@@ -120,13 +121,13 @@ impl<'a> From<&'a Segments> for LabelMap<'a> {
     }
 }
 
-/// Sees every stage of one frame; the algorithms know nothing of it beyond one call per stage.
+/// Sees what every stage of a frame puts out.
 pub trait Observer {
-    /// Called as soon as `stage` is done.
-    fn observe(&mut self, stage: Stage<'_>);
+    /// Called once for every stage of the method, in their order, as soon as the output is there.
+    fn observe(&mut self, output: Output<'_>);
 }
 
 /// Sees nothing.
 impl Observer for () {
-    fn observe(&mut self, _: Stage<'_>) {}
+    fn observe(&mut self, _: Output<'_>) {}
 }

@@ -8,6 +8,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
+use crate::stage::Stage;
 
 /// One line of the table of parameters.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -25,10 +26,29 @@ pub struct ParameterInfo {
     /// Where the default comes from.
     pub source: &'static str,
     /// The methods that read it.
-    pub methods: &'static [Method],
+    pub readers: &'static [Reader],
+}
+
+/// A method that reads a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Reader {
+    /// The method.
+    pub method: Method,
+    /// Its first stage that reads the parameter: no earlier stage depends on the value.
+    pub first_stage: Stage,
 }
 
 impl ParameterInfo {
+    /// The methods that read it.
+    pub fn methods(&self) -> impl Iterator<Item = Method> {
+        self.readers.iter().map(|reader| reader.method)
+    }
+
+    /// The first stage of a method that reads it; `None` when the method does not.
+    pub fn first_stage(&self, method: Method) -> Option<Stage> {
+        self.readers.iter().find(|reader| reader.method == method).map(|reader| reader.first_stage)
+    }
+
     /// The least and the greatest value allowed of a number; `None` of a choice.
     pub fn limits(&self) -> Option<(f64, f64)> {
         let (least, greatest) = self.range.split_once(TO)?;
@@ -119,7 +139,7 @@ macro_rules! parameters {
             $(
                 $(#[doc = $doc:literal])+
                 $name:ident: $ty:ty = $default:expr, $allowed:expr, $unit:literal, $source:literal
-                    $(, only $only:ident)?;
+                    $(, read by $own_readers:tt)?;
             )+
         }
     )+) => {
@@ -167,8 +187,21 @@ macro_rules! parameters {
                     vec![$(describe(
                         concat!(stringify!($group), ".", stringify!($name)),
                         &defaults.$name, &$allowed, $unit, &[$($doc),+], $source,
-                        first_named(&[$(Method::$only)?], &$readers),
+                        Self::readers(stringify!($name)),
                     )),+]
+                }
+
+                fn readers(name: &str) -> &'static [Reader] {
+                    match name {
+                        $($(stringify!($name) => readers!($own_readers),)?)+
+                        _ => readers!($readers),
+                    }
+                }
+
+                fn first_reader_of_change(&self, other: &Self, method: Method) -> Option<Stage> {
+                    let changed = [$((self.$name != other.$name).then_some(stringify!($name))),+];
+                    let readers = changed.into_iter().flatten().flat_map(Self::readers);
+                    readers.filter(|reader| reader.method == method).map(|reader| reader.first_stage).min()
                 }
             }
         )+
@@ -212,6 +245,12 @@ macro_rules! parameters {
                 params.validate().is_ok().then_some(params)
             }
 
+            /// The first stage of a method that reads a parameter with another value; `None` when all that it reads are equal.
+            pub(crate) fn first_reader_of_change(&self, other: &Self, method: Method) -> Option<Stage> {
+                let groups = [$(self.$group.first_reader_of_change(&other.$group, method)),+];
+                groups.into_iter().flatten().min()
+            }
+
             /// The table of all parameters, in the order in which the method uses them.
             pub fn table() -> Vec<ParameterInfo> {
                 let groups = [$($Group::table()),+];
@@ -239,7 +278,7 @@ fn describe<T: fmt::Display>(
     unit: &'static str,
     meaning: &[&str],
     source: &'static str,
-    methods: &'static [Method],
+    readers: &'static [Reader],
 ) -> ParameterInfo {
     ParameterInfo {
         name: name.to_owned(),
@@ -248,13 +287,13 @@ fn describe<T: fmt::Display>(
         unit,
         meaning: meaning.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" "),
         source,
-        methods,
+        readers,
     }
 }
 
-/// The methods named for the parameter, else those named for its group.
-fn first_named(of_parameter: &'static [Method], of_group: &'static [Method]) -> &'static [Method] {
-    if of_parameter.is_empty() { of_group } else { of_parameter }
+/// The methods that read a parameter, each with its first stage that does.
+macro_rules! readers {
+    ([$($method:ident: $stage:ident),+]) => { &[$(Reader { method: Method::$method, first_stage: Stage::$stage }),+] };
 }
 
 /// A choice between names that are the same in a file, on the command line and in the table.
@@ -311,22 +350,22 @@ choice! {
 
 parameters! {
     /// What is known of the depth sensor.
-    Sensor sensor, read by [Method::Paper, Method::Context] {
+    Sensor sensor, read by [Paper: Superpixels, Context: Normals] {
         /// Step of inverse depth that the sensor resolves: the unit of disparity in eq. 1.
         disparity_quantum_per_m: f64 = 0.00285, 1e-6..=1.0, "1/m",
             "measured on mOSD learn, a Kinect v1; 1/348 by its disparity law (METHOD 0)";
         /// Sideways noise of points, which looks like noise of disparity on slopes (`context`).
-        lateral_noise_px: f64 = 0.8, 0.0..=100.0, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)", only Context;
+        lateral_noise_px: f64 = 0.8, 0.0..=100.0, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)", read by [Context: Superpixels];
     }
 
     /// Gaussian smoothing of the colour image before eq. 1.
-    Smoothing smoothing, read by [Method::Paper] {
+    Smoothing smoothing, read by [Paper: Superpixels] {
         /// Standard deviation of the Gaussian; 0 = none.
         sigma_px: f64 = 0.5, 0.0..=10.0, "px", "paper, III-A";
     }
 
     /// Normals from integral images.
-    Normals normals, read by [Method::Paper] {
+    Normals normals, read by [Paper: Normals] {
         /// Side of the window over which tangents are averaged; it shrinks near depth changes.
         window_px: f64 = 10.0, 2.0..=200.0, "px", "tuned on mOSD learn (METHOD 2.1)";
         /// Depth changes where neighbours differ by more than this times z^2.
@@ -334,7 +373,7 @@ parameters! {
     }
 
     /// Curvature of the surface, eq. 2.
-    Curvature curvature, read by [Method::Paper] {
+    Curvature curvature, read by [Paper: Curvature] {
         /// Whether high curvature bounds superpixels (the paper's comparison).
         enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "paper, IV";
         /// Curvature above which a pixel is a border.
@@ -346,7 +385,7 @@ parameters! {
     }
 
     /// Graph over-segmentation on colour, depth and curvature, eq. 1.
-    Graph graph, read by [Method::Paper] {
+    Graph graph, read by [Paper: Superpixels] {
         /// What the edge weights are made of.
         channels: Channels = Channels::Both, OneOf("color | depth | both"), "dimensionless: switch", "paper, IV";
         /// Weight of colour against disparity (alpha).
@@ -358,13 +397,13 @@ parameters! {
     }
 
     /// High-curvature pixels go to the region reached over the cheapest path.
-    Absorption absorption, read by [Method::Paper] {
+    Absorption absorption, read by [Paper: Superpixels] {
         /// No path crosses a step in depth of more than this times z^2.
         depth_gate_per_m: f32 = 0.02, 0.0..=10.0, "1/m", "tuned on mOSD learn (METHOD 2.1)";
     }
 
     /// How superpixels look: histograms of colour and normals, eq. 3.
-    Appearance appearance, read by [Method::Paper] {
+    Appearance appearance, read by [Paper: Facets] {
         /// Weight of the colour histogram against the histogram of normals (omega).
         color_weight: f64 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-B (omega)";
         /// Bins per axis of the joint Lab histogram.
@@ -376,13 +415,13 @@ parameters! {
     }
 
     /// Superpixels that look alike grouped to facets.
-    Grouping grouping, read by [Method::Paper] {
+    Grouping grouping, read by [Paper: Facets] {
         /// Internal variation of a single superpixel: the difference in appearance it tolerates (c).
         initial_variation: f64 = 0.4, 0.0..=1.0, "dimensionless: histogram distance", "tuned on mOSD learn (METHOD 2.4)";
     }
 
     /// Which regions are close to each other in space.
-    Contact contact, read by [Method::Paper, Method::Context] {
+    Contact contact, read by [Paper: Shapes, Context: Support] {
         /// How far to look for the neighbour across pixels that belong to no region.
         reach_px: usize = 4, 1..=100, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)";
         /// Points nearer than this are in contact.
@@ -390,7 +429,7 @@ parameters! {
     }
 
     /// The direction "up".
-    Gravity gravity, read by [Method::Paper, Method::Context] {
+    Gravity gravity, read by [Paper: Support, Context: Structure] {
         /// Where it comes from.
         up_from: UpFrom = UpFrom::Plane, OneOf("plane | camera"), "dimensionless: switch",
             "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (METHOD 4.4)";
@@ -399,17 +438,17 @@ parameters! {
         /// How far it is turned clockwise about the direction in which it looks.
         roll_deg: f64 = 0.0, -180.0..=180.0, "degrees", "paper, III-D: the camera is held horizontally";
         /// Points nearer to the plane than this belong to it.
-        inlier_distance_m: f64 = 0.008, 1e-4..=1.0, "m", "tuned on mOSD learn (METHOD 2.6)", only Paper;
+        inlier_distance_m: f64 = 0.008, 1e-4..=1.0, "m", "tuned on mOSD learn (METHOD 2.6)", read by [Paper: Support];
         /// A plane that holds a smaller share of the valid points is no ground to stand on.
-        min_inlier_share: f64 = 0.1, 0.0..=1.0, "dimensionless: share of valid points", "ours, because a scene without a plane has no up to read off", only Paper;
+        min_inlier_share: f64 = 0.1, 0.0..=1.0, "dimensionless: share of valid points", "ours, because a scene without a plane has no up to read off", read by [Paper: Support];
         /// Points looked at in the search for the plane.
-        samples: usize = 6000, 3..=1_000_000, "points", "ours, because more changes no plane (METHOD 2.6)", only Paper;
+        samples: usize = 6000, 3..=1_000_000, "points", "ours, because more changes no plane (METHOD 2.6)", read by [Paper: Support];
         /// Planes tried.
-        trials: usize = 300, 1..=100_000, "planes", "ours, because more changes no plane (METHOD 2.6)", only Paper;
+        trials: usize = 300, 1..=100_000, "planes", "ours, because more changes no plane (METHOD 2.6)", read by [Paper: Support];
     }
 
     /// Planes fitted to the window around every pixel (`context`).
-    LocalFit local_fit, read by [Method::Context] {
+    LocalFit local_fit, read by [Context: Normals] {
         /// Half the side of the window, without its middle; never more than 199 pixels of the image.
         radius_px: usize = 3, 1..=50, "px at a focal length of 525 px", "METHOD 3.1";
         /// A pixel keeps its own window below this residual; above, the best of nine windows speaks for it.
@@ -417,7 +456,7 @@ parameters! {
     }
 
     /// Large planes that carry or enclose the objects (`context`).
-    Structure structure, read by [Method::Context] {
+    Structure structure, read by [Context: Structure] {
         /// Pixels nearer than this belong to the surface.
         tolerance_quanta: f64 = 2.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.3)";
         /// Their normals differ by less than this from the surface's.
@@ -427,7 +466,7 @@ parameters! {
     }
 
     /// Superpixels by watershed of the fit residual (`context`).
-    Watershed watershed, read by [Method::Context] {
+    Watershed watershed, read by [Context: Superpixels] {
         /// Side of the blocks with one seed each.
         seed_block_px: usize = 8, 1..=1000, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)";
         /// Largest jump inside a surface, beyond what its slope explains.
@@ -435,7 +474,7 @@ parameters! {
     }
 
     /// Superpixels that lie on one surface merged to facets (`context`).
-    Merging merging, read by [Method::Context] {
+    Merging merging, read by [Context: Facets] {
         /// Disagreement up to which planes are merged.
         plane_tolerance_quanta: f32 = 1.2, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.5)";
         /// Disagreement up to which quadratics are merged afterwards; 0 = planes only.
@@ -445,13 +484,13 @@ parameters! {
     }
 
     /// Borders of facets straightened (`context`).
-    Refinement refinement, read by [Method::Context] {
+    Refinement refinement, read by [Context: Facets] {
         /// Misfit that one neighbour of the same facet makes up for.
         agreement_quanta: f64 = 0.35, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.6)";
     }
 
     /// What the common border of two facets tells (`context`).
-    Border border, read by [Method::Context] {
+    Border border, read by [Context: Borders] {
         /// Half the side of the window in which a plane is fitted to either side, without its middle.
         radius_px: usize = 7, 1..=100, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.7)";
         /// A larger gap between both sides is a step.
@@ -461,29 +500,29 @@ parameters! {
     }
 
     /// Facets joined to shapes by the votes of their borders (`context`); and which folds are clear as the border of an object.
-    Contraction contraction, read by [Method::Paper, Method::Context] {
+    Contraction contraction, read by [Paper: Hypotheses, Context: Shapes] {
         /// Concavity at which a fold votes neither way.
         reflex_offset_deg: f64 = 12.0, -180.0..=180.0, "degrees", "tuned on mOSD learn (METHOD 3.8)";
         /// From there to a full vote.
         full_vote_deg: f64 = 15.0, 1e-3..=360.0, "degrees", "tuned on mOSD learn (METHOD 3.8)";
         /// How much a step speaks against one shape.
-        occlusion_weight: f64 = 0.15, 0.0..=100.0, "dimensionless: vote per metre of step", "tuned on mOSD learn (METHOD 3.8)", only Context;
+        occlusion_weight: f64 = 0.15, 0.0..=100.0, "dimensionless: vote per metre of step", "tuned on mOSD learn (METHOD 3.8)", read by [Context: Shapes];
     }
 
     /// Small clusters go to what they touch (`context`).
-    Fragments fragments, read by [Method::Context] {
+    Fragments fragments, read by [Context: Clusters] {
         /// Clusters with fewer pixels are given away.
         max_size_px: usize = 250, 0..=1_000_000, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.10)";
     }
 
     /// What hardly rises above the support is a part of it (`context`).
-    Height height, read by [Method::Context] {
+    Height height, read by [Context: Clusters] {
         /// Lowest top of an object.
         min_top_m: f64 = 0.010, -1.0..=10.0, "m", "tuned on mOSD learn (METHOD 3.11)";
     }
 
     /// Insides and walls of vessels joined (`context`).
-    Vessels vessels, read by [Method::Context] {
+    Vessels vessels, read by [Context: Clusters] {
         /// Concavity of a vessel's inside; 0 = vessels are not joined.
         concavity: f64 = 0.2, 0.0..=2.0, "dimensionless: mean turn of normals towards each other", "tuned on mOSD learn (METHOD 3.12)";
         /// Inside and wall have tops of equal height up to this.
@@ -495,7 +534,7 @@ parameters! {
     }
 
     /// Parts of an object joined behind what hides its middle (`context`).
-    Occlusion occlusion, read by [Method::Context] {
+    Occlusion occlusion, read by [Context: Clusters] {
         /// Whether they are.
         enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "METHOD 3.13";
         /// Both parts lie on one surface up to this.
@@ -509,17 +548,17 @@ parameters! {
     }
 
     /// How much speaks for an object, and how much must: eq. 6 to 8, and what the paper leaves open.
-    Objectness objectness, read by [Method::Paper, Method::Context] {
+    Objectness objectness, read by [Paper: Hypotheses, Context: Hypotheses] {
         /// Least longest side of an object.
-        min_side_m: f32 = 0.02, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)", only Paper;
+        min_side_m: f32 = 0.02, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)", read by [Paper: Objects];
         /// Least second-longest side of something graspable; in objectness a soft limit.
         min_second_side_m: f32 = 0.02, 1e-3..=100.0, "m", "ours, because what is thinner in two directions is a sliver of something; the paper's 2 cm";
         /// Greatest longest side of an object; in objectness a soft limit.
-        max_side_m: f32 = 0.60, 1e-3..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)";
+        max_side_m: f32 = 0.60, 1e-3..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)", read by [Paper: Hypotheses, Context: Support];
         /// Pixels with depth that an object has at least.
-        min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)";
+        min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)", read by [Paper: Hypotheses, Context: Support];
         /// P(O) that an object has at least.
-        min_p_o: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (METHOD 2.1)", only Paper;
+        min_p_o: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (METHOD 2.1)", read by [Paper: Objects];
         /// What objectness loses when the size is not graspable.
         size_weight: f32 = 1.0, 0.0..=1.0, "dimensionless: share", "ours, because what is too large cannot be moved, whatever else it is";
         /// What objectness loses when nothing carries it.
@@ -531,9 +570,9 @@ parameters! {
         /// What objectness loses when nothing of its outline is its own.
         visibility_weight: f32 = 0.1, 0.0..=1.0, "dimensionless: share", "ours, because what is half hidden is there all the same";
         /// Objectness that an object has at least.
-        threshold: f32 = 0.55, 0.0..=1.0, "dimensionless: objectness", "ours, because it costs no correct object of mOSD learn nor of scenes composed of it (docs/EVALUATION.md)", only Context;
+        threshold: f32 = 0.55, 0.0..=1.0, "dimensionless: objectness", "ours, because it costs no correct object of mOSD learn nor of scenes composed of it (docs/EVALUATION.md)", read by [Context: Objects];
         /// Whether hypotheses that are no objects are written as well (`--all`).
-        every_hypothesis: bool = false, OneOf("true | false"), "dimensionless: switch", "ours, because the score tells more than a verdict";
+        every_hypothesis: bool = false, OneOf("true | false"), "dimensionless: switch", "ours, because the score tells more than a verdict", read by [Paper: Objects, Context: Objects];
     }
 }
 
@@ -554,7 +593,7 @@ mod tests {
         );
         assert!(table.iter().all(|p| p.unit != "dimensionless"), "say what it means");
         assert!(
-            table.iter().all(|p| !p.methods.is_empty() && p.limits().is_some() == (p.choices().len() < 2))
+            table.iter().all(|p| !p.readers.is_empty() && p.limits().is_some() == (p.choices().len() < 2))
         );
     }
 

@@ -1,12 +1,6 @@
 //! Buffers that are used again from frame to frame.
 
-use crate::discovery::Discovery;
-use crate::error::Result;
-use crate::frame::Frame;
-use crate::method;
-use crate::observe::Observer;
 use crate::oversegment::felzenszwalb::Component;
-use crate::params::{Method, Params};
 use crate::raster::Raster;
 use crate::surface::plane_fit::Windows;
 
@@ -17,18 +11,6 @@ const MOST_KEPT: usize = 16;
 ///
 /// A stream of frames of one size asks the system for the memory of its images once; without, handing out and clearing
 /// the pages takes about a tenth of the time. What is found never depends on what was looked at before.
-///
-/// ```
-/// # use objecthood::{Camera, Frame, Params, Raster, Workspace};
-/// # let camera = Camera::new(52.5, 52.5, 31.5, 23.5)?;
-/// # let stream = vec![Frame::new(Raster::filled(64, 48, 1.2)?, None, camera)?];
-/// let mut workspace = Workspace::default();
-/// for frame in stream {
-///     let found = workspace.discover(&frame, &Params::default())?;
-///     assert!(found.objects.is_empty());
-/// }
-/// # Ok::<(), objecthood::Error>(())
-/// ```
 #[derive(Debug, Default)]
 pub struct Workspace {
     scalars: Vec<Vec<f32>>,
@@ -79,32 +61,14 @@ shelves!(
     components: Component
 );
 
+/// Buffers are not copied: a clone begins without any.
+impl Clone for Workspace {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
 impl Workspace {
-    /// As [`discover`](crate::discover).
-    ///
-    /// # Errors
-    /// As [`discover`](crate::discover).
-    pub fn discover(&mut self, frame: &Frame, params: &Params) -> Result<Discovery> {
-        self.discover_observed(frame, params, &mut ())
-    }
-
-    /// As [`discover_observed`](crate::discover_observed).
-    ///
-    /// # Errors
-    /// As [`discover`](crate::discover).
-    pub fn discover_observed(
-        &mut self,
-        frame: &Frame,
-        params: &Params,
-        observer: &mut dyn Observer,
-    ) -> Result<Discovery> {
-        params.validate()?;
-        match params.method {
-            Method::Paper => method::paper(frame, params, self, observer),
-            Method::Context => method::context(frame, params, self, observer),
-        }
-    }
-
     /// The smallest buffer that holds `len` values, so that each is asked for the same again; of equal ones the last that was
     /// given back, because it is nearest. When none does, one is given up for the larger one that will be asked for.
     fn take<T: Pixel>(&mut self, len: usize) -> Option<Vec<T>> {

@@ -7,11 +7,11 @@ use std::time::Duration;
 use common::{cut_box, stack, two_boxes};
 use objecthood::explain::{Decision, Explainer, Explanation, Flip, Outcome, Question, Reason};
 use objecthood::objectness::history::Rule;
-use objecthood::{Camera, Error, Frame, Method, Params, Raster};
+use objecthood::{Camera, Error, Frame, Method, Params, Pipeline, Raster};
 use rayon::prelude::*;
 
 /// Explains a pixel and checks what holds of every explanation.
-fn checked(explainer: &Explainer<'_>, pixel: [usize; 2]) -> Explanation {
+fn checked(explainer: &Explainer, pixel: [usize; 2]) -> Explanation {
     let explanation = explainer.describe(pixel).expect("a pixel of the image");
     let Explanation { depth_m, outcome, facet, object, borders, .. } = &explanation;
     let label = *explainer.discovery().labels.get(pixel[0], pixel[1]).expect("a pixel of the image");
@@ -38,7 +38,7 @@ fn checked(explainer: &Explainer<'_>, pixel: [usize; 2]) -> Explanation {
 fn every_pixel_of_small_scenes_is_explained() {
     let params = Params::default();
     for frame in [two_boxes(), stack(), cut_box()] {
-        let explainer = Explainer::new(&frame, &params).expect("the scene is valid");
+        let explainer = Explainer::new(&Pipeline::default(), &frame, &params).expect("the scene is valid");
         let (width, height) = frame.size();
         for i in (0..width * height).step_by(97) {
             checked(&explainer, [i % width, i / width]);
@@ -52,13 +52,13 @@ fn questions_of_many_threads_are_answered_as_those_of_one() {
     let (done, answered) = std::sync::mpsc::channel();
     std::thread::spawn(move || {
         let (frame, params) = (stack(), Params::default());
-        let explainer = Explainer::new(&frame, &params).expect("the scene is valid");
+        let explainer = Explainer::new(&Pipeline::default(), &frame, &params).expect("the scene is valid");
         let objects = &explainer.discovery().objects;
         let pixels: Vec<_> = objects.iter().filter_map(|object| explainer.pixel_of(object.id)).collect();
         let explain = |&pixel: &[usize; 2]| format!("{:?}", explainer.explain(pixel));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().expect("four threads");
         let many: Vec<_> = pool.install(|| pixels.par_iter().map(explain).collect());
-        let alone = Explainer::new(&frame, &params).expect("the scene is valid");
+        let alone = Explainer::new(&Pipeline::default(), &frame, &params).expect("the scene is valid");
         let one: Vec<_> = pixels.iter().map(|&pixel| format!("{:?}", alone.explain(pixel))).collect();
         done.send((many, one)).expect("somebody waits");
     });
@@ -71,7 +71,7 @@ fn questions_of_many_threads_are_answered_as_those_of_one() {
 fn the_parts_of_a_box_behind_a_pole_are_one_by_the_rule_that_says_so() {
     let frame = cut_box();
     let params = Params::default();
-    let explainer = Explainer::new(&frame, &params).expect("the scene is valid");
+    let explainer = Explainer::new(&Pipeline::default(), &frame, &params).expect("the scene is valid");
     let joined = explainer.discovery().objects.iter().find(|object| !object.joins.is_empty());
     let pixel = explainer.pixel_of(joined.expect("the box is one").id).expect("it has pixels");
     let explanation = explainer.explain(pixel).expect("a pixel of the image");
@@ -81,13 +81,17 @@ fn the_parts_of_a_box_behind_a_pole_are_one_by_the_rule_that_says_so() {
     let &Flip::At { parameter, from, to, .. } = &decision.flip else { panic!("{decision:?}") };
     assert!(parameter.starts_with("occlusion.") && params.number(parameter) == Some(from));
     let other = params.with_number(parameter, to).expect("it is within its range");
-    assert!(!Explainer::new(&frame, &other).expect("the scene is valid").answer(decision.question));
+    assert!(
+        !Explainer::new(&Pipeline::default(), &frame, &other)
+            .expect("the scene is valid")
+            .answer(decision.question)
+    );
 }
 
 #[test]
 fn an_object_that_is_asked_for_is_explained_at_one_of_its_pixels() {
     let (frame, params) = (two_boxes(), Params::default());
-    let explainer = Explainer::new(&frame, &params).expect("the scene is valid");
+    let explainer = Explainer::new(&Pipeline::default(), &frame, &params).expect("the scene is valid");
     for object in &explainer.discovery().objects {
         let [u, v] = explainer.pixel_of(object.id).expect("it has pixels");
         assert_eq!(explainer.discovery().labels.get(u, v), Some(&object.id.0));
@@ -102,13 +106,13 @@ fn what_cannot_be_explained_is_refused() {
     let frame = two_boxes();
     let (width, height) = frame.size();
     let params = Params::default();
-    let explainer = Explainer::new(&frame, &params).expect("the scene is valid");
+    let explainer = Explainer::new(&Pipeline::default(), &frame, &params).expect("the scene is valid");
     for pixel in [[width, 0], [0, height], [usize::MAX, usize::MAX]] {
         let refused = explainer.explain(pixel);
         assert_eq!(refused, Err(Error::OutsideImage { pixel, size: (width, height) }));
     }
     let paper = Params { method: Method::Paper, ..params };
-    let refused = Explainer::new(&frame, &paper).err();
+    let refused = Explainer::new(&Pipeline::default(), &frame, &paper).err();
     assert_eq!(refused, Some(Error::OnlyContext { method: Method::Paper }));
 }
 
@@ -127,7 +131,8 @@ fn odd_images_are_explained_without_a_panic() {
             let depth = (0..width * height).map(|_| near + (far - near) * (random() * 4.0).floor() / 4.0);
             let depth_m = Raster::from_vec(width, height, depth.collect()).expect("one value a pixel");
             let frame = Frame::new(depth_m, None, camera).expect("some depth is valid");
-            let explainer = Explainer::new(&frame, &params).expect("any frame can be looked at");
+            let explainer =
+                Explainer::new(&Pipeline::default(), &frame, &params).expect("any frame can be looked at");
             for i in (0..width * height).step_by(11) {
                 checked(&explainer, [i % width, i / width]);
             }

@@ -8,7 +8,7 @@ use common::{BLUE, Maps, RED, observed, stack, two_boxes};
 use objecthood::objectness::gravity::UpSource;
 use objecthood::objectness::support::NodeKind;
 use objecthood::{
-    Camera, Discovery, Error, Frame, Method, Notice, Observer, Params, Raster, Segments, Stage, discover,
+    Camera, Discovery, Error, Frame, Method, Notice, Observer, Output, Params, Raster, Segments, discover,
     discover_observed,
 };
 
@@ -259,10 +259,10 @@ fn without_curvature_what_has_no_depth_is_told_apart_by_colour() {
 struct Bends(Vec<f32>, Vec<i32>);
 
 impl Observer for Bends {
-    fn observe(&mut self, stage: Stage<'_>) {
-        match stage {
-            Stage::Curvature(curvature) => self.0 = curvature.as_slice().to_vec(),
-            Stage::Superpixels(map) => self.1 = map.segments().labels().as_slice().to_vec(),
+    fn observe(&mut self, output: Output<'_>) {
+        match output {
+            Output::Curvature(curvature) => self.0 = curvature.as_slice().to_vec(),
+            Output::Superpixels(map) => self.1 = map.segments().labels().as_slice().to_vec(),
             _ => {}
         }
     }

@@ -1,7 +1,7 @@
 //! `objecthood demo --check`: the method on scenes of every family.
 
 use anyhow::{Context, Result};
-use objecthood::{Params, Workspace};
+use objecthood::{Params, Pipeline};
 use objecthood_eval::{Prediction, Report, SceneReport, VerdictsTable};
 
 use super::{SENSOR, Shot};
@@ -25,7 +25,7 @@ pub(super) fn run(args: &DemoArgs, params: &Params) -> Result<Outcome> {
     crew::in_order(
         &recipes,
         args.settings.threads(),
-        |workspace, recipe| judge(workspace, recipe, params).with_context(|| recipe.name()),
+        |pipeline, recipe| judge(pipeline, recipe, params).with_context(|| recipe.name()),
         |_, scene| {
             scenes.push(scene);
             bar.inc(1);
@@ -43,12 +43,16 @@ pub(super) fn run(args: &DemoArgs, params: &Params) -> Result<Outcome> {
     Ok(Outcome::AllDone)
 }
 
-fn judge(workspace: &mut Workspace, recipe: &Recipe, params: &Params) -> Result<SceneReport> {
+fn judge(pipeline: &mut Pipeline, recipe: &Recipe, params: &Params) -> Result<SceneReport> {
     let shot = Shot::of(*recipe)?;
     let mut laps = Laps::start();
     let mut watch = Watch { laps: &mut laps, next: &mut () };
-    let discovery = workspace.discover_observed(&shot.capture.frame, params, &mut watch)?;
+    let discovery = pipeline.discover_observed(&shot.capture.frame, params, &mut watch)?;
     tracing::info!("{}: {laps}", recipe.name());
-    let prediction = Prediction { labels: discovery.labels, objects: Some(discovery.objects), stages: None };
+    let prediction = Prediction {
+        labels: discovery.labels.clone(),
+        objects: Some(discovery.objects.clone()),
+        stages: None,
+    };
     Ok(SceneReport::of(recipe.name(), recipe.family.name().to_owned(), &shot.truth, &prediction)?)
 }

@@ -7,7 +7,7 @@ use std::ops::AddAssign;
 use objecthood::objectness::support::SupportGraph;
 use objecthood::params::UpFrom;
 use objecthood::surface::disparity::DisparitySpace;
-use objecthood::{Observer, Params, Raster, Segments, Stage, discover_observed};
+use objecthood::{Observer, Output, Params, Raster, Segments, discover_observed};
 use objecthood_scene::{Family, Rendered, Sensor, generate, render};
 use serde::Serialize;
 
@@ -79,10 +79,10 @@ impl Watched<'_> {
 }
 
 impl Observer for Watched<'_> {
-    fn observe(&mut self, stage: Stage<'_>) {
-        match stage {
-            Stage::Normals(normals) => self.normals = normals.clone(),
-            Stage::Support { graph, regions } => self.judge(graph, regions),
+    fn observe(&mut self, output: Output<'_>) {
+        match output {
+            Output::Normals(normals) => self.normals = normals.clone(),
+            Output::Support { graph, regions } => self.judge(graph, regions),
             _ => {}
         }
     }

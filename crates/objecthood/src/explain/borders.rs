@@ -6,7 +6,7 @@ use crate::objectness::history::Rule;
 use crate::regions::{RegionEdge, SegmentId};
 use crate::shapes::border::BorderEvidence;
 
-impl Explainer<'_> {
+impl Explainer {
     /// The borders of a facet, the longest first.
     pub(super) fn borders(&self, facet: SegmentId) -> Vec<BorderReport> {
         let own = |edge: &&RegionEdge<BorderEvidence>| edge.a == facet || edge.b == facet;

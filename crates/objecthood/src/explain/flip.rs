@@ -1,12 +1,11 @@
 //! Which single parameter would decide otherwise: guessed from the evidence, then tried with the whole method.
 
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
 
+use crate::explain::Explainer;
 use crate::explain::explanation::{Decision, Flip, Question, Reason};
 use crate::explain::run::Run;
 use crate::explain::sweep::{self, Sweep};
-use crate::frame::Frame;
 use crate::objectness::check::{Bound, Check};
 use crate::params::{ParameterInfo, Params};
 use crate::regions::SegmentId;
@@ -44,10 +43,7 @@ impl Guess {
 
 /// Looks for flips in one frame, for one explanation.
 pub(super) struct Search<'a> {
-    frame: &'a Frame,
-    params: &'a Params,
-    run: &'a Run,
-    sweep: &'a OnceLock<Sweep>,
+    asked: &'a Explainer,
     /// Whether the sweep is paid for.
     is_swept: bool,
     /// What stage 3 makes of values that the sweep has not, by parameter and bits of the value.
@@ -56,14 +52,8 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(
-        frame: &'a Frame,
-        params: &'a Params,
-        run: &'a Run,
-        sweep: &'a OnceLock<Sweep>,
-    ) -> Self {
-        let shapes = BTreeMap::new();
-        Self { frame, params, run, sweep, is_swept: false, shapes, looks_left: BUDGET_LOOKS }
+    pub(super) fn new(asked: &'a Explainer) -> Self {
+        Self { asked, is_swept: false, shapes: BTreeMap::new(), looks_left: BUDGET_LOOKS }
     }
 
     /// Of the guesses that are true about the nearest.
@@ -74,14 +64,14 @@ impl<'a> Search<'a> {
         }
         let pair = match (reason, question) {
             (Reason::Folds | Reason::Steps | Reason::OtherBorders, Question::OneThing { facets }) => {
-                Some(facets.map(|facet| self.run.free(SegmentId(facet))))
+                Some(facets.map(|facet| self.asked.run.free(SegmentId(facet))))
             }
             _ => None,
         };
         let guesses = match pair {
             Some([Some(a), Some(b)]) => self.guess_votes([a, b]),
             Some(_) => Some(Vec::new()),
-            None => Some(guess_checks(checks, self.params)),
+            None => Some(guess_checks(checks, &self.asked.params)),
         };
         let Some(mut guesses) = guesses else { return Flip::NotSought };
         guesses.sort_by(|a, b| a.relative_change().total_cmp(&b.relative_change()));
@@ -132,11 +122,17 @@ impl<'a> Search<'a> {
 
     /// The answer with another value of a parameter.
     fn ask(&mut self, question: Question, parameter: &str, value: f64) -> Asked {
-        let Some(params) = self.params.with_number(parameter, value) else { return Asked::Refused };
+        let Some(params) = self.asked.params.with_number(parameter, value) else { return Asked::Refused };
         if self.spend(RUN_LOOKS).is_none() {
             return Asked::NotRun;
         }
-        Run::new(self.frame, &params).map_or(Asked::Refused, |run| Asked::Answer(run.answer(question)))
+        // Only the stages that the parameter reaches run again.
+        let mut trial = self.asked.pipeline.clone();
+        if trial.discover(&self.asked.frame, &params).is_err() {
+            return Asked::Refused;
+        }
+        let run = trial.context_outputs().and_then(Run::new);
+        run.map_or(Asked::Refused, |run| Asked::Answer(run.answer(question)))
     }
 
     /// Takes so much from what is left, if it is.
@@ -148,15 +144,16 @@ impl<'a> Search<'a> {
     /// What turns the votes on two facets, roughly; `None` when too little is left to find out.
     fn guess_votes(&mut self, pair: [usize; 2]) -> Option<Vec<Guess>> {
         if !self.is_swept {
-            self.spend(sweep::looks(self.params))?;
+            self.spend(sweep::looks(&self.asked.params))?;
             self.is_swept = true;
         }
-        let sweep = self.sweep.get().unwrap_or_else(|| {
+        let sweep = &self.asked.sweep;
+        let sweep = sweep.get().unwrap_or_else(|| {
             // Not within the lock: who waits there for another thread may be handed work that asks for the same.
-            let swept = Sweep::new(self.frame, self.params, self.run);
-            self.sweep.get_or_init(|| swept)
+            let swept = Sweep::new(&self.asked.params, &self.asked.surfaces, &self.asked.run);
+            sweep.get_or_init(|| swept)
         });
-        Some(sweep.guesses(self.run, pair))
+        Some(sweep.guesses(&self.asked.run, pair))
     }
 
     /// The value nearest to `near`, and a round one, that does to the votes on two facets what the guess does; as near as what is
@@ -164,7 +161,7 @@ impl<'a> Search<'a> {
     fn narrowed(&mut self, guess: &Guess, [a, b]: [usize; 2]) -> f64 {
         let &Guess { parameter, from, mut near, to: mut far } = guess;
         let together = |shapes: &Shapes| shapes.of_facet[a] == shapes.of_facet[b];
-        let now = together(&self.run.shapes);
+        let now = together(&self.asked.run.shapes);
         for _ in 0..NARROWINGS {
             if (far - near).abs() <= last_digit(far) {
                 break;
@@ -181,7 +178,7 @@ impl<'a> Search<'a> {
         let key = (parameter, value.to_bits());
         if !self.shapes.contains_key(&key) {
             self.spend(sweep::looks_at(parameter))?;
-            let shapes = self.sweep.get()?.shapes(self.run, parameter, value);
+            let shapes = self.asked.sweep.get()?.shapes(&self.asked.run, parameter, value);
             self.shapes.insert(key, shapes);
         }
         self.shapes.get(&key)?.as_ref()

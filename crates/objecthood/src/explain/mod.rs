@@ -18,9 +18,8 @@ pub use explanation::{
     BorderReport, Decision, Explanation, FacetReport, Flip, ObjectReport, Outcome, Part, Question, Reason,
 };
 
-use std::sync::OnceLock;
-
 use std::collections::BTreeSet;
+use std::sync::{Arc, OnceLock};
 
 use crate::discovery::{Discovery, ObjectId, ObjectnessParts};
 use crate::error::{Error, Result};
@@ -30,38 +29,42 @@ use crate::explain::sweep::Sweep;
 use crate::frame::Frame;
 use crate::objectness::check::Check;
 use crate::objectness::hypotheses::Hypothesis;
-use crate::params::Params;
-use crate::raster::Raster;
+use crate::params::{Method, Params};
+use crate::pipeline::Pipeline;
 use crate::regions::{SegmentId, Segments};
-use crate::surface::disparity::{DisparitySpace, position};
+use crate::surface::disparity::position;
+use crate::surface::surfaces::Surfaces;
 
 /// A frame that was looked at, ready for questions.
-pub struct Explainer<'a> {
-    frame: &'a Frame,
-    params: &'a Params,
-    space: DisparitySpace,
-    disparity: Raster<f32>,
+pub struct Explainer {
+    /// Looked at the frame last; other parameters are tried on clones, which share what these do not reach.
+    pipeline: Pipeline,
+    frame: Frame,
+    params: Params,
+    surfaces: Arc<Surfaces>,
     run: Run,
     /// What votes would do with other parameters, once it was asked for.
     sweep: OnceLock<Sweep>,
 }
 
-impl<'a> Explainer<'a> {
-    /// Looks at a frame.
+impl Explainer {
+    /// Looks at a frame on a clone of `pipeline`: nothing runs again when the pipeline looked at it last, with these parameters.
     ///
     /// # Errors
-    /// As [`discover`](crate::discover); [`Error::OnlyContext`] with another method.
-    pub fn new(frame: &'a Frame, params: &'a Params) -> Result<Self> {
-        let run = Run::new(frame, params)?;
-        let space = DisparitySpace::new(frame.camera(), &params.sensor);
-        Ok(Self {
-            frame,
-            params,
-            disparity: space.disparity(frame.depth_m()),
-            space,
-            run,
-            sweep: OnceLock::new(),
-        })
+    /// As [`discover`](crate::discover); [`Error::OnlyContext`] with another method, before anything is looked at.
+    pub fn new(pipeline: &Pipeline, frame: &Frame, params: &Params) -> Result<Self> {
+        let refused = Error::OnlyContext { method: params.method };
+        if params.method != Method::Context {
+            return Err(refused);
+        }
+        let mut pipeline = pipeline.clone();
+        pipeline.discover(frame, params)?;
+        let outputs = pipeline
+            .context_outputs()
+            .and_then(|outputs| Some((outputs.surfaces.clone()?, Run::new(outputs)?)));
+        let Some((surfaces, run)) = outputs else { return Err(refused) };
+        let (frame, params) = (frame.clone(), params.clone());
+        Ok(Self { pipeline, frame, params, surfaces, run, sweep: OnceLock::new() })
     }
 
     /// What was found in the frame.
@@ -116,7 +119,7 @@ impl<'a> Explainer<'a> {
     }
 
     fn search(&self) -> Search<'_> {
-        Search::new(self.frame, self.params, &self.run, &self.sweep)
+        Search::new(self)
     }
 
     /// As [`Self::explain`], but no flip is looked for: every one is [`Flip::NotSought`]. O(pixels).
@@ -163,9 +166,9 @@ impl<'a> Explainer<'a> {
     }
 
     fn facet(&self, facet: SegmentId, pixel: usize) -> FacetReport {
-        let width = self.disparity.width();
+        let width = self.surfaces.disparity.width();
         let model = &self.run.filled.models[facet.index()];
-        let residual = |i: usize| f64::from(self.disparity[i]) - model.value(position(i, width));
+        let residual = |i: usize| f64::from(self.surfaces.disparity[i]) - model.value(position(i, width));
         let own = self.facets().members().filter(|&(_, f)| f == facet.index());
         let (mut squared, mut size_px) = (0.0, 0);
         for (i, _) in own {

@@ -1,64 +1,38 @@
-//! One run of the method, and what its stages showed.
+//! One run of `context`: what became of every facet, read from what the stages put out.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use crate::discovery::Discovery;
-use crate::error::{Error, Result};
 use crate::explain::explanation::Question;
 use crate::explain::steps::{Largest, NearStep, Step, steps};
 use crate::facets::Facets;
-use crate::frame::Frame;
-use crate::objectness::history::{Event, Miss, Source};
+use crate::objectness::clustering::Clustering;
+use crate::objectness::history::Source;
 use crate::objectness::hypotheses::Hypothesis;
-use crate::observe::{Observer, Stage};
+use crate::outputs::ContextOutputs;
 use crate::oversegment::watershed::neighbours;
-use crate::params::{Method, Params};
 use crate::regions::{RegionGraph, SegmentId};
 use crate::shapes::border::BorderEvidence;
-use crate::shapes::contraction::{Shapes, contract, votes};
-
-/// What the observer sees.
-#[derive(Default)]
-struct Record {
-    borders: Option<(Facets, RegionGraph<BorderEvidence>)>,
-    filled: Option<Facets>,
-    events: Vec<Event>,
-    misses: Vec<(usize, Miss)>,
-    sizes_px: BTreeMap<SegmentId, usize>,
-    hypotheses: Vec<Hypothesis>,
-}
-
-impl Observer for Record {
-    fn observe(&mut self, stage: Stage<'_>) {
-        match stage {
-            Stage::Borders { facets, evidence } => self.borders = Some((facets.clone(), evidence.clone())),
-            Stage::Clusters { facets, history } => {
-                self.filled = Some(facets.clone());
-                self.events = history.events().into_iter().cloned().collect();
-                self.misses = history.misses().to_vec();
-                self.sizes_px = history.clusters().collect();
-            }
-            Stage::Hypotheses(hypotheses) => self.hypotheses = hypotheses.to_vec(),
-            _ => {}
-        }
-    }
-}
+use crate::shapes::contraction::Shapes;
 
 /// What became of every facet in one run of `context`.
 pub(super) struct Run {
-    pub(super) discovery: Discovery,
-    /// The facets as their borders were looked at.
-    pub(super) facets: Facets,
-    /// And with what was missing between them filled.
-    pub(super) filled: Facets,
-    pub(super) borders: RegionGraph<BorderEvidence>,
-    pub(super) shapes: Shapes,
+    pub(super) discovery: Arc<Discovery>,
+    /// The facets as their borders were measured.
+    pub(super) facets: Arc<Facets>,
+    pub(super) borders: Arc<RegionGraph<BorderEvidence>>,
+    pub(super) shapes: Arc<Shapes>,
+    /// The facets, with what was missing between them filled.
+    pub(super) filled: Arc<Facets>,
+    clusters: Arc<Clustering>,
     pub(super) steps: Vec<Step>,
     pub(super) near_steps: Vec<NearStep>,
-    sizes_px: BTreeMap<SegmentId, usize>,
-    /// The hypothesis of every cluster that is large enough for one.
-    hypotheses: BTreeMap<SegmentId, Hypothesis>,
+    /// What may be an object; `None` where it is too small.
+    candidates: Arc<Vec<Hypothesis>>,
+    /// The hypothesis of every cluster that is large enough for one, by its place among the candidates.
+    hypothesis_of: BTreeMap<SegmentId, usize>,
     /// The first pixel of every facet, if it has any.
     first: Vec<Option<usize>>,
     /// The cluster in which every shape ends; `None` = the background.
@@ -68,19 +42,12 @@ pub(super) struct Run {
 }
 
 impl Run {
-    /// # Errors
-    /// As [`discover`](crate::discover); [`Error::OnlyContext`] with another method, before anything is looked at.
-    pub(super) fn new(frame: &Frame, params: &Params) -> Result<Self> {
-        let refused = || Error::OnlyContext { method: params.method };
-        if params.method != Method::Context {
-            return Err(refused());
-        }
-        let mut record = Record::default();
-        let discovery = crate::discover_observed(frame, params, &mut record)?;
-        let Record { borders, filled, events, misses, sizes_px, hypotheses } = record;
-        let (Some((facets, borders)), Some(filled)) = (borders, filled) else { return Err(refused()) };
-        let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
-
+    /// What the stages of `context` put out; `None` when not all have run. O(pixels).
+    pub(super) fn new(outputs: &ContextOutputs) -> Option<Self> {
+        let clusters = outputs.clusters.clone()?;
+        let shapes = outputs.shapes.clone()?;
+        let candidates = outputs.hypotheses.clone()?;
+        let filled = outputs.filled.clone()?;
         let mut sizes = vec![0_usize; filled.segments.count()];
         let mut first = vec![None; sizes.len()];
         for (i, facet) in filled.segments.members() {
@@ -92,27 +59,29 @@ impl Run {
             let largest = &mut largest[shape as usize];
             *largest = (*largest).max(Some((sizes[k], Reverse(SegmentId(k as u32)))));
         }
-        let (steps, near_steps, owners) = steps(events, misses, largest);
+        let (steps, near_steps, owners) =
+            steps(clusters.events().to_vec(), clusters.misses().to_vec(), largest);
         let mut run = Self {
-            discovery,
-            facets,
-            filled,
-            borders,
+            discovery: outputs.discovery.clone()?,
+            facets: outputs.facets.clone()?,
+            borders: outputs.borders.clone()?,
             shapes,
+            filled,
+            clusters,
             steps,
             near_steps,
-            sizes_px,
-            hypotheses: BTreeMap::new(),
+            candidates: candidates.clone(),
+            hypothesis_of: BTreeMap::new(),
             first,
             owners,
             bottom_of: BTreeMap::new(),
         };
-        hypotheses.into_iter().for_each(|hypothesis| run.look_up(hypothesis));
-        Ok(run)
+        (0..).zip(candidates.iter()).for_each(|(place, hypothesis)| run.look_up(place, hypothesis));
+        Some(run)
     }
 
     /// Finds the cluster of a hypothesis, and what was background and is its bottom. O(pixels).
-    fn look_up(&mut self, hypothesis: Hypothesis) {
+    fn look_up(&mut self, place: usize, hypothesis: &Hypothesis) {
         let facet_at = |i: &usize| self.filled.segments.at(*i);
         let owner = |facet| self.owners[self.shape(facet)?.index()];
         let Some(cluster) = hypothesis.pixels.iter().filter_map(facet_at).find_map(owner) else { return };
@@ -123,7 +92,7 @@ impl Run {
             .filter(|&facet| self.free(facet).is_some() && owner(facet).is_none())
             .collect();
         self.bottom_of.extend(bottoms.into_iter().map(|facet| (facet, cluster)));
-        self.hypotheses.insert(cluster, hypothesis);
+        self.hypothesis_of.insert(cluster, place);
     }
 
     /// The number of a facet among those that are no structure.
@@ -151,17 +120,18 @@ impl Run {
 
     /// The pixels of a cluster (px); 0 of one that is no more.
     pub(super) fn size_px(&self, cluster: SegmentId) -> usize {
-        self.sizes_px.get(&cluster).copied().unwrap_or(0)
+        self.clusters.size_px(cluster)
     }
 
     /// How much speaks for a cluster, if it is large enough.
     pub(super) fn hypothesis(&self, cluster: SegmentId) -> Option<&Hypothesis> {
-        self.hypotheses.get(&cluster)
+        self.hypothesis_of.get(&cluster).map(|&place| &self.candidates[place])
     }
 
     /// The hypothesis that holds a pixel.
     pub(super) fn hypothesis_at(&self, pixel: usize) -> Option<&Hypothesis> {
-        self.hypotheses.values().find(|hypothesis| hypothesis.pixels.binary_search(&pixel).is_ok())
+        let mut held = self.hypothesis_of.values().map(|&place| &self.candidates[place]);
+        held.find(|hypothesis| hypothesis.pixels.binary_search(&pixel).is_ok())
     }
 
     /// The answer to a question.

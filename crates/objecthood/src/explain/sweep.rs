@@ -1,15 +1,16 @@
 //! What the votes of borders would do with other parameters: stage 3 alone, on the facets as they are.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::explain::flip::{Guess, info, last_digit, round};
 use crate::explain::run::Run;
-use crate::frame::Frame;
-use crate::params::Params;
-use crate::raster::Raster;
-use crate::shapes::border::borders;
+use crate::params::{Method, Params};
+use crate::shapes::border::measure_borders;
 use crate::shapes::contraction::{Shapes, contract, votes};
-use crate::surface::disparity::DisparitySpace;
+use crate::stage::Stage;
+use crate::surface::surfaces::Surfaces;
 
 /// The parameters that votes depend on.
 const PARAMETERS: [&str; 5] = [
@@ -34,17 +35,14 @@ struct Side {
 /// The shapes with other values of every parameter of the votes.
 pub(super) struct Sweep {
     params: Params,
-    space: DisparitySpace,
-    disparity: Raster<f32>,
+    surfaces: Arc<Surfaces>,
     sides: Vec<Side>,
 }
 
 impl Sweep {
     /// O(values · facets' borders), with a look at the pixels of all borders for so many of them as [`looks`] says.
-    pub(super) fn new(frame: &Frame, params: &Params, run: &Run) -> Self {
-        let space = DisparitySpace::new(frame.camera(), &params.sensor);
-        let disparity = space.disparity(frame.depth_m());
-        let mut sweep = Self { params: params.clone(), space, disparity, sides: Vec::new() };
+    pub(super) fn new(params: &Params, surfaces: &Arc<Surfaces>, run: &Run) -> Self {
+        let mut sweep = Self { params: params.clone(), surfaces: surfaces.clone(), sides: Vec::new() };
         let side = |(parameter, from, values): (&'static str, f64, Vec<f64>)| {
             let shapes = |value| Some((value, sweep.shapes(run, parameter, value)?));
             Side { parameter, from, shapes: values.into_par_iter().filter_map(shapes).collect() }
@@ -58,10 +56,11 @@ impl Sweep {
     pub(super) fn shapes(&self, run: &Run, parameter: &str, value: f64) -> Option<Shapes> {
         let params = self.params.with_number(parameter, value)?;
         let structure = run.facets.structure;
-        Some(if params.border == self.params.border {
+        Some(if looks_at(parameter) == 0 {
             contract(&votes(&run.borders, structure, &params.contraction))
         } else {
-            let evidence = borders(&run.facets, &self.disparity, &self.space, &params.border);
+            let evidence =
+                measure_borders(&run.facets, &self.surfaces.disparity, &self.surfaces.space, &params.border);
             contract(&votes(&evidence, structure, &params.contraction))
         })
     }
@@ -97,7 +96,8 @@ pub(super) fn looks(params: &Params) -> usize {
 
 /// How often all borders are looked at for another value of a parameter: what they show does not depend on how it is weighed.
 pub(super) fn looks_at(parameter: &str) -> usize {
-    usize::from(parameter.starts_with("border."))
+    let first_stage = info(parameter).and_then(|info| info.first_stage(Method::Context));
+    usize::from(first_stage == Some(Stage::Borders))
 }
 
 /// A round value next to `value`, on the side away from `from`.

@@ -13,7 +13,7 @@ const PARTS: usize = 6;
 /// A check that fails by more of its limit than this was not near to hold.
 const NEAR: f64 = 0.5;
 
-impl Explainer<'_> {
+impl Explainer {
     /// Whether the thing that a facet belongs to is an object, and why.
     pub(super) fn kept(&self, facet: SegmentId) -> Decision {
         let question = Question::Kept { facet: facet.0 };
@@ -28,8 +28,8 @@ impl Explainer<'_> {
             }
             Some(cluster) => {
                 let size_px = self.run.size_px(cluster);
-                let fragment = small(size_px, &self.space, &self.params.fragments);
-                let too_small = too_small(size_px, &self.space, &self.params.objectness);
+                let fragment = small(size_px, &self.surfaces.space, &self.params.fragments);
+                let too_small = too_small(size_px, &self.surfaces.space, &self.params.objectness);
                 let is_low =
                     |near: &&NearStep| near.miss.rule == Rule::Low && near.owners[1] == Some(cluster);
                 // A thing is as high as the highest of what it was made of.
@@ -94,7 +94,7 @@ impl Explainer<'_> {
         Some(match from {
             Source::Cluster(_) => Question::OneThing { facets: [into?.0, given?.0] },
             Source::Patch(first) => {
-                let (first, width) = (first as usize, self.disparity.width());
+                let (first, width) = (first as usize, self.surfaces.disparity.width());
                 Question::Bottom { facet: into?.0, patch: [first % width, first / width] }
             }
         })

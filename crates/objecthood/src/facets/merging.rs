@@ -6,10 +6,11 @@ use std::collections::BinaryHeap;
 use rayon::prelude::*;
 
 use crate::facets::Facets;
-use crate::oversegment::structure::StructureSurface;
+use crate::oversegment::linked::LinkedSuperpixels;
+use crate::oversegment::structure::{Structure, StructureSurface};
 use crate::params;
 use crate::raster::Raster;
-use crate::regions::{RegionGraph, Segments};
+use crate::regions::Segments;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::moments::{Basis, Fit, Model, Moments};
 use crate::union_find::UnionFind;
@@ -65,30 +66,33 @@ impl Merge {
 /// quadratics up to `quadratic_tolerance_quanta`, which join the stripes of curved faces. Regions below
 /// `min_facet_px` are dropped; the structure comes first, then the facets in the order of the superpixel that stands for
 /// each. O(E log E) for E pairs of neighbours, each a solve of 3 or 6 unknowns, as long as no region has very many
-/// neighbours: with D of them each of its merges costs D solves. `structure_labels` says of every pixel which of the `surfaces` it is
-/// of, -1 = none, which is where superpixels lie; it becomes the label map of the facets. `moments` are those of every superpixel;
-/// merges touch no pixel. What does not hang together cannot merge, and is looked at in parallel.
+/// neighbours: with D of them each of its merges costs D solves. Merges touch no pixel: the moments of the superpixels say
+/// all that is asked. Superpixels that are not linked, directly or through others, cannot merge; groups of linked ones are
+/// merged in parallel.
 pub fn merge_surfaces(
-    superpixels: &Segments,
-    surfaces: &[StructureSurface],
-    structure_labels: Raster<i32>,
-    moments: &[Moments],
-    linked_pairs: &RegionGraph<u32>,
+    superpixels: &LinkedSuperpixels,
+    structure: &Structure,
     space: &DisparitySpace,
     params: &params::Merging,
 ) -> Facets {
+    let LinkedSuperpixels { segments, linked_pairs, moments } = superpixels;
     let least_border = LEAST_BORDER_PX.max(space.length_px(LEAST_BORDER_PX as usize) as u32);
     let linked = linked_pairs.edges().iter().filter(|e| e.evidence >= least_border);
     let pairs: Vec<[usize; 2]> = linked.map(|e| [e.a.index(), e.b.index()]).collect();
     let costs = Costs { space, small_px: space.area_px(SMALL_PX).max(1) as f64 };
-    debug_assert_eq!(moments.len(), superpixels.count());
+    debug_assert_eq!(moments.len(), segments.count());
     let mut regions = Regions::new(moments, &pairs);
     // An island each: a few have nearly all there is to do.
     regions.islands().into_par_iter().with_max_len(1).for_each(|mut island| {
         island.merge(Basis::Plane, params.plane_tolerance_quanta, &costs);
         island.merge(Basis::Quadratic, params.quadratic_tolerance_quanta, &costs);
     });
-    regions.facets(superpixels, surfaces, structure_labels, space.area_px(params.min_facet_px))
+    regions.facets(
+        segments,
+        &structure.surfaces,
+        structure.labels.clone(),
+        space.area_px(params.min_facet_px),
+    )
 }
 
 impl Region {
@@ -294,6 +298,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::regions::RegionGraph;
     use crate::regions::SegmentId;
     use crate::surface::disparity::position;
     use crate::testing::{kinect, raster};
@@ -381,8 +386,9 @@ mod tests {
         RegionGraph::from_pairs(segments.count(), pairs)
     }
 
-    fn no_structure(like: &Segments) -> Raster<i32> {
-        like.labels().map(|_| -1)
+    fn no_structure(like: &Segments) -> Structure {
+        let labels = like.labels().map(|_| -1);
+        Structure { surfaces: Vec::new(), labels, support: None, planes: Vec::new() }
     }
 
     proptest! {
@@ -395,8 +401,12 @@ mod tests {
             let params = params::Merging { quadratic_tolerance_quanta, min_facet_px, ..Default::default() };
             let neighbours = adjacency(&superpixels);
             let moments = Moments::of_segments(&superpixels, &disparity);
-            let structure = no_structure(&superpixels);
-            let facets = merge_surfaces(&superpixels, &[], structure, &moments, &neighbours, &kinect(), &params);
+            let linked = LinkedSuperpixels {
+                segments: superpixels.clone(),
+                linked_pairs: neighbours.clone(),
+                moments: moments.clone(),
+            };
+            let facets = merge_surfaces(&linked, &no_structure(&superpixels), &kinect(), &params);
 
             let single = |s: usize| {
                 let pixels: Vec<u32> = superpixels.members().filter(|m| m.1 == s).map(|m| m.0 as u32).collect();
@@ -424,11 +434,12 @@ mod tests {
         let superpixels =
             Segments::from_numbered(disparity.with_data((0..320).map(|i| i % 40 / 4).collect()), 10);
         let structure = no_structure(&superpixels);
-        let neighbours = adjacency(&superpixels);
-        let moments = Moments::of_segments(&superpixels, &disparity);
-        merge_surfaces(&superpixels, &[], structure, &moments, &neighbours, &kinect(), params)
-            .segments
-            .count()
+        let linked = LinkedSuperpixels {
+            linked_pairs: adjacency(&superpixels),
+            moments: Moments::of_segments(&superpixels, &disparity),
+            segments: superpixels,
+        };
+        merge_surfaces(&linked, &structure, &kinect(), params).segments.count()
     }
 
     #[test]
@@ -459,18 +470,14 @@ mod tests {
             offset_m: 1.0,
         };
         let superpixels = Segments::from_numbered(labels.map(|l| -1 - l), 1);
-        let neighbours = adjacency(&superpixels);
-        let moments = Moments::of_segments(&superpixels, &disparity);
-        let params = params::Merging::default();
-        let facets = merge_surfaces(
-            &superpixels,
-            &[surface],
-            labels.clone(),
-            &moments,
-            &neighbours,
-            &kinect(),
-            &params,
-        );
+        let linked = LinkedSuperpixels {
+            linked_pairs: adjacency(&superpixels),
+            moments: Moments::of_segments(&superpixels, &disparity),
+            segments: superpixels,
+        };
+        let structure =
+            Structure { surfaces: vec![surface], labels: labels.clone(), support: None, planes: Vec::new() };
+        let facets = merge_surfaces(&linked, &structure, &kinect(), &params::Merging::default());
         assert_eq!((facets.structure, facets.models.len(), facets.models[0]), (1, 2, model));
         assert_eq!(facets.segments.labels(), &labels.map(|l| -l));
     }

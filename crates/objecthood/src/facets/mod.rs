@@ -8,8 +8,14 @@ pub mod grouping;
 pub mod merging;
 pub mod refinement;
 
+use crate::facets::merging::merge_surfaces;
+use crate::facets::refinement::refine;
+use crate::oversegment::linked::LinkedSuperpixels;
+use crate::oversegment::structure::Structure;
+use crate::params;
 use crate::regions::Segments;
 use crate::surface::moments::Model;
+use crate::surface::surfaces::Surfaces;
 
 /// Facets of `context`: surfaces of one model each. Those of the structure come first.
 #[derive(Clone, Debug)]
@@ -20,4 +26,17 @@ pub struct Facets {
     pub models: Vec<Model>,
     /// How many of them are structure.
     pub structure: usize,
+}
+
+/// Stage 2 of `context`: merges superpixels that lie on one surface, and straightens the borders of what comes of it.
+/// As [`merge_surfaces`] and [`refine`].
+pub fn find_facets(
+    surfaces: &Surfaces,
+    structure: &Structure,
+    superpixels: &LinkedSuperpixels,
+    merging: &params::Merging,
+    refinement: &params::Refinement,
+) -> Facets {
+    let merged = merge_surfaces(superpixels, structure, &surfaces.space, merging);
+    refine(merged, &surfaces.disparity, refinement)
 }

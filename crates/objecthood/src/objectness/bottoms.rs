@@ -48,13 +48,13 @@ const BOTTOM_PX: usize = 100;
 /// Gives patches of the support, and of what was found to be a part of it, to the object that encloses them. Beyond a step,
 /// or when depths differ by more than 1 cm, nothing touches. Without a support surface nothing is done.
 /// O(pixels + patches · clusters).
-pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, support: Option<usize>, params: &params::Vessels) {
-    let Some(support) = support else { return };
+pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let scene = clusters.scene;
+    let Some(support) = scene.support_facet else { return };
     let least_px = scene.space.area_px(BOTTOM_PX);
     let mut misses = Vec::new();
     let mut gains: BTreeMap<SegmentId, Vec<u32>> = BTreeMap::new();
-    for Patch { runs, border, touch } in scene.patches(&owners(clusters, support)) {
+    for Patch { runs, border, touch } in scene.patches(&owners(clusters, support.index())) {
         // The first of those touched most.
         let Some((&id, &most)) = touch.iter().rev().max_by_key(|(_, touch)| **touch) else { continue };
         let contact_share = f64::from(touch.values().sum::<u32>()) / f64::from(border);
@@ -210,7 +210,7 @@ mod tests {
             clusters.alive().iter().map(|&id| clusters.get(id).pixels.len()).collect()
         };
         let before = sizes(&clusters);
-        join_bottoms(&mut clusters, Some(0), &params::Vessels::default());
+        join_bottoms(&mut clusters, &params::Vessels::default());
         for id in clusters.alive() {
             let pixels = &clusters.get(id).pixels;
             assert!(
@@ -300,10 +300,10 @@ mod tests {
     #[test]
     fn a_wall_is_no_bottom() {
         let table = Table::drawn(&["aaaa", "a__a", "aaaa"], &[0.005]);
-        let scene = table.scene();
-        let mut clusters = single(&scene);
-        for support in [None, Some(7)] {
-            join_bottoms(&mut clusters, support, &params::Vessels::default());
+        for support_facet in [None, Some(SegmentId(7))] {
+            let scene = Scene { support_facet, ..table.scene() };
+            let mut clusters = single(&scene);
+            join_bottoms(&mut clusters, &params::Vessels::default());
             assert_eq!(clusters.get(SegmentId(0)).pixels.len(), 10);
         }
     }
@@ -319,21 +319,24 @@ mod tests {
         let table = plate(3);
         let scene = table.scene();
         let mut clusters = single(&scene);
-        join_bottoms(&mut clusters, Some(0), &params::Vessels::default());
-        assert_eq!((clusters.get(SegmentId(0)).pixels.len(), clusters.joins(SegmentId(0)).count()), (400, 0));
+        join_bottoms(&mut clusters, &params::Vessels::default());
+        let only = &clusters.finish().clusters[0];
+        assert_eq!((only.pixels.len(), only.joins.len()), (400, 0));
 
         let table = plate(10);
         let scene = table.scene();
         let mut clusters = single(&scene);
-        join_bottoms(&mut clusters, Some(0), &params::Vessels::default());
-        let [(join, _)] = clusters.joins(SegmentId(0)).collect::<Vec<_>>()[..] else { panic!("one bottom") };
+        join_bottoms(&mut clusters, &params::Vessels::default());
+        let clusters = clusters.finish();
+        let [(join, _)] = &clusters.clusters[0].joins[..] else { panic!("one bottom") };
         assert_eq!(join.evidence, JoinEvidence::VesselBottom { contact_share: 1.0 });
         assert_eq!(join.parts.map(|part| part.size_px), [300, 100]);
         // Above 1 it never is.
         let mut clusters = single(&scene);
         let never = params::Vessels { bottom_contact_share: 1.1, ..Default::default() };
-        join_bottoms(&mut clusters, Some(0), &never);
-        assert_eq!(clusters.joins(SegmentId(0)).count(), 0);
+        join_bottoms(&mut clusters, &never);
+        let clusters = clusters.finish();
+        assert_eq!(clusters.clusters[0].joins.len(), 0);
         let [(0, miss)] = clusters.misses() else { panic!("one miss") };
         assert_eq!((miss.from, miss.into), (Source::Patch(2 * 20 + 2), Some(SegmentId(0))));
         assert!(!miss.checks[0].holds() && miss.checks.len() == 1, "{miss:?}");

@@ -8,10 +8,12 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::facets::Facets;
+use crate::frame::Frame;
+use crate::objectness::clustering::{self, Clustering};
 use crate::objectness::history::{Event, Miss, Source};
-use crate::objectness::join::{Join, JoinedPart};
+use crate::objectness::join::JoinedPart;
 use crate::objectness::objects::pixel_box;
-use crate::oversegment::structure::StructureSurface;
+use crate::oversegment::structure::{Structure, StructureSurface};
 use crate::oversegment::watershed::neighbours;
 use crate::params;
 use crate::quantile::element_at;
@@ -20,24 +22,57 @@ use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::shapes::contraction::Shapes;
 use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
+use crate::surface::surfaces::Surfaces;
 
 /// What stage 4 looks at besides the clusters: it stays as it is.
-pub(crate) struct Scene<'a> {
+pub struct Scene<'a> {
     /// Facets and structure after [`fill`].
     pub facets: &'a Facets,
+    /// Disparity (quanta); `NaN` without depth.
     pub disparity: &'a Raster<f32>,
+    /// Unit normals towards the camera; zero where there is none.
     pub normals: &'a Raster<[f32; 3]>,
+    /// Points (m); `NaN` without depth.
     pub points_m: &'a Raster<[f32; 3]>,
+    /// Colour, if the frame has any.
     pub color: Option<&'a Raster<[u8; 3]>>,
+    /// The camera and its noise.
     pub space: &'a DisparitySpace,
     /// What objects stand on.
     pub support: Option<&'a StructureSurface>,
+    /// Which facet that is.
+    pub support_facet: Option<SegmentId>,
+    /// How much disparity may differ without a step in depth.
     pub steps: Steps,
+}
+
+impl<'a> Scene<'a> {
+    /// What a frame looks like once its facets are there. `filled`: the facets after [`fill`].
+    pub fn new(
+        frame: &'a Frame,
+        surfaces: &'a Surfaces,
+        structure: &'a Structure,
+        filled: &'a Facets,
+        points_m: &'a Raster<[f32; 3]>,
+        steps: Steps,
+    ) -> Self {
+        Self {
+            facets: filled,
+            disparity: &surfaces.disparity,
+            normals: &surfaces.orientation.normal,
+            points_m,
+            color: frame.color(),
+            space: &surfaces.space,
+            support: structure.support.map(|surface| &structure.surfaces[surface]),
+            support_facet: structure.support.map(|surface| SegmentId(surface as u32)),
+            steps,
+        }
+    }
 }
 
 /// Largest differences in disparity (quanta) that are no step in depth.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Steps {
+pub struct Steps {
     /// Between pixels side by side.
     pub touch_quanta: f32,
     /// Across a gap.
@@ -83,6 +118,7 @@ pub(crate) struct Cluster {
 }
 
 /// The clusters of a frame. Merging keeps everything known of them in step.
+#[derive(Clone)]
 pub(crate) struct Clusters<'a> {
     pub scene: &'a Scene<'a>,
     clusters: Vec<Cluster>,
@@ -110,9 +146,9 @@ const CONVEXITY_APART_M2: f64 = 1e-5;
 
 /// Gives measured pixels without a facet to the facet of a neighbour that they touch, breadth first, in scan order at first.
 /// O(pixels).
-pub(crate) fn fill(facets: Facets, disparity: &Raster<f32>, steps: Steps) -> Facets {
+pub(crate) fn fill(facets: &Facets, disparity: &Raster<f32>, steps: Steps) -> Facets {
     let count = facets.segments.count();
-    let mut labels = facets.segments.into_labels();
+    let mut labels = facets.segments.labels().clone();
     let (width, height) = labels.size();
     let mut open = VecDeque::from(givers(&labels, disparity, steps));
     let slice = labels.as_mut_slice();
@@ -124,7 +160,8 @@ pub(crate) fn fill(facets: Facets, disparity: &Raster<f32>, steps: Steps) -> Fac
             }
         }
     }
-    Facets { segments: Segments::from_numbered(labels, count), ..facets }
+    let models = facets.models.clone();
+    Facets { segments: Segments::from_numbered(labels, count), models, structure: facets.structure }
 }
 
 /// The pixels with a facet that touch one that is measured and has none, in scan order. O(pixels + theirs · log of them); parallel
@@ -236,31 +273,26 @@ impl<'a> Clusters<'a> {
         self.get(a).neighbours.get(&Some(b)).copied().unwrap_or_default()
     }
 
-    /// Which parts of a cluster were joined although they do not touch as one surface, each with the facet that hides what is
-    /// between.
-    pub(crate) fn joins(&self, id: SegmentId) -> impl Iterator<Item = &(Join, Option<SegmentId>)> {
-        self.get(id).history.iter().filter_map(|(_, event)| event.join.as_ref())
-    }
-
     /// Notes what a rule looked at and left alone.
     pub(crate) fn note_misses(&mut self, misses: impl IntoIterator<Item = Miss>) {
         let events = self.events;
         self.misses.extend(misses.into_iter().map(|miss| (events, miss)));
     }
 
-    /// All that was given to what, each with the number of events before it, in no order.
-    pub(crate) fn events(&self) -> impl Iterator<Item = &(usize, Event)> {
-        self.clusters.iter().flat_map(|cluster| &cluster.history).chain(&self.remains_history)
-    }
-
-    /// All that was left alone, each with the number of events before it, rule by rule.
-    pub(crate) fn misses(&self) -> &[(usize, Miss)] {
-        &self.misses
-    }
-
-    /// Pixels of clusters that were merged into the background.
-    pub(crate) fn remains(&self) -> &[u32] {
-        &self.remains
+    /// What is left when all rules are done.
+    pub(crate) fn finish(self) -> Clustering {
+        let alive = self.alive();
+        let top_m = |id| self.scene.support.map(|support| self.top_m(id, support) as f32);
+        let tops_m: Vec<Option<f32>> = alive.iter().map(|&id| top_m(id)).collect();
+        let Self { mut clusters, of_facet, remains, remains_history, misses, .. } = self;
+        let mut found = Vec::with_capacity(alive.len());
+        for (id, top_m) in alive.into_iter().zip(tops_m) {
+            let cluster = &mut clusters[id.index()];
+            let joins = cluster.history.iter().filter_map(|(_, event)| event.join.clone()).collect();
+            found.push(clustering::Cluster { id, pixels: std::mem::take(&mut cluster.pixels), top_m, joins });
+        }
+        let events = clusters.into_iter().flat_map(|cluster| cluster.history).chain(remains_history);
+        Clustering::new(found, of_facet, remains, events.collect(), misses)
     }
 
     /// Gives a cluster to where the event says, and notes the event. Of a patch of the background the event is only noted: see
@@ -464,7 +496,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::objectness::history::History;
     use crate::objectness::testing::{Table, merge, named, single};
     use crate::testing::{coarse_disparity, raster, small_size};
 
@@ -580,7 +611,7 @@ mod tests {
                 let expected = counted(&cluster, scene.disparity);
                 prop_assert_eq!(clusters.alive(), expected.keys().copied().collect::<Vec<_>>());
                 // The events, in their order, say which cluster every facet is in.
-                let events = History::of(&clusters).events().into_iter().cloned().collect::<Vec<_>>();
+                let events = clusters.clone().finish().events().to_vec();
                 for (facet, own) in named(&clusters).into_iter().enumerate() {
                     let start = Some(SegmentId(facet as u32));
                     let end = events.iter().fold(start, |own, e| if own.is_some() && e.from.cluster() == own { e.into } else { own });
@@ -606,7 +637,7 @@ mod tests {
             );
             let facets = Facets { segments: Segments::from_numbered(labels.clone(), 2), models: Vec::new(), structure: 0 };
             let steps = Steps { touch_quanta: 3.0, level_quanta: 2.0 };
-            let filled = fill(facets, &disparity, steps).segments;
+            let filled = fill(&facets, &disparity, steps).segments;
             let (width, height) = labels.size();
             // Breadth first from every pixel that has a facet.
             let mut expected = labels.as_slice().to_vec();

@@ -27,12 +27,12 @@ impl Hypothesis {
     }
 }
 
-/// The hypotheses that are objects; with `every_hypothesis` all of them.
-pub(crate) fn decided(mut hypotheses: Vec<Hypothesis>, params: &Params) -> Vec<Hypothesis> {
-    if !params.objectness.every_hypothesis {
-        hypotheses.retain(|hypothesis| hypothesis.is_object(params.method, &params.objectness));
-    }
-    hypotheses
+/// Keeps the hypotheses that are objects; with `every_hypothesis` all of them.
+pub(crate) fn decide<'a>(hypotheses: &'a [Hypothesis], params: &Params) -> Vec<&'a Hypothesis> {
+    let keeps = |hypothesis: &&Hypothesis| {
+        params.objectness.every_hypothesis || hypothesis.is_object(params.method, &params.objectness)
+    };
+    hypotheses.iter().filter(keeps).collect()
 }
 
 #[cfg(test)]
@@ -76,7 +76,7 @@ mod tests {
         let kept = |every_hypothesis| {
             let mut params = Params::default();
             params.objectness.every_hypothesis = every_hypothesis;
-            decided(vec![hypothesis(0.1, 1.0, 0.0), hypothesis(0.1, 1.0, 0.9)], &params).len()
+            decide(&[hypothesis(0.1, 1.0, 0.0), hypothesis(0.1, 1.0, 0.9)], &params).len()
         };
         assert_eq!((kept(false), kept(true)), (1, 2));
     }

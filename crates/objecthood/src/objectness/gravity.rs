@@ -127,6 +127,25 @@ pub fn up(plane: Option<&StructurePlane>, params: &params::Gravity) -> Up {
     }
 }
 
+/// What everything stands on in `paper`, as far as it is seen.
+#[derive(Clone, Debug)]
+pub struct Ground {
+    /// The plane that holds most points, if it holds enough of them.
+    pub plane: Option<StructurePlane>,
+    /// The direction against gravity.
+    pub up: Up,
+}
+
+/// Finds the dominant plane and up. As [`dominant_plane`].
+pub fn find_ground(
+    points_m: &Raster<[f32; 3]>,
+    params: &params::Gravity,
+    workspace: &mut Workspace,
+) -> Ground {
+    let plane = dominant_plane(points_m, params, workspace);
+    Ground { up: up(plane.as_ref(), params), plane }
+}
+
 /// normal · X + offset = 0 with offset >= 0: the camera is on the side the normal points to.
 struct Plane {
     normal: DVec3,

@@ -46,7 +46,8 @@ mod tests {
         let dropped = |scene: &Scene<'_>| {
             let mut clusters = single(scene);
             drop_low(&mut clusters, &params::Height { min_top_m: 0.010 });
-            (named(&clusters), clusters.remains().len(), clusters.alive().len())
+            let (named, clusters) = (named(&clusters), clusters.finish());
+            (named, clusters.remains.len(), clusters.clusters.len())
         };
         assert_eq!(dropped(&table.scene()), (vec![None, Some(1)], 8, 1));
         let unsupported = Scene { support: None, ..table.scene() };

@@ -1,11 +1,8 @@
 //! What stage 4 did with the shapes, rule by rule, and what it left alone.
 
-use std::fmt;
-
 use serde::Serialize;
 
 use crate::objectness::check::Check;
-use crate::objectness::clusters::Clusters;
 use crate::objectness::join::Join;
 use crate::regions::SegmentId;
 
@@ -76,39 +73,4 @@ pub struct Miss {
     pub into: Option<SegmentId>,
     /// The checks of the rule up to where they were given up: not all hold, or the two were one already.
     pub checks: Vec<Check>,
-}
-
-/// The history of the clusters of a frame: shapes on their way to objects.
-#[derive(Clone, Copy)]
-pub struct History<'a>(&'a Clusters<'a>);
-
-impl<'a> History<'a> {
-    pub(crate) fn of(clusters: &'a Clusters<'a>) -> Self {
-        Self(clusters)
-    }
-
-    /// What was given to what, in the order in which it was. A cluster that was given away may be there again later, when something
-    /// is given to it. O(events log events).
-    pub fn events(&self) -> Vec<&'a Event> {
-        let mut events: Vec<&'a (usize, Event)> = self.0.events().collect();
-        events.sort_by_key(|(before, _)| *before);
-        events.into_iter().map(|(_, event)| event).collect()
-    }
-
-    /// What rules left alone at last, rule by rule, each with the number of events before it.
-    pub fn misses(&self) -> &'a [(usize, Miss)] {
-        self.0.misses()
-    }
-
-    /// The clusters that are left, and their pixels (px).
-    pub fn clusters(&self) -> impl Iterator<Item = (SegmentId, usize)> + use<'a> {
-        let clusters = self.0;
-        clusters.alive().into_iter().map(|id| (id, clusters.get(id).pixels.len()))
-    }
-}
-
-impl fmt::Debug for History<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_list().entries(self.events()).finish()
-    }
 }

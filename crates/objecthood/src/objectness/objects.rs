@@ -15,7 +15,7 @@ use crate::regions::Segments;
 /// # Errors
 /// [`Error::TooManyObjects`] beyond 65535.
 pub fn objects(
-    mut hypotheses: Vec<Hypothesis>,
+    mut hypotheses: Vec<&Hypothesis>,
     facets: &Segments,
     points_m: &Raster<[f32; 3]>,
     support: &SupportGraph,
@@ -32,7 +32,7 @@ pub fn objects(
     let mut objects = Vec::with_capacity(hypotheses.len());
     let mut seen = vec![0; facets.count() + 1];
     for (number, hypothesis) in (1..=u16::MAX).zip(hypotheses) {
-        let Hypothesis { region, pixels, box_m, objectness, parts, top_m, joins } = hypothesis;
+        let &Hypothesis { region, ref pixels, box_m, objectness, parts, top_m, ref joins } = hypothesis;
         pixels.iter().for_each(|&i| labels[i] = number);
         objects.push(Object {
             id: ObjectId(number),
@@ -40,11 +40,11 @@ pub fn objects(
             parts,
             size_px: pixels.len(),
             box_px: pixel_box(pixels.iter().copied(), points_m.width()),
-            centroid_m: centroid_m(&pixels, points_m),
+            centroid_m: centroid_m(pixels, points_m),
             box_m,
-            facets: facets_among(&pixels, facets, number, &mut seen),
+            facets: facets_among(pixels, facets, number, &mut seen),
             top_m,
-            joins,
+            joins: joins.clone(),
             node: NodeId(region.0),
             parents: parents.get(region.index()).cloned().unwrap_or_default(),
         });
@@ -118,7 +118,7 @@ mod tests {
         let points = columns.with_data((0..12).map(|i| [(i % 4) as f32, (i / 4) as f32, 1.0]).collect());
         let support =
             SupportGraph { nodes: Vec::new(), edges: vec![SupportEdge::seen(NodeId(0), NodeId(7), 1)] };
-        objects(hypotheses, &Segments::from_labels(&columns), &points, &support).unwrap()
+        objects(hypotheses.iter().collect(), &Segments::from_labels(&columns), &points, &support).unwrap()
     }
 
     proptest! {
@@ -165,7 +165,8 @@ mod tests {
         let one = Raster::filled(1, 1, 0).unwrap();
         let points = one.with_data(vec![[0.0, 0.0, 1.0]]);
         let facets = Segments::from_labels(&one);
-        let many = |n| vec![hypothesis(0, &[0], 0.9); n];
+        let one_of_many = hypothesis(0, &[0], 0.9);
+        let many = |n| vec![&one_of_many; n];
         let support = SupportGraph::default();
         assert!(objects(many(65535), &facets, &points, &support).is_ok());
         let refused = objects(many(65536), &facets, &points, &support);

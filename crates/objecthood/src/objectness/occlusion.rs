@@ -265,7 +265,7 @@ mod tests {
         let scene = table.scene();
         let mut clusters = single(&scene);
         join_behind_occluders(&mut clusters, params);
-        Joined { clusters: named(&clusters), joins: clusters.joins(SegmentId(0)).cloned().collect() }
+        Joined { clusters: named(&clusters), joins: clusters.finish().clusters[0].joins.clone() }
     }
 
     const PARTED: [Option<u32>; 3] = [Some(0), Some(1), Some(2)];

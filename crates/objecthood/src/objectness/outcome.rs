@@ -1,7 +1,8 @@
 //! What has become of the clusters: regions for the support graph, and hypotheses (METHOD 3.14).
 
 use crate::objectness::check::{Bound, Check};
-use crate::objectness::clusters::Clusters;
+use crate::objectness::clustering::{Cluster, Clustering};
+use crate::objectness::clusters::Scene;
 use crate::objectness::gravity::StructurePlane;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::join::Join;
@@ -11,7 +12,8 @@ use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
 use crate::surface::disparity::DisparitySpace;
 
-/// The outcome of stage 4.
+/// What may carry and be carried.
+#[derive(Clone, Debug)]
 pub(crate) struct Outcome {
     /// First the structure, with what turned out to be a part of it, then the clusters that are large enough.
     pub regions: Segments,
@@ -26,24 +28,21 @@ pub(crate) fn too_small(size_px: usize, space: &DisparitySpace, params: &params:
     Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("objectness.min_size_px")
 }
 
-/// Keeps the clusters that are not [`too_small`]. `support`: the structure that remains of clusters belong to.
-pub(crate) fn outcome(
-    clusters: &Clusters<'_>,
-    support: Option<usize>,
-    params: &params::Objectness,
-) -> Outcome {
-    let facets = clusters.scene.facets;
-    let structure = facets.structure;
-    let mut found = clusters.alive();
-    found.retain(|&id| !too_small(clusters.get(id).pixels.len(), clusters.scene.space, params).holds());
-    let mut labels = facets.segments.labels().map(|&l| if l < structure as i32 { l } else { Segments::NONE });
+/// Keeps the clusters that are not [`too_small`]; what remains of others belongs to the support. O(pixels).
+pub(crate) fn outcome(scene: &Scene<'_>, clusters: &Clustering, params: &params::Objectness) -> Outcome {
+    let structure = scene.facets.structure;
+    let is_kept = |cluster: &&Cluster| !too_small(cluster.pixels.len(), scene.space, params).holds();
+    let kept: Vec<&Cluster> = clusters.clusters.iter().filter(is_kept).collect();
+    let facets = &scene.facets.segments;
+    let mut labels = facets.labels().map(|&l| if l < structure as i32 { l } else { Segments::NONE });
     let painted = labels.as_mut_slice();
-    if let Some(support) = support {
-        clusters.remains().iter().for_each(|&i| painted[i as usize] = support as i32);
+    if let Some(support) = scene.support_facet {
+        clusters.remains.iter().for_each(|&i| painted[i as usize] = support.0 as i32);
     }
-    for (k, &id) in found.iter().enumerate() {
-        clusters.get(id).pixels.iter().for_each(|&i| painted[i as usize] = (structure + k) as i32);
+    for (k, cluster) in kept.iter().enumerate() {
+        cluster.pixels.iter().for_each(|&i| painted[i as usize] = (structure + k) as i32);
     }
+    let found: Vec<SegmentId> = kept.iter().map(|cluster| cluster.id).collect();
     Outcome { regions: Segments::from_numbered(labels, structure + found.len()), found, structure }
 }
 
@@ -64,27 +63,26 @@ impl Outcome {
     }
 
     /// Adds what is known of clusters only: how high they stand, and why their parts are one.
-    pub(crate) fn describe(&self, hypotheses: &mut [Hypothesis], clusters: &Clusters<'_>) {
+    pub(crate) fn describe(&self, hypotheses: &mut [Hypothesis], clusters: &Clustering) {
         for hypothesis in hypotheses {
             let id = self.found[hypothesis.region.index() - self.structure];
-            let top_m = |surface| clusters.top_m(id, surface) as f32;
-            hypothesis.top_m = clusters.scene.support.map(top_m);
-            let joins = clusters.joins(id);
-            hypothesis.joins = joins.map(|join| self.resolve(clusters, id, join)).collect();
+            let Some(cluster) = clusters.get(id) else { continue };
+            hypothesis.top_m = cluster.top_m;
+            hypothesis.joins = cluster.joins.iter().map(|join| self.resolve(clusters, id, join)).collect();
         }
     }
 
     /// Says of a join of a cluster which node it is behind: none when what hid the parts became a part of the cluster itself.
     fn resolve(
         &self,
-        clusters: &Clusters<'_>,
+        clusters: &Clustering,
         own: SegmentId,
         (join, hider): &(Join, Option<SegmentId>),
     ) -> Join {
         let node = |facet: SegmentId| match facet.index().checked_sub(self.structure) {
             None => Some(NodeId(facet.0)),
             Some(free) => {
-                let cluster = clusters.of_facet(free).filter(|&cluster| cluster != own)?;
+                let cluster = clusters.of_facet[free].filter(|&cluster| cluster != own)?;
                 let place = self.found.binary_search(&cluster).ok()?;
                 Some(NodeId((self.structure + place) as u32))
             }
@@ -97,7 +95,6 @@ impl Outcome {
 mod tests {
     use super::*;
     use crate::discovery::{ObjectnessParts, OrientedBox};
-    use crate::objectness::clusters::Scene;
     use crate::objectness::history::{Event, Rule, Source};
     use crate::objectness::join::{JoinEvidence, JoinedPart};
     use crate::objectness::testing::{Table, merge, single};
@@ -115,7 +112,7 @@ mod tests {
     }
 
     /// What the regions of an outcome are described as, in their order.
-    fn described(outcome: &Outcome, clusters: &Clusters<'_>) -> Vec<Hypothesis> {
+    fn described(outcome: &Outcome, clusters: &Clustering) -> Vec<Hypothesis> {
         let parts =
             ObjectnessParts { size: 1.0, support: 1.0, compactness: 1.0, separation: 1.0, visibility: 1.0 };
         let box_m =
@@ -140,7 +137,8 @@ mod tests {
         let scene = table.scene();
         let mut clusters = single(&scene);
         merge(&mut clusters, None, SegmentId(0));
-        let outcome = outcome(&clusters, Some(0), &least(&scene, 5));
+        let clusters = clusters.finish();
+        let outcome = outcome(&scene, &clusters, &least(&scene, 5));
         let row: Vec<i32> = outcome.regions.labels().as_slice()[12..24].to_vec();
         assert_eq!(row, [0, 0, 0, 0, 0, -1, -1, 0, 1, 1, 1, 0]);
         assert_eq!(outcome.regions.count(), 2);
@@ -170,7 +168,8 @@ mod tests {
             if merged {
                 merge(&mut clusters, Some(SegmentId(0)), SegmentId(1));
             }
-            let outcome = outcome(&clusters, Some(0), &least(&scene, min_size_px));
+            let clusters = clusters.finish();
+            let outcome = outcome(&scene, &clusters, &least(&scene, min_size_px));
             described(&outcome, &clusters)[0].joins[0].behind
         };
         assert_eq!(behind(0, 1, false), Some(NodeId(0)));

@@ -109,11 +109,13 @@ impl SupportGraph {
         self.nodes.iter().zip(surest).map(|(node, surest)| node.p_o * (1.0 + surest) / 2.0).collect()
     }
 
-    /// Marks the nodes that have turned out to be objects.
-    pub(crate) fn mark(&mut self, objects: &[Object]) {
+    /// The graph, in which the nodes that turned out to be objects are marked. O(nodes + edges).
+    pub(crate) fn marked(&self, objects: &[Object]) -> Self {
+        let mut marked = self.clone();
         for object in objects {
-            self.nodes[object.node.0 as usize].kind = NodeKind::Object { object: object.id };
+            marked.nodes[object.node.0 as usize].kind = NodeKind::Object { object: object.id };
         }
+        marked
     }
 }
 

@@ -92,6 +92,7 @@ impl Table {
             color: self.color.as_ref(),
             space: &self.space,
             support: Some(&self.support),
+            support_facet: Some(SegmentId(0)),
             steps: Steps::of(&params::Watershed::default()),
         }
     }

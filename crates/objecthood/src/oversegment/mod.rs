@@ -7,6 +7,8 @@ pub mod absorb;
 mod edges;
 pub mod felzenszwalb;
 pub mod graph;
+pub mod linked;
+pub mod paper;
 mod settled;
 pub mod smoothing;
 pub mod structure;

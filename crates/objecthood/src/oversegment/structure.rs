@@ -14,8 +14,10 @@ use rayon::prelude::*;
 
 use self::extent::Extent;
 use self::labels::labelled;
+use self::planes::fit_planes;
 use self::tilt::{Alike, Tilt, least_square};
 use self::trials::best_plane;
+use crate::objectness::gravity::StructurePlane;
 use crate::params;
 use crate::random::Lcg;
 use crate::raster::Raster;
@@ -23,6 +25,7 @@ use crate::regions::Segments;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::moments::{Basis, Model, Moments};
 use crate::surface::plane_fit::PlaneFits;
+use crate::surface::surfaces::Surfaces;
 use crate::surface::window_choice::Orientation;
 use crate::workspace::Workspace;
 
@@ -46,6 +49,8 @@ pub struct Structure {
     pub labels: Raster<i32>,
     /// The surface on which objects stand: the first that faces up as the camera is held, else the first of all.
     pub support: Option<usize>,
+    /// Every surface as a plane, fitted to its own pixels.
+    pub planes: Vec<StructurePlane>,
 }
 
 /// Every so many columns and rows one pixel is looked at (px at a focal length of 525 px).
@@ -101,17 +106,14 @@ struct Seen<'a> {
 ///
 /// RANSAC (Fischler and Bolles 1981) with fixed random numbers over a grid of pixels; the best plane is refitted as a
 /// quadratic and kept when it is large. `camera_up`: the camera's own up, see [`camera_up`](crate::objectness::gravity::camera_up). O(rounds · trials · pixels / 36).
-#[expect(clippy::too_many_arguments, reason = "what was seen, how it was seen, and where to write")]
-pub fn structure(
-    disparity: &Raster<f32>,
-    fits: &PlaneFits,
-    orientation: &Orientation,
+pub fn find_structure(
     depth_m: &Raster<f32>,
-    space: &DisparitySpace,
+    found: &Surfaces,
     camera_up: [f32; 3],
     params: &params::Structure,
     workspace: &mut Workspace,
 ) -> Structure {
+    let Surfaces { space, disparity, fits, orientation, .. } = found;
     let alike = Alike {
         least_cosine: cosine(params.angle_deg),
         slope_squared: least_square(space.slope_per_px(params.slope_quanta_per_px)),
@@ -137,7 +139,8 @@ pub fn structure(
         .position(|s| s.normal.dot(camera_up) > UPWARD)
         .or((!surfaces.is_empty()).then_some(0));
     let labels = labelled(&surfaces, disparity, orientation, &seen.alike, params.tolerance_quanta, workspace);
-    Structure { surfaces, labels, support }
+    let planes = fit_planes(&surfaces, &labels, depth_m, &space.camera());
+    Structure { surfaces, labels, support, planes }
 }
 
 impl Structure {
@@ -265,7 +268,8 @@ mod tests {
         let disparity = space.disparity(&depth);
         let fits = plane_fits(&disparity, 2, workspace);
         let orientation = orientation(&disparity, &fits, &space, &params::LocalFit::default(), workspace);
-        structure(&disparity, &fits, &orientation, &depth, &space, [0.0, -1.0, 0.0], params, workspace)
+        let surfaces = Surfaces { space, disparity, fits, orientation };
+        find_structure(&depth, &surfaces, [0.0, -1.0, 0.0], params, workspace)
     }
 
     /// The depth of the plane normal · X = -offset along the ray of a pixel.

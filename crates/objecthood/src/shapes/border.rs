@@ -74,7 +74,7 @@ enum Look {
 
 /// Looks at the border pixels of any two facets that are not both structure, every other one, and fits a plane to either side within
 /// `radius_px`: locally, because curved and L-shaped facets have no one direction. O(border pixels · radius^2).
-pub fn borders(
+pub fn measure_borders(
     facets: &Facets,
     disparity: &Raster<f32>,
     space: &DisparitySpace,
@@ -413,7 +413,7 @@ mod tests {
 
         fn seen(&self, step_depth_m: f64) -> BorderEvidence {
             let params = params::Border { step_depth_m, ..Default::default() };
-            let graph = borders(&self.facets, &self.disparity, &self.space, &params);
+            let graph = measure_borders(&self.facets, &self.disparity, &self.space, &params);
             let [edge] = graph.edges() else { panic!("one border: {graph:?}") };
             edge.evidence.clone()
         }
@@ -515,7 +515,7 @@ mod tests {
         let mut walls = Walls::new(90.0, 0.0, 1);
         let count = |walls: &Walls| {
             let params = params::Border::default();
-            borders(&walls.facets, &walls.disparity, &walls.space, &params).edges().len()
+            measure_borders(&walls.facets, &walls.disparity, &walls.space, &params).edges().len()
         };
         walls.facets.structure = 1;
         assert_eq!(count(&walls), 1, "one surface of the structure and a facet have one");

@@ -13,4 +13,5 @@ pub mod disparity;
 pub mod moments;
 pub mod normals;
 pub mod plane_fit;
+pub mod surfaces;
 pub mod window_choice;

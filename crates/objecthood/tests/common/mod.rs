@@ -5,7 +5,7 @@ mod invariants;
 #[path = "../../examples/world/mod.rs"]
 mod world;
 
-use objecthood::{Discovery, Frame, Observer, Params, Segments, Stage, discover_observed};
+use objecthood::{Discovery, Frame, Observer, Output, Params, Segments, discover_observed};
 use world::{Solid, snapshot};
 
 pub(crate) use invariants::{check_descriptions, check_edges, check_scene};
@@ -56,12 +56,12 @@ fn pole() -> Solid {
 pub(crate) struct Maps(pub(crate) Vec<(&'static str, Segments)>);
 
 impl Observer for Maps {
-    fn observe(&mut self, stage: Stage<'_>) {
-        match stage {
-            Stage::Structure(s) => self.0.push(("structure", s.segments().into_owned())),
-            Stage::Superpixels(s) => self.0.push(("superpixels", s.segments().into_owned())),
-            Stage::Facets(s) => self.0.push(("facets", s.clone())),
-            Stage::Shapes(s) => self.0.push(("shapes", s.segments().into_owned())),
+    fn observe(&mut self, output: Output<'_>) {
+        match output {
+            Output::Structure(s) => self.0.push(("structure", s.segments().into_owned())),
+            Output::Superpixels(s) => self.0.push(("superpixels", s.segments().into_owned())),
+            Output::Facets(s) => self.0.push(("facets", s.clone())),
+            Output::Shapes(s) => self.0.push(("shapes", s.segments().into_owned())),
             _ => {}
         }
     }

@@ -2,36 +2,39 @@
 
 use glam::DVec3;
 
-use super::{Structure, StructureSurface};
+use super::StructureSurface;
 use crate::camera::Camera;
 use crate::objectness::gravity::{PointSums, StructurePlane};
 use crate::raster::Raster;
 use crate::regions::runs;
 use crate::simd::vectorized;
 
-impl Structure {
-    /// The surfaces as planes, each fitted to its own pixels. How much is theirs is known in the end:
-    /// [`counted`](crate::objectness::outcome::Outcome::counted). O(pixels).
-    pub(crate) fn planes(&self, depth_m: &Raster<f32>, camera: &Camera) -> Vec<StructurePlane> {
-        let width = depth_m.width();
-        let rays: Vec<f64> = (0..width).map(|u| camera.ray(u as f64, 0.0)[0]).collect();
-        let mut own = vec![LaneSums::default(); self.surfaces.len()];
-        for (run, surface) in runs(&self.labels, 0..depth_m.height()) {
-            let (u, v) = (run.start % width, run.start / width);
-            let ray_y = camera.ray(0.0, v as f64)[1];
-            let rays = &rays[u..u + run.len()];
-            vectorized(
-                #[inline(always)]
-                || own[surface].add(rays, ray_y, &depth_m.as_slice()[run]),
-            );
-        }
-        let own = own.iter().map(LaneSums::total);
-        let plane = |(surface, own): (&StructureSurface, PointSums)| {
-            let (normal, offset_m) = (surface.normal.as_vec3().to_array(), surface.offset_m as f32);
-            own.fitted_plane().unwrap_or(StructurePlane { normal, offset_m, inlier_share: 0.0 })
-        };
-        self.surfaces.iter().zip(own).map(plane).collect()
+/// The surfaces as planes, each fitted to its own pixels. How much is theirs is known in the end:
+/// [`counted`](crate::objectness::outcome::Outcome::counted). O(pixels).
+pub(super) fn fit_planes(
+    surfaces: &[StructureSurface],
+    labels: &Raster<i32>,
+    depth_m: &Raster<f32>,
+    camera: &Camera,
+) -> Vec<StructurePlane> {
+    let width = depth_m.width();
+    let rays: Vec<f64> = (0..width).map(|u| camera.ray(u as f64, 0.0)[0]).collect();
+    let mut own = vec![LaneSums::default(); surfaces.len()];
+    for (run, surface) in runs(labels, 0..depth_m.height()) {
+        let (u, v) = (run.start % width, run.start / width);
+        let ray_y = camera.ray(0.0, v as f64)[1];
+        let rays = &rays[u..u + run.len()];
+        vectorized(
+            #[inline(always)]
+            || own[surface].add(rays, ray_y, &depth_m.as_slice()[run]),
+        );
     }
+    let own = own.iter().map(LaneSums::total);
+    let plane = |(surface, own): (&StructureSurface, PointSums)| {
+        let (normal, offset_m) = (surface.normal.as_vec3().to_array(), surface.offset_m as f32);
+        own.fitted_plane().unwrap_or(StructurePlane { normal, offset_m, inlier_share: 0.0 })
+    };
+    surfaces.iter().zip(own).map(plane).collect()
 }
 
 /// Points that are added side by side.

@@ -1,4 +1,4 @@
-//! A workspace that is used again: nothing of it is seen in what is found, and nothing is asked of the system.
+//! A pipeline that is used again: nothing of it is seen in what is found, and nothing is asked of the system.
 
 mod common;
 
@@ -6,7 +6,7 @@ use std::alloc::System;
 use std::sync::Mutex;
 
 use common::{cut_box, stack, two_boxes};
-use objecthood::{Camera, Frame, Method, Observer, Params, Raster, Stage, Workspace, discover};
+use objecthood::{Camera, Frame, Method, Observer, Output, Params, Pipeline, Raster, discover};
 use rayon::ThreadPoolBuilder;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
@@ -24,13 +24,13 @@ fn wall() -> objecthood::Result<Frame> {
 #[test]
 fn what_was_looked_at_before_is_not_seen() {
     let _alone = ALONE.lock();
-    let mut workspace = Workspace::default();
+    let mut pipeline = Pipeline::default();
     let wall = wall().unwrap();
     let frames = [two_boxes(), wall.clone(), stack(), wall, cut_box(), two_boxes()];
     for (k, frame) in frames.iter().enumerate() {
         for method in [Method::Context, Method::Paper] {
             let params = Params { method, ..Params::default() };
-            let again = workspace.discover(frame, &params).unwrap();
+            let again = pipeline.discover(frame, &params).unwrap();
             let fresh = discover(frame, &params).unwrap();
             assert_eq!(format!("{again:?}"), format!("{fresh:?}"), "frame {k}, {method}");
         }
@@ -44,8 +44,8 @@ struct ToNormals<'a> {
 }
 
 impl Observer for ToNormals<'_> {
-    fn observe(&mut self, stage: Stage<'_>) {
-        if let Stage::Normals(_) = stage {
+    fn observe(&mut self, output: Output<'_>) {
+        if let Output::Normals(_) = output {
             let change = self.region.change();
             self.asked = change.allocations + change.reallocations;
         }
@@ -57,11 +57,11 @@ fn what_looks_at_every_pixel_asks_for_no_memory_from_the_second_frame_on() {
     let _alone = ALONE.lock();
     let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let (frames, params) = ([two_boxes(), stack(), cut_box(), two_boxes()], Params::default());
-    let mut workspace = Workspace::default();
+    let mut pipeline = Pipeline::default();
     let asked = frames.each_ref().map(|frame| {
         pool.install(|| {
             let mut to_normals = ToNormals { region: Region::new(ALLOCATOR), asked: 0 };
-            workspace.discover_observed(frame, &params, &mut to_normals).unwrap();
+            pipeline.discover_observed(frame, &params, &mut to_normals).unwrap();
             to_normals.asked
         })
     });

@@ -1,0 +1,67 @@
+//! The end of both methods: what was found, put together.
+
+use crate::discovery::{Discovery, Notice};
+use crate::error::Result;
+use crate::frame::Frame;
+use crate::objectness::decision::decide;
+use crate::objectness::gravity::{Ground, on_plane};
+use crate::objectness::hypotheses::Hypothesis;
+use crate::objectness::objects::objects;
+use crate::objectness::standing::Standing;
+use crate::objectness::support::SupportGraph;
+use crate::params::{Params, UpFrom};
+use crate::raster::Raster;
+use crate::regions::Segments;
+
+/// What `paper` found: the hypotheses that are objects, the ground, and what stands on what. O(pixels log pixels).
+///
+/// # Errors
+/// As [`objects`].
+pub(crate) fn conclude_paper(
+    frame: &Frame,
+    facets: &Segments,
+    points_m: &Raster<[f32; 3]>,
+    (ground, support): (&Ground, &SupportGraph),
+    hypotheses: &[Hypothesis],
+    params: &Params,
+) -> Result<Discovery> {
+    let (objects, labels) = objects(decide(hypotheses, params), facets, points_m, support)?;
+    let plane = ground.plane.as_ref();
+    let missing_plane = plane.is_none() && params.gravity.up_from == UpFrom::Plane;
+    let missing_color = frame.color().is_none();
+    let notices = [(missing_plane, Notice::NoPlane), (missing_color, Notice::NoColor)];
+    Ok(Discovery {
+        support: support.marked(&objects),
+        objects,
+        up: ground.up,
+        structure: on_plane(plane, &labels, points_m, &params.gravity),
+        structure_planes: plane.cloned().into_iter().collect(),
+        labels,
+        notices: notices.into_iter().filter_map(|(holds, notice)| holds.then_some(notice)).collect(),
+    })
+}
+
+/// What `context` found: the hypotheses that are objects, the structure, and what stands on what. O(pixels log pixels).
+///
+/// # Errors
+/// As [`objects`].
+pub(crate) fn conclude_context(
+    facets: &Segments,
+    points_m: &Raster<[f32; 3]>,
+    standing: &Standing,
+    hypotheses: &[Hypothesis],
+    params: &Params,
+) -> Result<Discovery> {
+    let Standing { outcome, planes, up, graph } = standing;
+    let (objects, labels) = objects(decide(hypotheses, params), facets, points_m, graph)?;
+    let missing_plane = planes.is_empty() && params.gravity.up_from == UpFrom::Plane;
+    Ok(Discovery {
+        support: graph.marked(&objects),
+        objects,
+        labels,
+        up: *up,
+        structure: outcome.structure_labels(),
+        structure_planes: planes.clone(),
+        notices: missing_plane.then_some(Notice::NoPlane).into_iter().collect(),
+    })
+}

@@ -1,0 +1,95 @@
+//! What the stages of a method put out, each kept until something that it was computed from changes.
+
+use std::sync::Arc;
+
+use crate::discovery::Discovery;
+use crate::error::Result;
+use crate::facets::Facets;
+use crate::objectness::clustering::Clustering;
+use crate::objectness::gravity::Ground;
+use crate::objectness::hypotheses::Hypothesis;
+use crate::objectness::standing::Standing;
+use crate::objectness::support::SupportGraph;
+use crate::oversegment::Superpixels;
+use crate::oversegment::linked::LinkedSuperpixels;
+use crate::oversegment::structure::Structure;
+use crate::raster::Raster;
+use crate::regions::{RegionGraph, Segments};
+use crate::shapes::border::BorderEvidence;
+use crate::shapes::contraction::Shapes;
+use crate::stage::Stage;
+use crate::surface::surfaces::Surfaces;
+
+/// An output, once its stage has run. Clones of a pipeline share it.
+pub(crate) type Slot<T> = Option<Arc<T>>;
+
+/// The output in a slot; `run` makes it where there is none.
+pub(crate) fn recall<T>(slot: &mut Slot<T>, run: impl FnOnce() -> T) -> &T {
+    slot.get_or_insert_with(|| Arc::new(run()))
+}
+
+/// As [`recall`], of a stage that may fail.
+///
+/// # Errors
+/// As `run`.
+pub(crate) fn try_recall<T>(slot: &mut Slot<T>, run: impl FnOnce() -> Result<T>) -> Result<&T> {
+    Ok(match slot {
+        Some(output) => output,
+        None => slot.insert(Arc::new(run()?)),
+    })
+}
+
+/// A struct with a slot for every stage of a method, in their order.
+macro_rules! outputs {
+    ($(#[$doc:meta])* $Outputs:ident { $($(#[$slot_doc:meta])* $slot:ident: $Type:ty, of $stage:ident;)+ }) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, Default)]
+        pub(crate) struct $Outputs {
+            $($(#[$slot_doc])* pub(crate) $slot: Slot<$Type>,)+
+        }
+
+        impl $Outputs {
+            /// Drops the outputs of a stage and of all after it.
+            pub(crate) fn forget_from(&mut self, first: Stage) {
+                $(if Stage::$stage >= first {
+                    self.$slot = None;
+                })+
+            }
+        }
+    };
+}
+
+outputs! {
+    /// The outputs of `context`.
+    ContextOutputs {
+        surfaces: Surfaces, of Normals;
+        structure: Structure, of Structure;
+        superpixels: LinkedSuperpixels, of Superpixels;
+        facets: Facets, of Facets;
+        borders: RegionGraph<BorderEvidence>, of Borders;
+        shapes: Shapes, of Shapes;
+        /// The facets, with what was missing between them filled.
+        filled: Facets, of Clusters;
+        points_m: Raster<[f32; 3]>, of Normals;
+        clusters: Clustering, of Clusters;
+        standing: Standing, of Support;
+        hypotheses: Vec<Hypothesis>, of Hypotheses;
+        discovery: Discovery, of Objects;
+    }
+}
+
+outputs! {
+    /// The outputs of `paper`.
+    PaperOutputs {
+        points_m: Raster<[f32; 3]>, of Normals;
+        normals: Raster<[f32; 3]>, of Normals;
+        curvature: Raster<f32>, of Curvature;
+        superpixels: Superpixels, of Superpixels;
+        facets: Segments, of Facets;
+        shapes: Segments, of Shapes;
+        ground: Ground, of Support;
+        support: SupportGraph, of Support;
+        hypotheses: Vec<Hypothesis>, of Hypotheses;
+        discovery: Discovery, of Objects;
+    }
+}

@@ -1,0 +1,45 @@
+//! Stage 1 of `context` after the structure: superpixels by watershed, with what merging them needs (METHOD 3.4).
+
+use crate::oversegment::structure::Structure;
+use crate::oversegment::watershed::{Links, linked_pairs, seeds, watershed};
+use crate::params;
+use crate::regions::{RegionGraph, Segments};
+use crate::surface::moments::Moments;
+use crate::surface::surfaces::Surfaces;
+use crate::workspace::Workspace;
+
+/// Superpixels where no structure is, and how they hang together.
+#[derive(Clone, Debug)]
+pub struct LinkedSuperpixels {
+    /// The label map; -1 on structure and without depth.
+    pub segments: Segments,
+    /// Pairs of superpixels that links join, with the number of these links.
+    pub linked_pairs: RegionGraph<u32>,
+    /// The moments of every superpixel's disparity.
+    pub moments: Vec<Moments>,
+}
+
+/// Floods how badly a plane fits, from one seed a block, across links between pixels of one surface. O(pixels).
+pub fn flood_superpixels(
+    surfaces: &Surfaces,
+    structure: &Structure,
+    params: &params::Watershed,
+    workspace: &mut Workspace,
+) -> LinkedSuperpixels {
+    let Surfaces { space, disparity, fits, orientation, .. } = surfaces;
+    let links = Links::new(disparity, &orientation.slope, &structure.labels, space, params, workspace);
+    let starts = seeds(&fits.residual, &links, space, params);
+    let segments = watershed(&fits.residual, &starts, &links, workspace);
+    LinkedSuperpixels::new(segments, &links, surfaces)
+}
+
+impl LinkedSuperpixels {
+    /// Superpixels from anywhere, with what merging them needs. O(pixels).
+    fn new(segments: Segments, links: &Links, surfaces: &Surfaces) -> Self {
+        let (linked_pairs, moments) = rayon::join(
+            || linked_pairs(&segments, links),
+            || Moments::of_segments(&segments, &surfaces.disparity),
+        );
+        Self { segments, linked_pairs, moments }
+    }
+}

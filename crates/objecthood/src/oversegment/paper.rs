@@ -1,0 +1,47 @@
+//! Stage 1 of `paper`: over-segmentation on colour, depth and curvature (III-A, eq. 1).
+
+use crate::frame::Frame;
+use crate::oversegment::Superpixels;
+use crate::oversegment::absorb::absorb;
+use crate::oversegment::felzenszwalb::segment;
+use crate::oversegment::graph::{PixelGraph, Unmeasured};
+use crate::oversegment::smoothing::smooth;
+use crate::params::{Channels, Params};
+use crate::raster::Raster;
+use crate::workspace::Workspace;
+
+/// Segments the pixel graph of a frame, bounded by high curvature, and gives what bounds it to the regions beside it.
+/// O(pixels log pixels).
+pub fn segment_graph(
+    frame: &Frame,
+    curvature: &Raster<f32>,
+    params: &Params,
+    workspace: &mut Workspace,
+) -> Superpixels {
+    let borders = find_high_curvature(frame, curvature, params);
+    let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing, workspace));
+    let unmeasured = treat_unmeasured(params);
+    let graph =
+        PixelGraph::new(frame, smoothed.as_ref(), unmeasured, &params.sensor, &params.graph, workspace);
+    smoothed.into_iter().flatten().for_each(|plane| workspace.keep(plane));
+    let components = segment(&graph, &borders, &params.graph, workspace);
+    let min_size = params.graph.min_size_px;
+    let superpixels =
+        absorb(&graph, &components, &borders, frame.depth_m(), &params.absorption, min_size, workspace);
+    graph.leave(workspace);
+    components.leave(workspace);
+    superpixels
+}
+
+/// Where curvature bounds superpixels, or depth alone makes them, pixels without depth stand apart.
+fn treat_unmeasured(params: &Params) -> Unmeasured {
+    let bounded = params.curvature.enabled || params.graph.channels == Channels::Depth;
+    if bounded { Unmeasured::Apart } else { Unmeasured::ByColor }
+}
+
+/// The pixels that bound superpixels: depth and a curvature above the threshold.
+fn find_high_curvature(frame: &Frame, curvature: &Raster<f32>, params: &Params) -> Raster<bool> {
+    let (enabled, threshold) = (params.curvature.enabled, params.curvature.threshold);
+    let high = |(c, z): (&f32, &f32)| enabled & !z.is_nan() & (*c > threshold);
+    curvature.with_data(curvature.as_slice().iter().zip(frame.depth_m().as_slice()).map(high).collect())
+}

@@ -1,0 +1,125 @@
+//! A method at work: what its stages put out is kept, and after a change only what depends on it is computed again.
+
+use crate::discovery::Discovery;
+use crate::error::Result;
+use crate::frame::Frame;
+use crate::method::{context, paper};
+use crate::observe::Observer;
+use crate::outputs::{ContextOutputs, PaperOutputs};
+use crate::params::{Method, Params};
+use crate::workspace::Workspace;
+
+/// Looks at frames, and keeps what the stages put out for the last one.
+///
+/// * A stream of frames: the images of one frame are written where those of the frame before were. Asking the system for new
+///   memory instead takes about a tenth of the time.
+/// * One frame with other parameters: only the stages that a changed parameter reaches run again. Each parameter says which
+///   stage is the first to read it ([`ParameterInfo::readers`](crate::ParameterInfo::readers)).
+///
+/// What is found never depends on what the pipeline looked at before. A clone shares the outputs until one of the two looks at
+/// something else.
+///
+/// ```
+/// # use objecthood::{Camera, Frame, Params, Pipeline, Raster};
+/// # let camera = Camera::new(52.5, 52.5, 31.5, 23.5)?;
+/// # let frame = Frame::new(Raster::filled(64, 48, 1.2)?, None, camera)?;
+/// let mut pipeline = Pipeline::default();
+/// let mut params = Params::default();
+/// let found = pipeline.discover(&frame, &params)?;
+/// assert!(found.objects.is_empty());
+///
+/// params.objectness.threshold = 0.4;
+/// let found_again = pipeline.discover(&frame, &params)?; // only the last stage runs
+/// # assert!(found_again.objects.is_empty());
+/// # Ok::<(), objecthood::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Pipeline {
+    last: Option<Last>,
+    workspace: Workspace,
+}
+
+/// What the pipeline looked at last.
+#[derive(Clone, Debug)]
+struct Last {
+    frame: Frame,
+    params: Params,
+    outputs: Outputs,
+}
+
+/// The outputs of a method.
+#[derive(Clone, Debug)]
+enum Outputs {
+    Context(ContextOutputs),
+    Paper(PaperOutputs),
+}
+
+impl Pipeline {
+    /// As [`discover`](crate::discover). A stage does not run again when its inputs are those of the last call: the frame is the
+    /// same or a clone of it, and neither this stage nor an earlier one reads a parameter that changed.
+    ///
+    /// # Errors
+    /// As [`discover`](crate::discover).
+    pub fn discover(&mut self, frame: &Frame, params: &Params) -> Result<&Discovery> {
+        self.discover_observed(frame, params, &mut ())
+    }
+
+    /// As [`Self::discover`], and shows the output of every stage to `observer`, whether the stage ran again or not.
+    ///
+    /// # Errors
+    /// As [`discover`](crate::discover).
+    pub fn discover_observed(
+        &mut self,
+        frame: &Frame,
+        params: &Params,
+        observer: &mut dyn Observer,
+    ) -> Result<&Discovery> {
+        params.validate()?;
+        let outputs = self.last.take().and_then(|last| last.still_valid(frame, params));
+        let outputs = outputs.unwrap_or_else(|| Outputs::none(params.method));
+        let last = self.last.insert(Last { frame: frame.clone(), params: params.clone(), outputs });
+        match &mut last.outputs {
+            Outputs::Context(outputs) => context(frame, params, outputs, observer, &mut self.workspace),
+            Outputs::Paper(outputs) => paper(frame, params, outputs, observer, &mut self.workspace),
+        }
+    }
+
+    /// Forgets the last frame and what the stages put out for it. The memory is kept for the next frame.
+    pub fn forget(&mut self) {
+        self.last = None;
+    }
+
+    /// What the stages of `context` put out; `None` of another method, or before the first frame.
+    pub(crate) fn context_outputs(&self) -> Option<&ContextOutputs> {
+        match &self.last.as_ref()?.outputs {
+            Outputs::Context(outputs) => Some(outputs),
+            Outputs::Paper(_) => None,
+        }
+    }
+}
+
+impl Last {
+    /// The outputs that do not depend on what is another in a frame or in parameters.
+    fn still_valid(self, frame: &Frame, params: &Params) -> Option<Outputs> {
+        if !self.frame.is_clone_of(frame) || self.params.method != params.method {
+            return None;
+        }
+        let mut outputs = self.outputs;
+        if let Some(stage) = self.params.first_reader_of_change(params, params.method) {
+            match &mut outputs {
+                Outputs::Context(outputs) => outputs.forget_from(stage),
+                Outputs::Paper(outputs) => outputs.forget_from(stage),
+            }
+        }
+        Some(outputs)
+    }
+}
+
+impl Outputs {
+    fn none(method: Method) -> Self {
+        match method {
+            Method::Context => Self::Context(ContextOutputs::default()),
+            Method::Paper => Self::Paper(PaperOutputs::default()),
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! What single pixels tell in `context`: the plane that fits the surroundings of each best (METHOD 3.1, 3.2).
+
+use crate::frame::Frame;
+use crate::params;
+use crate::raster::Raster;
+use crate::surface::disparity::DisparitySpace;
+use crate::surface::plane_fit::{PlaneFits, plane_fits};
+use crate::surface::window_choice::{Orientation, orientation};
+use crate::workspace::Workspace;
+
+/// The surface at every pixel.
+#[derive(Clone, Debug)]
+pub struct Surfaces {
+    /// The camera and its noise: the units of all that follows.
+    pub space: DisparitySpace,
+    /// Disparity (quanta); `NaN` without depth.
+    pub disparity: Raster<f32>,
+    /// The plane fitted to the window around every pixel.
+    pub fits: PlaneFits,
+    /// Slope and normal of the window that was chosen for every pixel.
+    pub orientation: Orientation,
+}
+
+/// Measures the surface at every pixel of a frame. O(pixels).
+pub fn find_surfaces(
+    frame: &Frame,
+    sensor: &params::Sensor,
+    params: &params::LocalFit,
+    workspace: &mut Workspace,
+) -> Surfaces {
+    let space = DisparitySpace::new(frame.camera(), sensor);
+    let disparity = space.disparity_in(frame.depth_m(), workspace);
+    let fits = plane_fits(&disparity, space.length_px(params.radius_px), workspace);
+    let orientation = orientation(&disparity, &fits, &space, params, workspace);
+    Surfaces { space, disparity, fits, orientation }
+}
