@@ -1,5 +1,14 @@
 //! The methods: the order of the stages, and nothing else.
 
+use crate::clusters::bottoms::join_bottoms;
+use crate::clusters::candidates::find_candidates;
+use crate::clusters::cluster::Clusters;
+use crate::clusters::fill::fill;
+use crate::clusters::fragments::absorb_fragments;
+use crate::clusters::height::drop_low;
+use crate::clusters::occlusion::join_behind_occluders;
+use crate::clusters::scene::{Scene, Steps};
+use crate::clusters::vessels::join_vessels;
 use crate::discovery::{Discovery, Notice};
 use crate::error::Result;
 use crate::facets::appearance::Appearance;
@@ -8,16 +17,8 @@ use crate::facets::merging::merge_surfaces;
 use crate::facets::refinement::refine;
 use crate::frame::Frame;
 use crate::objectness::decision::decided;
-use crate::objectness::forest::forest;
-use crate::objectness::gravity::{camera_up, dominant_plane, on_plane, up};
-use crate::objectness::history::History;
-use crate::objectness::hypotheses::{Evidence, hypotheses};
-use crate::objectness::objects::objects;
-use crate::objectness::support::support;
-use crate::objectness::{
-    Clusters, Scene, Steps, absorb_fragments, drop_low, fill, join_behind_occluders, join_bottoms,
-    join_vessels, outcome,
-};
+use crate::objectness::hypotheses::{Evidence, describe, hypotheses};
+use crate::objectness::objects::{mark_objects, objects};
 use crate::observe::{LabelMap, Observer, Stage};
 use crate::oversegment::absorb::absorb;
 use crate::oversegment::felzenszwalb::segment;
@@ -32,6 +33,9 @@ use crate::shapes::contact::contacts;
 use crate::shapes::contraction::{contract, votes};
 use crate::shapes::convexity::{convexities, shapes};
 use crate::shapes::descriptor::descriptors;
+use crate::support::by_height::support;
+use crate::support::forest::forest;
+use crate::support::gravity::{camera_up, dominant_plane, on_plane, up};
 use crate::surface::curvature::curvature;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::moments::Moments;
@@ -102,7 +106,7 @@ pub(crate) fn paper(
     let hypotheses = hypotheses(&evidence, 0, params.objectness.min_size_px, params);
     observer.observe(Stage::Hypotheses(&hypotheses));
     let (objects, labels) = objects(decided(hypotheses, params), &facets, &points, &support)?;
-    support.mark(&objects);
+    mark_objects(&mut support, &objects);
 
     let missing_plane = plane.is_none() && params.gravity.up_from == UpFrom::Plane;
     let missing_color = frame.color().is_none();
@@ -202,15 +206,19 @@ pub(crate) fn context(
     join_vessels(&mut clusters, &params.vessels);
     join_bottoms(&mut clusters, structure.support, &params.vessels);
     join_behind_occluders(&mut clusters, &params.occlusion);
-    observer.observe(Stage::Clusters { facets: &facets, history: History::of(&clusters) });
+    observer.observe(Stage::Clusters {
+        facets: &facets,
+        history: &clusters.history,
+        sizes_px: &clusters.sizes_px(),
+    });
 
-    let outcome = outcome(&clusters, structure.support, &params.objectness);
-    let planes = outcome.counted(planes, frame.measured_px());
+    let candidates = find_candidates(&clusters, structure.support, &params.objectness);
+    let planes = candidates.counted(planes, frame.measured_px());
     let up = up(structure.support.map(|s| &planes[s]), &params.gravity);
-    let mut support = forest(&outcome.regions, &points, &orientation.normal, &planes, &up, space, params);
-    observer.observe(Stage::Support { graph: &support, regions: &outcome.regions });
+    let mut support = forest(&candidates.regions, &points, &orientation.normal, &planes, &up, space, params);
+    observer.observe(Stage::Support { graph: &support, regions: &candidates.regions });
     let evidence = Evidence {
-        regions: &outcome.regions,
+        regions: &candidates.regions,
         points_m: &points,
         normals: &orientation.normal,
         support: &support,
@@ -218,17 +226,17 @@ pub(crate) fn context(
         space,
     };
     let mut hypotheses = hypotheses(&evidence, planes.len(), 1, params);
-    outcome.describe(&mut hypotheses, &clusters);
+    describe(&mut hypotheses, &candidates, &clusters);
     observer.observe(Stage::Hypotheses(&hypotheses));
     let (objects, labels) = objects(decided(hypotheses, params), &facets.segments, &points, &support)?;
-    support.mark(&objects);
+    mark_objects(&mut support, &objects);
 
     let missing_plane = structure.support.is_none() && params.gravity.up_from == UpFrom::Plane;
     let discovery = Discovery {
         objects,
         labels,
         up,
-        structure: outcome.structure_labels(),
+        structure: candidates.structure_labels(),
         structure_planes: planes,
         support,
         notices: missing_plane.then_some(Notice::NoPlane).into_iter().collect(),

@@ -2,14 +2,14 @@
 
 use std::borrow::Cow;
 
+use crate::clusters::history::History;
 use crate::discovery::Discovery;
+use crate::discovery::support_graph::SupportGraph;
 use crate::facets::Facets;
-use crate::objectness::history::History;
 use crate::objectness::hypotheses::Hypothesis;
-use crate::objectness::support::SupportGraph;
 use crate::oversegment::structure::Structure as Planes;
 use crate::raster::Raster;
-use crate::regions::{RegionGraph, Segments};
+use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::shapes::border::BorderEvidence;
 use crate::shapes::contraction::Shapes as Grouping;
 
@@ -41,7 +41,9 @@ pub enum Stage<'a> {
         /// The facets, and what was missing between them filled.
         facets: &'a Facets,
         /// What was given to what, and what was left alone.
-        history: History<'a>,
+        history: &'a History,
+        /// The clusters that are left, and their pixels (px).
+        sizes_px: &'a [(SegmentId, usize)],
     },
     /// Stage 4, first half: what supports what; which of it are objects is not yet known.
     Support {

@@ -5,8 +5,8 @@ mod common;
 use std::time::Duration;
 
 use common::{cut_box, stack, two_boxes};
+use objecthood::clusters::history::Rule;
 use objecthood::explain::{Decision, Explainer, Explanation, Flip, Outcome, Question, Reason};
-use objecthood::objectness::history::Rule;
 use objecthood::{Camera, Error, Frame, Method, Params, Raster};
 use rayon::prelude::*;
 
@@ -109,7 +109,7 @@ fn what_cannot_be_explained_is_refused() {
     }
     let paper = Params { method: Method::Paper, ..params };
     let refused = Explainer::new(&frame, &paper).err();
-    assert_eq!(refused, Some(Error::OnlyContext { method: Method::Paper }));
+    assert_eq!(refused, Some(Error::OnlyContext { method: Method::Paper.to_string() }));
 }
 
 #[test]

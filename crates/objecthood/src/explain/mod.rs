@@ -22,13 +22,15 @@ use std::sync::OnceLock;
 
 use std::collections::BTreeSet;
 
-use crate::discovery::{Discovery, ObjectId, ObjectnessParts};
+use crate::clusters::check::Check;
+use crate::discovery::Discovery;
+use crate::discovery::ids::ObjectId;
+use crate::discovery::parts::ObjectnessParts;
 use crate::error::{Error, Result};
 use crate::explain::flip::Search;
 use crate::explain::run::Run;
 use crate::explain::sweep::Sweep;
 use crate::frame::Frame;
-use crate::objectness::check::Check;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::params::Params;
 use crate::raster::Raster;

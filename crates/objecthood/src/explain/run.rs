@@ -3,16 +3,16 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::clusters::history::{Event, Miss, Source};
 use crate::discovery::Discovery;
 use crate::error::{Error, Result};
 use crate::explain::explanation::Question;
 use crate::explain::steps::{Largest, NearStep, Step, steps};
 use crate::facets::Facets;
 use crate::frame::Frame;
-use crate::objectness::history::{Event, Miss, Source};
+use crate::neighbours::four_neighbours;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::observe::{Observer, Stage};
-use crate::oversegment::watershed::neighbours;
 use crate::params::{Method, Params};
 use crate::regions::{RegionGraph, SegmentId};
 use crate::shapes::border::BorderEvidence;
@@ -33,11 +33,11 @@ impl Observer for Record {
     fn observe(&mut self, stage: Stage<'_>) {
         match stage {
             Stage::Borders { facets, evidence } => self.borders = Some((facets.clone(), evidence.clone())),
-            Stage::Clusters { facets, history } => {
+            Stage::Clusters { facets, history, sizes_px } => {
                 self.filled = Some(facets.clone());
-                self.events = history.events().into_iter().cloned().collect();
+                self.events = history.events().to_vec();
                 self.misses = history.misses().to_vec();
-                self.sizes_px = history.clusters().collect();
+                self.sizes_px = sizes_px.iter().copied().collect();
             }
             Stage::Hypotheses(hypotheses) => self.hypotheses = hypotheses.to_vec(),
             _ => {}
@@ -71,7 +71,7 @@ impl Run {
     /// # Errors
     /// As [`discover`](crate::discover); [`Error::OnlyContext`] with another method, before anything is looked at.
     pub(super) fn new(frame: &Frame, params: &Params) -> Result<Self> {
-        let refused = || Error::OnlyContext { method: params.method };
+        let refused = || Error::OnlyContext { method: params.method.to_string() };
         if params.method != Method::Context {
             return Err(refused());
         }
@@ -207,7 +207,7 @@ impl Run {
         let mut patch: BTreeSet<usize> = [pixel].into_iter().filter(|&i| is_bottom(i)).collect();
         let mut open: Vec<usize> = patch.iter().copied().collect();
         while let Some(i) = open.pop() {
-            for (j, _) in neighbours(i, width, height) {
+            for (j, _) in four_neighbours(i, width, height) {
                 if is_bottom(j) && patch.insert(j) {
                     open.push(j);
                 }

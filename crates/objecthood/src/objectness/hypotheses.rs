@@ -2,13 +2,16 @@
 
 use rayon::prelude::*;
 
-use crate::discovery::{ObjectnessParts, OrientedBox};
+use crate::clusters::candidates::Candidates;
+use crate::clusters::cluster::Clusters;
+use crate::discovery::join::Join;
+use crate::discovery::object::OrientedBox;
+use crate::discovery::parts::ObjectnessParts;
+use crate::discovery::support_graph::SupportGraph;
+use crate::discovery::up::Up;
 use crate::objectness::compactness::compactness;
-use crate::objectness::gravity::Up;
-use crate::objectness::join::Join;
 use crate::objectness::outline::outlines;
 use crate::objectness::size::{graspable, oriented_box};
-use crate::objectness::support::SupportGraph;
 use crate::params::Params;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
@@ -90,4 +93,12 @@ pub fn hypotheses(
         Some(Hypothesis { region, pixels, box_m, objectness, parts, top_m: None, joins: Vec::new() })
     };
     pixels.into_par_iter().enumerate().filter_map(judge).collect()
+}
+
+/// Adds what is known of clusters only: how high they stand, and why their parts are one.
+pub(crate) fn describe(hypotheses: &mut [Hypothesis], candidates: &Candidates, clusters: &Clusters<'_>) {
+    for hypothesis in hypotheses {
+        hypothesis.top_m = candidates.top_m(hypothesis.region, clusters).map(|top_m| top_m as f32);
+        hypothesis.joins = candidates.joins(hypothesis.region, clusters);
+    }
 }

@@ -100,7 +100,7 @@ struct Seen<'a> {
 /// Finds the structure of a scene.
 ///
 /// RANSAC (Fischler and Bolles 1981) with fixed random numbers over a grid of pixels; the best plane is refitted as a
-/// quadratic and kept when it is large. `camera_up`: the camera's own up, see [`camera_up`](crate::objectness::gravity::camera_up). O(rounds · trials · pixels / 36).
+/// quadratic and kept when it is large. `camera_up`: the camera's own up, see [`camera_up`](crate::support::gravity::camera_up). O(rounds · trials · pixels / 36).
 #[expect(clippy::too_many_arguments, reason = "what was seen, how it was seen, and where to write")]
 pub fn structure(
     disparity: &Raster<f32>,

@@ -4,14 +4,14 @@ use glam::DVec3;
 
 use super::{Structure, StructureSurface};
 use crate::camera::Camera;
-use crate::objectness::gravity::{PointSums, StructurePlane};
+use crate::planes::{PointSums, StructurePlane};
 use crate::raster::Raster;
 use crate::regions::runs;
 use crate::simd::vectorized;
 
 impl Structure {
     /// The surfaces as planes, each fitted to its own pixels. How much is theirs is known in the end:
-    /// [`counted`](crate::objectness::outcome::Outcome::counted). O(pixels).
+    /// [`counted`](crate::clusters::candidates::Outcome::counted). O(pixels).
     pub(crate) fn planes(&self, depth_m: &Raster<f32>, camera: &Camera) -> Vec<StructurePlane> {
         let width = depth_m.width();
         let rays: Vec<f64> = (0..width).map(|u| camera.ray(u as f64, 0.0)[0]).collect();
