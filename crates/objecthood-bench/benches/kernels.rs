@@ -3,11 +3,11 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use objecthood::objectness::gravity::camera_up;
 use objecthood::oversegment::graph::{PixelGraph, Unmeasured};
 use objecthood::oversegment::smoothing::smooth;
 use objecthood::oversegment::structure::find_structure;
 use objecthood::oversegment::watershed::{Links, seeds, watershed};
+use objecthood::support::gravity::camera_up;
 use objecthood::surface::curvature::curvature;
 use objecthood::surface::normals::normals;
 use objecthood::surface::plane_fit::plane_fits;

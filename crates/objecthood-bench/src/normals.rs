@@ -1,6 +1,7 @@
 //! How far normals are from that of the plane they lie on.
 
-use objecthood::objectness::gravity::{StructurePlane, dominant_plane};
+use objecthood::planes::StructurePlane;
+use objecthood::support::gravity::dominant_plane;
 use objecthood::{Params, Raster, Workspace};
 
 /// Points no farther than this from the plane are taken to lie on it: what `pcl_normals` takes.

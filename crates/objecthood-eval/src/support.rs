@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
 
 use objecthood::Segments;
-use objecthood::objectness::support::{NodeKind, SupportGraph, SupportKind};
+use objecthood::discovery::{NodeKind, SupportGraph, SupportKind};
 use serde::Serialize;
 
 use crate::contingency::{Classes, Contingency};
@@ -208,8 +208,7 @@ impl AddAssign for SupportScore {
 
 #[cfg(test)]
 mod tests {
-    use objecthood::objectness::gravity::{Up, UpSource};
-    use objecthood::objectness::support::{NodeId, SupportEdge, SupportNode};
+    use objecthood::discovery::{NodeId, SupportEdge, SupportNode, Up, UpSource};
     use objecthood::{Raster, SegmentId};
     use objecthood_scene::{Contact, ContactKind};
 

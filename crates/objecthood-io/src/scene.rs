@@ -3,8 +3,7 @@
 //! These types are the contract with whoever reads the files; they follow [`Discovery`] but change only with
 //! [`SCHEMA_VERSION`]. Their schema, made from the texts below, is published as `docs/scene.schema.json`.
 
-use objecthood::objectness::support::NodeKind;
-use objecthood::objectness::{gravity, join, support};
+use objecthood::discovery::{self, NodeKind};
 use objecthood::{Discovery, Params};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -421,18 +420,20 @@ pub(crate) fn first_null(value: &Value) -> Option<String> {
     }
 }
 
-impl From<&gravity::Up> for UpDirection {
-    fn from(up: &gravity::Up) -> Self {
+impl From<&discovery::Up> for UpDirection {
+    fn from(up: &discovery::Up) -> Self {
         let source = match up.source {
-            gravity::UpSource::Plane => UpSource::Plane,
-            gravity::UpSource::Camera => UpSource::Camera,
+            discovery::UpSource::Plane => UpSource::Plane,
+            discovery::UpSource::Camera => UpSource::Camera,
         };
         Self { direction: up.direction, source }
     }
 }
 
-impl From<&gravity::StructurePlane> for StructurePlane {
-    fn from(&gravity::StructurePlane { normal, offset_m, inlier_share }: &gravity::StructurePlane) -> Self {
+impl From<&discovery::StructurePlane> for StructurePlane {
+    fn from(
+        &discovery::StructurePlane { normal, offset_m, inlier_share }: &discovery::StructurePlane,
+    ) -> Self {
         Self { normal, offset_m, inlier_share }
     }
 }
@@ -458,18 +459,18 @@ impl From<&objecthood::Object> for SceneObject {
     }
 }
 
-impl From<&join::Join> for Join {
-    fn from(join: &join::Join) -> Self {
+impl From<&discovery::Join> for Join {
+    fn from(join: &discovery::Join) -> Self {
         let parts = join.parts.map(|part| JoinedPart { box_px: part.box_px.into(), size_px: part.size_px });
         Self { parts, behind: join.behind.map(|node| node.0), evidence: join.evidence.into() }
     }
 }
 
-impl From<join::JoinEvidence> for JoinEvidence {
-    fn from(evidence: join::JoinEvidence) -> Self {
+impl From<discovery::JoinEvidence> for JoinEvidence {
+    fn from(evidence: discovery::JoinEvidence) -> Self {
         match evidence {
-            join::JoinEvidence::Occlusion(continuation) => {
-                let join::Continuation {
+            discovery::JoinEvidence::Occlusion(continuation) => {
+                let discovery::Continuation {
                     disagreement_quanta,
                     angle_deg,
                     distance_m,
@@ -486,18 +487,20 @@ impl From<join::JoinEvidence> for JoinEvidence {
                     color_overlap,
                 }
             }
-            join::JoinEvidence::VesselInside { convexity } => Self::VesselInside { convexity },
-            join::JoinEvidence::VesselWall { convexity, wall_in_front, rim } => Self::VesselWall {
+            discovery::JoinEvidence::VesselInside { convexity } => Self::VesselInside { convexity },
+            discovery::JoinEvidence::VesselWall { convexity, wall_in_front, rim } => Self::VesselWall {
                 convexity,
                 wall_in_front,
                 rim_radius_m: rim.map(|rim| rim.radius_m),
                 rim_residual_m: rim.map(|rim| rim.residual_m),
             },
-            join::JoinEvidence::VesselRim { rim } => {
+            discovery::JoinEvidence::VesselRim { rim } => {
                 Self::VesselRim { rim_radius_m: rim.radius_m, rim_residual_m: rim.residual_m }
             }
-            join::JoinEvidence::VesselBottom { contact_share } => Self::VesselBottom { contact_share },
-            join::JoinEvidence::VesselRemainder { contact_share } => Self::VesselRemainder { contact_share },
+            discovery::JoinEvidence::VesselBottom { contact_share } => Self::VesselBottom { contact_share },
+            discovery::JoinEvidence::VesselRemainder { contact_share } => {
+                Self::VesselRemainder { contact_share }
+            }
         }
     }
 }
@@ -508,8 +511,8 @@ impl From<objecthood::PixelBox> for PixelBox {
     }
 }
 
-impl From<&objecthood::objectness::support::SupportGraph> for Support {
-    fn from(graph: &objecthood::objectness::support::SupportGraph) -> Self {
+impl From<&objecthood::discovery::SupportGraph> for Support {
+    fn from(graph: &objecthood::discovery::SupportGraph) -> Self {
         let nodes = graph.nodes.iter().map(|node| SupportNode {
             object: match node.kind {
                 NodeKind::Object { object } => Some(object.0),
@@ -528,9 +531,9 @@ impl From<&objecthood::objectness::support::SupportGraph> for Support {
             lower: edge.lower.0,
             upper: edge.upper.0,
             kind: match edge.kind {
-                support::SupportKind::On => SupportKind::On,
-                support::SupportKind::In => SupportKind::In,
-                support::SupportKind::Leans => SupportKind::Leans,
+                discovery::SupportKind::On => SupportKind::On,
+                discovery::SupportKind::In => SupportKind::In,
+                discovery::SupportKind::Leans => SupportKind::Leans,
             },
             confidence: edge.confidence,
             hidden: edge.hidden,

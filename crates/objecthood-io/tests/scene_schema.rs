@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
-use objecthood::objectness::gravity::{StructurePlane, Up, UpSource};
-use objecthood::objectness::join::{Continuation, Join, JoinEvidence, JoinedPart, RimCircle};
-use objecthood::objectness::support::{
-    NodeId, NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode,
+use objecthood::discovery::{
+    Continuation, Join, JoinEvidence, JoinedPart, NodeId, NodeKind, RimCircle, SupportEdge, SupportGraph,
+    SupportKind, SupportNode, Up, UpSource,
 };
+use objecthood::planes::StructurePlane;
 use objecthood::{
     Camera, Discovery, Frame, Notice, Object, ObjectId, ObjectnessParts, OrientedBox, Params, PixelBox,
     Raster,

@@ -1,7 +1,7 @@
 //! The method `context` on synthetic scenes of which the truth is known.
 #![allow(clippy::unwrap_used, reason = "what fails is reported so")]
 
-use objecthood::objectness::join::JoinEvidence;
+use objecthood::discovery::JoinEvidence;
 use objecthood::{Camera, Discovery, Method, Params, Raster, discover};
 use objecthood_scene::{Family, Rendered, Sensor, Viewpoint, World, generate, render};
 
@@ -102,7 +102,7 @@ fn a_rolled_camera_sees_the_same_objects_on_the_same_table() {
     // The camera's up in its own frame, from the truth.
     let up_of = |roll_deg: f64| {
         let params = objecthood::params::Gravity { roll_deg, ..Default::default() };
-        objecthood::objectness::gravity::camera_up(&params)
+        objecthood::support::gravity::camera_up(&params)
     };
     let level = context(&rolled(&world, 0.0), &default());
     for roll_deg in [180.0, 90.0, -90.0] {

@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
+use objecthood::clusters::history::Rule;
+use objecthood::discovery::JoinEvidence;
 use objecthood::explain::{Decision, Explainer, Explanation, Flip, Question, Reason};
-use objecthood::objectness::history::Rule;
-use objecthood::objectness::join::JoinEvidence;
 use objecthood::{Camera, Discovery, Frame, Params, Pipeline, discover};
 use objecthood_scene::{Family, Sensor, Viewpoint, generate, render};
 

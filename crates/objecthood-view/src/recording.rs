@@ -34,7 +34,7 @@ impl Observer for Recording {
 
 #[cfg(test)]
 mod tests {
-    use objecthood::objectness::support::SupportGraph;
+    use objecthood::discovery::SupportGraph;
 
     use super::*;
 

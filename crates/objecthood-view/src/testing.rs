@@ -1,7 +1,6 @@
 //! Small frames and discoveries for the tests.
 
-use objecthood::objectness::gravity::{Up, UpSource};
-use objecthood::objectness::support::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportNode};
+use objecthood::discovery::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportNode, Up, UpSource};
 use objecthood::{
     Camera, Discovery, Frame, Object, ObjectId, ObjectnessParts, OrientedBox, PixelBox, Raster, Segments,
 };

@@ -200,7 +200,7 @@ fn metres(length_m: f32) -> String {
 
 #[cfg(test)]
 mod tests {
-    use objecthood::objectness::support::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportNode};
+    use objecthood::discovery::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportNode};
     use objecthood::{Discovery, Frame, ObjectId, Observer, Output};
 
     use super::*;

@@ -38,7 +38,11 @@ impl Camera {
     pub fn check(self) -> Result<Self> {
         let focal = [self.fx_px, self.fy_px].iter().all(|f| (1e-3..=1e7).contains(f));
         let principal = [self.cx_px, self.cy_px].iter().all(|c| (-1e7..=1e7).contains(c));
-        if focal && principal { Ok(self) } else { Err(Error::BadCamera { camera: self }) }
+        if focal && principal {
+            Ok(self)
+        } else {
+            Err(Error::BadCamera { camera: [self.fx_px, self.fy_px, self.cx_px, self.cy_px] })
+        }
     }
 
     /// The ray through pixel (u, v), scaled so that its z is 1.

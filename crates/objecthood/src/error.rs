@@ -1,8 +1,5 @@
 //! What can be wrong with what the caller gave. Bad pixels are data, not errors.
 
-use crate::camera::Camera;
-use crate::params::Method;
-
 /// Result with this crate's [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -39,11 +36,11 @@ pub enum Error {
     /// Intrinsics that are not those of a camera.
     #[error(
         "fx {} fy {} cx {} cy {} is not a camera: give pixels, focal lengths from 1e-3 to 1e7 and a principal point within 1e7",
-        camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px
+        camera[0], camera[1], camera[2], camera[3]
     )]
     BadCamera {
-        /// What was given.
-        camera: Camera,
+        /// What was given: fx, fy, cx and cy (px).
+        camera: [f64; 4],
     },
     /// A parameter outside its range.
     #[error("{parameter} = {value} is outside its range {range}: see `objecthood params`")]
@@ -70,7 +67,7 @@ pub enum Error {
     #[error("the method `{method}` cannot be explained: only the decisions of `context` can")]
     OnlyContext {
         /// The method.
-        method: Method,
+        method: String,
     },
     /// More objects than a 16-bit label image can number.
     #[error(

@@ -27,7 +27,9 @@
 //! | [`oversegment`] | superpixels | III-A, eq. 1 |
 //! | [`facets`] | faces of convex shapes | III-B, eq. 3 |
 //! | [`shapes`] | convex shapes | III-C, eq. 4 and 5 |
-//! | [`objectness`] | size, gravity, support; the objects | III-D, eq. 6 to 8 |
+//! | [`clusters`] | what joins shapes (`context`) | |
+//! | [`support`] | gravity, and what stands on what | III-D, eq. 6 to 8 |
+//! | [`objectness`] | the score, and which shapes are objects by it | III-D |
 //! | [`regions`] | label maps and region graphs, which the stages hand to each other | |
 //! | [`params`] | every parameter with unit, default and source | |
 //! | [`observe`] | the hook through which intermediate results are seen | |
@@ -38,6 +40,7 @@
 //! threads; functions that use more than one run on the current rayon pool.
 
 pub mod camera;
+pub mod clusters;
 pub mod color;
 pub mod discovery;
 pub mod error;
@@ -45,12 +48,14 @@ pub mod explain;
 pub mod facets;
 pub mod frame;
 mod method;
+mod neighbours;
 pub mod objectness;
 pub mod observe;
 mod outputs;
 pub mod oversegment;
 pub mod params;
 mod pipeline;
+pub mod planes;
 mod quantile;
 mod random;
 pub mod raster;
@@ -58,6 +63,7 @@ pub mod regions;
 pub mod shapes;
 mod simd;
 mod stage;
+pub mod support;
 pub mod surface;
 mod tangents;
 #[cfg(test)]
@@ -66,13 +72,13 @@ mod union_find;
 pub mod workspace;
 
 pub use camera::Camera;
-pub use discovery::{Discovery, Notice, Object, ObjectId, ObjectnessParts, OrientedBox, PixelBox};
+pub use discovery::{Discovery, Notice, Object, ObjectId, ObjectnessParts, OrientedBox};
 pub use error::{Error, Result};
 pub use frame::Frame;
 pub use observe::{LabelMap, Observer, Output};
 pub use params::{Method, ParameterInfo, Params, Reader};
 pub use pipeline::Pipeline;
-pub use raster::Raster;
+pub use raster::{PixelBox, Raster};
 pub use regions::{RegionEdge, RegionGraph, SegmentId, Segments};
 pub use stage::Stage;
 pub use workspace::Workspace;

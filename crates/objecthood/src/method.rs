@@ -3,19 +3,17 @@
 //! Every stage is a function from outputs of earlier stages and its own parameters to one output. [`recall`] runs it only where
 //! the output is not there yet.
 
+use crate::clusters::clustering::{Rules, find_clusters};
+use crate::clusters::fill::fill;
+use crate::clusters::scene::{Scene, Steps};
 use crate::discovery::Discovery;
 use crate::error::Result;
 use crate::facets::appearance::Appearance;
 use crate::facets::find_facets;
 use crate::facets::grouping::facets;
 use crate::frame::Frame;
-use crate::objectness::clustering::{Rules, find_clusters};
 use crate::objectness::conclusion::{conclude_context, conclude_paper};
-use crate::objectness::gravity::{camera_up, find_ground};
-use crate::objectness::hypotheses::{Evidence, hypotheses};
-use crate::objectness::standing::{find_hypotheses, find_standing};
-use crate::objectness::support::support;
-use crate::objectness::{Scene, Steps, fill};
+use crate::objectness::hypotheses::{Evidence, find_hypotheses, hypotheses};
 use crate::observe::{LabelMap, Observer, Output};
 use crate::outputs::{ContextOutputs, PaperOutputs, recall, try_recall};
 use crate::oversegment::linked::flood_superpixels;
@@ -27,6 +25,9 @@ use crate::shapes::contact::contacts;
 use crate::shapes::contraction::{contract, votes};
 use crate::shapes::convexity::{convexities, shapes};
 use crate::shapes::descriptor::descriptors;
+use crate::support::by_height::support;
+use crate::support::gravity::{camera_up, find_ground};
+use crate::support::standing::find_standing;
 use crate::surface::curvature::curvature;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::normals::normals;
@@ -137,7 +138,7 @@ pub(crate) fn context<'k>(
     observer.observe(Output::Clusters { facets: filled, clusters });
     let standing =
         recall(&mut kept.standing, || find_standing(frame, scene, clusters, &structure.planes, params));
-    observer.observe(Output::Support { graph: &standing.graph, regions: &standing.outcome.regions });
+    observer.observe(Output::Support { graph: &standing.graph, regions: &standing.candidates.regions });
     let hypotheses = recall(&mut kept.hypotheses, || find_hypotheses(scene, clusters, standing, params));
     observer.observe(Output::Hypotheses(hypotheses));
     let discovery = try_recall(&mut kept.discovery, || {

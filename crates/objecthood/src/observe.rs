@@ -2,11 +2,11 @@
 
 use std::borrow::Cow;
 
+use crate::clusters::clustering::Clustering;
 use crate::discovery::Discovery;
+use crate::discovery::support_graph::SupportGraph;
 use crate::facets::Facets;
-use crate::objectness::clustering::Clustering;
 use crate::objectness::hypotheses::Hypothesis;
-use crate::objectness::support::SupportGraph;
 use crate::oversegment::structure::Structure as Planes;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};

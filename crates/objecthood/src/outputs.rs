@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 
+use crate::clusters::clustering::Clustering;
 use crate::discovery::Discovery;
+use crate::discovery::support_graph::SupportGraph;
 use crate::error::Result;
 use crate::facets::Facets;
-use crate::objectness::clustering::Clustering;
-use crate::objectness::gravity::Ground;
 use crate::objectness::hypotheses::Hypothesis;
-use crate::objectness::standing::Standing;
-use crate::objectness::support::SupportGraph;
 use crate::oversegment::Superpixels;
 use crate::oversegment::linked::LinkedSuperpixels;
 use crate::oversegment::structure::Structure;
@@ -18,6 +16,8 @@ use crate::regions::{RegionGraph, Segments};
 use crate::shapes::border::BorderEvidence;
 use crate::shapes::contraction::Shapes;
 use crate::stage::Stage;
+use crate::support::gravity::Ground;
+use crate::support::standing::Standing;
 use crate::surface::surfaces::Surfaces;
 
 /// An output, once its stage has run. Clones of a pipeline share it.

@@ -113,6 +113,39 @@ impl<T> std::ops::Index<usize> for Raster<T> {
     }
 }
 
+/// An upright rectangle of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelBox {
+    /// Leftmost column.
+    pub u: usize,
+    /// Topmost row.
+    pub v: usize,
+    /// Number of columns.
+    pub width: usize,
+    /// Number of rows.
+    pub height: usize,
+}
+
+impl PixelBox {
+    /// The smallest upright rectangle around pixels, of which there is at least one.
+    pub(crate) fn around(pixels: impl Iterator<Item = usize>, width: usize) -> Self {
+        let (mut left, mut right, mut top, mut bottom) = (usize::MAX, 0, usize::MAX, 0);
+        let mut row = 0..0;
+        for i in pixels {
+            // Most are in the row of the one before.
+            if !row.contains(&i) {
+                let v = i / width;
+                row = v * width..(v + 1) * width;
+                top = top.min(v);
+                bottom = bottom.max(v);
+            }
+            left = left.min(i - row.start);
+            right = right.max(i - row.start);
+        }
+        Self { u: left, v: top, width: right - left + 1, height: bottom - top + 1 }
+    }
+}
+
 /// The places of the marks that are not 0, in ascending order. Few are: stretches without any are passed over at once.
 pub(crate) fn marked(marks: &[i32]) -> impl Iterator<Item = usize> + '_ {
     const STRETCH: usize = 16;

@@ -3,9 +3,7 @@
 mod common;
 
 use common::{Maps, cut_box, observed, pole_before_two_boxes, stack, two_boxes};
-use objecthood::objectness::gravity::UpSource;
-use objecthood::objectness::join::JoinEvidence;
-use objecthood::objectness::support::NodeKind;
+use objecthood::discovery::{JoinEvidence, NodeKind, UpSource};
 use objecthood::{Camera, Discovery, Frame, Method, Notice, Object, Params, Raster, discover};
 
 fn context() -> Params {

@@ -5,8 +5,8 @@ mod common;
 use std::time::Duration;
 
 use common::{cut_box, stack, two_boxes};
+use objecthood::clusters::history::Rule;
 use objecthood::explain::{Decision, Explainer, Explanation, Flip, Outcome, Question, Reason};
-use objecthood::objectness::history::Rule;
 use objecthood::{Camera, Error, Frame, Method, Params, Pipeline, Raster};
 use rayon::prelude::*;
 

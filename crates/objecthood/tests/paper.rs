@@ -5,8 +5,7 @@ mod common;
 use std::collections::HashSet;
 
 use common::{BLUE, Maps, RED, observed, stack, two_boxes};
-use objecthood::objectness::gravity::UpSource;
-use objecthood::objectness::support::NodeKind;
+use objecthood::discovery::{NodeKind, UpSource};
 use objecthood::{
     Camera, Discovery, Error, Frame, Method, Notice, Observer, Output, Params, Raster, Segments, discover,
     discover_observed,

@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
+use objecthood::clusters::check::{Bound, Check};
+use objecthood::clusters::history::Rule;
 use objecthood::explain::{
     BorderReport, Decision, Explanation, Flip, ObjectReport, Outcome, Question, Reason,
 };
-use objecthood::objectness::check::{Bound, Check};
-use objecthood::objectness::history::Rule;
 
 /// So many borders are printed; a table has many.
 const BORDERS: usize = 16;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::AddAssign;
 
-use objecthood::objectness::support::SupportGraph;
+use objecthood::discovery::SupportGraph;
 use objecthood::params::UpFrom;
 use objecthood::surface::disparity::DisparitySpace;
 use objecthood::{Observer, Output, Params, Raster, Segments, discover_observed};

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DQuat, DVec3};
-use objecthood::objectness::forest::forest;
-use objecthood::objectness::gravity::{StructurePlane, Up, UpSource, fitted_plane};
-use objecthood::objectness::support::{SupportGraph, SupportKind};
+use objecthood::discovery::{SupportGraph, SupportKind, Up, UpSource};
+use objecthood::planes::{StructurePlane, fitted_plane};
+use objecthood::support::forest::forest;
 use objecthood::surface::disparity::DisparitySpace;
 use objecthood::{Params, Raster, Segments};
 use objecthood_scene::{Contact, ContactKind, Rendered, World};

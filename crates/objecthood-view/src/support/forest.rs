@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 
 use objecthood::Discovery;
-use objecthood::objectness::support::{NodeKind, SupportEdge, SupportKind};
+use objecthood::discovery::{NodeKind, SupportEdge, SupportKind};
 
 /// Objects and their carriers, each below what it carries. Carriers stand before what they carry.
 #[derive(Debug, Default, PartialEq)]

@@ -2,7 +2,7 @@
 
 use image::{Rgb, RgbImage};
 use objecthood::Discovery;
-use objecthood::objectness::support::{NodeKind, SupportKind};
+use objecthood::discovery::{NodeKind, SupportKind};
 
 use crate::drawing::{Point, bar, dashes, disc, line};
 use crate::palette::{ink_on, object_color};

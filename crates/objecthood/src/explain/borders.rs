@@ -1,8 +1,8 @@
 //! What the borders of a facet tell, and whether what lies on both sides is one thing.
 
+use crate::clusters::history::Rule;
 use crate::explain::Explainer;
 use crate::explain::explanation::{BorderReport, Decision, Question, Reason};
-use crate::objectness::history::Rule;
 use crate::regions::{RegionEdge, SegmentId};
 use crate::shapes::border::BorderEvidence;
 

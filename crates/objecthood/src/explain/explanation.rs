@@ -2,8 +2,8 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::objectness::check::Check;
-use crate::objectness::history::Rule;
+use crate::clusters::check::Check;
+use crate::clusters::history::Rule;
 
 /// Why a pixel is what it is.
 #[derive(Clone, Debug, PartialEq, Serialize)]

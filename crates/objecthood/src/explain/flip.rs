@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use crate::clusters::check::{Bound, Check};
 use crate::explain::Explainer;
 use crate::explain::explanation::{Decision, Flip, Question, Reason};
 use crate::explain::run::Run;
 use crate::explain::sweep::{self, Sweep};
-use crate::objectness::check::{Bound, Check};
 use crate::params::{ParameterInfo, Params};
 use crate::regions::SegmentId;
 use crate::shapes::contraction::Shapes;

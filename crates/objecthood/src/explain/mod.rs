@@ -21,13 +21,15 @@ pub use explanation::{
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
-use crate::discovery::{Discovery, ObjectId, ObjectnessParts};
+use crate::clusters::check::Check;
+use crate::discovery::Discovery;
+use crate::discovery::ids::ObjectId;
+use crate::discovery::parts::ObjectnessParts;
 use crate::error::{Error, Result};
 use crate::explain::flip::Search;
 use crate::explain::run::Run;
 use crate::explain::sweep::Sweep;
 use crate::frame::Frame;
-use crate::objectness::check::Check;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::params::{Method, Params};
 use crate::pipeline::Pipeline;
@@ -53,7 +55,7 @@ impl Explainer {
     /// # Errors
     /// As [`discover`](crate::discover); [`Error::OnlyContext`] with another method, before anything is looked at.
     pub fn new(pipeline: &Pipeline, frame: &Frame, params: &Params) -> Result<Self> {
-        let refused = Error::OnlyContext { method: params.method };
+        let refused = Error::OnlyContext { method: params.method.to_string() };
         if params.method != Method::Context {
             return Err(refused);
         }

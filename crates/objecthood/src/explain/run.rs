@@ -4,15 +4,15 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use crate::clusters::clustering::Clustering;
+use crate::clusters::history::Source;
 use crate::discovery::Discovery;
 use crate::explain::explanation::Question;
 use crate::explain::steps::{Largest, NearStep, Step, steps};
 use crate::facets::Facets;
-use crate::objectness::clustering::Clustering;
-use crate::objectness::history::Source;
+use crate::neighbours::four_neighbours;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::outputs::ContextOutputs;
-use crate::oversegment::watershed::neighbours;
 use crate::regions::{RegionGraph, SegmentId};
 use crate::shapes::border::BorderEvidence;
 use crate::shapes::contraction::Shapes;
@@ -60,7 +60,7 @@ impl Run {
             *largest = (*largest).max(Some((sizes[k], Reverse(SegmentId(k as u32)))));
         }
         let (steps, near_steps, owners) =
-            steps(clusters.events().to_vec(), clusters.misses().to_vec(), largest);
+            steps(clusters.history().events().to_vec(), clusters.history().misses().to_vec(), largest);
         let mut run = Self {
             discovery: outputs.discovery.clone()?,
             facets: outputs.facets.clone()?,
@@ -177,7 +177,7 @@ impl Run {
         let mut patch: BTreeSet<usize> = [pixel].into_iter().filter(|&i| is_bottom(i)).collect();
         let mut open: Vec<usize> = patch.iter().copied().collect();
         while let Some(i) = open.pop() {
-            for (j, _) in neighbours(i, width, height) {
+            for (j, _) in four_neighbours(i, width, height) {
                 if is_bottom(j) && patch.insert(j) {
                     open.push(j);
                 }

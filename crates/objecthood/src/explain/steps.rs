@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 
-use crate::objectness::history::{Event, Miss, Source};
+use crate::clusters::history::{Event, Miss, Source};
 use crate::regions::SegmentId;
 
 /// An event, with what it was about when it happened and what came of it.
@@ -83,7 +83,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::objectness::history::Rule;
+    use crate::clusters::history::Rule;
 
     const CLUSTERS: u32 = 6;
 

@@ -1,11 +1,12 @@
 //! What became of the thing that a facet belongs to: which rules joined it, which nearly did, which filter it met.
 
+use crate::clusters::candidates::too_small;
+use crate::clusters::check::{Bound, Check};
+use crate::clusters::fragments::small;
+use crate::clusters::history::{Rule, Source};
 use crate::explain::Explainer;
 use crate::explain::explanation::{Decision, Question, Reason};
 use crate::explain::steps::{NearStep, Step};
-use crate::objectness::check::{Bound, Check};
-use crate::objectness::history::{Rule, Source};
-use crate::objectness::{small, too_small};
 use crate::regions::SegmentId;
 
 /// So many parts of an object are named at most, beside those on the way of the pixel's own.

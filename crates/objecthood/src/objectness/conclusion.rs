@@ -1,17 +1,17 @@
 //! The end of both methods: what was found, put together.
 
+use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::{Discovery, Notice};
 use crate::error::Result;
 use crate::frame::Frame;
 use crate::objectness::decision::decide;
-use crate::objectness::gravity::{Ground, on_plane};
 use crate::objectness::hypotheses::Hypothesis;
-use crate::objectness::objects::objects;
-use crate::objectness::standing::Standing;
-use crate::objectness::support::SupportGraph;
+use crate::objectness::objects::{mark_objects, objects};
 use crate::params::{Params, UpFrom};
 use crate::raster::Raster;
 use crate::regions::Segments;
+use crate::support::gravity::{Ground, on_plane};
+use crate::support::standing::Standing;
 
 /// What `paper` found: the hypotheses that are objects, the ground, and what stands on what. O(pixels log pixels).
 ///
@@ -31,7 +31,7 @@ pub(crate) fn conclude_paper(
     let missing_color = frame.color().is_none();
     let notices = [(missing_plane, Notice::NoPlane), (missing_color, Notice::NoColor)];
     Ok(Discovery {
-        support: support.marked(&objects),
+        support: mark_objects(support, &objects),
         objects,
         up: ground.up,
         structure: on_plane(plane, &labels, points_m, &params.gravity),
@@ -52,15 +52,15 @@ pub(crate) fn conclude_context(
     hypotheses: &[Hypothesis],
     params: &Params,
 ) -> Result<Discovery> {
-    let Standing { outcome, planes, up, graph } = standing;
+    let Standing { candidates, planes, up, graph } = standing;
     let (objects, labels) = objects(decide(hypotheses, params), facets, points_m, graph)?;
     let missing_plane = planes.is_empty() && params.gravity.up_from == UpFrom::Plane;
     Ok(Discovery {
-        support: graph.marked(&objects),
+        support: mark_objects(graph, &objects),
         objects,
         labels,
         up: *up,
-        structure: outcome.structure_labels(),
+        structure: candidates.structure_labels(),
         structure_planes: planes.clone(),
         notices: missing_plane.then_some(Notice::NoPlane).into_iter().collect(),
     })

@@ -1,6 +1,6 @@
 //! The decision: which hypotheses are objects.
 
-use crate::objectness::check::{Bound, Check};
+use crate::clusters::check::{Bound, Check};
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::size::longest_side_m;
 use crate::params::{self, Method, Params};
@@ -38,7 +38,8 @@ pub(crate) fn decide<'a>(hypotheses: &'a [Hypothesis], params: &Params) -> Vec<&
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::discovery::{ObjectnessParts, OrientedBox};
+    use crate::discovery::object::OrientedBox;
+    use crate::discovery::parts::ObjectnessParts;
     use crate::regions::SegmentId;
 
     fn hypothesis(longest_m: f32, p_o: f32, objectness: f32) -> Hypothesis {

@@ -2,16 +2,20 @@
 
 use rayon::prelude::*;
 
-use crate::discovery::{ObjectnessParts, OrientedBox};
+use crate::clusters::clustering::Clustering;
+use crate::clusters::scene::Scene;
+use crate::discovery::join::Join;
+use crate::discovery::object::OrientedBox;
+use crate::discovery::parts::ObjectnessParts;
+use crate::discovery::support_graph::SupportGraph;
+use crate::discovery::up::Up;
 use crate::objectness::compactness::compactness;
-use crate::objectness::gravity::Up;
-use crate::objectness::join::Join;
 use crate::objectness::outline::outlines;
 use crate::objectness::size::{graspable, oriented_box};
-use crate::objectness::support::SupportGraph;
 use crate::params::Params;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
+use crate::support::standing::Standing;
 use crate::surface::disparity::DisparitySpace;
 
 /// What may be an object, and how much speaks for it.
@@ -90,4 +94,22 @@ pub fn hypotheses(
         Some(Hypothesis { region, pixels, box_m, objectness, parts, top_m: None, joins: Vec::new() })
     };
     pixels.into_par_iter().enumerate().filter_map(judge).collect()
+}
+
+/// The large clusters of `context` with their objectness, how high they stand, and why their parts are one. As [`hypotheses`].
+pub(crate) fn find_hypotheses(
+    scene: &Scene<'_>,
+    clusters: &Clustering,
+    standing: &Standing,
+    params: &Params,
+) -> Vec<Hypothesis> {
+    let Standing { candidates, planes, up, graph } = standing;
+    let &Scene { points_m, normals, space, .. } = scene;
+    let evidence = Evidence { regions: &candidates.regions, points_m, normals, support: graph, up, space };
+    let mut hypotheses = hypotheses(&evidence, planes.len(), 1, params);
+    for hypothesis in &mut hypotheses {
+        hypothesis.top_m = candidates.top_m(hypothesis.region, clusters);
+        hypothesis.joins = candidates.joins(hypothesis.region, clusters);
+    }
+    hypotheses
 }

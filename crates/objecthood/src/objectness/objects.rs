@@ -2,11 +2,12 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::discovery::{Object, ObjectId, PixelBox};
+use crate::discovery::ids::{NodeId, ObjectId};
+use crate::discovery::object::Object;
+use crate::discovery::support_graph::{NodeKind, SupportGraph};
 use crate::error::{Error, Result};
 use crate::objectness::hypotheses::Hypothesis;
-use crate::objectness::support::{NodeId, SupportGraph};
-use crate::raster::Raster;
+use crate::raster::{PixelBox, Raster};
 use crate::regions::Segments;
 
 /// The objects, numbered 1.. by falling objectness, then falling pixel count, then first pixel; and the label image, 0 =
@@ -39,7 +40,7 @@ pub fn objects(
             objectness,
             parts,
             size_px: pixels.len(),
-            box_px: pixel_box(pixels.iter().copied(), points_m.width()),
+            box_px: PixelBox::around(pixels.iter().copied(), points_m.width()),
             centroid_m: centroid_m(pixels, points_m),
             box_m,
             facets: facets_among(pixels, facets, number, &mut seen),
@@ -52,22 +53,13 @@ pub fn objects(
     Ok((objects, points_m.with_data(labels)))
 }
 
-/// The smallest upright rectangle around pixels, of which there is at least one.
-pub(crate) fn pixel_box(pixels: impl Iterator<Item = usize>, width: usize) -> PixelBox {
-    let (mut left, mut right, mut top, mut bottom) = (usize::MAX, 0, usize::MAX, 0);
-    let mut row = 0..0;
-    for i in pixels {
-        // Most are in the row of the one before.
-        if !row.contains(&i) {
-            let v = i / width;
-            row = v * width..(v + 1) * width;
-            top = top.min(v);
-            bottom = bottom.max(v);
-        }
-        left = left.min(i - row.start);
-        right = right.max(i - row.start);
+/// The graph, in which the nodes that turned out to be objects are marked. O(nodes + edges).
+pub(crate) fn mark_objects(support: &SupportGraph, objects: &[Object]) -> SupportGraph {
+    let mut marked = support.clone();
+    for object in objects {
+        marked.nodes[object.node.0 as usize].kind = NodeKind::Object { object: object.id };
     }
-    PixelBox { u: left, v: top, width: right - left + 1, height: bottom - top + 1 }
+    marked
 }
 
 fn centroid_m(pixels: &[usize], points_m: &Raster<[f32; 3]>) -> [f32; 3] {
@@ -91,8 +83,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::discovery::{ObjectnessParts, OrientedBox};
-    use crate::objectness::support::SupportEdge;
+    use crate::discovery::object::OrientedBox;
+    use crate::discovery::parts::ObjectnessParts;
+    use crate::discovery::support_graph::SupportEdge;
     use crate::regions::SegmentId;
 
     const BOX: OrientedBox =
@@ -127,7 +120,7 @@ mod tests {
             pixels in prop::collection::vec(0_usize..60, 1..20),
             width in 1_usize..9,
         ) {
-            let PixelBox { u, v, width: wide, height: tall } = pixel_box(pixels.iter().copied(), width);
+            let PixelBox { u, v, width: wide, height: tall } = PixelBox::around(pixels.iter().copied(), width);
             let around = |place: fn(usize, usize) -> usize| {
                 let places = || pixels.iter().map(|&i| place(i, width));
                 (places().min().unwrap(), places().max().unwrap() + 1)

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::objectness::clusters::REACH_PX;
+use crate::clusters::borders::REACH_PX;
 use crate::params;
 use crate::raster::{Raster, marked};
 use crate::regions::{SegmentId, Segments};
@@ -221,8 +221,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::objectness::Scene;
-    use crate::objectness::testing::Table;
+    use crate::clusters::scene::Scene;
+    use crate::clusters::testing::Table;
     use crate::testing::{raster, small_size};
 
     /// The outlines of the table and the things of a drawing, in sides of pixels at the depth of the table.

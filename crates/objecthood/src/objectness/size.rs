@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
-use crate::discovery::OrientedBox;
+use crate::discovery::object::OrientedBox;
 use crate::params;
 use crate::simd::vectorized;
 

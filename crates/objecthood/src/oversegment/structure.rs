@@ -17,8 +17,8 @@ use self::labels::labelled;
 use self::planes::fit_planes;
 use self::tilt::{Alike, Tilt, least_square};
 use self::trials::best_plane;
-use crate::objectness::gravity::StructurePlane;
 use crate::params;
+use crate::planes::StructurePlane;
 use crate::random::Lcg;
 use crate::raster::Raster;
 use crate::regions::Segments;
@@ -105,7 +105,7 @@ struct Seen<'a> {
 /// Finds the structure of a scene.
 ///
 /// RANSAC (Fischler and Bolles 1981) with fixed random numbers over a grid of pixels; the best plane is refitted as a
-/// quadratic and kept when it is large. `camera_up`: the camera's own up, see [`camera_up`](crate::objectness::gravity::camera_up). O(rounds · trials · pixels / 36).
+/// quadratic and kept when it is large. `camera_up`: the camera's own up, see [`camera_up`](crate::support::gravity::camera_up). O(rounds · trials · pixels / 36).
 pub fn find_structure(
     depth_m: &Raster<f32>,
     found: &Surfaces,

@@ -159,19 +159,6 @@ impl Limits {
     }
 }
 
-/// The 4-neighbours of a pixel, right, left, down, up, each with the axis along which it lies.
-pub(crate) fn neighbours(i: usize, width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> {
-    let (u, v) = (i % width, i / width);
-    [
-        (u + 1 < width).then(|| (i + 1, 0)),
-        (u > 0).then(|| (i - 1, 0)),
-        (v + 1 < height).then(|| (i + width, 1)),
-        (v > 0).then(|| (i - width, 1)),
-    ]
-    .into_iter()
-    .flatten()
-}
-
 /// Superpixels on everything measured that is no structure: regions grow in flat surface first and meet on the edges.
 ///
 /// Watershed by flooding (Meyer 1994) of the relief of fit residuals (quanta) from [`seeds`], across links only; what no

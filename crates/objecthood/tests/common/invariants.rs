@@ -1,6 +1,6 @@
 //! What holds for every discovery of either method, whatever the frame.
 
-use objecthood::objectness::support::NodeKind;
+use objecthood::discovery::NodeKind;
 use objecthood::{Discovery, Frame, ObjectnessParts, PixelBox};
 
 /// Up and the structure planes.

@@ -4,13 +4,13 @@ use glam::DVec3;
 
 use super::StructureSurface;
 use crate::camera::Camera;
-use crate::objectness::gravity::{PointSums, StructurePlane};
+use crate::planes::{PointSums, StructurePlane};
 use crate::raster::Raster;
 use crate::regions::runs;
 use crate::simd::vectorized;
 
 /// The surfaces as planes, each fitted to its own pixels. How much is theirs is known in the end:
-/// [`counted`](crate::objectness::outcome::Outcome::counted). O(pixels).
+/// [`counted`](crate::clusters::candidates::Candidates::counted). O(pixels).
 pub(super) fn fit_planes(
     surfaces: &[StructureSurface],
     labels: &Raster<i32>,

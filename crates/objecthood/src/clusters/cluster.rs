@@ -1,0 +1,323 @@
+//! Clusters: shapes on their way to objects, and what is known of each (METHOD 3.9).
+
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+use crate::clusters::borders::{Borders, lie_of_clusters};
+use crate::clusters::clustering::{self, Clustering};
+use crate::clusters::history::{Event, History, Source};
+use crate::clusters::scene::Scene;
+use crate::discovery::join::{Join, JoinedPart};
+use crate::facets::Facets;
+use crate::oversegment::structure::StructureSurface;
+use crate::quantile::element_at;
+use crate::raster::PixelBox;
+use crate::regions::SegmentId;
+use crate::shapes::contraction::Shapes;
+
+/// A group of facets.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cluster {
+    /// In scan order; empty when it has been merged into another.
+    pub pixels: Vec<u32>,
+    /// How it lies to others; `None` = the background, which is all structure.
+    pub neighbours: BTreeMap<Option<SegmentId>, Borders>,
+    /// What was given to it, and before that to what was given to it: places in the history.
+    events: Vec<usize>,
+    top_m: OnceLock<f64>,
+    convexity: OnceLock<f64>,
+}
+
+/// The clusters of a frame. Merging keeps everything known of them in step.
+pub(crate) struct Clusters<'a> {
+    pub scene: &'a Scene<'a>,
+    clusters: Vec<Cluster>,
+    /// Cluster of each facet that is no structure; `None` = background.
+    of_facet: Vec<Option<SegmentId>>,
+    /// Pixels of clusters that turned out to be background.
+    remains: Vec<u32>,
+    pub history: History,
+}
+
+/// How high a cluster is: this share of its pixels is lower.
+const TOP_SHARE: f64 = 0.98;
+
+impl<'a> Clusters<'a> {
+    /// The shapes. O(pixels).
+    pub(crate) fn new(scene: &'a Scene<'a>, shapes: &Shapes) -> Self {
+        let Shapes { of_facet: shape_of, count } = shapes;
+        let of_facet: Vec<_> = shape_of.iter().map(|&shape| Some(SegmentId(shape))).collect();
+        let gather = || {
+            let mut clusters = vec![Cluster::default(); *count];
+            let Facets { segments, structure, .. } = scene.facets;
+            for (run, facet) in segments.runs() {
+                if let Some(shape) = facet.checked_sub(*structure) {
+                    clusters[shape_of[shape] as usize].pixels.extend(run.map(|i| i as u32));
+                }
+            }
+            clusters
+        };
+        scene.facets.segments.find_runs();
+        let (mut clusters, lie) = rayon::join(gather, || lie_of_clusters(scene, shapes));
+        for edge in lie.edges() {
+            // Region 0 is the background.
+            let [a, b] = [edge.a, edge.b].map(|k| k.0.checked_sub(1).map(SegmentId));
+            for (own, other, borders) in [(a, b, edge.evidence), (b, a, edge.evidence.mirrored())] {
+                if let Some(own) = own {
+                    clusters[own.index()].neighbours.insert(other, borders);
+                }
+            }
+        }
+        Self { scene, clusters, of_facet, remains: Vec::new(), history: History::default() }
+    }
+
+    /// The clusters that have pixels, in ascending order.
+    pub(crate) fn alive(&self) -> Vec<SegmentId> {
+        let alive = (0..self.clusters.len()).filter(|&k| !self.clusters[k].pixels.is_empty());
+        alive.map(|k| SegmentId(k as u32)).collect()
+    }
+
+    /// A cluster.
+    pub(crate) fn get(&self, id: SegmentId) -> &Cluster {
+        &self.clusters[id.index()]
+    }
+
+    /// The cluster of a facet that comes after the structure, counted from 0.
+    pub(crate) fn of_facet(&self, facet: usize) -> Option<SegmentId> {
+        self.of_facet[facet]
+    }
+
+    /// What a cluster looks like as a part of something.
+    pub(crate) fn part(&self, id: SegmentId) -> JoinedPart {
+        let pixels = self.get(id).pixels.iter().map(|&i| i as usize);
+        JoinedPart { size_px: pixels.len(), box_px: PixelBox::around(pixels, self.scene.disparity.width()) }
+    }
+
+    /// How `a` lies to `b`.
+    pub(crate) fn borders(&self, a: SegmentId, b: SegmentId) -> Borders {
+        self.get(a).neighbours.get(&Some(b)).copied().unwrap_or_default()
+    }
+
+    /// Which parts of a cluster were joined although they do not touch as one surface, each with the facet that hides what is
+    /// between.
+    pub(crate) fn joins(&self, id: SegmentId) -> impl Iterator<Item = &(Join, Option<SegmentId>)> {
+        let events = self.get(id).events.iter().map(|&place| &self.history.events()[place]);
+        events.filter_map(|event| event.join.as_ref())
+    }
+
+    /// What is left when all rules are done. O(clusters + the pixels whose heights are not known yet).
+    pub(crate) fn finish(mut self) -> Clustering {
+        let support = self.scene.support;
+        let left = self.alive().into_iter().map(|id| clustering::Cluster {
+            id,
+            top_m: support.map(|support| self.top_m(id, support) as f32),
+            joins: self.joins(id).cloned().collect(),
+            pixels: Vec::new(),
+        });
+        let mut left: Vec<clustering::Cluster> = left.collect();
+        for cluster in &mut left {
+            cluster.pixels = std::mem::take(&mut self.clusters[cluster.id.index()].pixels);
+        }
+        let Self { of_facet, remains, history, .. } = self;
+        Clustering { clusters: left, of_facet, remains, history }
+    }
+
+    /// Gives a cluster to where the event says, and notes the event. Of a patch of the background the event is only noted: see
+    /// [`Self::extend`]. O(n log n + neighbours) for the n pixels from the first to the last that are given.
+    pub(crate) fn give(&mut self, event: Event) {
+        if let Source::Cluster(from) = event.from {
+            self.merge(event.into, from);
+        }
+        let into = event.into;
+        let place = self.history.note(event);
+        if let Some(into) = into {
+            self.clusters[into.index()].events.push(place);
+        }
+    }
+
+    fn merge(&mut self, into: Option<SegmentId>, from: SegmentId) {
+        let Cluster { pixels, neighbours, events, .. } = std::mem::take(&mut self.clusters[from.index()]);
+        for cluster in self.of_facet.iter_mut().filter(|cluster| **cluster == Some(from)) {
+            *cluster = into;
+        }
+        for (other, borders) in neighbours.into_iter().filter(|&(other, _)| other != into) {
+            if let Some(other) = other {
+                let seen = &mut self.clusters[other.index()].neighbours;
+                seen.remove(&Some(from));
+                *seen.entry(into).or_default() += borders.mirrored();
+            }
+            if let Some(into) = into {
+                *self.clusters[into.index()].neighbours.entry(other).or_default() += borders;
+            }
+        }
+        let Some(into) = into else {
+            self.remains.extend(pixels);
+            return;
+        };
+        let cluster = &mut self.clusters[into.index()];
+        cluster.neighbours.remove(&Some(from));
+        cluster.events.extend(events);
+        cluster.extend(&pixels);
+    }
+
+    /// Adds pixels of the background to a cluster. O(n log n) for the n pixels from the first to the last that are added.
+    pub(crate) fn extend(&mut self, id: SegmentId, pixels: &[u32]) {
+        self.clusters[id.index()].extend(pixels);
+    }
+
+    /// How high a cluster stands (m) above a surface: nearly its highest pixel. Single noisy pixels stand high anywhere.
+    pub(crate) fn top_m(&self, id: SegmentId, support: &StructureSurface) -> f64 {
+        let cluster = self.get(id);
+        *cluster.top_m.get_or_init(|| {
+            let every_other = cluster.pixels.iter().step_by(2);
+            let mut heights: Vec<f64> =
+                every_other.map(|&i| self.scene.height_m(i as usize, support)).collect();
+            element_at(&mut heights, TOP_SHARE)
+        })
+    }
+
+    /// How far a cluster bends outwards: the mean over pairs of its points of how much the normals turn apart along the way, above 0
+    /// when it is convex, below 0 when it is concave, 0 when it is flat or small. Between -2 and 2. O(1).
+    pub(crate) fn convexity(&self, id: SegmentId) -> f64 {
+        let cluster = self.get(id);
+        *cluster.convexity.get_or_init(|| self.scene.convexity(&cluster.pixels))
+    }
+}
+
+impl Cluster {
+    fn extend(&mut self, pixels: &[u32]) {
+        let (Some(first), Some(last)) = (pixels.iter().min(), pixels.iter().max()) else { return };
+        // Only between them there is something to sort.
+        let [from, to] = [first, last].map(|end| self.pixels.partition_point(|own| own < end));
+        let behind = self.pixels.split_off(to);
+        self.pixels.extend(pixels);
+        self.pixels[from..].sort();
+        self.pixels.extend(behind);
+        self.top_m = OnceLock::new();
+        self.convexity = OnceLock::new();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::clusters::testing::{Table, merge, named, single};
+    use crate::raster::Raster;
+    use crate::testing::{raster, small_size};
+
+    /// A small image of up to four facets on a table, at heights that are level, a step or far apart; some pixels are missing.
+    fn scenery() -> impl Strategy<Value = Table> {
+        let pixel = (prop_oneof![1 => Just(None), 4 => (0_i32..5).prop_map(Some)], 0_u8..4);
+        small_size().prop_flat_map(move |size| raster(size, pixel.clone())).prop_map(|pixels| {
+            Table::new(pixels.size(), |u, v| {
+                let (facet, level) = pixels.get(u, v)?;
+                Some(((*facet)?, [0.0, 0.013, 0.016, 0.2][usize::from(*level)]))
+            })
+        })
+    }
+
+    /// The pixels of a cluster and how it lies to its neighbours.
+    type Counted = (Vec<u32>, BTreeMap<Option<SegmentId>, Borders>);
+
+    /// Pixels and neighbours of every cluster, from the cluster of every pixel: `None` = no facet, `Some(None)` = background.
+    fn counted(
+        cluster: &[Option<Option<SegmentId>>],
+        disparity: &Raster<f32>,
+    ) -> BTreeMap<SegmentId, Counted> {
+        let (width, height) = disparity.size();
+        let mut counted: BTreeMap<SegmentId, Counted> = BTreeMap::new();
+        for (i, id) in cluster.iter().enumerate() {
+            if let Some(Some(id)) = id {
+                counted.entry(*id).or_default().0.push(i as u32);
+            }
+        }
+        let rows = (0..height).map(|v| (0..width).map(|u| v * width + u).collect::<Vec<_>>());
+        let columns = (0..width).map(|u| (0..height).map(|v| v * width + u).collect());
+        for line in rows.chain(columns) {
+            // Neighbours, with nothing but holes between them.
+            let seen: Vec<usize> = (0..line.len()).filter(|&t| cluster[line[t]].is_some()).collect();
+            for pair in seen.windows(2) {
+                let [i, j] = [line[pair[0]], line[pair[1]]];
+                let (Some(a), Some(b)) = (cluster[i], cluster[j]) else { continue };
+                if a == b || pair[1] - pair[0] > 24 {
+                    continue;
+                }
+                for (own, other, rise) in
+                    [(a, b, disparity[i] - disparity[j]), (b, a, disparity[j] - disparity[i])]
+                {
+                    let Some(own) = own else { continue };
+                    let borders = counted.entry(own).or_default().1.entry(other).or_default();
+                    let is_next = pair[1] == pair[0] + 1;
+                    let count = match rise {
+                        rise if is_next && rise.abs() <= 6.0 => &mut borders.touch,
+                        rise if rise.abs() <= 5.0 => &mut borders.level,
+                        rise if rise > 0.0 => &mut borders.in_front,
+                        _ => &mut borders.behind,
+                    };
+                    *count += 1;
+                }
+            }
+        }
+        counted
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_added_stands_in_its_place(
+            own in prop::collection::btree_set(0_u32..60, 0..20),
+            new in prop::collection::btree_set(0_u32..60, 0..20),
+            turn in 0_usize..20,
+        ) {
+            let mut new: Vec<u32> = new.difference(&own).copied().collect();
+            let middle = turn % new.len().max(1);
+            new.rotate_left(middle);
+            let mut cluster = Cluster { pixels: own.iter().copied().collect(), ..Default::default() };
+            cluster.extend(&new);
+            let expected: BTreeSet<u32> = own.into_iter().chain(new).collect();
+            prop_assert_eq!(cluster.pixels, expected.into_iter().collect::<Vec<_>>());
+        }
+
+        #[test]
+        fn merging_keeps_clusters_in_step_with_their_pixels(
+            table in scenery(),
+            merges in prop::collection::vec((0_u32..5, 0_u32..5), 0..5),
+        ) {
+            let scene = table.scene();
+            let mut clusters = single(&scene);
+            let segments = &scene.facets.segments;
+            let mut cluster: Vec<_> = (0..scene.disparity.len())
+                .map(|i| segments.at(i).map(|facet| facet.0.checked_sub(1).map(SegmentId)))
+                .collect();
+            for (into, from) in merges {
+                // The last is the background.
+                let into = Some(SegmentId(into)).filter(|_| into < 4);
+                let from = SegmentId(from);
+                let alive = clusters.alive();
+                if alive.contains(&from) && into != Some(from) && into.is_none_or(|id| alive.contains(&id)) {
+                    merge(&mut clusters, into, from);
+                    cluster.iter_mut().filter(|k| **k == Some(Some(from))).for_each(|k| *k = Some(into));
+                }
+                let expected = counted(&cluster, scene.disparity);
+                prop_assert_eq!(clusters.alive(), expected.keys().copied().collect::<Vec<_>>());
+                // The events, in their order, say which cluster every facet is in.
+                let events = clusters.history.events();
+                for (facet, own) in named(&clusters).into_iter().enumerate() {
+                    let start = Some(SegmentId(facet as u32));
+                    let end = events.iter().fold(start, |own, e| if own.is_some() && e.from.cluster() == own { e.into } else { own });
+                    prop_assert_eq!(end.map(|id| id.0), own);
+                }
+                for (id, (pixels, neighbours)) in expected {
+                    prop_assert_eq!(&clusters.get(id).pixels, &pixels);
+                    prop_assert_eq!(&clusters.get(id).neighbours, &neighbours, "{:?}", id);
+                }
+                for (i, facet) in segments.members().filter(|m| m.1 > 0) {
+                    prop_assert_eq!(Some(clusters.of_facet(facet - 1)), cluster[i]);
+                }
+            }
+        }
+    }
+}

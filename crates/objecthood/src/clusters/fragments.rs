@@ -1,0 +1,124 @@
+//! Fragments go to what they touch (METHOD 3.10).
+
+use std::collections::BTreeMap;
+
+use crate::clusters::check::{Bound, Check, Checks};
+use crate::clusters::cluster::Clusters;
+use crate::clusters::history::{Event, Miss, Rule, Source};
+use crate::params;
+use crate::regions::SegmentId;
+use crate::surface::disparity::DisparitySpace;
+
+/// Rounds; a fragment may lie on a fragment.
+const ROUNDS: usize = 3;
+/// A fragment goes to what it touches along at least so many pixels (px at a focal length of 525 px).
+const LEAST_TOUCH_PX: usize = 4;
+
+/// Merges clusters of fewer than `max_size_px` pixels into the neighbour that they touch most, the background included, smaller ones
+/// excluded: folds, rims and the edges of shadows leave crumbs that belong to what they touch.
+/// O(rounds · clusters · neighbours).
+pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fragments) {
+    let space = clusters.scene.space;
+    let least_touch = space.length_px(LEAST_TOUCH_PX) as f64;
+    for round in 1..=ROUNDS {
+        let size = |id: SegmentId| clusters.get(id).pixels.len();
+        let is_small = |id: SegmentId| small(size(id), space, params).holds();
+        let mut fragments: Vec<SegmentId> = clusters.alive().into_iter().filter(|&id| is_small(id)).collect();
+        fragments.sort_by_key(|&id| (size(id), id));
+        let mut moves: BTreeMap<SegmentId, Event> = BTreeMap::new();
+        let mut stays = Vec::new();
+        for id in fragments {
+            let not_smaller = |other: &Option<SegmentId>| other.is_none_or(|other| size(other) >= size(id));
+            let neighbours = clusters.get(id).neighbours.iter().filter(|(other, _)| not_smaller(other));
+            // The first of those touched most; the background comes first of all.
+            let target = neighbours.rev().max_by_key(|(_, borders)| borders.touch);
+            let Some((&into, borders)) = target else { continue };
+            let mut checks = Checks::default();
+            let touch = f64::from(borders.touch);
+            let goes = checks.that(small(size(id), space, params))
+                && checks.that(Check::new("touches it along", "px", touch, Bound::AtLeast, least_touch))
+                && !into.is_some_and(|into| moves.contains_key(&into));
+            let (rule, checks) = (Rule::Fragment, checks.0);
+            if goes {
+                moves.insert(id, Event { rule, from: Source::Cluster(id), into, checks, join: None });
+            } else {
+                stays.push(Miss { rule, from: Source::Cluster(id), into, checks });
+            }
+        }
+        let is_last = moves.is_empty() || round == ROUNDS;
+        moves.into_values().for_each(|event| clusters.give(event));
+        if is_last {
+            clusters.history.note_misses(stays);
+            break;
+        }
+    }
+}
+
+/// Whether a cluster of so many pixels is small enough to be a fragment.
+pub(crate) fn small(size_px: usize, space: &DisparitySpace, params: &params::Fragments) -> Check {
+    let limit = space.area_px(params.max_size_px) as f64;
+    Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("fragments.max_size_px")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clusters::testing::{Table, named, single};
+
+    /// Which cluster each of the facets a, b, .. ends up in.
+    fn absorbed(rows: &[&str], heights_m: &[f64], max_size_px: usize) -> Vec<Option<u32>> {
+        let table = Table::drawn(rows, heights_m);
+        let scene = table.scene();
+        let mut clusters = single(&scene);
+        absorb_fragments(&mut clusters, &params::Fragments { max_size_px });
+        named(&clusters)
+    }
+
+    #[test]
+    fn a_fragment_goes_to_what_it_touches_most() {
+        let rows = [
+            "____________________", //
+            "_aaaaaaaacccccbbbb__",
+            "_aaaaaaaacccccbbbb__",
+            "_aaaaaaaacccccbbbb__",
+            "_aaaaaaaacccccbbbb__",
+            "_aaaaaaaacccccbbbb__",
+            "_aaaaaaaabbbbbbbbb__",
+            "_aaaaaaaabbbbbbbbb__",
+            "____________________",
+        ];
+        assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 30), [Some(0), Some(1), Some(1)]);
+        // With b on another level it touches only a.
+        assert_eq!(absorbed(&rows, &[0.1, 0.2, 0.1], 30), [Some(0), Some(1), Some(0)]);
+        // And alone on its level nothing.
+        assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.2], 30), [Some(0), Some(1), Some(2)]);
+        // What is large enough stays.
+        assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 25), [Some(0), Some(1), Some(2)]);
+    }
+
+    #[test]
+    fn ties_go_to_the_first() {
+        let rows = ["aaaaaaaaaa", "aaaaaaaaaa", "cccccccc..", "bbbbbbbbbb", "bbbbbbbbbb"];
+        assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 10), [Some(0), Some(1), Some(0)]);
+        // Of two of one size the first moves, and the second stays where it is.
+        assert_eq!(absorbed(&["aaaa", "bbbb"], &[0.1, 0.1], 10), [Some(1), Some(1)]);
+    }
+
+    #[test]
+    fn a_crumb_on_the_table_is_a_part_of_it() {
+        let rows = ["________", "__aaaa__", "__aaaa__", "________"];
+        assert_eq!(absorbed(&rows, &[0.002], 30), [None]);
+        // Four pairs are touch enough, three are not.
+        assert_eq!(absorbed(&["aaaa", "____"], &[0.002], 30), [None]);
+        assert_eq!(absorbed(&["aaa.", "____"], &[0.002], 30), [Some(0)]);
+    }
+
+    #[test]
+    fn no_fragment_goes_to_a_smaller_one_but_smaller_ones_may_come_along() {
+        // c touches b alone, b touches a and c.
+        let rows = ["aaaaaaaa", "aaaaaaaa", "bbbbbb..", "cccc...."];
+        assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 10), [Some(0), Some(0), Some(0)]);
+        let rows = ["aaaaaa", "aaaaaa", "bbbbb."];
+        assert_eq!(absorbed(&rows, &[0.1, 0.1], 100), [Some(0), Some(0)], "the larger one stays");
+    }
+}

@@ -1,0 +1,73 @@
+//! What hardly rises above the support is a part of it (METHOD 3.11).
+
+use rayon::prelude::*;
+
+use crate::clusters::check::{Bound, Check};
+use crate::clusters::cluster::Clusters;
+use crate::clusters::history::{Event, Miss, Rule, Source};
+use crate::params;
+
+/// Gives clusters whose top is lower than `min_top_m` above the support surface to the background: remains of the table and
+/// crumbs at the edge of what is seen. Without a support surface nothing is done.
+pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
+    let Some(support) = clusters.scene.support else { return };
+    let alive = clusters.alive();
+    let seen = &*clusters;
+    // What is given away changes no other's top.
+    let tops_m: Vec<f64> = alive.par_iter().map(|&id| seen.top_m(id, support)).collect();
+    for (id, top_m) in alive.into_iter().zip(tops_m) {
+        let low = Check::new("its top above the support", "m", top_m, Bound::Below, params.min_top_m)
+            .set_by("height.min_top_m");
+        let checks = vec![low];
+        if low.holds() {
+            clusters.give(Event {
+                rule: Rule::Low,
+                from: Source::Cluster(id),
+                into: None,
+                checks,
+                join: None,
+            });
+        } else {
+            clusters.history.note_misses([Miss {
+                rule: Rule::Low,
+                from: Source::Cluster(id),
+                into: None,
+                checks,
+            }]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clusters::scene::Scene;
+    use crate::clusters::testing::{Table, named, single};
+
+    #[test]
+    fn what_is_low_is_a_part_of_the_table() {
+        let rows = ["____________", "_aaaa__bbbb_", "_aaaa__bbbb_", "____________"];
+        let table = Table::drawn(&rows, &[0.009, 0.011]);
+        let dropped = |scene: &Scene<'_>| {
+            let mut clusters = single(scene);
+            drop_low(&mut clusters, &params::Height { min_top_m: 0.010 });
+            let (named, clusters) = (named(&clusters), clusters.finish());
+            (named, clusters.remains.len(), clusters.clusters.len())
+        };
+        assert_eq!(dropped(&table.scene()), (vec![None, Some(1)], 8, 1));
+        let unsupported = Scene { support: None, ..table.scene() };
+        assert_eq!(dropped(&unsupported), (vec![Some(0), Some(1)], 0, 2));
+    }
+
+    #[test]
+    fn the_top_is_nearly_the_highest_pixel() {
+        // 400 pixels at 5 mm, of which a few are noise: 1 % does not count, 5 % do.
+        for (noisy, is_kept) in [(4, false), (20, true)] {
+            let table = Table::new((20, 20), |u, v| Some((1, if 20 * v + u < noisy { 0.05 } else { 0.005 })));
+            let scene = table.scene();
+            let mut clusters = single(&scene);
+            drop_low(&mut clusters, &params::Height { min_top_m: 0.010 });
+            assert_eq!(clusters.alive().len(), usize::from(is_kept), "{noisy}");
+        }
+    }
+}

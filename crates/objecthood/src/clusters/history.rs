@@ -1,0 +1,108 @@
+//! What stage 4 did with the shapes, rule by rule, and what it left alone.
+
+use serde::Serialize;
+
+use crate::clusters::check::Check;
+use crate::discovery::join::Join;
+use crate::regions::SegmentId;
+
+/// A rule by which the surroundings of a cluster decide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rule {
+    /// What is small goes to what it touches (METHOD 3.10).
+    Fragment,
+    /// What hardly rises above the support is a part of it (METHOD 3.11).
+    Low,
+    /// Two pieces of the inside of a vessel (METHOD 3.12 i).
+    VesselInside,
+    /// The inside of a vessel and the wall before it (METHOD 3.12 ii).
+    VesselWall,
+    /// What stands within the circle of a vessel's rim (METHOD 3.12 ii).
+    VesselRim,
+    /// What touches hardly anything but a vessel (METHOD 3.12 iii).
+    VesselRemainder,
+    /// The bottom of a vessel, as low as the table (ours).
+    VesselBottom,
+    /// A surface that goes on behind something nearer (METHOD 3.13).
+    Occlusion,
+}
+
+/// What a rule gives to something, or nearly did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A cluster.
+    Cluster(SegmentId),
+    /// A patch of the background, named by its first pixel (its index in scan order).
+    Patch(u32),
+}
+
+impl Source {
+    /// The cluster, if it is one.
+    pub fn cluster(self) -> Option<SegmentId> {
+        match self {
+            Self::Cluster(cluster) => Some(cluster),
+            Self::Patch(_) => None,
+        }
+    }
+}
+
+/// Something that was given to a cluster, or to the background. A cluster has the number of the shape that it was first.
+#[derive(Clone, Debug)]
+pub struct Event {
+    /// By which rule.
+    pub rule: Rule,
+    /// What was given.
+    pub from: Source,
+    /// What it was given to; `None` = the background.
+    pub into: Option<SegmentId>,
+    /// The checks of the rule, all of which hold.
+    pub checks: Vec<Check>,
+    /// For parts that do not touch as one surface: what the scene file says of them, and the facet that hides what is between.
+    pub(crate) join: Option<(Join, Option<SegmentId>)>,
+}
+
+/// Something that a rule looked at and left alone.
+#[derive(Clone, Debug)]
+pub struct Miss {
+    /// The rule.
+    pub rule: Rule,
+    /// What it would have given away.
+    pub from: Source,
+    /// What it would have been given to; `None` = the background.
+    pub into: Option<SegmentId>,
+    /// The checks of the rule up to where they were given up: not all hold, or the two were one already.
+    pub checks: Vec<Check>,
+}
+
+/// What the rules did with the clusters of a frame: shapes on their way to objects.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    events: Vec<Event>,
+    misses: Vec<(usize, Miss)>,
+}
+
+impl History {
+    /// Notes an event and returns its place among the events.
+    pub(crate) fn note(&mut self, event: Event) -> usize {
+        self.events.push(event);
+        self.events.len() - 1
+    }
+
+    /// Notes what a rule looked at and left alone.
+    pub(crate) fn note_misses(&mut self, misses: impl IntoIterator<Item = Miss>) {
+        let events = self.events.len();
+        self.misses.extend(misses.into_iter().map(|miss| (events, miss)));
+    }
+
+    /// What was given to what, in the order in which it was. A cluster that was given away may be there again later, when
+    /// something is given to it.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// What rules left alone, rule by rule, each with the number of events before it.
+    pub fn misses(&self) -> &[(usize, Miss)] {
+        &self.misses
+    }
+}

@@ -1,0 +1,232 @@
+//! What is seen in the gap between two pieces.
+
+use std::cmp::Reverse;
+
+use super::line::Line;
+use super::pieces::Piece;
+use crate::clusters::cluster::Clusters;
+use crate::random::Lcg;
+use crate::raster::marked;
+use crate::regions::SegmentId;
+use crate::simd::vectorized;
+
+/// Lines of sight through the gap.
+const LINES: usize = 60;
+/// What is farther than the surface in the gap by so many quanta is seen through it; nearer by so many, hides it.
+const SEEN_THROUGH_QUANTA: f64 = 3.0;
+const HIDDEN_QUANTA: f64 = 2.0;
+/// The surface may be seen through in less than this share of the gap, and is hidden in more than this share.
+pub(super) const SEEN_THROUGH_SHARE: f64 = 0.15;
+pub(super) const HIDDEN_SHARE: f64 = 0.5;
+/// Beyond so many times a tolerance nothing else is looked at.
+pub(super) const HOPELESS: f64 = 2.0;
+/// So many pixels of a line are looked at together.
+const STRETCH_PX: usize = 64;
+
+/// What lies in the gap between two pieces, as shares of its measured pixels.
+#[derive(Debug, PartialEq)]
+pub(super) struct Seen {
+    pub(super) hidden_share: f64,
+    pub(super) seen_through_share: f64,
+    /// The facet that hides most.
+    pub(super) hider: Option<SegmentId>,
+}
+
+/// What is seen along lines from random pixels of one piece to random pixels of the other, as shares of the measured pixels on
+/// them that are of neither piece; `None` when it is hopelessly much that is seen through, or little that is hidden, whatever
+/// the lines that are left would show. `surface`: the disparity (quanta) that is expected at a column and row. O(pixels of the
+/// lines + facets).
+pub(super) fn look(
+    clusters: &Clusters<'_>,
+    [a, b]: [&Piece; 2],
+    surface: impl Fn([f64; 2]) -> f64 + Copy,
+) -> Option<Seen> {
+    let scene = clusters.scene;
+    let width = scene.disparity.width();
+    let lines = lines([a, b], width);
+    let (labels, disparity) = (scene.facets.segments.labels().as_slice(), scene.disparity.as_slice());
+    let own = [a, b].map(|piece| piece.facet.0 as i32);
+    let mut left = lines.iter().map(|line| line.steps).sum::<usize>();
+    let (mut through, mut on, mut hidden) = (0_u32, 0_u32, 0_u32);
+    let mut before = vec![0_u32; scene.facets.segments.count()];
+    let mut stretch = Stretch::new();
+    for mut line in lines {
+        left -= line.steps;
+        while line.steps > 0 {
+            stretch.take(&mut line, width, labels, disparity);
+            let (farther, level) = stretch.compare(own, surface);
+            through += farther;
+            on += level;
+            for k in marked(&stretch.is_nearer) {
+                let facet = usize::try_from(stretch.labels[k]).ok();
+                let free = facet.and_then(|facet| facet.checked_sub(scene.facets.structure));
+                let cluster = free.and_then(|free| clusters.of_facet(free));
+                if cluster.is_some_and(|cluster| cluster == a.cluster || cluster == b.cluster) {
+                    on += 1;
+                } else {
+                    hidden += 1;
+                    facet.into_iter().for_each(|facet| before[facet] += 1);
+                }
+            }
+        }
+        // Were something nearer seen in all that is left.
+        let most = f64::from(through + on + hidden) + left as f64;
+        if is_hopeless(through, on, most) {
+            return None;
+        }
+    }
+    let share = |part: u32| f64::from(part) / f64::from((through + on + hidden).max(1));
+    // The first of equal ones.
+    let hider = before.iter().zip(0..).max_by_key(|&(&count, facet)| (count, Reverse(facet)));
+    let hider = hider.filter(|(count, _)| **count > 0).map(|(_, facet)| SegmentId(facet));
+    Some(Seen { hidden_share: share(hidden), seen_through_share: share(through), hider })
+}
+
+/// From random pixels of one piece to random pixels of the other.
+fn lines(pieces: [&Piece; 2], width: usize) -> [Line; LINES] {
+    let mut random = Lcg::new(777);
+    [(); LINES].map(|()| {
+        let ends = pieces.map(|piece| piece.pixels[random.below(piece.pixels.len())] as usize);
+        Line::between(ends.map(|i| [i % width, i / width].map(|x| x as i64)))
+    })
+}
+
+/// Whether too much is seen through, or too little hidden, even if `most` pixels are seen in the end.
+fn is_hopeless(through: u32, on: u32, most: f64) -> bool {
+    f64::from(through) > HOPELESS * SEEN_THROUGH_SHARE * most
+        || f64::from(through + on) > (1.0 - HIDDEN_SHARE / HOPELESS) * most
+}
+
+/// Pixels of a line that follow each other.
+struct Stretch {
+    /// Columns and rows.
+    at: [[i32; STRETCH_PX]; 2],
+    labels: [i32; STRETCH_PX],
+    /// Beyond the end of the line it is not measured.
+    disparity: [f32; STRETCH_PX],
+    /// Not 0 where something is nearer than the surface.
+    is_nearer: [i32; STRETCH_PX],
+}
+
+impl Stretch {
+    fn new() -> Self {
+        let none = [0; STRETCH_PX];
+        Self { at: [none; 2], labels: none, disparity: [f32::NAN; STRETCH_PX], is_nearer: none }
+    }
+
+    /// Takes as many pixels of a line as there are, or there is room for.
+    fn take(&mut self, line: &mut Line, width: usize, labels: &[i32], disparity: &[f32]) {
+        let Self { at: [columns, rows], labels: own_labels, disparity: own_disparity, .. } = self;
+        let mut taken = 0;
+        for (k, [u, v]) in line.take(STRETCH_PX).enumerate() {
+            let i = v * width + u;
+            (columns[k], rows[k]) = (u as i32, v as i32);
+            (own_labels[k], own_disparity[k]) = (labels[i], disparity[i]);
+            taken = k + 1;
+        }
+        own_disparity[taken..].fill(f32::NAN);
+    }
+
+    /// How many pixels, of those that are measured and have none of these labels, are farther than a surface, and how many are
+    /// level with it; marks the nearer ones. All at once, without branches.
+    fn compare(&mut self, own: [i32; 2], surface: impl Fn([f64; 2]) -> f64 + Copy) -> (u32, u32) {
+        let Self { at: [columns, rows], labels, disparity, is_nearer } = self;
+        vectorized(
+            #[inline(always)]
+            move || {
+                let (mut farther, mut level) = (0, 0);
+                for k in 0..STRETCH_PX {
+                    let expected = surface([f64::from(columns[k]), f64::from(rows[k])]);
+                    let d = f64::from(disparity[k]);
+                    let is_other = (labels[k] != own[0]) & (labels[k] != own[1]);
+                    let is_farther = d < expected - SEEN_THROUGH_QUANTA;
+                    let is_level = !is_farther & (d <= expected + HIDDEN_QUANTA);
+                    farther += u32::from(is_other & is_farther);
+                    level += u32::from(is_other & is_level);
+                    is_nearer[k] = i32::from(is_other & !is_farther & !is_level & !d.is_nan());
+                }
+                (farther, level)
+            },
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::pieces::pieces;
+    use super::*;
+    use crate::clusters::testing::{Table, merge, single};
+
+    /// Pixel by pixel, to the end of every line.
+    fn look_to_the_end(
+        clusters: &Clusters<'_>,
+        [a, b]: [&Piece; 2],
+        surface: impl Fn([f64; 2]) -> f64,
+    ) -> Option<Seen> {
+        let scene = clusters.scene;
+        let segments = &scene.facets.segments;
+        let (mut through, mut on, mut hidden) = (0.0, 0.0, 0.0);
+        let mut before = vec![0; segments.count()];
+        for [u, v] in lines([a, b], scene.disparity.width()).into_iter().flatten() {
+            let (facet, d) =
+                (segments.at(v * scene.disparity.width() + u), f64::from(*scene.disparity.get(u, v)?));
+            if d.is_nan() || facet == Some(a.facet) || facet == Some(b.facet) {
+                continue;
+            }
+            let above = d - surface([u as f64, v as f64]);
+            let free = facet.and_then(|facet| facet.index().checked_sub(scene.facets.structure));
+            let cluster = free.and_then(|free| clusters.of_facet(free));
+            if above < -SEEN_THROUGH_QUANTA {
+                through += 1.0;
+            } else if above <= HIDDEN_QUANTA || cluster == Some(a.cluster) || cluster == Some(b.cluster) {
+                on += 1.0;
+            } else {
+                hidden += 1.0;
+                facet.into_iter().for_each(|facet| before[facet.index()] += 1);
+            }
+        }
+        let all: f64 = through + on + hidden;
+        if through > 0.3 * all || hidden < 0.25 * all {
+            return None;
+        }
+        let most = before.iter().max().copied().filter(|most| *most > 0);
+        let hider = most.and_then(|most| before.iter().position(|count| *count == most));
+        let share = |part: f64| part / all.max(1.0);
+        let hider = hider.map(|facet| SegmentId(facet as u32));
+        Some(Seen { hidden_share: share(hidden), seen_through_share: share(through), hider })
+    }
+
+    proptest! {
+        /// Between two parts of a plank, row by row: a hole, the table, something level, and bars, of which one is the plank's own.
+        #[test]
+        fn lines_that_end_early_tell_what_all_of_them_would(
+            rows in prop::collection::vec(prop_oneof![
+                1 => Just(None), 2 => Just(Some((0, 0.0))), 1 => Just(Some((4, 0.05))), 3 => Just(Some((3, 0.15))),
+                1 => Just(Some((5, 0.15))), 1 => Just(Some((6, 0.12))),
+            ], 20),
+            tilt in prop_oneof![2 => Just(0.0), 1 => -0.3_f64..0.3],
+            wide in 6_usize..40,
+        ) {
+            let table = Table::new((110, 60), |u, v| match v {
+                10..40 if (10..30).contains(&u) => Some((1, 0.05)),
+                10..40 if (30 + wide..80).contains(&u) => Some((2, 0.05)),
+                // So that something hides a part of either.
+                10..20 if (30..30 + wide).contains(&u) => Some((3, 0.15)),
+                20..40 if (30..30 + wide).contains(&u) => rows[v - 20],
+                _ => Some((0, 0.0)),
+            });
+            let scene = table.scene();
+            let mut clusters = single(&scene);
+            if clusters.alive().contains(&SegmentId(4)) {
+                merge(&mut clusters, Some(SegmentId(0)), SegmentId(4));
+            }
+            let pieces = pieces(&clusters);
+            let [a, b] = [1, 2].map(|facet| pieces.iter().find(|piece| piece.facet == SegmentId(facet)).unwrap());
+            let level = f64::from(scene.disparity[a.pixels[0] as usize]);
+            let surface = |[u, _]: [f64; 2]| level + tilt * (u - 55.0);
+            prop_assert_eq!(look(&clusters, [a, b], surface), look_to_the_end(&clusters, [a, b], surface));
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! The circle of a vessel's rim (METHOD 3.12).
+
+use glam::Vec3;
+
+use crate::clusters::check::{Bound, Check, Checks};
+use crate::clusters::cluster::Clusters;
+use crate::clusters::scene::Scene;
+use crate::discovery::join::RimCircle;
+use crate::oversegment::structure::StructureSurface;
+use crate::regions::SegmentId;
+use crate::tangents::tangents;
+
+/// The rim is what lies within this height (m) of the top.
+const BAND_M: f64 = 0.012;
+/// With fewer points there is no circle.
+const LEAST_POINTS: usize = 20;
+/// Points in a line have a determinant (m^4) below this.
+const LEAST_SPREAD: f64 = 1e-12;
+/// Rims of vessels that a hand can hold (m).
+const RADIUS_M: std::ops::Range<f64> = 0.02..0.2;
+/// A rim lies on its circle within so much (m), or within this share of the radius if that is more.
+const RESIDUAL_M: f64 = 0.006;
+const RESIDUAL_SHARE: f64 = 0.12;
+/// The circle is looked at in so many sectors, ...
+const SECTORS: usize = 12;
+/// ... at least so many of which must hold points.
+const LEAST_SECTORS: usize = 7;
+/// A sector is held by so many points, or by one in `POINTS_PER_HOLD` of all if that is more.
+const LEAST_HOLD: usize = 2;
+const POINTS_PER_HOLD: usize = 200;
+/// A vessel may bulge beyond its rim by so much (m), or by this share of the radius if that is more.
+const BULGE_M: f64 = 0.012;
+const BULGE_SHARE: f64 = 0.12;
+
+/// Where on the support plane a point stands (m), along the plane's tangents.
+fn foot_m(scene: &Scene<'_>, i: u32, support: &StructureSurface) -> [f64; 2] {
+    let point = Vec3::from(scene.points_m[i as usize]).as_dvec3();
+    tangents(support.normal).map(|t| t.dot(point))
+}
+
+/// The circle through the feet of what lies at the height `top_m` of some clusters (algebraic fit, Kåsa 1976). O(pixels).
+///
+/// # Errors
+/// The checks, of which one fails, when it is no rim of a vessel.
+pub(crate) fn rim_circle(
+    clusters: &Clusters<'_>,
+    ids: &[SegmentId],
+    top_m: f64,
+    support: &StructureSurface,
+) -> Result<RimCircle, Vec<Check>> {
+    let scene = clusters.scene;
+    let mut checks = Checks::default();
+    let pixels = ids.iter().flat_map(|&id| &clusters.get(id).pixels);
+    let on_rim = pixels.filter(|&&i| (scene.height_m(i as usize, support) - top_m).abs() < BAND_M);
+    let feet: Vec<[f64; 2]> = on_rim.map(|&i| foot_m(scene, i, support)).collect();
+    let n = feet.len() as f64;
+    if !checks.that(Check::new("points of the rim", "px", n, Bound::AtLeast, LEAST_POINTS as f64)) {
+        return Err(checks.0);
+    }
+    let mean = [0, 1].map(|k| feet.iter().map(|foot| foot[k]).sum::<f64>() / n);
+    let centered = || feet.iter().map(|foot| (foot[0] - mean[0], foot[1] - mean[1]));
+    let (mut xx, mut xy, mut yy, mut xr, mut yr) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (x, y) in centered() {
+        let squared = x * x + y * y;
+        xx += x * x;
+        xy += x * y;
+        yy += y * y;
+        xr += x * squared;
+        yr += y * squared;
+    }
+    let determinant = xx * yy - xy * xy;
+    let spread = Check::new("spread of the rim's points", "m^4", determinant, Bound::AtLeast, LEAST_SPREAD);
+    if !checks.that(spread) {
+        return Err(checks.0);
+    }
+    let x_center = (xr * yy - yr * xy) / (2.0 * determinant);
+    let y_center = (yr * xx - xr * xy) / (2.0 * determinant);
+    let radius_m = (x_center * x_center + y_center * y_center + (xx + yy) / n).sqrt();
+
+    let mut held = [0_usize; SECTORS];
+    let mut squared_error = 0.0;
+    for (x, y) in centered() {
+        let (x, y) = (x - x_center, y - y_center);
+        let off = (x * x + y * y).sqrt() - radius_m;
+        squared_error += off * off;
+        let turn = (libm::atan2(y, x) + std::f64::consts::PI) / std::f64::consts::TAU;
+        held[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] += 1;
+    }
+    let residual_m = (squared_error / n).sqrt();
+    let least_hold = LEAST_HOLD.max(feet.len() / POINTS_PER_HOLD);
+    let covered = held.iter().filter(|&&points| points >= least_hold).count();
+    let circle = RimCircle {
+        center_m: [mean[0] + x_center, mean[1] + y_center],
+        radius_m,
+        residual_m,
+        covered: covered as f64 / SECTORS as f64,
+    };
+    checks.0.extend(circle_checks(&circle));
+    if checks.0.iter().all(Check::holds) { Ok(circle) } else { Err(checks.0) }
+}
+
+/// What makes a circle the rim of a vessel.
+pub(crate) fn circle_checks(circle: &RimCircle) -> [Check; 4] {
+    let &RimCircle { radius_m, residual_m, covered, .. } = circle;
+    let radius = |bound, limit_m| Check::new("radius of the rim", "m", radius_m, bound, limit_m);
+    let residual_limit_m = RESIDUAL_M.max(RESIDUAL_SHARE * radius_m);
+    let least_covered = LEAST_SECTORS as f64 / SECTORS as f64;
+    [
+        radius(Bound::AtLeast, RADIUS_M.start),
+        radius(Bound::Below, RADIUS_M.end),
+        Check::new("distance of the rim from a circle", "m", residual_m, Bound::Below, residual_limit_m),
+        Check::new("share of the circle that is seen", "", covered, Bound::AtLeast, least_covered),
+    ]
+}
+
+/// The share of a cluster, of every third pixel, that stands within the circle or hardly outside.
+pub(crate) fn share_within(
+    clusters: &Clusters<'_>,
+    id: SegmentId,
+    rim: &RimCircle,
+    support: &StructureSurface,
+) -> f64 {
+    let limit_m = rim.radius_m + BULGE_M.max(BULGE_SHARE * rim.radius_m);
+    let (mut within, mut all) = (0, 0);
+    for &i in clusters.get(id).pixels.iter().step_by(3) {
+        let [x, y] = foot_m(clusters.scene, i, support);
+        let (x, y) = (x - rim.center_m[0], y - rim.center_m[1]);
+        all += 1;
+        within += usize::from(x * x + y * y <= limit_m * limit_m);
+    }
+    within as f64 / all.max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clusters::testing::{Table, single};
+
+    /// Where the ring of the tests stands (m right of and below the camera), and how high.
+    const MIDDLE_M: [f64; 2] = [0.012, -0.007];
+    const TOP_M: f64 = 0.08;
+
+    /// What a camera sees of a ring whose part at angle `turn` (0 to 1) is there or not; within it stands something lower,
+    /// facet 2.
+    fn ring(radius_m: f64, is_there: impl Fn(f64) -> bool) -> Table {
+        Table::new((160, 140), |u, v| {
+            // Metres at the height of the rim.
+            let [x, y] = [u as f64 - 79.5, v as f64 - 69.5].map(|px| px * (1.0 - TOP_M) / 525.0);
+            let [x, y] = [x - MIDDLE_M[0], y - MIDDLE_M[1]];
+            let off_m = x.hypot(y) - radius_m;
+            let turn = libm::atan2(y, x) / std::f64::consts::TAU + 0.5;
+            match off_m {
+                off if off.abs() < 0.003 && is_there(turn) => Some((1, TOP_M)),
+                off if off < -0.01 => Some((2, 0.03)),
+                _ => Some((0, 0.0)),
+            }
+        })
+    }
+
+    fn circle(table: &Table) -> Option<RimCircle> {
+        let scene = table.scene();
+        rim_circle(&single(&scene), &[SegmentId(0)], TOP_M, scene.support.unwrap()).ok()
+    }
+
+    #[test]
+    fn the_circle_of_a_rim_is_recovered() {
+        for radius_m in [0.03, 0.05, 0.09] {
+            let table = ring(radius_m, |_| true);
+            let rim = circle(&table).unwrap();
+            assert!((rim.radius_m - radius_m).abs() < 0.001 && rim.residual_m < 0.003, "{radius_m}: {rim:?}");
+            assert_eq!(rim.covered, 1.0);
+            let scene = table.scene();
+            let middle =
+                tangents(scene.support.unwrap().normal).map(|t| t.x * MIDDLE_M[0] + t.y * MIDDLE_M[1]);
+            let off = [0, 1].map(|k| rim.center_m[k] - middle[k]);
+            assert!(off[0].hypot(off[1]) < 0.001, "{radius_m}: {rim:?}");
+        }
+    }
+
+    #[test]
+    fn an_arc_is_a_rim_when_it_is_long_enough() {
+        let arc = circle(&ring(0.06, |turn| turn < 0.66)).unwrap();
+        assert!((arc.radius_m - 0.06).abs() < 0.002, "{arc:?}");
+        assert!((0.6..0.8).contains(&arc.covered), "{arc:?}");
+        assert_eq!(circle(&ring(0.06, |turn| turn < 0.45)), None);
+        // The same length, but in two pieces, goes farther round.
+        assert!(circle(&ring(0.06, |turn| turn % 0.5 < 0.25)).is_none());
+        assert!(circle(&ring(0.06, |turn| turn % 0.25 < 0.17)).is_some());
+    }
+
+    #[test]
+    fn what_is_no_rim_has_no_circle() {
+        assert_eq!(circle(&ring(0.015, |_| true)), None, "too small for a vessel");
+        let bar = Table::new((160, 140), |u, v| Some((i32::from(v == 70 && u > 20 && u < 140), TOP_M)));
+        assert_eq!(circle(&bar), None, "points in a line");
+        let disc = Table::new((160, 140), |u, v| {
+            Some((i32::from((u as f64 - 80.0).hypot(v as f64 - 70.0) < 50.0), TOP_M))
+        });
+        assert_eq!(circle(&disc), None, "not a line but an area");
+    }
+
+    #[test]
+    fn what_stands_within_the_circle_is_told_from_what_does_not() {
+        let table = ring(0.05, |_| true);
+        let scene = table.scene();
+        let clusters = single(&scene);
+        let support = scene.support.unwrap();
+        let rim = circle(&table).unwrap();
+        let within = |rim: &RimCircle| [0, 1].map(|k| share_within(&clusters, SegmentId(k), rim, support));
+        assert_eq!(within(&rim), [1.0, 1.0]);
+        let elsewhere = RimCircle { center_m: rim.center_m.map(|x| x + 0.2), ..rim };
+        assert_eq!(within(&elsewhere), [0.0, 0.0]);
+        let half = RimCircle { radius_m: 0.03, ..rim };
+        let [ring, inner] = within(&half);
+        assert!(ring == 0.0 && inner > 0.9, "a bulge of 12 mm is allowed: {ring} {inner}");
+    }
+}

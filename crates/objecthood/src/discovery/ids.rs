@@ -1,0 +1,9 @@
+//! Numbers of what was found.
+
+/// Number of an object in the label image: 1, 2, .. by falling objectness, then pixel count, then first pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ObjectId(pub u16);
+
+/// Number of a node in a [`SupportGraph`], counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(pub u32);

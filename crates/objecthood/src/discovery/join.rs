@@ -1,0 +1,90 @@
+//! Why parts that do not touch as one surface are one object.
+
+use crate::discovery::ids::NodeId;
+use crate::raster::PixelBox;
+
+/// Two parts of one object, and why they belong together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Join {
+    /// Where the two parts were in the image when they were joined.
+    pub parts: [JoinedPart; 2],
+    /// Why.
+    pub evidence: JoinEvidence,
+    /// What hides the object between them, if that is a node of the support graph.
+    pub behind: Option<NodeId>,
+}
+
+/// A part of an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct JoinedPart {
+    /// The smallest upright rectangle around it.
+    pub box_px: PixelBox,
+    /// Its pixels.
+    pub size_px: usize,
+}
+
+/// Why two parts are one object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JoinEvidence {
+    /// One surface that goes on behind something nearer (METHOD 3.13).
+    Occlusion(Continuation),
+    /// Two pieces of the inside of one vessel (METHOD 3.12 i).
+    VesselInside {
+        /// How far the larger and the smaller piece bend outwards: both inwards, below 0.
+        convexity: [f64; 2],
+    },
+    /// The inside of a vessel and the wall before it (METHOD 3.12 ii).
+    VesselWall {
+        /// How far the inside bends outwards: inwards, below 0, or hardly.
+        convexity: f64,
+        /// Pixel pairs in which the wall is before the inside.
+        wall_in_front: u32,
+        /// The circle on which both rims lie, if that decided.
+        rim: Option<RimCircle>,
+    },
+    /// What stands within the circle of a vessel's rim and as high (METHOD 3.12 ii).
+    VesselRim {
+        /// The circle.
+        rim: RimCircle,
+    },
+    /// The bottom of a plate or bowl, which lies as low as the table (ours).
+    VesselBottom {
+        /// Share of its border that touches, without a step.
+        contact_share: f64,
+    },
+    /// A small part that touches hardly anything but a vessel (METHOD 3.12 iii).
+    VesselRemainder {
+        /// Share of its contacts that are with the vessel.
+        contact_share: f64,
+    },
+}
+
+/// How well one surface continues another behind an occluder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Continuation {
+    /// How far the common surface is from both parts (quanta).
+    pub disagreement_quanta: f64,
+    /// Angle between the surfaces (degrees).
+    pub angle_deg: f64,
+    /// Distance of the parts (m).
+    pub distance_m: f64,
+    /// Share of the gap in which something nearer is seen.
+    pub hidden_share: f64,
+    /// Share of the gap in which something farther is seen.
+    pub seen_through_share: f64,
+    /// Overlap of the colour histograms, in [0, 1]; `None` without colour.
+    pub color_overlap: Option<f64>,
+}
+
+/// The rim of a vessel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RimCircle {
+    /// Its middle on the support plane, along the plane's two tangents (m).
+    pub center_m: [f64; 2],
+    /// Its radius (m).
+    pub radius_m: f64,
+    /// Root mean square distance of the points of the rim from it (m).
+    pub residual_m: f64,
+    /// Share of its circumference on which points lie.
+    pub covered: f64,
+}

@@ -1,0 +1,60 @@
+//! What was found in a frame: the results, as values that say nothing of how they came about.
+
+pub(crate) mod ids;
+pub(crate) mod join;
+pub(crate) mod object;
+pub(crate) mod parts;
+pub(crate) mod support_graph;
+pub(crate) mod up;
+
+use std::fmt;
+
+pub use self::ids::{NodeId, ObjectId};
+pub use self::join::{Continuation, Join, JoinEvidence, JoinedPart, RimCircle};
+pub use self::object::{Object, OrientedBox};
+pub use self::parts::ObjectnessParts;
+pub use self::support_graph::{NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode};
+pub use self::up::{Up, UpSource};
+pub use crate::planes::StructurePlane;
+pub use crate::raster::PixelBox;
+use crate::raster::Raster;
+
+/// Everything found in one frame.
+#[derive(Clone, Debug)]
+pub struct Discovery {
+    /// The object of every pixel: 0 = none, else the number of an [`ObjectId`].
+    pub labels: Raster<u16>,
+    /// The objects; object k stands at index k - 1.
+    pub objects: Vec<Object>,
+    /// The direction against gravity.
+    pub up: Up,
+    /// Large planes of the scene: the table, the floor. In `paper` at most the dominant one.
+    pub structure_planes: Vec<StructurePlane>,
+    /// The structure plane of every pixel: 0 = none, else k stands for the plane at index k - 1.
+    pub structure: Raster<u16>,
+    /// What stands on what.
+    pub support: SupportGraph,
+    /// What the user should know about how this came about.
+    pub notices: Vec<Notice>,
+}
+
+/// Something the user should know although the frame was done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Notice {
+    /// No plane dominates the scene, so the camera is taken to be horizontal.
+    NoPlane,
+    /// The frame has no colour, so depth alone decides.
+    NoColor,
+}
+
+impl fmt::Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoPlane => {
+                "no plane dominates the scene: up is taken from the camera, as if it were held horizontally"
+            }
+            Self::NoColor => "the frame has no colour: surfaces are told apart by depth alone",
+        })
+    }
+}

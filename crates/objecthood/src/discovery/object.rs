@@ -1,0 +1,46 @@
+//! One object that was found.
+
+use crate::discovery::ids::{NodeId, ObjectId};
+use crate::discovery::join::Join;
+use crate::discovery::parts::ObjectnessParts;
+use crate::raster::PixelBox;
+
+/// One thing that can be grasped and moved.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Its number in the label image.
+    pub id: ObjectId,
+    /// How sure it is, in [0, 1].
+    pub objectness: f32,
+    /// What the objectness is made of.
+    pub parts: ObjectnessParts,
+    /// Pixels in the label image.
+    pub size_px: usize,
+    /// The smallest upright rectangle around its pixels.
+    pub box_px: PixelBox,
+    /// Mean of its points, camera frame (m).
+    pub centroid_m: [f32; 3],
+    /// Oriented box, one axis along up.
+    pub box_m: OrientedBox,
+    /// How high it stands above the support plane (m), where that is known (`context`).
+    pub top_m: Option<f32>,
+    /// Number of facets it is made of.
+    pub facets: usize,
+    /// Which of its parts were joined although they do not touch as one surface. None in `paper`.
+    pub joins: Vec<Join>,
+    /// Its place in the support graph.
+    pub node: NodeId,
+    /// The nodes that it stands on, lies in or leans against.
+    pub parents: Vec<NodeId>,
+}
+
+/// A box with any orientation, in the camera frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrientedBox {
+    /// Middle of the box (m).
+    pub center_m: [f32; 3],
+    /// Rotation that takes the box's axes to the camera's frame, as a unit quaternion x, y, z, w.
+    pub rotation_xyzw: [f32; 4],
+    /// Full length of each side (m), along the box's own x, y and z axes.
+    pub extents_m: [f32; 3],
+}

@@ -1,0 +1,200 @@
+//! Gravity: the direction up, from the dominant plane or from the camera (METHOD 2.6).
+
+use glam::{DVec3, Vec3};
+
+use crate::discovery::up::{Up, UpSource};
+use crate::params::{self, UpFrom};
+use crate::planes::{Plane, StructurePlane};
+use crate::random::Lcg;
+use crate::raster::Raster;
+use crate::workspace::Workspace;
+
+/// How often the best plane is fitted again to all its points.
+const REFITS: usize = 3;
+
+/// The plane that holds most points, if it holds a share of at least `min_inlier_share`.
+///
+/// RANSAC (Fischler and Bolles 1981): `trials` planes through three random points of an even sample of `samples`
+/// points; the one with most of the sample within `inlier_distance_m` is fitted to all its points by total least
+/// squares, three times. The random numbers are fixed. O(trials · samples + points).
+pub fn dominant_plane(
+    points_m: &Raster<[f32; 3]>,
+    params: &params::Gravity,
+    workspace: &mut Workspace,
+) -> Option<StructurePlane> {
+    let measured = points_m.as_slice().iter().copied().filter(|p| !p[2].is_nan());
+    let points = workspace.collected(measured);
+    let plane = plane_of_most(&points, params);
+    workspace.shelve(points);
+    plane
+}
+
+/// The plane that holds most of these points, see [`dominant_plane`].
+fn plane_of_most(points: &[[f32; 3]], params: &params::Gravity) -> Option<StructurePlane> {
+    let point = |p: &[f32; 3]| Vec3::from(*p).as_dvec3();
+    let sampled = params.samples.min(points.len());
+    let sample: Vec<DVec3> = (0..sampled).map(|k| point(&points[k * points.len() / sampled])).collect();
+    let near = |plane: &Plane, p: &DVec3| plane.distance_m(*p) < params.inlier_distance_m;
+
+    let mut random = Lcg::new(12345);
+    let mut best: Option<(usize, Plane)> = None;
+    for _ in 0..params.trials {
+        let corners: [DVec3; 3] = std::array::from_fn(|_| sample[random.below(sample.len())]);
+        let Some(plane) = Plane::through(corners) else { continue };
+        let inliers = sample.iter().filter(|p| near(&plane, p)).count();
+        if best.as_ref().is_none_or(|(most, _)| inliers > *most) {
+            best = Some((inliers, plane));
+        }
+    }
+    let (_, mut plane) = best?;
+    for _ in 0..REFITS {
+        plane = Plane::fitted(points.iter().map(point).filter(|p| near(&plane, p)))?;
+    }
+    let share = points.iter().map(point).filter(|p| near(&plane, p)).count() as f64 / points.len() as f64;
+    (share >= params.min_inlier_share).then(|| StructurePlane {
+        normal: plane.normal.as_vec3().to_array(),
+        offset_m: plane.offset_m as f32,
+        inlier_share: share as f32,
+    })
+}
+
+/// The points of the plane that belong to no object: 1 on the plane, 0 elsewhere.
+pub(crate) fn on_plane(
+    plane: Option<&StructurePlane>,
+    labels: &Raster<u16>,
+    points_m: &Raster<[f32; 3]>,
+    params: &params::Gravity,
+) -> Raster<u16> {
+    let Some(plane) = plane else { return labels.map(|_| 0) };
+    let normal = Vec3::from(plane.normal).as_dvec3();
+    let distance_m = |p: &[f32; 3]| (normal.dot(Vec3::from(*p).as_dvec3()) + f64::from(plane.offset_m)).abs();
+    // False without depth.
+    let is_near = |p: &[f32; 3]| distance_m(p) < params.inlier_distance_m;
+    let pixels = points_m.as_slice().iter().zip(labels.as_slice());
+    labels.with_data(pixels.map(|(p, &object)| u16::from(object == 0 && is_near(p))).collect())
+}
+
+/// The camera's own up: a unit vector in its frame, as it is tilted and rolled (`tilt_deg`, `roll_deg`); held
+/// horizontally -y.
+pub fn camera_up(params: &params::Gravity) -> [f32; 3] {
+    let (sin_tilt, cos_tilt) = libm::sincos(params.tilt_deg.to_radians());
+    let (sin_roll, cos_roll) = libm::sincos(params.roll_deg.to_radians());
+    // The sum takes the sign from a negative zero.
+    [-sin_roll * cos_tilt, -cos_roll * cos_tilt, -sin_tilt].map(|x| (x + 0.0) as f32)
+}
+
+/// The direction up: the normal of `plane`, or the camera's own up when there is none or `up_from` says so.
+///
+/// *Differs from the paper:* it holds the camera horizontally (`up_from = camera`, and neither tilt nor roll).
+pub fn up(plane: Option<&StructurePlane>, params: &params::Gravity) -> Up {
+    match (params.up_from, plane) {
+        (UpFrom::Plane, Some(plane)) => Up { direction: plane.normal, source: UpSource::Plane },
+        _ => Up { direction: camera_up(params), source: UpSource::Camera },
+    }
+}
+
+/// What everything stands on in `paper`, as far as it is seen.
+#[derive(Clone, Debug)]
+pub struct Ground {
+    /// The plane that holds most points, if it holds enough of them.
+    pub plane: Option<StructurePlane>,
+    /// The direction against gravity.
+    pub up: Up,
+}
+
+/// Finds the dominant plane and up. As [`dominant_plane`].
+pub fn find_ground(
+    points_m: &Raster<[f32; 3]>,
+    params: &params::Gravity,
+    workspace: &mut Workspace,
+) -> Ground {
+    let plane = dominant_plane(points_m, params, workspace);
+    Ground { up: up(plane.as_ref(), params), plane }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `on` points of the plane n · X = -1, and `off` points strewn around it.
+    fn cloud(n: DVec3, on: usize, off: usize) -> Raster<[f32; 3]> {
+        let mut random = Lcg::new(7);
+        let mut draw = || random.below(2001) as f64 / 1000.0 - 1.0;
+        let (s, t) = n.any_orthonormal_pair();
+        let mut points: Vec<[f32; 3]> =
+            (0..on).map(|_| (s * draw() + t * draw() - n).as_vec3().to_array()).collect();
+        points.extend((0..off).map(|_| [draw() as f32, draw() as f32, draw() as f32 + 2.0]));
+        Raster::from_vec(points.len(), 1, points).unwrap()
+    }
+
+    #[test]
+    fn the_plane_is_found_among_as_many_other_points() {
+        let n = DVec3::new(0.1, -0.8, -0.6).normalize();
+        let plane =
+            dominant_plane(&cloud(n, 5000, 5000), &params::Gravity::default(), &mut Workspace::default())
+                .unwrap();
+        assert!(Vec3::from(plane.normal).as_dvec3().dot(n) > 0.9999, "{plane:?}");
+        assert!(
+            (plane.offset_m - 1.0).abs() < 2e-3 && (0.5..0.53).contains(&plane.inlier_share),
+            "{plane:?}"
+        );
+    }
+
+    #[test]
+    fn refits_better_the_plane_through_three_points() {
+        // A plane with noise of 4 mm: three points alone err by more than all together.
+        let mut random = Lcg::new(3);
+        let mut draw = || random.below(2001) as f64 / 1000.0 - 1.0;
+        let points = (0..4000).map(|_| [draw() as f32, draw() as f32, (2.0 + 0.004 * draw()) as f32]);
+        let points = Raster::from_vec(4000, 1, points.collect()).unwrap();
+        let plane = dominant_plane(
+            &points,
+            &params::Gravity { trials: 20, ..Default::default() },
+            &mut Workspace::default(),
+        )
+        .unwrap();
+        assert!(plane.normal[2] < -0.999_999 && (plane.offset_m - 2.0).abs() < 2e-4, "{plane:?}");
+    }
+
+    #[test]
+    fn without_a_plane_up_is_the_cameras() {
+        let params = params::Gravity::default();
+        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 50, 5000), &params, &mut Workspace::default()), None);
+        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 1, 0), &params, &mut Workspace::default()), None);
+        let line = Raster::from_vec(3, 1, vec![[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, 3.0]]).unwrap();
+        assert_eq!(
+            dominant_plane(&line, &params, &mut Workspace::default()),
+            None,
+            "points on a line are no plane"
+        );
+        assert_eq!(up(None, &params), Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera });
+    }
+
+    #[test]
+    fn the_camera_may_look_down_and_be_rolled() {
+        let half = 0.5_f32.sqrt();
+        for (tilt_deg, roll_deg, expected) in [
+            (0.0, 0.0, [0.0, -1.0, 0.0]),
+            (45.0, 0.0, [0.0, -half, -half]),
+            (90.0, 30.0, [0.0, 0.0, -1.0]),
+            (0.0, 180.0, [0.0, 1.0, 0.0]),
+            // Its right hand points down.
+            (0.0, 90.0, [-1.0, 0.0, 0.0]),
+            (45.0, -90.0, [half, 0.0, -half]),
+        ] {
+            let up = camera_up(&params::Gravity { tilt_deg, roll_deg, ..Default::default() });
+            let error = Vec3::from(up).distance(Vec3::from(expected));
+            assert!(error < 1e-6, "{tilt_deg} {roll_deg}: {up:?}");
+        }
+        let level = camera_up(&params::Gravity::default());
+        assert_eq!(level.map(f32::to_bits), [0.0_f32, -1.0, 0.0].map(f32::to_bits));
+    }
+
+    #[test]
+    fn the_camera_is_up_when_asked_for() {
+        let plane = StructurePlane { normal: [0.0, 0.0, -1.0], offset_m: 1.0, inlier_share: 1.0 };
+        let params = params::Gravity { up_from: UpFrom::Camera, ..Default::default() };
+        assert_eq!(up(Some(&plane), &params).source, UpSource::Camera);
+        assert_eq!(up(Some(&plane), &params::Gravity::default()).direction, plane.normal);
+    }
+}

@@ -1,0 +1,173 @@
+//! How things meet: where on either the contact lies, against gravity.
+
+use std::collections::BTreeMap;
+use std::ops::AddAssign;
+
+use glam::DVec2;
+
+use crate::raster::Raster;
+use crate::regions::Segments;
+use crate::support::body::Bodies;
+use crate::support::plan::Plan;
+
+/// What carries goes on below what it carries: so far (m) behind the line of contact, which is all that is seen of a foot.
+pub(crate) const UNDER_M: f64 = 0.03;
+
+/// How one region touches another that may carry it, in pairs of points in contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Meeting {
+    /// Its foot is on a top of the other, level with it.
+    pub(crate) on: u32,
+    /// Of these, those behind which the other goes on below it.
+    pub(crate) under: u32,
+    /// Its foot touches the other, on a top or not.
+    pub(crate) foot: u32,
+    /// It touches the other above its foot.
+    pub(crate) side: u32,
+    /// Sum of the ways from its middle to the other there, in the plan view (m).
+    pub(crate) side_way_m: DVec2,
+}
+
+/// How every two regions that touch meet, by (lower, upper), either way; planes are never the upper one.
+///
+/// `touching`: the pixels in contact, best with those that share the second one after the other. The foot is what is level with
+/// the lowest visible part. O(pairs of pixels + changes from one pair of regions to another · log of them).
+pub(crate) fn meetings(
+    touching: &[(u32, u32)],
+    regions: &Segments,
+    points_m: &Raster<[f32; 3]>,
+    bodies: &Bodies<'_>,
+) -> BTreeMap<(usize, usize), Meeting> {
+    let labels = regions.labels().as_slice();
+    let spot = |i: u32| Spot::of(points_m[i as usize], &bodies.plan);
+    let mut meetings: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
+    let pair = |&(first, second): &(u32, u32)| (labels[first as usize], labels[second as usize]);
+    for touching in touching.chunk_by(|x, y| pair(x) == pair(y)) {
+        let [a, b] = <[_; 2]>::from(pair(&touching[0])).map(|label| label as usize);
+        let [a_stands, b_stands] = [a, b].map(|region| region >= bodies.planes.len());
+        let (mut a_upon_b, mut b_upon_a) = (Meeting::default(), Meeting::default());
+        for touching in touching.chunk_by(|x, y| x.1 == y.1) {
+            let mut second = spot(touching[0].1);
+            for &(first, _) in touching {
+                let mut first = spot(first);
+                if a_stands {
+                    a_upon_b.add((b, &mut second), (a, &first), bodies);
+                }
+                if b_stands {
+                    b_upon_a.add((a, &mut first), (b, &second), bodies);
+                }
+            }
+        }
+        for (pair, meeting, stands) in [((b, a), a_upon_b, a_stands), ((a, b), b_upon_a, b_stands)] {
+            if stands {
+                *meetings.entry(pair).or_default() += meeting;
+            }
+        }
+    }
+    meetings
+}
+
+/// A point in contact.
+struct Spot {
+    height_m: f64,
+    place_m: DVec2,
+    /// Whether its region ends there upwards, once that was asked for; it holds for one other region.
+    is_end: Option<bool>,
+}
+
+impl Spot {
+    fn of(point_m: [f32; 3], plan: &Plan) -> Self {
+        Self { height_m: plan.height_m(point_m), place_m: plan.place_m(point_m), is_end: None }
+    }
+}
+
+impl AddAssign for Meeting {
+    fn add_assign(&mut self, other: Self) {
+        self.on += other.on;
+        self.under += other.under;
+        self.foot += other.foot;
+        self.side += other.side;
+        self.side_way_m += other.side_way_m;
+    }
+}
+
+impl Meeting {
+    /// Adds two points in contact: those of the lower and of the upper region.
+    fn add(
+        &mut self,
+        (of_lower, lower): (usize, &mut Spot),
+        (of_upper, upper): (usize, &Spot),
+        bodies: &Bodies<'_>,
+    ) {
+        let body = &bodies.all[of_upper];
+        if upper.height_m > body.foot_m + body.level_m {
+            self.side += 1;
+            self.side_way_m += lower.place_m - body.middle_m;
+            return;
+        }
+        self.foot += 1;
+        let is_level = (upper.height_m - lower.height_m).abs() <= body.level_m;
+        let mut is_end = || {
+            let ends = || bodies.ends_at(of_lower, lower.place_m, lower.height_m + body.level_m);
+            *lower.is_end.get_or_insert_with(ends)
+        };
+        if is_level && is_end() {
+            self.on += 1;
+            let behind_m = upper.place_m + UNDER_M * upper.place_m.normalize_or_zero();
+            self.under += u32::from(bodies.holds(of_lower, behind_m));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::discovery::up::{Up, UpSource};
+    use crate::params;
+    use crate::planes::StructurePlane;
+    use crate::shapes::contact::touching_pairs;
+    use crate::testing::{kinect, raster};
+
+    proptest! {
+        /// Pair of points by pair of points, each asked for itself.
+        #[test]
+        fn meetings_are_those_of_single_pairs(
+            pixels in (2_usize..12, 2_usize..12)
+                .prop_flat_map(|size| raster(size, (-1_i32..4, prop::array::uniform3(0.0_f32..0.03)))),
+            direction in prop::array::uniform3(-1.0_f32..1.0),
+            planes in 0_usize..3,
+        ) {
+            let up = Vec3::from(direction).try_normalize().unwrap_or(Vec3::NEG_Y).to_array();
+            let up = Up { direction: up, source: UpSource::Camera };
+            let points = pixels.map(|&(_, [x, y, z])| [x, y, 1.0 + z]);
+            let regions = Segments::from_numbered(pixels.map(|pixel| pixel.0), 4);
+            let normals = points.map(|_| [0.0, 0.0, -1.0]);
+            let plane = StructurePlane { normal: up.direction, offset_m: 1.0, inlier_share: 1.0 };
+            let planes = &[plane; 2][..planes];
+            let bodies = Bodies::new(&regions, &points, &normals, planes, &up, &kinect());
+            let touching = touching_pairs(&regions, &points, &params::Contact::default());
+            let mut expected: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
+            for (upper, lower) in touching.iter().flat_map(|&(i, j)| [(i, j), (j, i)]) {
+                let [of_upper, of_lower] = [upper, lower].map(|i| regions.at(i as usize).unwrap().index());
+                // A plane stands on nothing.
+                if of_upper < planes.len() {
+                    continue;
+                }
+                let [upper, mut lower] =
+                    [upper, lower].map(|i| Spot::of(points[i as usize], &bodies.plan));
+                let meeting = expected.entry((of_lower, of_upper)).or_default();
+                meeting.add((of_lower, &mut lower), (of_upper, &upper), &bodies);
+            }
+            let got = meetings(&touching, &regions, &points, &bodies);
+            prop_assert_eq!(got.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
+            for (got, expected) in got.values().zip(expected.values()) {
+                let counts = |meeting: &Meeting| [meeting.on, meeting.under, meeting.foot, meeting.side];
+                prop_assert_eq!(counts(got), counts(expected));
+                prop_assert!(got.side_way_m.distance(expected.side_way_m) < 1e-9);
+            }
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! The plan view: what is seen from straight above, and heights.
+
+use glam::{DVec2, DVec3, Vec3};
+
+use crate::discovery::up::Up;
+use crate::tangents::tangents;
+
+/// The outline of a region in the plan view is known in so many directions.
+pub(crate) const DIRECTIONS: usize = 16;
+/// Where the way along gravity is shorter than this in the image (sine; 6 degrees) its direction means nothing.
+pub(crate) const FORESHORTENED: f64 = 0.1;
+
+/// Takes points to heights and to the plan view, which is what is seen from straight above.
+pub(crate) struct Plan {
+    /// Against gravity.
+    pub(crate) up: DVec3,
+    /// The axes of the plan view.
+    pub(crate) across: [DVec3; 2],
+    /// In which the outline of a region is known.
+    pub(crate) directions: [DVec2; DIRECTIONS],
+}
+
+impl Plan {
+    pub(crate) fn new(up: &Up) -> Self {
+        let up = Vec3::from(up.direction).as_dvec3();
+        let directions = std::array::from_fn(|k| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * k as f64 / DIRECTIONS as f64);
+            DVec2::new(cos, sin)
+        });
+        Self { up, across: tangents(up), directions }
+    }
+
+    /// Height along up, relative to the camera (m).
+    #[inline(always)]
+    pub(crate) fn height_m(&self, point_m: [f32; 3]) -> f64 {
+        self.up.dot(Vec3::from(point_m).as_dvec3())
+    }
+
+    /// How much of a normal is upwards.
+    #[inline(always)]
+    pub(crate) fn upward(&self, normal: [f32; 3]) -> f64 {
+        self.height_m(normal)
+    }
+
+    /// Place in the plan view (m).
+    pub(crate) fn place_m(&self, point_m: [f32; 3]) -> DVec2 {
+        let point = Vec3::from(point_m).as_dvec3();
+        DVec2::new(self.across[0].dot(point), self.across[1].dot(point))
+    }
+
+    /// The step to one of the eight neighbouring pixels that leads most nearly along gravity at a point, for square
+    /// pixels; `None` where one looks along gravity (within about 6 degrees).
+    pub(crate) fn step_down(&self, point_m: [f32; 3]) -> Option<[i64; 2]> {
+        let [x, y, z] = point_m.map(f64::from);
+        let down = DVec2::new(-self.up.x + x / z * self.up.z, -self.up.y + y / z * self.up.z);
+        let down = (down.length() > FORESHORTENED).then(|| down.normalize())?;
+        // sin 22.5 degrees: nearer to an axis than to a diagonal.
+        Some(down.to_array().map(|along| if along.abs() > 0.38 { along.signum() as i64 } else { 0 }))
+    }
+}
