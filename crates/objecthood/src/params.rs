@@ -375,9 +375,9 @@ parameters! {
     /// Curvature of the surface, eq. 2.
     Curvature curvature, read by [Paper: Curvature] {
         /// Whether high curvature bounds superpixels (the paper's comparison).
-        enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "paper, IV";
+        enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "paper, IV", read by [Paper: Superpixels];
         /// Curvature above which a pixel is a border.
-        threshold: f32 = 0.14, 0.0..=2.0, "dimensionless: 1 - mean cosine of opposite normals", "paper, III-A";
+        threshold: f32 = 0.14, 0.0..=2.0, "dimensionless: 1 - mean cosine of opposite normals", "paper, III-A", read by [Paper: Superpixels];
         /// Distance of the neighbours whose normals are compared.
         offset_px: usize = 2, 1..=50, "px", "paper, III-A (gamma)";
         /// Divides the sum of cosines: greater = more is curved.

@@ -1,0 +1,129 @@
+//! A pipeline that looks at a frame again after a change of parameters says what a fresh one says, and each parameter names the
+//! first stage that reads it.
+
+mod common;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use objecthood::{
+    Discovery, Frame, Method, Observer, Output, Params, Pipeline, Raster, Stage, discover, discover_observed,
+};
+use objecthood_eval::sensitivity;
+use objecthood_scene::{Family, Sensor, generate, render};
+
+const METHODS: [Method; 2] = [Method::Context, Method::Paper];
+
+/// All that was found, for comparison.
+fn said(found: &Discovery) -> String {
+    format!("{found:?}")
+}
+
+/// Looks at a frame with default parameters, then with every setting of the sensitivity analysis, in one pipeline.
+fn check_frame(name: &str, frame: &Frame, method: Method) {
+    let params = Params { method, ..Params::default() };
+    let mut pipeline = Pipeline::default();
+    let mut asked = BTreeSet::new();
+    for setting in sensitivity(&params).unwrap() {
+        // One other value of every parameter: back and forth would look at all twice.
+        if !asked.insert(setting.name.split(" = ").next().unwrap().to_owned()) {
+            continue;
+        }
+        let again = said(pipeline.discover(frame, &setting.params).unwrap());
+        let fresh = said(&discover(frame, &setting.params).unwrap());
+        assert!(again == fresh, "{name}, {method}, {}: not what a fresh run finds", setting.name);
+    }
+    assert!(asked.len() > 20, "{asked:?}");
+}
+
+#[test]
+fn after_any_change_of_parameters_a_pipeline_finds_what_a_fresh_run_finds() {
+    for method in METHODS {
+        for (seed, family) in (1..).zip([Family::Vessels, Family::Clutter]) {
+            let frame = render(&generate(family, seed), Sensor::Kinect).unwrap().frame;
+            check_frame(&format!("{family:?} {seed}"), &frame, method);
+        }
+    }
+}
+
+#[test]
+fn after_any_change_of_parameters_labels_of_real_scenes_are_those_of_a_fresh_run() {
+    let Some(data) = common::data() else {
+        println!("skipped: no mOSD here (set OBJECTHOOD_DATA)");
+        return;
+    };
+    for scene in (0..=40).step_by(5) {
+        let name = format!("learn{scene}");
+        let path = data.join("mosd/learn").join(&name).with_extension("pcd");
+        let frame = objecthood_io::open(&path, None, objecthood_io::images::DEFAULT_MAX_PIXELS).unwrap().frame;
+        check_frame(&name, &frame, Method::Context);
+        if scene == 0 {
+            check_frame(&name, &frame, Method::Paper);
+        }
+    }
+}
+
+/// What every stage put out, as a number.
+#[derive(Default)]
+struct Digests(BTreeMap<Stage, u64>);
+
+fn digest(values: impl IntoIterator<Item = impl Hash>) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    values.into_iter().for_each(|value| value.hash(&mut hasher));
+    hasher.finish()
+}
+
+fn digest_of(value: &impl std::fmt::Debug) -> u64 {
+    digest([format!("{value:?}")])
+}
+
+fn bits(raster: &Raster<f32>) -> impl Iterator<Item = u32> {
+    raster.as_slice().iter().map(|x| x.to_bits())
+}
+
+impl Observer for Digests {
+    fn observe(&mut self, output: Output<'_>) {
+        let digest = match output {
+            Output::Normals(normals) => digest(normals.as_slice().iter().map(|n| n.map(f32::to_bits))),
+            Output::Curvature(curvature) => digest(bits(curvature)),
+            Output::Structure(map) | Output::Superpixels(map) | Output::Shapes(map) => {
+                digest(map.segments().labels().as_slice())
+            }
+            Output::Facets(facets) => digest(facets.labels().as_slice()),
+            Output::Borders { evidence, .. } => digest_of(evidence),
+            Output::Clusters { clusters, .. } => digest_of(clusters),
+            Output::Support { graph, regions } => {
+                digest([digest_of(graph), digest(regions.labels().as_slice())])
+            }
+            Output::Hypotheses(hypotheses) => digest_of(&hypotheses),
+            Output::Objects(found) => digest_of(found),
+            _ => return,
+        };
+        self.0.insert(output.stage(), digest);
+    }
+}
+
+fn digests(frame: &Frame, params: &Params) -> BTreeMap<Stage, u64> {
+    let mut digests = Digests::default();
+    discover_observed(frame, params, &mut digests).unwrap();
+    digests.0
+}
+
+#[test]
+fn no_stage_before_the_one_that_a_parameter_names_depends_on_it() {
+    let frame = render(&generate(Family::Vessels, 1), Sensor::Kinect).unwrap().frame;
+    for method in METHODS {
+        let params = Params { method, ..Params::default() };
+        let before = digests(&frame, &params);
+        for setting in sensitivity(&params).unwrap() {
+            let parameter = setting.name.split(" = ").next().unwrap();
+            let table = Params::table();
+            let Some(info) = table.iter().find(|info| info.name == parameter) else { continue };
+            let first = info.first_stage(method).unwrap();
+            let after = digests(&frame, &setting.params);
+            for (stage, digest) in before.range(..first) {
+                assert_eq!(digest, &after[stage], "{method}, {}: {stage} differs", setting.name);
+            }
+        }
+    }
+}
