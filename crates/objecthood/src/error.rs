@@ -30,6 +30,17 @@ pub enum Error {
         /// Columns and rows of the depth image.
         depth: (usize, usize),
     },
+    /// Labels of another size than the frame.
+    #[error(
+        "the labels are {}x{} but the frame is {}x{} pixels: give one label a pixel of the frame",
+        labels.0, labels.1, frame.0, frame.1
+    )]
+    LabelsMismatch {
+        /// Columns and rows of the label image.
+        labels: (usize, usize),
+        /// Columns and rows of the frame.
+        frame: (usize, usize),
+    },
     /// Not one pixel with depth.
     #[error("no pixel has a valid depth (finite and above 0 m): check the file and its depth unit")]
     NoValidDepth,

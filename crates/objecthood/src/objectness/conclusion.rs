@@ -17,7 +17,7 @@ use crate::support::standing::Standing;
 ///
 /// # Errors
 /// As [`objects`].
-pub(crate) fn conclude_paper(
+pub fn conclude_paper(
     frame: &Frame,
     facets: &Segments,
     points_m: &Raster<[f32; 3]>,
@@ -45,7 +45,7 @@ pub(crate) fn conclude_paper(
 ///
 /// # Errors
 /// As [`objects`].
-pub(crate) fn conclude_context(
+pub fn conclude_context(
     facets: &Segments,
     points_m: &Raster<[f32; 3]>,
     standing: &Standing,

@@ -97,7 +97,7 @@ pub fn hypotheses(
 }
 
 /// The large clusters of `context` with their objectness, how high they stand, and why their parts are one. As [`hypotheses`].
-pub(crate) fn find_hypotheses(
+pub fn find_hypotheses(
     scene: &Scene<'_>,
     clusters: &Clustering,
     standing: &Standing,

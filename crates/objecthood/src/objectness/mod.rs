@@ -1,7 +1,7 @@
 //! Which shapes are objects: by size and by what supports them (paper, III-D).
 
 pub mod compactness;
-pub(crate) mod conclusion;
+pub mod conclusion;
 pub mod decision;
 pub mod hypotheses;
 pub mod objects;

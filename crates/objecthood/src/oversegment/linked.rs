@@ -2,7 +2,9 @@
 
 use crate::oversegment::structure::Structure;
 use crate::oversegment::watershed::{Links, linked_pairs, seeds, watershed};
+use crate::error::{Error, Result};
 use crate::params;
+use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 use crate::surface::moments::Moments;
 use crate::surface::surfaces::Surfaces;
@@ -34,7 +36,29 @@ pub fn flood_superpixels(
 }
 
 impl LinkedSuperpixels {
-    /// Superpixels from anywhere, with what merging them needs. O(pixels).
+    /// Superpixels from elsewhere in the place of [`flood_superpixels`]: a grid, or the labels of another segmenter. Pixels
+    /// with a negative label, on structure or without depth belong to none. O(pixels log pixels).
+    ///
+    /// # Errors
+    /// [`Error::LabelsMismatch`] when the labels differ from the frame in size.
+    pub fn from_labels(
+        labels: &Raster<i32>,
+        surfaces: &Surfaces,
+        structure: &Structure,
+        params: &params::Watershed,
+        workspace: &mut Workspace,
+    ) -> Result<Self> {
+        let Surfaces { space, disparity, orientation, .. } = surfaces;
+        if labels.size() != disparity.size() {
+            return Err(Error::LabelsMismatch { labels: labels.size(), frame: disparity.size() });
+        }
+        let is_free = |i: usize| structure.labels[i] < 0 && !disparity[i].is_nan();
+        let free = (0..labels.len()).map(|i| if is_free(i) { labels[i] } else { Segments::NONE });
+        let segments = Segments::from_labels(&labels.with_data(free.collect()));
+        let links = Links::new(disparity, &orientation.slope, &structure.labels, space, params, workspace);
+        Ok(Self::new(segments, &links, surfaces))
+    }
+
     fn new(segments: Segments, links: &Links, surfaces: &Surfaces) -> Self {
         let (linked_pairs, moments) = rayon::join(
             || linked_pairs(&segments, links),

@@ -9,4 +9,4 @@ pub mod gravity;
 mod meeting;
 mod piece;
 mod plan;
-pub(crate) mod standing;
+pub mod standing;

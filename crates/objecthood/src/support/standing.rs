@@ -7,13 +7,14 @@ use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::up::Up;
 use crate::frame::Frame;
 use crate::params::Params;
+use crate::regions::Segments;
 use crate::planes::StructurePlane;
 use crate::support::forest::forest;
 use crate::support::gravity::up;
 
 /// What stands on what, and the regions that do.
 #[derive(Clone, Debug)]
-pub(crate) struct Standing {
+pub struct Standing {
     /// The regions: first the structure, then the clusters that are large enough.
     pub(crate) candidates: Candidates,
     /// The planes of the structure, with the share of the points that is theirs.
@@ -25,7 +26,7 @@ pub(crate) struct Standing {
 }
 
 /// Finds up and what stands on what. `planes`: those of the structure. O(pixels) and what [`forest`] says.
-pub(crate) fn find_standing(
+pub fn find_standing(
     frame: &Frame,
     scene: &Scene<'_>,
     clusters: &Clustering,
@@ -37,4 +38,16 @@ pub(crate) fn find_standing(
     let up = up(scene.support_facet.map(|facet| &planes[facet.index()]), &params.gravity);
     let graph = forest(&candidates.regions, scene.points_m, scene.normals, &planes, &up, scene.space, params);
     Standing { candidates, planes, up, graph }
+}
+
+impl Standing {
+    /// The regions: first the structure, then the clusters that are large enough for an object.
+    pub fn regions(&self) -> &Segments {
+        &self.candidates.regions
+    }
+
+    /// What stands on what: node k is region k.
+    pub fn graph(&self) -> &SupportGraph {
+        &self.graph
+    }
 }
