@@ -6,6 +6,7 @@ mod aarch64;
 mod bench;
 mod house;
 mod instructions;
+mod pictures;
 mod python;
 mod tally;
 mod test;
@@ -23,7 +24,8 @@ const USAGE: &str = "usage: cargo xtask TASK
                        --rounds: how often everything is measured; --frames: how many frames memory must not grow over
   bench --scaling      how time and memory grow with pixels and things; the same file
   bench --instructions counts instructions anew and writes the file that `test` compares with
-  aarch64              builds for aarch64 and compares labels under qemu-user with those of this machine";
+  aarch64              builds for aarch64 and compares labels under qemu-user with those of this machine
+  pictures             draws the pictures of docs/CONTEXT.md anew";
 
 fn main() -> ExitCode {
     match run() {
@@ -49,6 +51,7 @@ fn run() -> Result<bool> {
             None => bail!("{USAGE}"),
         },
         ["aarch64"] => aarch64::run(&house),
+        ["pictures"] => pictures::run(&house),
         _ => bail!("{USAGE}"),
     }
 }

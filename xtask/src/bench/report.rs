@@ -63,9 +63,9 @@ pub(crate) fn markdown(figures: &Figures, run: &Run, growth: usize) -> String {
     let _ = writeln!(
         text,
         "Rounds: {}; frames: {} of mOSD learn. Within a round our methods, kernels and the Python peers take turns on every \
-         frame; the programs around PCL, our methods alone and `objecthood segment` take turns as whole processes, whose medians over \
-         the frames count as one value. The graph segmentation has σ = 0.5, k = 100 and at least 100 px everywhere, smoothing included. Ratios \
-         are of medians, of CPU time where nothing else is said.\n",
+         frame. The programs around PCL, our methods alone and `objecthood segment` take turns as whole processes; the median over \
+         the frames of a process counts as one value. Graph segmentation has σ = 0.5, k = 100 and at least 100 px everywhere, \
+         smoothing included. Ratios are of medians, and of CPU time unless they say otherwise.\n",
         run.rounds, run.frames
     );
     for why in &run.skipped {
@@ -96,8 +96,8 @@ fn targets(text: &mut String, figures: &Figures) {
 
 fn stages(text: &mut String, figures: &Figures) {
     text.push_str(
-        "\nMilliseconds a frame, median and quartiles; passes: how often the frame could have been read and written, 4 bytes a pixel \
-         each, in the time on 1 thread:\n\n",
+        "\nMilliseconds a frame, median and quartiles. *Passes*: how often the frame could be read and written in the same time on \
+         1 thread, at 4 bytes a pixel each:\n\n",
     );
     text.push_str(
         "| | stage | CPU, 1 thread | passes | wall, 1 thread | CPU, 2 threads | wall, 2 threads |\n|---|---|---|---|---|---|---|\n",
@@ -156,8 +156,8 @@ fn costs(text: &mut String, figures: &Figures, growth: usize) {
     }
     let _ = writeln!(
         text,
-        "\nThe peak is that of `objecthood segment` on one frame, the streams those of the folder, file to label image; the end is \
-         after {growth} frames in one process that also holds all frames decoded; allocations are those of one thread."
+        "\nThe peak is that of `objecthood segment` on one frame. The folder is read, looked at and written as label images. *At the \
+         end* is after {growth} frames, in one process that also holds all decoded frames. Allocations are those of one thread."
     );
 }
 
