@@ -31,12 +31,13 @@
 //! | [`regions`] | label maps and region graphs, which the stages hand to each other | |
 //! | [`params`] | every parameter with unit, default and source | |
 //! | [`observe`] | the hook through which intermediate results are seen | |
-//! | [`workspace`] | buffers for a stream of frames | |
+//! | [`workspace`] | a stream of frames | |
 //! | [`explain`] | why a pixel is what it is, and what it would take to decide otherwise | |
 //!
 //! The crate is pure: no files, no clock, no printing. The same frame gives the same labels on any number of
 //! threads; functions that use more than one run on the current rayon pool.
 
+mod buffers;
 pub mod camera;
 pub mod color;
 pub mod discovery;

@@ -38,38 +38,29 @@ use crate::surface::moments::Moments;
 use crate::surface::normals::normals;
 use crate::surface::plane_fit::plane_fits;
 use crate::surface::window_choice::orientation;
-use crate::workspace::Workspace;
 
 /// The published method: "Unsupervised Object Exploration Using Context" (RO-MAN 2014).
-pub(crate) fn paper(
-    frame: &Frame,
-    params: &Params,
-    workspace: &mut Workspace,
-    observer: &mut dyn Observer,
-) -> Result<Discovery> {
+pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer) -> Result<Discovery> {
     let params = &without_missing_color(frame, params);
-    let points = frame.points_in(workspace);
+    let points = frame.points_m();
 
     // What single pixels tell: normals, and where they bend (eq. 2).
-    let normals = normals(&points, &params.normals, workspace);
+    let normals = normals(&points, &params.normals);
     observer.observe(Stage::Normals(&normals));
-    let curvature = curvature(&normals, &params.curvature, workspace);
+    let curvature = curvature(&normals, &params.curvature);
     observer.observe(Stage::Curvature(&curvature));
     let borders = high_curvature(frame, &curvature, params);
 
     // 1. Over-segmentation on colour, depth and curvature (eq. 1).
-    workspace.keep(curvature);
-    let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing, workspace));
+    drop(curvature);
+    let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing));
     let unmeasured = unmeasured(params);
-    let graph =
-        PixelGraph::new(frame, smoothed.as_ref(), unmeasured, &params.sensor, &params.graph, workspace);
-    smoothed.into_iter().flatten().for_each(|plane| workspace.keep(plane));
-    let components = segment(&graph, &borders, &params.graph, workspace);
+    let graph = PixelGraph::new(frame, smoothed.as_ref(), unmeasured, &params.sensor, &params.graph);
+    drop(smoothed);
+    let components = segment(&graph, &borders, &params.graph);
     let min_size = params.graph.min_size_px;
-    let superpixels =
-        absorb(&graph, &components, &borders, frame.depth_m(), &params.absorption, min_size, workspace);
-    graph.leave(workspace);
-    components.leave(workspace);
+    let superpixels = absorb(&graph, &components, &borders, frame.depth_m(), &params.absorption, min_size);
+    drop((graph, components));
     observer.observe(Stage::Superpixels((&superpixels.segments).into()));
 
     // 2. Facets: superpixels that look alike (eq. 3).
@@ -84,7 +75,7 @@ pub(crate) fn paper(
     observer.observe(Stage::Shapes((&shapes).into()));
 
     // 4. Objectness: size, and support against gravity (eq. 6 to 8).
-    let plane = dominant_plane(&points, &params.gravity, workspace);
+    let plane = dominant_plane(&points, &params.gravity);
     let up = up(plane.as_ref(), &params.gravity);
     let described = descriptors(&shapes, &superpixels.core, &points, &normals);
     let touching = contacts(&shapes, &points, &params.contact);
@@ -117,26 +108,18 @@ pub(crate) fn paper(
         notices: notices.into_iter().filter_map(|(holds, notice)| holds.then_some(notice)).collect(),
     };
     observer.observe(Stage::Objects(&discovery));
-    workspace.keep(points);
-    workspace.keep(normals);
-    workspace.keep(superpixels.segments.into_labels());
     Ok(discovery)
 }
 
 /// The same four stages, with surfaces fitted in disparity and the evidence of whole borders; what borders cannot tell the
 /// surroundings decide. Colour is asked only about parts behind an occluder.
-pub(crate) fn context(
-    frame: &Frame,
-    params: &Params,
-    workspace: &mut Workspace,
-    observer: &mut dyn Observer,
-) -> Result<Discovery> {
+pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observer) -> Result<Discovery> {
     let space = &DisparitySpace::new(frame.camera(), &params.sensor);
 
     // What single pixels tell: the plane that fits their surroundings best.
-    let disparity = space.disparity_in(frame.depth_m(), workspace);
-    let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px), workspace);
-    let orientation = orientation(&disparity, &fits, space, &params.local_fit, workspace);
+    let disparity = space.disparity(frame.depth_m());
+    let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px));
+    let orientation = orientation(&disparity, &fits, space, &params.local_fit);
     observer.observe(Stage::Normals(&orientation.normal));
 
     // 1. Over-segmentation: large planes, then a watershed of how badly a plane fits.
@@ -148,17 +131,14 @@ pub(crate) fn context(
         space,
         camera_up(&params.gravity),
         &params.structure,
-        workspace,
     );
     observer.observe(Stage::Structure(LabelMap::structure(&structure)));
-    let links =
-        Links::new(&disparity, &orientation.slope, &structure.labels, space, &params.watershed, workspace);
+    let links = Links::new(&disparity, &orientation.slope, &structure.labels, space, &params.watershed);
     let starts = seeds(&fits.residual, &links, space, &params.watershed);
     // The flood has one order; beside it there is time for what later stages need.
-    let points = workspace.stale(disparity.len(), [f32::NAN; 3]);
     let (superpixels, (planes, points)) = rayon::join(
-        || watershed(&fits.residual, &starts, &links, workspace),
-        || (structure.planes(frame.depth_m(), &frame.camera()), frame.points_within(points)),
+        || watershed(&fits.residual, &starts, &links),
+        || (structure.planes(frame.depth_m(), &frame.camera()), frame.points_m()),
     );
     observer.observe(Stage::Superpixels(LabelMap::superpixels(&structure, &superpixels)));
 
@@ -234,14 +214,6 @@ pub(crate) fn context(
         notices: missing_plane.then_some(Notice::NoPlane).into_iter().collect(),
     };
     observer.observe(Stage::Objects(&discovery));
-    workspace.keep(points);
-    workspace.keep(disparity);
-    fits.leave(workspace);
-    links.leave(workspace);
-    workspace.keep(orientation.slope);
-    workspace.keep(orientation.normal);
-    workspace.keep(facets.segments.into_labels());
-    workspace.keep(superpixels.into_labels());
     Ok(discovery)
 }
 

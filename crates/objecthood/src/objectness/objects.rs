@@ -49,7 +49,7 @@ pub fn objects(
             parents: parents.get(region.index()).cloned().unwrap_or_default(),
         });
     }
-    Ok((objects, points_m.with_data(labels)))
+    Ok((objects, points_m.with_data(labels.into())))
 }
 
 /// The smallest upright rectangle around pixels, of which there is at least one.
@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn more_than_a_label_image_can_number_is_an_error() {
         let one = Raster::filled(1, 1, 0).unwrap();
-        let points = one.with_data(vec![[0.0, 0.0, 1.0]]);
+        let points = one.with_data(vec![[0.0, 0.0, 1.0]].into());
         let facets = Segments::from_labels(&one);
         let many = |n| vec![hypothesis(0, &[0], 0.9); n];
         let support = SupportGraph::default();

@@ -24,7 +24,6 @@ use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::moments::{Basis, Model, Moments};
 use crate::surface::plane_fit::PlaneFits;
 use crate::surface::window_choice::Orientation;
-use crate::workspace::Workspace;
 
 /// A large surface: almost a plane.
 #[derive(Clone, Debug)]
@@ -110,7 +109,6 @@ pub fn structure(
     space: &DisparitySpace,
     camera_up: [f32; 3],
     params: &params::Structure,
-    workspace: &mut Workspace,
 ) -> Structure {
     let alike = Alike {
         least_cosine: cosine(params.angle_deg),
@@ -136,7 +134,7 @@ pub fn structure(
         .iter()
         .position(|s| s.normal.dot(camera_up) > UPWARD)
         .or((!surfaces.is_empty()).then_some(0));
-    let labels = labelled(&surfaces, disparity, orientation, &seen.alike, params.tolerance_quanta, workspace);
+    let labels = labelled(&surfaces, disparity, orientation, &seen.alike, params.tolerance_quanta);
     Structure { surfaces, labels, support }
 }
 
@@ -261,11 +259,10 @@ mod tests {
             space.depth_m(f64::from(space.disparity(&depth)[0]).round()) as f32
         };
         let depth = Raster::from_vec(SIZE.0, SIZE.1, (0..SIZE.0 * SIZE.1).map(quantised).collect()).unwrap();
-        let workspace = &mut Workspace::default();
         let disparity = space.disparity(&depth);
-        let fits = plane_fits(&disparity, 2, workspace);
-        let orientation = orientation(&disparity, &fits, &space, &params::LocalFit::default(), workspace);
-        structure(&disparity, &fits, &orientation, &depth, &space, [0.0, -1.0, 0.0], params, workspace)
+        let fits = plane_fits(&disparity, 2);
+        let orientation = orientation(&disparity, &fits, &space, &params::LocalFit::default());
+        structure(&disparity, &fits, &orientation, &depth, &space, [0.0, -1.0, 0.0], params)
     }
 
     /// The depth of the plane normal · X = -offset along the ray of a pixel.
