@@ -13,7 +13,7 @@ use objecthood::surface::normals::normals;
 use objecthood::surface::plane_fit::plane_fits;
 use objecthood::surface::surfaces::{Surfaces, find_surfaces};
 use objecthood::surface::window_choice::orientation;
-use objecthood::{Frame, Params, Workspace};
+use objecthood::{Frame, Params, Pipeline};
 use objecthood_bench::graph::{color_alone, graph_segmentation};
 use objecthood_scene::{Family, Sensor, generate, render};
 use rayon::ThreadPoolBuilder;
@@ -27,37 +27,26 @@ fn frame() -> Frame {
 fn paper(c: &mut Criterion) {
     let (frame, params) = (frame(), Params::default());
     let points = frame.points_m();
-    let workspace = &mut Workspace::default();
-    let per_pixel = normals(&points, &params.normals, workspace);
+    let _buffers = Pipeline::default();
+    let per_pixel = normals(&points, &params.normals);
     let mut group = c.benchmark_group("paper");
     group.sample_size(20);
-    group.bench_function("normals", |b| b.iter(|| normals(black_box(&points), &params.normals, workspace)));
+    group.bench_function("normals", |b| b.iter(|| normals(black_box(&points), &params.normals)));
     group.bench_function("curvature", |b| {
-        b.iter(|| curvature(black_box(&per_pixel), &params.curvature, workspace));
+        b.iter(|| curvature(black_box(&per_pixel), &params.curvature));
     });
     if let Some(color) = frame.color() {
-        let smoothed = smooth(color, frame.depth_m(), &params.smoothing, workspace);
+        let smoothed = smooth(color, frame.depth_m(), &params.smoothing);
         group.bench_function("smoothing", |b| {
-            b.iter(|| smooth(black_box(color), frame.depth_m(), &params.smoothing, workspace));
+            b.iter(|| smooth(black_box(color), frame.depth_m(), &params.smoothing));
         });
         group.bench_function("graph: edges and sort", |b| {
             let (sensor, graph) = (&params.sensor, &params.graph);
-            b.iter(|| {
-                PixelGraph::new(
-                    black_box(&frame),
-                    Some(&smoothed),
-                    Unmeasured::Apart,
-                    sensor,
-                    graph,
-                    workspace,
-                )
-            });
+            b.iter(|| PixelGraph::new(black_box(&frame), Some(&smoothed), Unmeasured::Apart, sensor, graph));
         });
         let (borders, color_alone) = (color.map(|_| false), color_alone());
         group.bench_function("graph segmentation of colour alone", |b| {
-            b.iter(|| {
-                graph_segmentation(black_box(&frame), &borders, &color_alone, workspace).leave(workspace);
-            });
+            b.iter(|| graph_segmentation(black_box(&frame), &borders, &color_alone));
         });
     }
     group.finish();
@@ -65,29 +54,28 @@ fn paper(c: &mut Criterion) {
 
 fn context(c: &mut Criterion) {
     let (frame, params) = (frame(), Params::default());
-    let workspace = &mut Workspace::default();
-    let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit, workspace);
+    let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
     let Surfaces { space, disparity, fits, orientation: oriented } = &surfaces;
     let radius_px = space.length_px(params.local_fit.radius_px);
     let up = camera_up(&params.gravity);
-    let planes = find_structure(frame.depth_m(), &surfaces, up, &params.structure, workspace);
-    let links = Links::new(disparity, &oriented.slope, &planes.labels, space, &params.watershed, workspace);
+    let planes = find_structure(frame.depth_m(), &surfaces, up, &params.structure);
+    let links = Links::new(disparity, &oriented.slope, &planes.labels, space, &params.watershed);
 
     let mut group = c.benchmark_group("context");
     group.sample_size(20);
     group.bench_function("plane fits", |b| {
-        b.iter(|| plane_fits(black_box(disparity), radius_px, workspace));
+        b.iter(|| plane_fits(black_box(disparity), radius_px));
     });
     group.bench_function("orientation", |b| {
-        b.iter(|| orientation(black_box(disparity), fits, space, &params.local_fit, workspace));
+        b.iter(|| orientation(black_box(disparity), fits, space, &params.local_fit));
     });
     group.bench_function("structure", |b| {
-        b.iter(|| find_structure(black_box(frame.depth_m()), &surfaces, up, &params.structure, workspace));
+        b.iter(|| find_structure(black_box(frame.depth_m()), &surfaces, up, &params.structure));
     });
     group.bench_function("watershed", |b| {
         b.iter(|| {
             let seeds = seeds(black_box(&fits.residual), &links, space, &params.watershed);
-            watershed(&fits.residual, &seeds, &links, workspace)
+            watershed(&fits.residual, &seeds, &links)
         });
     });
     group.finish();

@@ -4,7 +4,7 @@ use objecthood::oversegment::felzenszwalb::{Components, segment};
 use objecthood::oversegment::graph::{PixelGraph, Unmeasured};
 use objecthood::oversegment::smoothing::smooth;
 use objecthood::params::Channels;
-use objecthood::{Camera, Frame, Params, Raster, Result, Workspace};
+use objecthood::{Camera, Frame, Params, Raster, Result};
 
 /// A frame of this colour image that is as deep everywhere, so that colour alone decides.
 ///
@@ -23,23 +23,9 @@ pub fn color_alone() -> Params {
 }
 
 /// Smooths the image, builds and sorts the edges between 8-neighbours, and joins: all that the others do in one call.
-pub fn graph_segmentation(
-    frame: &Frame,
-    borders: &Raster<bool>,
-    params: &Params,
-    workspace: &mut Workspace,
-) -> Components {
-    let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing, workspace));
-    let graph = PixelGraph::new(
-        frame,
-        smoothed.as_ref(),
-        Unmeasured::ByColor,
-        &params.sensor,
-        &params.graph,
-        workspace,
-    );
-    smoothed.into_iter().flatten().for_each(|plane| workspace.keep(plane));
-    let components = segment(&graph, borders, &params.graph, workspace);
-    graph.leave(workspace);
-    components
+pub fn graph_segmentation(frame: &Frame, borders: &Raster<bool>, params: &Params) -> Components {
+    let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing));
+    let graph = PixelGraph::new(frame, smoothed.as_ref(), Unmeasured::ByColor, &params.sensor, &params.graph);
+    drop(smoothed);
+    segment(&graph, borders, &params.graph)
 }

@@ -8,7 +8,7 @@ use objecthood::surface::disparity::DisparitySpace;
 use objecthood::surface::normals::normals;
 use objecthood::surface::plane_fit::plane_fits;
 use objecthood::surface::window_choice::orientation;
-use objecthood::{Frame, Method, Params, Pipeline, Raster, Workspace};
+use objecthood::{Frame, Method, Params, Pipeline, Raster};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use stats_alloc::{Region, StatsAlloc};
 
@@ -49,8 +49,6 @@ pub struct Bench<'a> {
     peer: Option<Peer>,
     /// As a stream of frames keeps it.
     pipeline: Pipeline,
-    /// What single kernels take from it they do not give back.
-    of_kernels: Workspace,
 }
 
 impl<'a> Bench<'a> {
@@ -59,14 +57,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// When the threads cannot be had.
     pub fn new(allocator: &'a StatsAlloc<System>, peer: Option<Peer>) -> Result<Self> {
-        Ok(Self {
-            pools: pools()?,
-            one: pool(1)?,
-            allocator,
-            peer,
-            pipeline: Pipeline::default(),
-            of_kernels: Workspace::default(),
-        })
+        Ok(Self { pools: pools()?, one: pool(1)?, allocator, peer, pipeline: Pipeline::default() })
     }
 
     /// Both methods on 1 and 2 threads, with all stages; kernels; and the peer, all on this frame.
@@ -108,13 +99,12 @@ impl<'a> Bench<'a> {
         // Which number of threads comes first takes turns: what comes later finds the caches warm.
         self.pools.reverse();
         let one = &self.one;
-        let of_kernels = &mut self.of_kernels;
-        one.install(|| measure_normals(name, frame, of_kernels, figures));
+        one.install(|| measure_normals(name, frame, figures));
         // What every stage that looks at each pixel once must cost at least.
         let (_, spent) = timed(|| frame.depth_m().map(|z| 2.0 * z));
         figures.extend(spent.figures(name, "one pass"));
         if let Some(color) = frame.color() {
-            one.install(|| measure_graph(name, color, of_kernels, figures))?;
+            one.install(|| measure_graph(name, color, figures))?;
             if let Some(peer) = &mut self.peer {
                 let said = peer.segment(color)?.into_iter();
                 figures.extend(said.map(|(series, value)| Figure { frame: name.clone(), series, value }));
@@ -163,7 +153,7 @@ fn pool(threads: usize) -> Result<ThreadPool> {
 }
 
 /// The normals of both methods: time, and angle to the table's plane.
-fn measure_normals(name: &str, frame: &Frame, workspace: &mut Workspace, figures: &mut Vec<Figure>) {
+fn measure_normals(name: &str, frame: &Frame, figures: &mut Vec<Figure>) {
     let params = Params::default();
     let points = frame.points_m();
     let plane = table(&points);
@@ -177,37 +167,26 @@ fn measure_normals(name: &str, frame: &Frame, workspace: &mut Workspace, figures
         }));
     };
 
-    let (integral, spent) = timed(|| normals(&points, &params.normals, workspace));
+    let (integral, spent) = timed(|| normals(&points, &params.normals));
     report("integral-image normals", spent, &integral);
-    workspace.keep(integral);
 
     let space = DisparitySpace::new(frame.camera(), &params.sensor);
     let (fitted, spent) = timed(|| {
         let disparity = space.disparity(frame.depth_m());
-        let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px), workspace);
-        let orientation = orientation(&disparity, &fits, &space, &params.local_fit, workspace);
-        fits.leave(workspace);
-        orientation
+        let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px));
+        orientation(&disparity, &fits, &space, &params.local_fit)
     });
     report("plane fits", spent, &fitted.normal);
-    workspace.keep(fitted.slope);
-    workspace.keep(fitted.normal);
 }
 
 /// The graph segmentation of the colour image alone: time, and how many segments.
-fn measure_graph(
-    name: &str,
-    color: &Raster<[u8; 3]>,
-    workspace: &mut Workspace,
-    figures: &mut Vec<Figure>,
-) -> Result<()> {
+fn measure_graph(name: &str, color: &Raster<[u8; 3]>, figures: &mut Vec<Figure>) -> Result<()> {
     let (frame, params) = (flat_frame(color)?, color_alone());
     let borders = color.map(|_| false);
-    let (components, spent) = timed(|| graph_segmentation(&frame, &borders, &params, workspace));
+    let (components, spent) = timed(|| graph_segmentation(&frame, &borders, &params));
     figures.extend(spent.figures(name, "graph"));
-    let roots = components.root.iter().enumerate().filter(|&(i, &root)| i == root as usize);
+    let roots = components.root().iter().enumerate().filter(|&(i, &root)| i == root as usize);
     let segments = roots.count() as f64;
-    components.leave(workspace);
     figures.push(Figure { frame: name.to_owned(), series: "graph/segments".into(), value: segments });
     Ok(())
 }

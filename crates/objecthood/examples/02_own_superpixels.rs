@@ -64,6 +64,9 @@ pub(crate) fn main() -> objecthood::Result<()> {
     ]);
     let (width, height) = frame.size();
     let found = discover_with(&grid(width, height)?, &frame, &Params::default())?;
-    println!("{} objects from superpixels that are squares of {SIDE_PX} x {SIDE_PX} pixels", found.objects.len());
+    println!(
+        "{} objects from superpixels that are squares of {SIDE_PX} x {SIDE_PX} pixels",
+        found.objects.len()
+    );
     Ok(())
 }

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::buffers::Buffer;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::raster::Raster;
 use crate::simd::vectorized;
-use crate::workspace::Workspace;
 
 /// Coordinates beyond this (m) are no measurements, and their squares would not be finite.
 const FARTHEST_M: f64 = 1e15;
@@ -106,17 +106,8 @@ impl Frame {
 
     /// The point of every pixel in the camera frame (m); all `NaN` where there is no depth.
     pub fn points_m(&self) -> Raster<[f32; 3]> {
-        self.points_in(&mut Workspace::default())
-    }
-
-    /// As [`points_m`](Self::points_m), in a buffer of the workspace.
-    pub(crate) fn points_in(&self, workspace: &mut Workspace) -> Raster<[f32; 3]> {
-        self.points_within(workspace.stale(self.depth_m.len(), [f32::NAN; 3]))
-    }
-
-    /// As [`points_m`](Self::points_m), in a buffer of one value a pixel.
-    pub(crate) fn points_within(&self, mut points: Vec<[f32; 3]>) -> Raster<[f32; 3]> {
         let (width, _) = self.size();
+        let mut points = Buffer::stale(self.depth_m.len(), [f32::NAN; 3]);
         let columns: Vec<f64> = (0..width).map(|u| self.camera.ray(u as f64, 0.0)[0]).collect();
         points.par_chunks_mut(width).zip(self.depth_m.as_slice().par_chunks(width)).enumerate().for_each(
             |(v, (points, depths))| {

@@ -33,12 +33,12 @@
 //! | [`regions`] | label maps and region graphs, which the stages hand to each other | |
 //! | [`params`] | every parameter with unit, default and source | |
 //! | [`observe`] | the hook through which intermediate results are seen | |
-//! | [`workspace`] | buffers for a stream of frames | |
 //! | [`explain`] | why a pixel is what it is, and what it would take to decide otherwise | |
 //!
 //! The crate is pure: no files, no clock, no printing. The same frame gives the same labels on any number of
 //! threads; functions that use more than one run on the current rayon pool.
 
+mod buffers;
 pub mod camera;
 pub mod clusters;
 pub mod color;
@@ -69,7 +69,6 @@ mod tangents;
 #[cfg(test)]
 mod testing;
 mod union_find;
-pub mod workspace;
 
 pub use camera::Camera;
 pub use discovery::{Discovery, Notice, Object, ObjectId, ObjectnessParts, OrientedBox};
@@ -81,9 +80,8 @@ pub use pipeline::Pipeline;
 pub use raster::{PixelBox, Raster};
 pub use regions::{RegionEdge, RegionGraph, SegmentId, Segments};
 pub use stage::Stage;
-pub use workspace::Workspace;
 
-/// Looks at a frame and says what in it can be grasped and moved. Who has many frames asks a [`Workspace`], which is faster.
+/// Looks at a frame and says what in it can be grasped and moved. For a stream of frames a [`Pipeline`] is faster.
 ///
 /// Lengths are metres in the camera frame, see [`Frame`]; the labels have the size of the frame. A frame in which
 /// nothing is found is no error: the discovery is empty. For a frame of n pixels O(n log n) time and O(n) memory, as

@@ -32,7 +32,6 @@ use crate::surface::curvature::curvature;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::normals::normals;
 use crate::surface::surfaces::find_surfaces;
-use crate::workspace::Workspace;
 
 /// The published method: "Unsupervised Object Exploration Using Context" (RO-MAN 2014).
 pub(crate) fn paper<'k>(
@@ -40,19 +39,18 @@ pub(crate) fn paper<'k>(
     params: &Params,
     kept: &'k mut PaperOutputs,
     observer: &mut dyn Observer,
-    workspace: &mut Workspace,
 ) -> Result<&'k Discovery> {
     let params = &without_missing_color(frame, params);
 
     // What single pixels tell: normals, and where they bend (eq. 2).
-    let points_m = recall(&mut kept.points_m, || frame.points_in(workspace));
-    let normals = recall(&mut kept.normals, || normals(points_m, &params.normals, workspace));
+    let points_m = recall(&mut kept.points_m, || frame.points_m());
+    let normals = recall(&mut kept.normals, || normals(points_m, &params.normals));
     observer.observe(Output::Normals(normals));
-    let curvature = recall(&mut kept.curvature, || curvature(normals, &params.curvature, workspace));
+    let curvature = recall(&mut kept.curvature, || curvature(normals, &params.curvature));
     observer.observe(Output::Curvature(curvature));
 
     // 1. Over-segmentation on colour, depth and curvature (eq. 1).
-    let superpixels = recall(&mut kept.superpixels, || segment_graph(frame, curvature, params, workspace));
+    let superpixels = recall(&mut kept.superpixels, || segment_graph(frame, curvature, params));
     observer.observe(Output::Superpixels((&superpixels.segments).into()));
 
     // 2. Facets: superpixels that look alike (eq. 3).
@@ -71,7 +69,7 @@ pub(crate) fn paper<'k>(
     observer.observe(Output::Shapes(shapes.into()));
 
     // 4. Objectness: size, and support against gravity (eq. 6 to 8).
-    let ground = recall(&mut kept.ground, || find_ground(points_m, &params.gravity, workspace));
+    let ground = recall(&mut kept.ground, || find_ground(points_m, &params.gravity));
     let support = recall(&mut kept.support, || {
         let described = descriptors(shapes, &superpixels.core, points_m, normals);
         support(shapes, &described, &contacts(shapes, points_m, &params.contact), points_m, &ground.up)
@@ -97,21 +95,18 @@ pub(crate) fn context<'k>(
     params: &Params,
     kept: &'k mut ContextOutputs,
     observer: &mut dyn Observer,
-    workspace: &mut Workspace,
 ) -> Result<&'k Discovery> {
     // What single pixels tell: the plane that fits their surroundings best.
-    let surfaces =
-        recall(&mut kept.surfaces, || find_surfaces(frame, &params.sensor, &params.local_fit, workspace));
+    let surfaces = recall(&mut kept.surfaces, || find_surfaces(frame, &params.sensor, &params.local_fit));
     observer.observe(Output::Normals(&surfaces.orientation.normal));
 
     // 1. Over-segmentation: large planes, then a watershed of how badly a plane fits.
     let structure = recall(&mut kept.structure, || {
-        find_structure(frame.depth_m(), surfaces, camera_up(&params.gravity), &params.structure, workspace)
+        find_structure(frame.depth_m(), surfaces, camera_up(&params.gravity), &params.structure)
     });
     observer.observe(Output::Structure(LabelMap::structure(structure)));
-    let superpixels = recall(&mut kept.superpixels, || {
-        flood_superpixels(surfaces, structure, &params.watershed, workspace)
-    });
+    let superpixels =
+        recall(&mut kept.superpixels, || flood_superpixels(surfaces, structure, &params.watershed));
     observer.observe(Output::Superpixels(LabelMap::superpixels(structure, &superpixels.segments)));
 
     // 2. Facets: superpixels that lie on one surface.
@@ -132,7 +127,7 @@ pub(crate) fn context<'k>(
     // 4. Objectness: what the surroundings of a shape tell, and support against gravity.
     let steps = Steps::of(&params.watershed);
     let filled = recall(&mut kept.filled, || fill(facets, &surfaces.disparity, steps));
-    let points_m = recall(&mut kept.points_m, || frame.points_in(workspace));
+    let points_m = recall(&mut kept.points_m, || frame.points_m());
     let scene = &Scene::new(frame, surfaces, structure, filled, points_m, steps);
     let clusters = recall(&mut kept.clusters, || find_clusters(scene, shapes, Rules::of(params)));
     observer.observe(Output::Clusters { facets: filled, clusters });

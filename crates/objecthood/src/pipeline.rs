@@ -1,5 +1,6 @@
 //! A method at work: what its stages put out is kept, and after a change only what depends on it is computed again.
 
+use crate::buffers::Keeper;
 use crate::discovery::Discovery;
 use crate::error::Result;
 use crate::frame::Frame;
@@ -7,7 +8,6 @@ use crate::method::{context, paper};
 use crate::observe::Observer;
 use crate::outputs::{ContextOutputs, PaperOutputs};
 use crate::params::{Method, Params};
-use crate::workspace::Workspace;
 
 /// Looks at frames, and keeps what the stages put out for the last one.
 ///
@@ -36,7 +36,8 @@ use crate::workspace::Workspace;
 #[derive(Clone, Debug, Default)]
 pub struct Pipeline {
     last: Option<Last>,
-    workspace: Workspace,
+    /// Dropped last, so that the images of the outputs find a shelf.
+    _buffers: Keeper,
 }
 
 /// What the pipeline looked at last.
@@ -79,8 +80,8 @@ impl Pipeline {
         let outputs = outputs.unwrap_or_else(|| Outputs::none(params.method));
         let last = self.last.insert(Last { frame: frame.clone(), params: params.clone(), outputs });
         match &mut last.outputs {
-            Outputs::Context(outputs) => context(frame, params, outputs, observer, &mut self.workspace),
-            Outputs::Paper(outputs) => paper(frame, params, outputs, observer, &mut self.workspace),
+            Outputs::Context(outputs) => context(frame, params, outputs, observer),
+            Outputs::Paper(outputs) => paper(frame, params, outputs, observer),
         }
     }
 

@@ -1,5 +1,6 @@
 //! A rectangular grid of values, one per pixel.
 
+use crate::buffers::Buffer;
 use crate::error::{Error, Result};
 
 /// `width * height` values in row-major order: pixel (u, v) stands at index `v * width + u`.
@@ -9,7 +10,7 @@ use crate::error::{Error, Result};
 pub struct Raster<T> {
     width: usize,
     height: usize,
-    data: Vec<T>,
+    data: Buffer<T>,
 }
 
 impl<T> Raster<T> {
@@ -25,21 +26,21 @@ impl<T> Raster<T> {
         if pixels != Some(data.len()) {
             return Err(Error::BadSize { width, height, values: data.len() });
         }
-        Ok(Self { width, height, data })
+        Ok(Self { width, height, data: data.into() })
     }
 
     /// A raster of the size of this one that holds `data`.
     ///
     /// # Panics
     /// When `data` has not one value a pixel; the stages of the method always have.
-    pub(crate) fn with_data<U>(&self, data: Vec<U>) -> Raster<U> {
+    pub(crate) fn with_data<U>(&self, data: Buffer<U>) -> Raster<U> {
         assert_eq!(data.len(), self.data.len(), "one value a pixel");
         Raster { width: self.width, height: self.height, data }
     }
 
     /// Applies `f` to every value.
     pub fn map<U>(&self, f: impl FnMut(&T) -> U) -> Raster<U> {
-        self.with_data(self.data.iter().map(f).collect())
+        self.with_data(self.data.iter().map(f).collect::<Vec<_>>().into())
     }
 
     /// Number of columns.
@@ -81,7 +82,7 @@ impl<T> Raster<T> {
 
     /// All values, row by row.
     pub fn into_vec(self) -> Vec<T> {
-        self.data
+        self.data.into_vec()
     }
 
     /// The value at column `u` and row `v`, or `None` outside.

@@ -1,26 +1,22 @@
 //! Disjoint sets over the indices 0..n.
 
+use crate::buffers::Buffer;
+
 /// A forest of parents. Which root survives a union is the caller's decision, because numbering and
 /// statistics follow the surviving root.
 pub(crate) struct UnionFind {
-    parent: Vec<u32>,
+    parent: Buffer<u32>,
 }
 
 impl UnionFind {
     /// `n` sets of one member each.
     pub(crate) fn new(n: usize) -> Self {
-        Self { parent: (0..n as u32).collect() }
+        Self { parent: (0..n as u32).collect::<Vec<_>>().into() }
     }
 
-    /// As [`new`](Self::new) of as many sets as there are `parents`, in their memory; what they are does not matter.
-    pub(crate) fn within(mut parents: Vec<u32>) -> Self {
-        (0..).zip(&mut parents).for_each(|(i, parent)| *parent = i);
-        Self { parent: parents }
-    }
-
-    /// The memory it stood in.
-    pub(crate) fn into_parents(self) -> Vec<u32> {
-        self.parent
+    /// One set for each pixel of an image, in memory that is used again.
+    pub(crate) fn of_pixels(pixels: usize) -> Self {
+        Self { parent: (0..pixels as u32).collect() }
     }
 
     /// The root of the set of `i`; shortens the path on the way (path halving). Amortised O(log n).

@@ -16,7 +16,6 @@ use crate::surface::moments::{Basis, Model, Moments};
 use crate::surface::plane_fit::plane_fits;
 use crate::surface::window_choice::orientation;
 use crate::testing::space;
-use crate::workspace::Workspace;
 
 /// How far below the camera the table is (m).
 const TABLE_M: f64 = 1.0;
@@ -64,9 +63,8 @@ impl Table {
         };
         let points_m = depth_m.with_data((0..width * height).map(point).collect());
         let params = params::LocalFit::default();
-        let workspace = &mut Workspace::default();
-        let fits = plane_fits(&disparity, params.radius_px, workspace);
-        let normals = orientation(&disparity, &fits, &space, &params, workspace).normal;
+        let fits = plane_fits(&disparity, params.radius_px);
+        let normals = orientation(&disparity, &fits, &space, &params).normal;
         let support = StructureSurface { model: table, normal: DVec3::NEG_Z, offset_m: TABLE_M };
         let facets = Facets { segments, models, structure: 1 };
         Self { facets, disparity, color: None, normals, points_m, space, support }

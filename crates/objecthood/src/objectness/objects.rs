@@ -50,7 +50,7 @@ pub fn objects(
             parents: parents.get(region.index()).cloned().unwrap_or_default(),
         });
     }
-    Ok((objects, points_m.with_data(labels)))
+    Ok((objects, points_m.with_data(labels.into())))
 }
 
 /// The graph, in which the nodes that turned out to be objects are marked. O(nodes + edges).
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn more_than_a_label_image_can_number_is_an_error() {
         let one = Raster::filled(1, 1, 0).unwrap();
-        let points = one.with_data(vec![[0.0, 0.0, 1.0]]);
+        let points = one.with_data(vec![[0.0, 0.0, 1.0]].into());
         let facets = Segments::from_labels(&one);
         let one_of_many = hypothesis(0, &[0], 0.9);
         let many = |n| vec![&one_of_many; n];

@@ -2,6 +2,7 @@
 //!
 //! Left alone they would erode every object by 2 to 6 px; joined by the minimum-size pass they would leak.
 
+use crate::buffers::Buffer;
 use crate::oversegment::Superpixels;
 use crate::oversegment::felzenszwalb::Components;
 use crate::oversegment::graph::{PixelEdge, PixelGraph};
@@ -10,7 +11,6 @@ use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::depth_change::changes;
 use crate::union_find::UnionFind;
-use crate::workspace::Workspace;
 
 /// Marks a pixel without a label.
 const NONE: u32 = u32::MAX;
@@ -31,22 +31,18 @@ pub fn absorb(
     depth_m: &Raster<f32>,
     params: &params::Absorption,
     min_size_px: u32,
-    workspace: &mut Workspace,
 ) -> Superpixels {
-    let is_seed = |i: usize| !borders[i] && components.size_px[components.root[i] as usize] >= min_size_px;
-    let seeds = (0..graph.pixels()).map(|i| if is_seed(i) { components.root[i] } else { NONE });
-    let mut label = workspace.collected(seeds);
+    let is_seed =
+        |i: usize| !borders[i] && components.size_px()[components.root()[i] as usize] >= min_size_px;
+    let seeds = (0..graph.pixels()).map(|i| if is_seed(i) { components.root()[i] } else { NONE });
+    let mut label: Buffer<u32> = seeds.collect();
     let core = borders.with_data(label.iter().map(|&l| l != NONE).collect());
 
-    let mut sets = UnionFind::within(workspace.stale(graph.pixels(), 0));
+    let mut sets = UnionFind::of_pixels(graph.pixels());
     // Between two seeds nothing is decided; every other pixel is a part of its own.
-    let part = workspace.collected((0..).zip(&label).map(|(i, &l)| if l == NONE { i } else { SEED }));
-    let open = graph.between(&part, workspace);
-    let edges = graph.edges(&open, workspace);
-    workspace.shelve(open);
-    edges.between_sets(
+    let part: Buffer<u32> = (0..).zip(&*label).map(|(i, &l)| if l == NONE { i } else { SEED }).collect();
+    graph.edges_between(&part).between_sets(
         &mut sets,
-        workspace,
         &mut |sets: &mut UnionFind, edge: PixelEdge, (p, q): (usize, usize)| {
             let gated = changes(depth_m[edge.p as usize], depth_m[edge.q as usize], params.depth_gate_per_m);
             if !gated && (label[p] == NONE || label[q] == NONE) {
@@ -55,24 +51,19 @@ pub fn absorb(
             }
         },
     );
-    workspace.shelve(part);
-    let reached = workspace.collected((0..graph.pixels()).map(|i| label[sets.find(i)]));
+    let reached: Buffer<u32> = (0..graph.pixels()).map(|i| label[sets.find(i)]).collect();
     for (i, label) in label.iter_mut().enumerate() {
         *label = match reached[i] {
-            NONE if !borders[i] => components.root[i],
+            NONE if !borders[i] => components.root()[i],
             reached => reached,
         };
     }
-    workspace.shelve(reached);
-    workspace.shelve(sets.into_parents());
-    let segments = numbered(&label, borders, workspace);
-    workspace.shelve(label);
-    Superpixels { segments, core }
+    Superpixels { segments: numbered(&label, borders), core }
 }
 
 /// Numbers the labels, which are pixel indices, in ascending order.
-fn numbered(label: &[u32], shape: &Raster<bool>, workspace: &mut Workspace) -> Segments {
-    let mut number = workspace.filled(label.len(), Segments::NONE);
+fn numbered(label: &[u32], shape: &Raster<bool>) -> Segments {
+    let mut number = Buffer::filled(label.len(), Segments::NONE);
     for &l in label.iter().filter(|&&l| l != NONE) {
         number[l as usize] = 0;
     }
@@ -82,9 +73,7 @@ fn numbered(label: &[u32], shape: &Raster<bool>, workspace: &mut Workspace) -> S
         count += 1;
     }
     let labels = label.iter().map(|&l| if l == NONE { Segments::NONE } else { number[l as usize] });
-    let labels = workspace.collected(labels);
-    workspace.shelve(number);
-    Segments::from_numbered(shape.with_data(labels), count as usize)
+    Segments::from_numbered(shape.with_data(labels.collect()), count as usize)
 }
 
 #[cfg(test)]
@@ -104,19 +93,9 @@ mod tests {
         let borders = Raster::from_vec(borders.len(), 1, borders.to_vec()).unwrap();
         let frame = Frame::new(depth, None, Camera::new(1.0, 1.0, 0.0, 0.0).unwrap()).unwrap();
         let params = params::Graph { channels: params::Channels::Depth, min_size_px, ..Default::default() };
-        let workspace = &mut Workspace::default();
-        let graph =
-            PixelGraph::new(&frame, None, Unmeasured::Apart, &params::Sensor::default(), &params, workspace);
-        let components = segment(&graph, &borders, &params, workspace);
-        absorb(
-            &graph,
-            &components,
-            &borders,
-            frame.depth_m(),
-            &params::Absorption::default(),
-            min_size_px,
-            workspace,
-        )
+        let graph = PixelGraph::new(&frame, None, Unmeasured::Apart, &params::Sensor::default(), &params);
+        let components = segment(&graph, &borders, &params);
+        absorb(&graph, &components, &borders, frame.depth_m(), &params::Absorption::default(), min_size_px)
     }
 
     #[test]
@@ -152,7 +131,7 @@ mod tests {
         gate_per_m: f32,
         min_size_px: usize,
     ) -> Superpixels {
-        let root = &components.root;
+        let root = components.root();
         let is_large = |i: usize| root.iter().filter(|&&r| r == root[i]).count() >= min_size_px;
         let seed = |i: usize| (!borders[i] && is_large(i)).then(|| root[i] as i32);
         let mut label: Vec<Option<i32>> = (0..root.len()).map(seed).collect();
@@ -192,11 +171,10 @@ mod tests {
             let params = params::Graph {
                 channels: params::Channels::Depth, size_preference_grey: k, min_size_px: min_size_px / 2, ..Default::default()
             };
-            let workspace = &mut Workspace::default();
-        let graph = PixelGraph::new(&frame, None, Unmeasured::Apart, &params::Sensor::default(), &params, workspace);
-            let components = segment(&graph, &borders, &params, workspace);
+            let graph = PixelGraph::new(&frame, None, Unmeasured::Apart, &params::Sensor::default(), &params);
+            let components = segment(&graph, &borders, &params);
             let gate = params::Absorption { depth_gate_per_m: gate_per_m };
-            let fast = absorb(&graph, &components, &borders, frame.depth_m(), &gate, min_size_px, workspace);
+            let fast = absorb(&graph, &components, &borders, frame.depth_m(), &gate, min_size_px);
             let slow =
                 one_by_one(&graph, &components, &borders, frame.depth_m(), gate_per_m, min_size_px as usize);
             prop_assert_eq!(fast.core, slow.core);

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use crate::buffers::Buffer;
 use crate::oversegment::graph::{PixelEdge, STEPS, four};
 use crate::union_find::UnionFind;
-use crate::workspace::Workspace;
 
 /// Edges of a pixel graph, dealt into buckets by the leading bits of their weights.
 ///
@@ -12,13 +12,13 @@ use crate::workspace::Workspace;
 /// equal weights in the order of their numbers.
 pub(crate) struct Edges {
     /// Band by band, the keys of a band bucket by bucket; within one the numbers ascend.
-    keys: Vec<u64>,
+    keys: Buffer<u64>,
     /// Places of a band, some of which stay free at its end.
     band_len: usize,
     /// Of every band where each bucket ends in it.
-    ends: Vec<u32>,
+    ends: Buffer<u32>,
     /// Room for a band that is dealt, later for the largest bucket and, if it suffices, for sorting it.
-    spare: Vec<u64>,
+    spare: Buffer<u64>,
     /// From p to q in each direction.
     ahead: [u32; 4],
 }
@@ -67,17 +67,17 @@ const BLOCK: usize = 128;
 
 impl Edges {
     /// Deals the edges of an image of this width whose bits are set in `open`. O(pixels + edges found); parallel over bands.
-    pub(crate) fn new(weights: &[f32], open: &[u8], width: usize, workspace: &mut Workspace) -> Self {
+    pub(crate) fn new(weights: &[f32], open: &[u8], width: usize) -> Self {
         let band_px = (BAND_PX / width).max(1) * width;
         let band_len = STEPS.len() * band_px;
         let bands = open.len().div_ceil(band_px);
-        let mut keys = workspace.stale(weights.len(), 0);
+        let mut keys = Buffer::stale(weights.len(), 0);
         // Counts, then where buckets begin, at last where they end.
-        let mut ends = workspace.filled(bands * BUCKETS, 0);
+        let mut ends = Buffer::filled(bands * BUCKETS, 0);
         // What is dealt in one after the other goes to the same places; two are room for all but the largest buckets.
         let threads = rayon::current_num_threads().min(bands);
         let room = band_len.min(weights.len());
-        let mut spare = workspace.stale(threads.max(2) * room, 0);
+        let mut spare = Buffer::stale(threads.max(2) * room, 0);
         let share = bands.div_ceil(threads);
         let shares = keys.par_chunks_mut(share * band_len).zip(ends.par_chunks_mut(share * BUCKETS));
         shares.zip(spare.par_chunks_mut(room)).enumerate().for_each(|(i, ((keys, ends), spare))| {
@@ -111,12 +111,7 @@ impl Edges {
     /// more than all else that is done for an edge. So both ends are taken two steps up without a branch, the ways of many
     /// edges at once, and edges whose ends meet are left out, and those that the rule refuses at one of them. What remains
     /// mostly stands at two roots; which they are by then is asked again, one edge after the other. O(pixels + edges · log pixels).
-    pub(crate) fn between_sets(
-        mut self,
-        sets: &mut UnionFind,
-        workspace: &mut Workspace,
-        rule: &mut impl Rule,
-    ) {
+    pub(crate) fn between_sets(mut self, sets: &mut UnionFind, rule: &mut impl Rule) {
         let ahead = self.ahead;
         let edge = |key: u64| {
             let p = key as u32 / ahead.len() as u32;
@@ -133,8 +128,8 @@ impl Edges {
         }
         let most = counts.iter().fold(0, |most, &count| most.max(count as usize));
         if self.spare.len() < most {
-            self.spare.reserve_exact(most - self.spare.len());
-            self.spare.resize(most, 0);
+            self.spare = Vec::new().into();
+            self.spare = Buffer::stale(most, 0);
         }
         let (keys, room) = self.spare.split_at_mut(most);
         let mut apart = [(edge(0), (0, 0)); BLOCK];
@@ -168,9 +163,6 @@ impl Edges {
                 }
             }
         }
-        workspace.shelve(self.keys);
-        workspace.shelve(self.ends);
-        workspace.shelve(self.spare);
     }
 }
 

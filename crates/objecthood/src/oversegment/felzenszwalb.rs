@@ -1,27 +1,29 @@
 //! Efficient graph-based segmentation (Felzenszwalb and Huttenlocher, IJCV 2004; paper, III-A).
 
+use crate::buffers::Buffer;
 use crate::oversegment::edges::Rule;
 use crate::oversegment::graph::{PixelEdge, PixelGraph};
 use crate::oversegment::settled::{joining, settle};
 use crate::params;
 use crate::raster::Raster;
 use crate::union_find::UnionFind;
-use crate::workspace::Workspace;
 
 /// The components of the pixel graph.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Components {
-    /// The pixel that stands for the component of each pixel.
-    pub root: Vec<u32>,
-    /// Pixels of the component that each root stands for; 0 of other pixels.
-    pub size_px: Vec<u32>,
+    root: Buffer<u32>,
+    size_px: Buffer<u32>,
 }
 
 impl Components {
-    /// Gives its memory back.
-    pub fn leave(self, workspace: &mut Workspace) {
-        workspace.shelve(self.root);
-        workspace.shelve(self.size_px);
+    /// The pixel that stands for the component of each pixel.
+    pub fn root(&self) -> &[u32] {
+        &self.root
+    }
+
+    /// Pixels of the component that each root stands for; 0 of other pixels.
+    pub fn size_px(&self) -> &[u32] {
+        &self.size_px
     }
 }
 
@@ -37,41 +39,33 @@ impl Components {
 ///
 /// *Differs from the paper:* it says there is a boundary "if `MInt` is larger than `Dif`"; the cited algorithm, and
 /// sense, join when `Dif` <= `MInt`. O(edges · log pixels), sequential: each decision depends on the ones before.
-pub fn segment(
-    graph: &PixelGraph,
-    borders: &Raster<bool>,
-    params: &params::Graph,
-    workspace: &mut Workspace,
-) -> Components {
+pub fn segment(graph: &PixelGraph, borders: &Raster<bool>, params: &params::Graph) -> Components {
     let pixels = graph.pixels();
     let mut growing = Growing {
         k: params.size_preference_grey,
-        of: workspace.filled(pixels, Component { size_px: 1, tolerated: params.size_preference_grey }),
+        of: Buffer::filled(pixels, Component { size_px: 1, tolerated: params.size_preference_grey }),
     };
-    let mut sets = UnionFind::within(workspace.stale(pixels, 0));
-    let mut open = graph.without(borders, workspace);
+    let mut sets = UnionFind::of_pixels(pixels);
+    let mut open = graph.without(borders);
     settle(graph, borders, growing.k, &mut open);
     joining(graph, &open, |edge| growing.pair(&mut sets, edge));
-    let edges = graph.edges(&open, workspace);
-    workspace.shelve(open);
-    edges.between_sets(&mut sets, workspace, &mut growing);
+    let edges = graph.edges(&open);
+    drop(open);
+    edges.between_sets(&mut sets, &mut growing);
 
     let min_size = params.min_size_px;
-    let part = workspace.collected(borders.as_slice().iter().enumerate().map(|(i, &shut)| {
+    let parts = borders.as_slice().iter().enumerate().map(|(i, &shut)| {
         let root = sets.find(i);
         let kept = if growing.of[root].size_px >= min_size { LARGE } else { root as u32 };
         if shut { SHUT } else { kept }
-    }));
-    let open = graph.between(&part, workspace);
-    workspace.shelve(part);
-    let edges = graph.edges(&open, workspace);
-    workspace.shelve(open);
-    edges.between_sets(&mut sets, workspace, &mut TooSmall { min_size, growing: &mut growing });
+    });
+    let part: Buffer<u32> = parts.collect();
+    let edges = graph.edges_between(&part);
+    drop(part);
+    edges.between_sets(&mut sets, &mut TooSmall { min_size, growing: &mut growing });
 
-    let root = workspace.collected((0..pixels).map(|i| sets.find(i) as u32));
-    workspace.shelve(sets.into_parents());
-    let size_px = workspace.collected(growing.of.iter().map(|component| component.size_px));
-    workspace.shelve(growing.of);
+    let root = (0..pixels).map(|i| sets.find(i) as u32).collect();
+    let size_px = growing.of.iter().map(|component| component.size_px).collect();
     Components { root, size_px }
 }
 
@@ -85,12 +79,12 @@ const LARGE: u32 = SHUT - 1;
 struct Growing {
     /// What a component of one pixel tolerates.
     k: f32,
-    of: Vec<Component>,
+    of: Buffer<Component>,
 }
 
 /// A growing component.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Component {
+struct Component {
     /// Of what is no root 0.
     size_px: u32,
     /// The heaviest edge that may still join it; of what is no root any more infinite.
@@ -221,17 +215,16 @@ mod tests {
             let mut depth = Raster::from_vec(width, height, depth).unwrap();
             depth.as_mut_slice()[0] = 1.0;
             let borders = depth.with_data(pixels.iter().map(|p| p.2 == 1).collect());
-            let workspace = &mut Workspace::default();
             let frame = Frame::new(depth, Some(color.clone()), Camera::new(1.0, 1.0, 0.0, 0.0).unwrap()).unwrap();
-            let smoothed = smooth(&color, frame.depth_m(), &params::Smoothing { sigma_px: 0.0 }, workspace);
+            let smoothed = smooth(&color, frame.depth_m(), &params::Smoothing { sigma_px: 0.0 });
             let params = params::Graph { size_preference_grey: k, min_size_px, ..Default::default() };
             let sensor = params::Sensor::default();
-            let graph = PixelGraph::new(&frame, Some(&smoothed), unmeasured, &sensor, &params, workspace);
+            let graph = PixelGraph::new(&frame, Some(&smoothed), unmeasured, &sensor, &params);
 
-            let fast = segment(&graph, &borders, &params, workspace);
+            let fast = segment(&graph, &borders, &params);
             let slow = textbook(&graph, &borders, k, min_size_px);
             prop_assert_eq!(by_first_pixel(&fast.root), by_first_pixel(&slow));
-            for &root in &fast.root {
+            for &root in fast.root() {
                 let members = fast.root.iter().filter(|&&r| r == root).count();
                 prop_assert_eq!(fast.size_px[root as usize] as usize, members);
             }
@@ -251,15 +244,13 @@ mod tests {
         };
         let color = (0..width * height).map(|i| [0, 1, 2].map(|c| level(i, c))).collect();
         let color = Raster::from_vec(width, height, color).unwrap();
-        let borders = depth.with_data(vec![false; width * height]);
-        let workspace = &mut Workspace::default();
-        let smoothed = smooth(&color, &depth, &params::Smoothing { sigma_px: 0.0 }, workspace);
+        let borders = depth.with_data(vec![false; width * height].into());
+        let smoothed = smooth(&color, &depth, &params::Smoothing { sigma_px: 0.0 });
         let frame = Frame::new(depth, Some(color), Camera::new(1.0, 1.0, 0.0, 0.0).unwrap()).unwrap();
         let params = params::Graph { size_preference_grey: 60.0, min_size_px: 30, ..Default::default() };
         let sensor = params::Sensor::default();
-        let graph =
-            PixelGraph::new(&frame, Some(&smoothed), Unmeasured::ByColor, &sensor, &params, workspace);
-        let fast = by_first_pixel(&segment(&graph, &borders, &params, workspace).root);
+        let graph = PixelGraph::new(&frame, Some(&smoothed), Unmeasured::ByColor, &sensor, &params);
+        let fast = by_first_pixel(&segment(&graph, &borders, &params).root);
         let slow = by_first_pixel(&textbook(&graph, &borders, 60.0, 30));
         assert!(slow.iter().collect::<std::collections::BTreeSet<_>>().len() > 10);
         assert!(fast == slow);

@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::buffers::Buffer;
 use crate::frame::Frame;
 use crate::oversegment::edges::Edges;
 use crate::params::{self, Channels};
 use crate::raster::Raster;
 use crate::simd::vectorized;
-use crate::workspace::Workspace;
 
 /// Column and row steps to the four neighbours that follow a pixel in the graph: right, down, down-right, down-left.
 pub(crate) const STEPS: [(isize, usize); 4] = [(1, 0), (0, 1), (1, 1), (-1, 1)];
@@ -46,7 +46,7 @@ pub(crate) struct PixelEdge {
 pub struct PixelGraph {
     width: usize,
     /// Row by row; of each row first all weights to the right, then all downwards, down-right, down-left.
-    weights: Vec<f32>,
+    weights: Buffer<f32>,
 }
 
 impl PixelGraph {
@@ -80,7 +80,6 @@ impl PixelGraph {
         unmeasured: Unmeasured,
         sensor: &params::Sensor,
         params: &params::Graph,
-        workspace: &mut Workspace,
     ) -> Self {
         let (width, height) = frame.size();
         let weigh = Weigh {
@@ -92,7 +91,7 @@ impl PixelGraph {
             by_color: unmeasured == Unmeasured::ByColor,
             quantum_per_m: sensor.disparity_quantum_per_m,
         };
-        let mut weights = workspace.filled(STEPS.len() * width * height, APART);
+        let mut weights = Buffer::filled(STEPS.len() * width * height, APART);
         weights.par_chunks_mut(BAND_ROWS * STEPS.len() * width).enumerate().for_each(|(band, weights)| {
             vectorized(
                 #[inline(always)]
@@ -102,26 +101,26 @@ impl PixelGraph {
         Self { width, weights }
     }
 
+    /// The edges between different parts, without those of pixels whose part is [`Self::NO_PART`].
+    pub(crate) fn edges_between(&self, part: &[u32]) -> Edges {
+        self.edges(&self.between(part))
+    }
+
     /// Of every pixel, which of its four edges lie between different parts, without those of pixels whose part is
     /// [`Self::NO_PART`]: bit d for direction d. O(pixels).
-    pub(crate) fn between(&self, part: &[u32], workspace: &mut Workspace) -> Vec<u8> {
-        self.open(part, |p, q| (p != q) & (p != Self::NO_PART) & (q != Self::NO_PART), workspace)
+    pub(crate) fn between(&self, part: &[u32]) -> Buffer<u8> {
+        self.open(part, |p, q| (p != q) & (p != Self::NO_PART) & (q != Self::NO_PART))
     }
 
     /// Of every pixel, which of its four edges lead from what is not shut to what is not: bit d for direction d. O(pixels).
-    pub(crate) fn without(&self, shut: &Raster<bool>, workspace: &mut Workspace) -> Vec<u8> {
-        self.open(shut.as_slice(), |p, q| !p & !q, workspace)
+    pub(crate) fn without(&self, shut: &Raster<bool>) -> Buffer<u8> {
+        self.open(shut.as_slice(), |p, q| !p & !q)
     }
 
     /// Bit d of every pixel: whether its edge in direction d is open, by what is said `of` both its pixels.
-    fn open<T: Copy + Sync>(
-        &self,
-        of: &[T],
-        is_open: impl Fn(T, T) -> bool + Sync,
-        workspace: &mut Workspace,
-    ) -> Vec<u8> {
+    fn open<T: Copy + Sync>(&self, of: &[T], is_open: impl Fn(T, T) -> bool + Sync) -> Buffer<u8> {
         let width = self.width;
-        let mut open = workspace.stale(of.len(), 0);
+        let mut open = Buffer::stale(of.len(), 0);
         open.par_chunks_mut(width).enumerate().for_each(|(v, open)| {
             vectorized(
                 #[inline(always)]
@@ -144,13 +143,8 @@ impl PixelGraph {
     /// The edges whose bits are set in `open`; bits from 4 on mean nothing.
     ///
     /// Only what is asked for is dealt and sorted, so that a stage that needs few edges pays for few. O(pixels + edges found).
-    pub(crate) fn edges(&self, open: &[u8], workspace: &mut Workspace) -> Edges {
-        Edges::new(&self.weights, open, self.width, workspace)
-    }
-
-    /// Gives its memory back.
-    pub fn leave(self, workspace: &mut Workspace) {
-        workspace.shelve(self.weights);
+    pub(crate) fn edges(&self, open: &[u8]) -> Edges {
+        Edges::new(&self.weights, open, self.width)
     }
 
     /// Marks a pixel whose edges are not asked for.
@@ -255,18 +249,15 @@ pub(crate) mod testing {
                 }
             }
         }
-        PixelGraph { width, weights }
+        PixelGraph { width, weights: weights.into() }
     }
 
     /// The edges in their order, as long as no set is joined.
     pub(crate) fn in_order(graph: &PixelGraph, part: &[u32]) -> Vec<PixelEdge> {
-        let workspace = &mut Workspace::default();
         let mut edges = Vec::new();
         let sets = &mut UnionFind::new(graph.pixels());
-        let open = graph.between(part, workspace);
-        graph.edges(&open, workspace).between_sets(
+        graph.edges_between(part).between_sets(
             sets,
-            workspace,
             &mut |_: &mut UnionFind, edge: PixelEdge, roots: (usize, usize)| {
                 assert_eq!(roots, (edge.p as usize, edge.q as usize));
                 edges.push(edge);
@@ -313,19 +304,13 @@ mod tests {
 
     #[test]
     fn eq_1_and_its_switches() {
-        let smoothed = [0.0, 1.0, 0.0]
-            .map(|c| frame().depth_m().with_data([0.0, 30.0, 90.0, 0.0, 0.0, 0.0].map(|x| c * x).to_vec()));
+        let smoothed = [0.0, 1.0, 0.0].map(|c| {
+            frame().depth_m().with_data([0.0, 30.0, 90.0, 0.0, 0.0, 0.0].map(|x| c * x).to_vec().into())
+        });
         let sensor = params::Sensor { disparity_quantum_per_m: 0.01, ..Default::default() };
         let graph = |channels, unmeasured| {
             let params = params::Graph { channels, ..Default::default() };
-            PixelGraph::new(
-                &frame(),
-                Some(&smoothed),
-                unmeasured,
-                &sensor,
-                &params,
-                &mut Workspace::default(),
-            )
+            PixelGraph::new(&frame(), Some(&smoothed), unmeasured, &sensor, &params)
         };
         // Colours differ by 30, disparities by 100 - 80 quanta.
         let both = graph(Channels::Both, Unmeasured::Apart);
@@ -347,7 +332,6 @@ mod tests {
             Unmeasured::ByColor,
             &params::Sensor::default(),
             &params::Graph { channels: Channels::Color, ..Default::default() },
-            &mut Workspace::default(),
         );
         let pairs: Vec<_> = in_order(&graph, &[0, 1, 2, 3, 4, 5]).iter().map(|e| (e.p, e.q)).collect();
         let scan = [(0, 1), (0, 3), (0, 4), (1, 2), (1, 4), (1, 5), (1, 3), (2, 5), (2, 4), (3, 4), (4, 5)];

@@ -1,14 +1,13 @@
 //! Stage 1 of `context` after the structure: superpixels by watershed, with what merging them needs (METHOD 3.4).
 
+use crate::error::{Error, Result};
 use crate::oversegment::structure::Structure;
 use crate::oversegment::watershed::{Links, linked_pairs, seeds, watershed};
-use crate::error::{Error, Result};
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 use crate::surface::moments::Moments;
 use crate::surface::surfaces::Surfaces;
-use crate::workspace::Workspace;
 
 /// Superpixels where no structure is, and how they hang together.
 #[derive(Clone, Debug)]
@@ -26,12 +25,11 @@ pub fn flood_superpixels(
     surfaces: &Surfaces,
     structure: &Structure,
     params: &params::Watershed,
-    workspace: &mut Workspace,
 ) -> LinkedSuperpixels {
     let Surfaces { space, disparity, fits, orientation, .. } = surfaces;
-    let links = Links::new(disparity, &orientation.slope, &structure.labels, space, params, workspace);
+    let links = Links::new(disparity, &orientation.slope, &structure.labels, space, params);
     let starts = seeds(&fits.residual, &links, space, params);
-    let segments = watershed(&fits.residual, &starts, &links, workspace);
+    let segments = watershed(&fits.residual, &starts, &links);
     LinkedSuperpixels::new(segments, &links, surfaces)
 }
 
@@ -46,7 +44,6 @@ impl LinkedSuperpixels {
         surfaces: &Surfaces,
         structure: &Structure,
         params: &params::Watershed,
-        workspace: &mut Workspace,
     ) -> Result<Self> {
         let Surfaces { space, disparity, orientation, .. } = surfaces;
         if labels.size() != disparity.size() {
@@ -55,7 +52,7 @@ impl LinkedSuperpixels {
         let is_free = |i: usize| structure.labels[i] < 0 && !disparity[i].is_nan();
         let free = (0..labels.len()).map(|i| if is_free(i) { labels[i] } else { Segments::NONE });
         let segments = Segments::from_labels(&labels.with_data(free.collect()));
-        let links = Links::new(disparity, &orientation.slope, &structure.labels, space, params, workspace);
+        let links = Links::new(disparity, &orientation.slope, &structure.labels, space, params);
         Ok(Self::new(segments, &links, surfaces))
     }
 

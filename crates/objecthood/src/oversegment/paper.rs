@@ -8,29 +8,18 @@ use crate::oversegment::graph::{PixelGraph, Unmeasured};
 use crate::oversegment::smoothing::smooth;
 use crate::params::{Channels, Params};
 use crate::raster::Raster;
-use crate::workspace::Workspace;
 
 /// Segments the pixel graph of a frame, bounded by high curvature, and gives what bounds it to the regions beside it.
 /// O(pixels log pixels).
-pub fn segment_graph(
-    frame: &Frame,
-    curvature: &Raster<f32>,
-    params: &Params,
-    workspace: &mut Workspace,
-) -> Superpixels {
+pub fn segment_graph(frame: &Frame, curvature: &Raster<f32>, params: &Params) -> Superpixels {
     let borders = find_high_curvature(frame, curvature, params);
-    let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing, workspace));
+    let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing));
     let unmeasured = treat_unmeasured(params);
-    let graph =
-        PixelGraph::new(frame, smoothed.as_ref(), unmeasured, &params.sensor, &params.graph, workspace);
-    smoothed.into_iter().flatten().for_each(|plane| workspace.keep(plane));
-    let components = segment(&graph, &borders, &params.graph, workspace);
+    let graph = PixelGraph::new(frame, smoothed.as_ref(), unmeasured, &params.sensor, &params.graph);
+    drop(smoothed);
+    let components = segment(&graph, &borders, &params.graph);
     let min_size = params.graph.min_size_px;
-    let superpixels =
-        absorb(&graph, &components, &borders, frame.depth_m(), &params.absorption, min_size, workspace);
-    graph.leave(workspace);
-    components.leave(workspace);
-    superpixels
+    absorb(&graph, &components, &borders, frame.depth_m(), &params.absorption, min_size)
 }
 
 /// Where curvature bounds superpixels, or depth alone makes them, pixels without depth stand apart.

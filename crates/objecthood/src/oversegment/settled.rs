@@ -197,7 +197,6 @@ mod tests {
 
     use super::*;
     use crate::oversegment::graph::testing::{naive_edges, of_weights};
-    use crate::workspace::Workspace;
 
     proptest! {
         #[test]
@@ -212,7 +211,7 @@ mod tests {
             let graph = of_weights(width, &pixels.iter().map(|p| p.0).collect::<Vec<_>>());
             let shut = Raster::from_vec(width, pixels.len() / width, pixels.iter().map(|p| p.1 == 0).collect()).unwrap();
             let part: Vec<u32> = (0..pixels.len() as u32).collect();
-            let mut settled = graph.between(&part, &mut Workspace::default());
+            let mut settled = graph.between(&part);
             settle(&graph, &shut, tolerated, &mut settled);
             let mut joined = Vec::new();
             joining(&graph, &settled, |edge| joined.push(edge));

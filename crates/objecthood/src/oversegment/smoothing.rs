@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::buffers::Buffer;
 use crate::params;
 use crate::raster::Raster;
 use crate::simd::vectorized;
-use crate::workspace::Workspace;
 
 /// Rows and columns that are smoothed together.
 const TILE_PX: usize = 64;
@@ -23,12 +23,11 @@ pub fn smooth(
     color: &Raster<[u8; 3]>,
     depth_m: &Raster<f32>,
     params: &params::Smoothing,
-    workspace: &mut Workspace,
 ) -> [Raster<f32>; 3] {
     let kernel = kernel(params.sigma_px);
     let (width, height) = color.size();
     // Every pixel is of one kind or the other.
-    let mut smoothed = [(); 3].map(|()| workspace.stale(color.len(), 0.0));
+    let mut smoothed = [(); 3].map(|()| Buffer::stale(color.len(), 0.0));
     let bands = smoothed.each_mut().map(|plane| plane.par_chunks_mut(TILE_PX * width));
     let [red, green, blue] = bands;
     red.zip(green).zip(blue).enumerate().for_each(|(band, ((red, green), blue))| {
@@ -232,23 +231,13 @@ mod tests {
     #[test]
     fn a_flat_image_stays_and_a_dot_becomes_the_kernel() {
         let flat = Raster::filled(3, 2, [10, 20, 30]).unwrap();
-        let smooth_flat = smooth(
-            &flat,
-            &Raster::filled(3, 2, 1.0).unwrap(),
-            &params::Smoothing::default(),
-            &mut Workspace::default(),
-        );
+        let smooth_flat = smooth(&flat, &Raster::filled(3, 2, 1.0).unwrap(), &params::Smoothing::default());
         for (plane, grey) in smooth_flat.iter().zip([10.0, 20.0, 30.0]) {
             assert!(plane.as_slice().iter().all(|c| (c - grey).abs() < 1e-4), "{plane:?}");
         }
         let mut dot = Raster::filled(9, 9, [0; 3]).unwrap();
         dot.as_mut_slice()[40] = [255, 0, 0];
-        let smoothed = smooth(
-            &dot,
-            &Raster::filled(9, 9, 1.0).unwrap(),
-            &params::Smoothing::default(),
-            &mut Workspace::default(),
-        );
+        let smoothed = smooth(&dot, &Raster::filled(9, 9, 1.0).unwrap(), &params::Smoothing::default());
         let k: Vec<f64> = (-2..=2).map(|t: i32| (-f64::from(t * t) / 0.5).exp()).collect();
         let sum: f64 = k.iter().sum();
         for dv in 0..5 {
@@ -286,10 +275,9 @@ mod tests {
         ) {
             let color = Raster::from_vec(80, 7, colors).unwrap();
             let mut depth = color.map(|_| 1.0);
-            let workspace = &mut Workspace::default();
-            let whole = smooth(&color, &depth, &params::Smoothing::default(), workspace);
+            let whole = smooth(&color, &depth, &params::Smoothing::default());
             depth.as_mut_slice()[lost] = f32::NAN;
-            let holed = smooth(&color, &depth, &params::Smoothing::default(), workspace);
+            let holed = smooth(&color, &depth, &params::Smoothing::default());
             let is_far = |i: &usize| (i % 80).abs_diff(lost % 80) > 2 || (i / 80).abs_diff(lost / 80) > 2;
             for (whole, holed) in whole.iter().zip(&holed) {
                 for i in (0..color.len()).filter(is_far) {
@@ -308,7 +296,7 @@ mod tests {
             let height = pixels.len() / width;
             let color = Raster::from_vec(width, height, pixels.iter().map(|p| p.0).collect()).unwrap();
             let depth = color.with_data(pixels.iter().map(|p| if p.1 == 0 { f32::NAN } else { 1.0 }).collect());
-            let smoothed = smooth(&color, &depth, &params::Smoothing { sigma_px }, &mut Workspace::default());
+            let smoothed = smooth(&color, &depth, &params::Smoothing { sigma_px });
             let reach = (4.0 * sigma_px).ceil() as i32;
             for i in 0..color.len() {
                 let (mut sum, mut weights) = ([0.0; 3], 0.0);

@@ -27,7 +27,6 @@ use crate::surface::moments::{Basis, Model, Moments};
 use crate::surface::plane_fit::PlaneFits;
 use crate::surface::surfaces::Surfaces;
 use crate::surface::window_choice::Orientation;
-use crate::workspace::Workspace;
 
 /// A large surface: almost a plane.
 #[derive(Clone, Debug)]
@@ -111,7 +110,6 @@ pub fn find_structure(
     found: &Surfaces,
     camera_up: [f32; 3],
     params: &params::Structure,
-    workspace: &mut Workspace,
 ) -> Structure {
     let Surfaces { space, disparity, fits, orientation, .. } = found;
     let alike = Alike {
@@ -138,7 +136,7 @@ pub fn find_structure(
         .iter()
         .position(|s| s.normal.dot(camera_up) > UPWARD)
         .or((!surfaces.is_empty()).then_some(0));
-    let labels = labelled(&surfaces, disparity, orientation, &seen.alike, params.tolerance_quanta, workspace);
+    let labels = labelled(&surfaces, disparity, orientation, &seen.alike, params.tolerance_quanta);
     let planes = fit_planes(&surfaces, &labels, depth_m, &space.camera());
     Structure { surfaces, labels, support, planes }
 }
@@ -264,12 +262,11 @@ mod tests {
             space.depth_m(f64::from(space.disparity(&depth)[0]).round()) as f32
         };
         let depth = Raster::from_vec(SIZE.0, SIZE.1, (0..SIZE.0 * SIZE.1).map(quantised).collect()).unwrap();
-        let workspace = &mut Workspace::default();
         let disparity = space.disparity(&depth);
-        let fits = plane_fits(&disparity, 2, workspace);
-        let orientation = orientation(&disparity, &fits, &space, &params::LocalFit::default(), workspace);
+        let fits = plane_fits(&disparity, 2);
+        let orientation = orientation(&disparity, &fits, &space, &params::LocalFit::default());
         let surfaces = Surfaces { space, disparity, fits, orientation };
-        find_structure(&depth, &surfaces, [0.0, -1.0, 0.0], params, workspace)
+        find_structure(&depth, &surfaces, [0.0, -1.0, 0.0], params)
     }
 
     /// The depth of the plane normal · X = -offset along the ray of a pixel.

@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::buffers::Buffer;
 use crate::params;
 use crate::raster::{Raster, marked};
 use crate::regions::{RegionEdge, RegionGraph, SegmentId, Segments};
 use crate::simd::vectorized;
 use crate::surface::disparity::DisparitySpace;
-use crate::workspace::Workspace;
 
 /// Which neighbouring pixels lie on one surface, of everything measured that is no structure.
 ///
@@ -61,7 +61,6 @@ impl Links {
         structure: &Raster<i32>,
         space: &DisparitySpace,
         params: &params::Watershed,
-        workspace: &mut Workspace,
     ) -> Self {
         let (width, height) = disparity.size();
         let limits = Limits {
@@ -103,7 +102,7 @@ impl Links {
                 limits.link([pixels(v - 1, left..right), own], 1, UP, sides);
             }
         };
-        let mut sides = workspace.stale(disparity.len(), 0);
+        let mut sides = Buffer::stale(disparity.len(), 0);
         sides.par_chunks_mut(width).enumerate().for_each(|(v, sides)| {
             vectorized(
                 #[inline(always)]
@@ -123,11 +122,6 @@ impl Links {
         let (sides, width) = (self.sides[i], self.sides.width());
         let to = [(RIGHT, 1), (LEFT, 1_usize.wrapping_neg()), (DOWN, width), (UP, width.wrapping_neg())];
         to.into_iter().filter(move |(side, _)| sides & side != 0).map(move |(_, step)| i.wrapping_add(step))
-    }
-
-    /// Gives its memory back.
-    pub fn leave(self, workspace: &mut Workspace) {
-        workspace.keep(self.sides);
     }
 }
 
@@ -163,15 +157,10 @@ impl Limits {
 ///
 /// Watershed by flooding (Meyer 1994) of the relief of fit residuals (quanta) from [`seeds`], across links only; what no
 /// seed reaches is flooded by itself. O(pixels).
-pub fn watershed(
-    residual: &Raster<f32>,
-    seeds: &[usize],
-    links: &Links,
-    workspace: &mut Workspace,
-) -> Segments {
-    let mut floods = std::mem::take(&mut workspace.floods);
-    floods.resize_with(HIGHEST + 1, Vec::new);
-    let mut labels = workspace.filled(residual.len(), Segments::NONE);
+pub fn watershed(residual: &Raster<f32>, seeds: &[usize], links: &Links) -> Segments {
+    let mut floods: Buffer<Vec<u32>> = Buffer::stale(HIGHEST + 1, Vec::new());
+    floods.iter_mut().for_each(Vec::clear);
+    let mut labels = Buffer::filled(residual.len(), Segments::NONE);
     let level = |i: usize| match residual[i] {
         e if e.is_finite() => ((LEVELS_PER_QUANTUM * e) as usize).min(HIGHEST - 1),
         _ => HIGHEST,
@@ -201,7 +190,6 @@ pub fn watershed(
         flood.shrink_to(residual.len() / KEPT_SHARE);
         floods[now] = flood;
     }
-    workspace.floods = floods;
     count += flood_the_rest(links, &mut labels, count);
     Segments::from_numbered(residual.with_data(labels), count as usize)
 }
@@ -399,10 +387,9 @@ mod tests {
     /// Links and superpixels.
     fn flooded(relief: &Relief, params: &params::Watershed) -> (Links, Segments) {
         let Relief { disparity, slope, residual, structure } = relief;
-        let workspace = &mut Workspace::default();
-        let links = Links::new(disparity, slope, structure, &kinect(), params, workspace);
+        let links = Links::new(disparity, slope, structure, &kinect(), params);
         let seeds = seeds(residual, &links, &kinect(), params);
-        let superpixels = watershed(residual, &seeds, &links, workspace);
+        let superpixels = watershed(residual, &seeds, &links);
         (links, superpixels)
     }
 
@@ -523,8 +510,7 @@ mod tests {
         let linked = |slope: f32| {
             let slopes = Raster::filled(4, 1, [slope, 0.0]).unwrap();
             let structure = Raster::filled(4, 1, -1).unwrap();
-            let workspace = &mut Workspace::default();
-            let links = Links::new(&disparity, &slopes, &structure, &kinect(), &params, workspace);
+            let links = Links::new(&disparity, &slopes, &structure, &kinect(), &params);
             [0, 1, 2].map(|i| links.neighbours(i).any(|j| j == i + 1))
         };
         assert_eq!(linked(0.0), [false, false, false]);

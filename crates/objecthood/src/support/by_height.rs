@@ -133,7 +133,7 @@ mod tests {
         // Shape 0 has two points with depth and one without, shape 1 has three.
         let labels = Raster::from_vec(6, 1, vec![0, 0, 0, 1, 1, 1]).unwrap();
         let heights = [0.5, 0.7, f32::NAN, 0.2, 0.3, 0.7];
-        let points = labels.with_data(heights.map(|h| [0.0, -h, h + 1.0]).to_vec());
+        let points = labels.with_data(heights.map(|h| [0.0, -h, h + 1.0]).to_vec().into());
         let up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera };
         let contacts = RegionGraph::from_pairs(2, [(SegmentId(0), SegmentId(1))]);
         let described = [Descriptor::default(); 2];

@@ -2,12 +2,12 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::buffers::Buffer;
 use crate::discovery::up::{Up, UpSource};
 use crate::params::{self, UpFrom};
 use crate::planes::{Plane, StructurePlane};
 use crate::random::Lcg;
 use crate::raster::Raster;
-use crate::workspace::Workspace;
 
 /// How often the best plane is fitted again to all its points.
 const REFITS: usize = 3;
@@ -17,16 +17,9 @@ const REFITS: usize = 3;
 /// RANSAC (Fischler and Bolles 1981): `trials` planes through three random points of an even sample of `samples`
 /// points; the one with most of the sample within `inlier_distance_m` is fitted to all its points by total least
 /// squares, three times. The random numbers are fixed. O(trials · samples + points).
-pub fn dominant_plane(
-    points_m: &Raster<[f32; 3]>,
-    params: &params::Gravity,
-    workspace: &mut Workspace,
-) -> Option<StructurePlane> {
+pub fn dominant_plane(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> Option<StructurePlane> {
     let measured = points_m.as_slice().iter().copied().filter(|p| !p[2].is_nan());
-    let points = workspace.collected(measured);
-    let plane = plane_of_most(&points, params);
-    workspace.shelve(points);
-    plane
+    plane_of_most(&measured.collect::<Buffer<_>>(), params)
 }
 
 /// The plane that holds most of these points, see [`dominant_plane`].
@@ -103,12 +96,8 @@ pub struct Ground {
 }
 
 /// Finds the dominant plane and up. As [`dominant_plane`].
-pub fn find_ground(
-    points_m: &Raster<[f32; 3]>,
-    params: &params::Gravity,
-    workspace: &mut Workspace,
-) -> Ground {
-    let plane = dominant_plane(points_m, params, workspace);
+pub fn find_ground(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> Ground {
+    let plane = dominant_plane(points_m, params);
     Ground { up: up(plane.as_ref(), params), plane }
 }
 
@@ -130,9 +119,7 @@ mod tests {
     #[test]
     fn the_plane_is_found_among_as_many_other_points() {
         let n = DVec3::new(0.1, -0.8, -0.6).normalize();
-        let plane =
-            dominant_plane(&cloud(n, 5000, 5000), &params::Gravity::default(), &mut Workspace::default())
-                .unwrap();
+        let plane = dominant_plane(&cloud(n, 5000, 5000), &params::Gravity::default()).unwrap();
         assert!(Vec3::from(plane.normal).as_dvec3().dot(n) > 0.9999, "{plane:?}");
         assert!(
             (plane.offset_m - 1.0).abs() < 2e-3 && (0.5..0.53).contains(&plane.inlier_share),
@@ -147,26 +134,17 @@ mod tests {
         let mut draw = || random.below(2001) as f64 / 1000.0 - 1.0;
         let points = (0..4000).map(|_| [draw() as f32, draw() as f32, (2.0 + 0.004 * draw()) as f32]);
         let points = Raster::from_vec(4000, 1, points.collect()).unwrap();
-        let plane = dominant_plane(
-            &points,
-            &params::Gravity { trials: 20, ..Default::default() },
-            &mut Workspace::default(),
-        )
-        .unwrap();
+        let plane = dominant_plane(&points, &params::Gravity { trials: 20, ..Default::default() }).unwrap();
         assert!(plane.normal[2] < -0.999_999 && (plane.offset_m - 2.0).abs() < 2e-4, "{plane:?}");
     }
 
     #[test]
     fn without_a_plane_up_is_the_cameras() {
         let params = params::Gravity::default();
-        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 50, 5000), &params, &mut Workspace::default()), None);
-        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 1, 0), &params, &mut Workspace::default()), None);
+        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 50, 5000), &params), None);
+        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 1, 0), &params), None);
         let line = Raster::from_vec(3, 1, vec![[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, 3.0]]).unwrap();
-        assert_eq!(
-            dominant_plane(&line, &params, &mut Workspace::default()),
-            None,
-            "points on a line are no plane"
-        );
+        assert_eq!(dominant_plane(&line, &params), None, "points on a line are no plane");
         assert_eq!(up(None, &params), Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera });
     }
 

@@ -7,8 +7,8 @@ use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::up::Up;
 use crate::frame::Frame;
 use crate::params::Params;
-use crate::regions::Segments;
 use crate::planes::StructurePlane;
+use crate::regions::Segments;
 use crate::support::forest::forest;
 use crate::support::gravity::up;
 

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
+use crate::buffers::Buffer;
 use crate::params;
 use crate::raster::{Raster, part};
 use crate::simd::vectorized;
-use crate::workspace::Workspace;
 
 /// Curvature of a pixel around which no pair of normals is usable: beyond every threshold.
 pub const UNKNOWN: f32 = f32::INFINITY;
@@ -16,18 +16,14 @@ pub const UNKNOWN: f32 = f32::INFINITY;
 /// *Differs from the paper:* printed is 1/(4σ) with a bracket missing; here the mean is over the usable pairs
 /// and divided by σ = `scale`. A straight crease bends only three of the four pairs, so it counts from 35.6° at
 /// the default threshold. O(pixels): the pairs of one direction are looked at for a whole row at a time.
-pub fn curvature(
-    normals: &Raster<[f32; 3]>,
-    params: &params::Curvature,
-    workspace: &mut Workspace,
-) -> Raster<f32> {
+pub fn curvature(normals: &Raster<[f32; 3]>, params: &params::Curvature) -> Raster<f32> {
     let (width, height) = normals.size();
     let offset = params.offset_px;
     // Of no pixels beside the image.
     let row = |v: Option<usize>| {
         v.filter(|v| *v < height).map_or(&[][..], |v| &normals.as_slice()[v * width..][..width])
     };
-    let mut curvature = workspace.stale(normals.len(), UNKNOWN);
+    let mut curvature = Buffer::stale(normals.len(), UNKNOWN);
     curvature.par_chunks_mut(width).enumerate().for_each_init(
         || vec![Pairs::default(); width],
         |pairs, (v, curvature)| {
@@ -83,7 +79,7 @@ mod tests {
         let turned = degrees.to_radians();
         let normal = |i: usize| if i % 9 < 4 { [0.0, 0.0, -1.0] } else { [turned.sin(), 0.0, -turned.cos()] };
         let normals = Raster::from_vec(9, 9, (0..81).map(normal).collect()).unwrap();
-        curvature(&normals, &params::Curvature::default(), &mut Workspace::default())
+        curvature(&normals, &params::Curvature::default())
     }
 
     #[test]
@@ -99,16 +95,11 @@ mod tests {
     fn only_usable_pairs_count_and_none_is_unknown() {
         let mut normals = Raster::filled(9, 9, [0.0, 0.0, -1.0]).unwrap();
         normals.as_mut_slice()[40 - 2] = [0.0; 3];
-        let c = curvature(&normals, &params::Curvature::default(), &mut Workspace::default());
+        let c = curvature(&normals, &params::Curvature::default());
         assert_eq!(c[40], 0.0);
         assert_eq!(c[0], UNKNOWN, "a corner has no opposite neighbours");
         let none = Raster::filled(9, 9, [0.0; 3]).unwrap();
-        assert!(
-            curvature(&none, &params::Curvature::default(), &mut Workspace::default())
-                .as_slice()
-                .iter()
-                .all(|&c| c == UNKNOWN)
-        );
+        assert!(curvature(&none, &params::Curvature::default()).as_slice().iter().all(|&c| c == UNKNOWN));
     }
 
     proptest! {
@@ -126,7 +117,7 @@ mod tests {
                 if *kind == 0 { [0.0; 3] } else { Vec3::from(*n).normalize_or_zero().to_array() }
             };
             let normals = Raster::from_vec(width, height, normals.iter().map(unit).collect()).unwrap();
-            let got = curvature(&normals, &params::Curvature { offset_px, scale, ..Default::default() }, &mut Workspace::default());
+            let got = curvature(&normals, &params::Curvature { offset_px, scale, ..Default::default() });
             for i in 0..normals.len() {
                 // All pairs of pixels whose middle is pixel i and that lie on the ring of eight around it.
                 let ring = |d: usize| d == 0 || d == offset_px;

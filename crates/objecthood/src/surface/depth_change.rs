@@ -5,8 +5,8 @@
 
 use rayon::prelude::*;
 
+use crate::buffers::Buffer;
 use crate::raster::Raster;
-use crate::workspace::Workspace;
 
 /// A neighbour at less than this share of the other's depth is on another surface, whatever the sensor's noise.
 const GREATEST_STEP: f32 = 0.5;
@@ -35,18 +35,13 @@ const FARTHEST_REACH_PX: usize = 180;
 ///
 /// A pixel is beside a change when it differs from its right, left, lower or upper neighbour ([`changes`]).
 /// Two passes, columns then rows, exact in integers of 16 bits: eight pixels at once. O(pixels · `reach_px`).
-pub fn squared_distance(
-    depth_m: &Raster<f32>,
-    change_per_m: f32,
-    reach_px: usize,
-    workspace: &mut Workspace,
-) -> Raster<i16> {
+pub fn squared_distance(depth_m: &Raster<f32>, change_per_m: f32, reach_px: usize) -> Raster<i16> {
     let (width, height) = depth_m.size();
     let reach_px = reach_px.min(FARTHEST_REACH_PX);
     let z = depth_m.as_slice();
     let far = (reach_px + 1) as i16;
     // Distance along the column, first downwards, then upwards.
-    let mut column = workspace.filled(z.len(), far);
+    let mut column = Buffer::filled(z.len(), far);
     let mut change = vec![false; width];
     for v in 0..height {
         let (row, below) = z[v * width..].split_at(width);
@@ -70,7 +65,7 @@ pub fn squared_distance(
     }
     // Then the best column within reach.
     let cap = (reach_px * reach_px + 1) as i16;
-    let mut squared = workspace.filled(z.len(), cap);
+    let mut squared = Buffer::filled(z.len(), cap);
     squared.par_chunks_mut(width).zip(column.par_chunks_mut(width)).for_each(|(squared, column)| {
         column.iter_mut().for_each(|rows| *rows *= *rows);
         for columns in 0..=reach_px.min(width - 1) {
@@ -79,7 +74,6 @@ pub fn squared_distance(
             nearest(&mut squared[..width - columns], &column[columns..], add);
         }
     });
-    workspace.shelve(column);
     depth_m.with_data(squared)
 }
 
@@ -134,7 +128,7 @@ mod tests {
                 .iter()
                 .any(|(du, dv)| at(u + du, v + dv).is_some_and(|z| changes(at(u, v).unwrap(), z, 0.02)))
         };
-        let squared = squared_distance(&depth, 0.02, reach, &mut Workspace::default());
+        let squared = squared_distance(&depth, 0.02, reach);
         for v in 0..height as i32 {
             for u in 0..width as i32 {
                 let mut best = (reach * reach + 1) as i32;

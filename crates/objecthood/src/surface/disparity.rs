@@ -6,11 +6,11 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::buffers::Buffer;
 use crate::camera::Camera;
 use crate::params;
 use crate::raster::Raster;
 use crate::simd::vectorized;
-use crate::workspace::Workspace;
 
 /// Depths (m) outside this range are no measurements for the method `context`.
 const RANGE_M: std::ops::Range<f32> = 0.1..20.0;
@@ -46,17 +46,12 @@ impl DisparitySpace {
 
     /// The disparity of every pixel (quanta); `NaN` without depth, or with one outside 0.1 to 20 m.
     pub fn disparity(&self, depth_m: &Raster<f32>) -> Raster<f32> {
-        self.disparity_in(depth_m, &mut Workspace::default())
-    }
-
-    /// As [`disparity`](Self::disparity), in a buffer of the workspace.
-    pub(crate) fn disparity_in(&self, depth_m: &Raster<f32>, workspace: &mut Workspace) -> Raster<f32> {
         let disparity = |z: f32| {
             let is_measured = (z > RANGE_M.start) & (z < RANGE_M.end);
             let disparity = (1.0 / (f64::from(z) * self.quantum_per_m)) as f32;
             if is_measured { disparity } else { f32::NAN }
         };
-        let mut disparities = workspace.stale(depth_m.len(), f32::NAN);
+        let mut disparities = Buffer::stale(depth_m.len(), f32::NAN);
         let bands = disparities.par_chunks_mut(BAND_PX).zip(depth_m.as_slice().par_chunks(BAND_PX));
         bands.for_each(|(disparities, depths_m)| {
             vectorized(

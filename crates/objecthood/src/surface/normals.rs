@@ -9,11 +9,11 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use crate::buffers::Buffer;
 use crate::params;
 use crate::raster::Raster;
 use crate::simd::vectorized;
 use crate::surface::depth_change::squared_distance;
-use crate::workspace::Workspace;
 
 /// Rows whose sums along columns begin together. Fixed, so that rounding does not depend on the number of threads.
 const BAND_ROWS: usize = 32;
@@ -26,20 +26,16 @@ const BAND_ROWS: usize = 32;
 /// the average of a direction. Where the window stays the same from pixel to pixel the sums of a whole stretch lie side by side.
 ///
 /// `points_m`: camera frame, `NaN` = none. O(pixels · window) for the distances, else O(pixels).
-pub fn normals(
-    points_m: &Raster<[f32; 3]>,
-    params: &params::Normals,
-    workspace: &mut Workspace,
-) -> Raster<[f32; 3]> {
+pub fn normals(points_m: &Raster<[f32; 3]>, params: &params::Normals) -> Raster<[f32; 3]> {
     let (width, height) = points_m.size();
     let half_limit = (params.window_px / 2.0) as usize;
     // A square of half size h reaches sqrt(2) h at its corners.
     let reach = half_limit * 3 / 2 + 1;
-    let z = points_m.with_data(workspace.collected(points_m.as_slice().iter().map(|p| p[2])));
-    let distance = squared_distance(&z, params.depth_change_per_m, reach, workspace);
+    let z = points_m.with_data(points_m.as_slice().iter().map(|p| p[2]).collect());
+    let distance = squared_distance(&z, params.depth_change_per_m, reach);
     let half: Vec<u16> = (0..=reach * reach + 1).map(|d| half_window(d, half_limit) as u16).collect();
 
-    let mut normals = workspace.stale(points_m.len(), [0.0; 3]);
+    let mut normals = Buffer::stale(points_m.len(), [0.0; 3]);
     normals.par_chunks_mut(BAND_ROWS * width).enumerate().for_each_init(
         || (Sums::default(), Tangents::of_width(width)),
         |(sums, tangents), (band, normals)| {
@@ -70,8 +66,6 @@ pub fn normals(
             );
         },
     );
-    workspace.keep(z);
-    workspace.keep(distance);
     points_m.with_data(normals)
 }
 
@@ -243,7 +237,7 @@ mod tests {
             -1.0 / n.dot(ray)
         });
         let params = params::Normals { depth_change_per_m: 1.0, ..Default::default() };
-        let normals = normals(&points, &params, &mut Workspace::default());
+        let normals = normals(&points, &params);
         for (i, &got) in normals.as_slice().iter().enumerate() {
             assert!(Vec3::from(got).dot(n) > 0.99999, "at {} {}: {got:?}", i % 60, i / 60);
         }
@@ -253,7 +247,7 @@ mod tests {
     fn no_window_reaches_across_a_depth_change() {
         // Two walls that face the camera, 0.5 m apart: no normal may be bent by the step.
         let points = points(|u, _| if u < 30 { 1.0 } else { 1.5 });
-        let normals = normals(&points, &params::Normals::default(), &mut Workspace::default());
+        let normals = normals(&points, &params::Normals::default());
         for (i, &got) in normals.as_slice().iter().enumerate() {
             let near_step = (28..32).contains(&(i % 60));
             assert!(
@@ -338,7 +332,7 @@ mod tests {
             let camera = Camera::new(60.0, 60.0, 6.0, 7.0).unwrap();
             let points = Frame::new(z, None, camera).unwrap().points_m();
             let params = params::Normals { window_px, ..Default::default() };
-            let got = normals(&points, &params, &mut Workspace::default());
+            let got = normals(&points, &params);
             for i in 0..points.len() {
                 let expected = naive(&points, i, &params);
                 prop_assert!(Vec3::from(got[i]).distance(expected) < 1e-4, "{}: {:?} {}", i, got[i], expected);

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use crate::buffers::Buffer;
 use crate::raster::Raster;
 use crate::simd::vectorized;
-use crate::workspace::Workspace;
 
 /// A plane in disparity around one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,12 +52,6 @@ impl PlaneFits {
     pub(crate) fn images(&self) -> [&Raster<f32>; 4] {
         [&self.value, &self.slope[0], &self.slope[1], &self.residual]
     }
-
-    /// Gives its memory back.
-    pub fn leave(self, workspace: &mut Workspace) {
-        let [along_u, along_v] = self.slope;
-        [self.value, along_u, along_v, self.residual].into_iter().for_each(|image| workspace.keep(image));
-    }
 }
 
 /// A window with a smaller share of measured pixels has no fit.
@@ -87,20 +81,20 @@ type Count = [i32; LANES];
 /// that lie in windows are taken term by term, for many windows side by side; those over windows slide down the rows.
 /// O(pixels · radius); differences of sums from the row's start would not depend on the radius, but each of those waits
 /// for the one before, and at a radius of 3 px that takes twice as long. Memory beside the result: for a tile only.
-pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize, workspace: &mut Workspace) -> PlaneFits {
+pub fn plane_fits(disparity: &Raster<f32>, radius_px: usize) -> PlaneFits {
     let (width, height) = disparity.size();
     let side = 2.0 * radius_px as f64 + 1.0;
     let PlaneFit { value, slope: [a, b], residual } = PlaneFit::NONE;
     let none = [value, a, b, residual];
-    let mut fits = none.map(|none| workspace.stale(disparity.len(), none));
+    let mut fits = none.map(|none| Buffer::stale(disparity.len(), none));
     if LEAST_FILL * side * side > disparity.len() as f64 {
         // Not even the whole image would fill a window.
         fits.iter_mut().zip(none).for_each(|(image, none)| image.fill(none));
     } else {
         let radius_px = radius_px.min(MOST_RADIUS_PX);
-        workspace.windows.resize_with(height.div_ceil(TILE), Windows::default);
+        let mut windows = Buffer::stale(height.div_ceil(TILE), Windows::default());
         let [values, a, b, residuals] = fits.each_mut().map(|image| image.par_chunks_mut(TILE * width));
-        let bands = values.zip(a).zip(b.zip(residuals)).zip(&mut workspace.windows);
+        let bands = values.zip(a).zip(b.zip(residuals)).zip(&mut *windows);
         bands.enumerate().for_each(|(band, (((values, a), (b, residuals)), windows))| {
             vectorized(
                 #[inline(always)]
@@ -141,8 +135,8 @@ fn fit_band(
 ///
 /// Counts are whole numbers. The others but dd are exact, in any order, at radii up to 80 px: disparities of a frame, a factor of
 /// 200 apart at most, are whole multiples below 2^32 of one number, and no sum is 2^21 times as large.
-#[derive(Debug, Default)]
-pub(crate) struct Windows {
+#[derive(Clone, Debug, Default)]
+struct Windows {
     radius: usize,
     /// In blocks, with x and y counted from the window's own middle.
     sums: [Sums; TILE / LANES],
@@ -155,7 +149,7 @@ pub(crate) struct Windows {
 }
 
 /// Sums over windows.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Sums {
     /// 1, x, y, xx, xy, yy.
     counts: [Count; 6],
@@ -371,7 +365,7 @@ mod tests {
             }),
             radius in 1_usize..=5,
         ) {
-            let fits = plane_fits(&disparity, radius, &mut Workspace::default());
+            let fits = plane_fits(&disparity, radius);
             for i in 0..disparity.len() {
                 let (got, expected) = (fits.at(i), naive(&disparity, i, radius));
                 prop_assert_eq!(got.is_some(), expected.is_some(), "{}", i);
@@ -404,7 +398,7 @@ mod tests {
                 fit_band(&disparity, band * TILE, radius, &mut Windows::default(), fits);
             }
             let PlaneFits { value, slope: [a, b], residual } =
-                plane_fits(&disparity, radius, &mut Workspace::default());
+                plane_fits(&disparity, radius);
             let bits = |image: Vec<f32>| image.into_iter().map(f32::to_bits).collect::<Vec<_>>();
             let got = [value, a, b, residual].map(|image| bits(image.into_vec()));
             prop_assert_eq!(got, scalar.map(bits));
@@ -416,7 +410,7 @@ mod tests {
     fn wide_windows_round_nothing_away() {
         let plane = |i: usize| 250.0 + 0.5 * (i % 200) as f32 - 0.25 * (i / 200) as f32;
         let disparity = Raster::from_vec(200, 200, (0..200 * 200).map(plane).collect()).unwrap();
-        let fit = plane_fits(&disparity, 90, &mut Workspace::default()).at(100 * 200 + 100);
+        let fit = plane_fits(&disparity, 90).at(100 * 200 + 100);
         assert!(fit.residual < 1e-3 && fit.slope == [0.5, -0.25], "{fit:?}");
     }
 
@@ -426,8 +420,8 @@ mod tests {
         let side = 420;
         let plane = |i: usize| 450.0 + 0.5 * (i % side) as f32 - 0.25 * (i / side) as f32;
         let disparity = Raster::from_vec(side, side, (0..side * side).map(plane).collect()).unwrap();
-        let [largest, larger] = [MOST_RADIUS_PX, MOST_RADIUS_PX + 50]
-            .map(|radius_px| plane_fits(&disparity, radius_px, &mut Workspace::default()));
+        let [largest, larger] =
+            [MOST_RADIUS_PX, MOST_RADIUS_PX + 50].map(|radius_px| plane_fits(&disparity, radius_px));
         let fit = larger.at(side * side / 2);
         assert!(fit.residual < 1e-2 && fit.slope.map(|s| (s * 1e3).round()) == [500.0, -250.0], "{fit:?}");
         assert_eq!(larger.images(), largest.images());
@@ -437,7 +431,7 @@ mod tests {
     fn a_plane_is_its_own_fit() {
         let plane = |i: usize| 250.0 + 0.5 * (i % 20) as f32 - 0.25 * (i / 20) as f32;
         let disparity = Raster::from_vec(20, 16, (0..320).map(plane).collect()).unwrap();
-        let fits = plane_fits(&disparity, 3, &mut Workspace::default());
+        let fits = plane_fits(&disparity, 3);
         for (i, fit) in (0..320).map(|i| fits.at(i)).enumerate() {
             // In a corner a window has 16 of its 49 pixels.
             let near_corner = [i % 20, 19 - i % 20].iter().min() == Some(&0)

@@ -6,7 +6,6 @@ use crate::raster::Raster;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::plane_fit::{PlaneFits, plane_fits};
 use crate::surface::window_choice::{Orientation, orientation};
-use crate::workspace::Workspace;
 
 /// The surface at every pixel.
 #[derive(Clone, Debug)]
@@ -22,15 +21,10 @@ pub struct Surfaces {
 }
 
 /// Measures the surface at every pixel of a frame. O(pixels).
-pub fn find_surfaces(
-    frame: &Frame,
-    sensor: &params::Sensor,
-    params: &params::LocalFit,
-    workspace: &mut Workspace,
-) -> Surfaces {
+pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::LocalFit) -> Surfaces {
     let space = DisparitySpace::new(frame.camera(), sensor);
-    let disparity = space.disparity_in(frame.depth_m(), workspace);
-    let fits = plane_fits(&disparity, space.length_px(params.radius_px), workspace);
-    let orientation = orientation(&disparity, &fits, &space, params, workspace);
+    let disparity = space.disparity(frame.depth_m());
+    let fits = plane_fits(&disparity, space.length_px(params.radius_px));
+    let orientation = orientation(&disparity, &fits, &space, params);
     Surfaces { space, disparity, fits, orientation }
 }

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
+use crate::buffers::Buffer;
 use crate::params;
 use crate::raster::Raster;
 use crate::simd::vectorized;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::plane_fit::{PlaneFit, PlaneFits};
-use crate::workspace::Workspace;
 
 /// The surface at every pixel.
 #[derive(Clone, Debug)]
@@ -32,13 +32,12 @@ pub fn orientation(
     fits: &PlaneFits,
     space: &DisparitySpace,
     params: &params::LocalFit,
-    workspace: &mut Workspace,
 ) -> Orientation {
     let width = disparity.width();
     let reach = space.length_px(params.radius_px) as isize - 1;
     let limit = params.own_window_residual_quanta;
-    let mut slope = workspace.stale(disparity.len(), [0.0; 2]);
-    let mut normal = workspace.stale(disparity.len(), [0.0; 3]);
+    let mut slope = Buffer::stale(disparity.len(), [0.0; 2]);
+    let mut normal = Buffer::stale(disparity.len(), [0.0; 3]);
     slope.par_chunks_mut(width).zip(normal.par_chunks_mut(width)).enumerate().for_each(
         |(v, (slope, normal))| {
             let measured = &disparity.as_slice()[v * width..(v + 1) * width];
@@ -197,7 +196,7 @@ mod tests {
         ) {
             let (space, width) = (kinect(), disparity.width());
             let params = params::LocalFit { radius_px, own_window_residual_quanta: 0.8 };
-            let got = orientation(&disparity, &plane_fits(&fits), &space, &params, &mut Workspace::default());
+            let got = orientation(&disparity, &plane_fits(&fits), &space, &params);
             for i in 0..disparity.len() {
                 // All windows whose middle lies at one of the nine places, in scan order.
                 let place = |d: usize| d == 0 || d == radius_px - 1;

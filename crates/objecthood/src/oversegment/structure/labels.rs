@@ -5,11 +5,11 @@ use rayon::prelude::*;
 
 use super::StructureSurface;
 use super::tilt::{Alike, Tilt, squared_between};
+use crate::buffers::Buffer;
 use crate::raster::{Raster, marked};
 use crate::regions::Segments;
 use crate::simd::vectorized;
 use crate::surface::window_choice::Orientation;
-use crate::workspace::Workspace;
 
 /// Pixels of a row of which is asked first whether any lies near a surface.
 const STRETCH: usize = 64;
@@ -22,10 +22,9 @@ pub(super) fn labelled(
     orientation: &Orientation,
     alike: &Alike,
     tolerance_quanta: f64,
-    workspace: &mut Workspace,
 ) -> Raster<i32> {
     let width = disparity.width();
-    let mut labels = workspace.filled(disparity.len(), Segments::NONE);
+    let mut labels = Buffer::filled(disparity.len(), Segments::NONE);
     let label_row = |unsure: &mut Vec<i32>, (v, labels): (usize, &mut [i32])| {
         let row = v * width..(v + 1) * width;
         let (disparity, slopes) =
@@ -130,7 +129,7 @@ mod tests {
             };
             let surfaces = [surface(100.0, [0.0, 0.0, -1.0]), surface(103.0, [0.0, -0.6, -0.8])];
             let alike = Alike { least_cosine: 0.9, slope_squared };
-            let labels = labelled(&surfaces, &disparity, &orientation, &alike, 2.0, &mut Workspace::default());
+            let labels = labelled(&surfaces, &disparity, &orientation, &alike, 2.0);
             let width = disparity.width();
             for i in 0..disparity.len() {
                 let at = position(i, width);
