@@ -355,7 +355,7 @@ parameters! {
         disparity_quantum_per_m: f64 = 0.00285, 1e-6..=1.0, "1/m",
             "measured on mOSD learn, a Kinect v1; 1/348 by its disparity law (METHOD 0)";
         /// Sideways noise of points, which looks like noise of disparity on slopes (`context`).
-        lateral_noise_px: f64 = 0.8, 0.0..=100.0, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)", read by [Context: Superpixels];
+        lateral_noise_px: f64 = 0.8, 0.0..=100.0, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)", read by [Context: Normals];
     }
 
     /// Gaussian smoothing of the colour image before eq. 1.
