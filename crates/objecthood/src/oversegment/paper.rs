@@ -16,7 +16,8 @@ pub fn segment_graph(frame: &Frame, curvature: &Raster<f32>, params: &Params) ->
     let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing));
     let unmeasured = treat_unmeasured(params);
     let graph = PixelGraph::new(frame, smoothed.as_ref(), unmeasured, &params.sensor, &params.graph);
-    drop(smoothed);
+    // Freed, not kept for the next frame: from here on memory peaks.
+    smoothed.into_iter().flatten().for_each(|plane| drop(plane.into_vec()));
     let components = segment(&graph, &borders, &params.graph);
     let min_size = params.graph.min_size_px;
     absorb(&graph, &components, &borders, frame.depth_m(), &params.absorption, min_size)
