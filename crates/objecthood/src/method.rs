@@ -3,9 +3,10 @@
 //! Every stage is a function from outputs of earlier stages and its own parameters to one output. [`recall`] runs it only where
 //! the output is not there yet.
 
-use crate::clusters::clustering::{Rules, find_clusters};
-use crate::clusters::fill::fill;
-use crate::clusters::scene::{Scene, Steps};
+use crate::clusters::fill::fill_facets;
+use crate::clusters::rules::{Rules, find_clusters};
+use crate::clusters::scene::Scene;
+use crate::clusters::steps::StepLimits;
 use crate::discovery::Discovery;
 use crate::error::Result;
 use crate::facets::appearance::Appearance;
@@ -130,8 +131,8 @@ pub(crate) fn context<'k>(
     observer.observe(Output::Shapes(LabelMap::shapes(facets, shapes)));
 
     // 4. Objectness: what the surroundings of a shape tell, and support against gravity.
-    let steps = Steps::of(&params.watershed);
-    let filled = recall(&mut kept.filled, || fill(facets, &surfaces.disparity, steps));
+    let steps = StepLimits::of(&params.watershed);
+    let filled = recall(&mut kept.filled, || fill_facets(facets, &surfaces.disparity, steps));
     let points_m = recall(&mut kept.points_m, || frame.points_in(workspace));
     let scene = &Scene::new(frame, surfaces, structure, filled, points_m, steps);
     let clusters = recall(&mut kept.clusters, || find_clusters(scene, shapes, Rules::of(params)));

@@ -89,18 +89,6 @@ impl Check {
     }
 }
 
-/// The checks of one rule, in the order in which they were made. What comes after one that fails may not have been looked at.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Checks(pub Vec<Check>);
-
-impl Checks {
-    /// Takes down a check and says whether it holds.
-    pub(crate) fn that(&mut self, check: Check) -> bool {
-        self.0.push(check);
-        check.holds()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

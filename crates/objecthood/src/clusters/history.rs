@@ -75,6 +75,49 @@ pub struct Miss {
     pub checks: Vec<Check>,
 }
 
+/// Something that a rule may give to something, with the checks that were made so far.
+#[derive(Clone)]
+pub(crate) struct Proposal {
+    rule: Rule,
+    from: Source,
+    into: Option<SegmentId>,
+    checks: Vec<Check>,
+}
+
+impl Proposal {
+    pub(crate) fn new(rule: Rule, from: Source, into: Option<SegmentId>) -> Self {
+        Self { rule, from, into, checks: Vec::new() }
+    }
+
+    /// Notes a check and says whether it holds.
+    pub(crate) fn check(&mut self, check: Check) -> bool {
+        self.checks.push(check);
+        check.holds()
+    }
+
+    /// Notes checks that were made elsewhere.
+    pub(crate) fn extend(&mut self, checks: impl IntoIterator<Item = Check>) {
+        self.checks.extend(checks);
+    }
+
+    /// The clusters that it would join; `None` when one is the background or a patch of it.
+    pub(crate) fn clusters(&self) -> Option<[SegmentId; 2]> {
+        Some([self.into?, self.from.cluster()?])
+    }
+
+    /// The event that it becomes. `join`: see [`Event::join`].
+    pub(crate) fn accept(self, join: Option<(Join, Option<SegmentId>)>) -> Event {
+        let Self { rule, from, into, checks } = self;
+        Event { rule, from, into, checks, join }
+    }
+
+    /// The miss that it becomes.
+    pub(crate) fn refuse(self) -> Miss {
+        let Self { rule, from, into, checks } = self;
+        Miss { rule, from, into, checks }
+    }
+}
+
 /// What the rules did with the clusters of a frame: shapes on their way to objects.
 #[derive(Clone, Debug, Default)]
 pub struct History {

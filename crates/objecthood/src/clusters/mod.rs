@@ -16,7 +16,9 @@ pub(crate) mod height;
 pub mod history;
 pub(crate) mod occlusion;
 mod rim;
+pub mod rules;
 pub mod scene;
+pub mod steps;
 #[cfg(test)]
 pub(crate) mod testing;
 pub(crate) mod vessels;

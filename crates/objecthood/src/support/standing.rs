@@ -33,7 +33,7 @@ pub(crate) fn find_standing(
     params: &Params,
 ) -> Standing {
     let candidates = find_candidates(scene, clusters, &params.objectness);
-    let planes = candidates.counted(planes.to_vec(), frame.measured_px());
+    let planes = candidates.count_inliers(planes.to_vec(), frame.measured_px());
     let up = up(scene.support_facet.map(|facet| &planes[facet.index()]), &params.gravity);
     let graph = forest(&candidates.regions, scene.points_m, scene.normals, &planes, &up, scene.space, params);
     Standing { candidates, planes, up, graph }
