@@ -48,7 +48,8 @@ const BOTTOM_PX: usize = 100;
 /// The vessel holds more than this share of the border: more than all others together.
 const MAJORITY: f64 = 0.5;
 
-/// Gives patches of the support, and of what was found to be a part of it, to the cluster that encloses them. Pixels across a step,
+/// Gives patches of background to the cluster that encloses them. Background is the support and what earlier rules gave to it.
+/// Pixels across a step,
 /// or with depths more than 1 cm apart, do not touch. Does nothing without a support surface.
 /// O(pixels + patches · clusters).
 pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels) {

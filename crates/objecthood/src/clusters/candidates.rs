@@ -118,7 +118,7 @@ mod tests {
         Table::drawn(&rows, &[0.1, 0.05, 0.2])
     }
 
-    /// With which so many pixels (px) of a scene are the least.
+    /// Parameters with which a candidate has at least this many pixels (px) of a scene.
     fn least(scene: &Scene<'_>, size_px: usize) -> params::Objectness {
         let numbers = 0..10_000;
         let min_size_px = numbers.rev().find(|&px| scene.space.area_px(px) <= size_px).expect("0 is no more");

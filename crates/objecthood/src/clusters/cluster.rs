@@ -1,4 +1,4 @@
-//! Clusters: shapes on their way to objects, and what is known of each (METHOD 3.9).
+//! Clusters while the rules work on them: pixels, borders, top and convexity (METHOD 3.9).
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -16,7 +16,7 @@ use crate::raster::PixelBox;
 use crate::regions::SegmentId;
 use crate::shapes::contraction::Shapes;
 
-/// A group of facets, and what is known of it.
+/// A group of facets.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cluster {
     /// In scan order; empty when it has been merged into another.
@@ -29,7 +29,7 @@ pub(crate) struct Cluster {
     convexity: OnceLock<f64>,
 }
 
-/// The clusters of a frame. Merging keeps what is known of each up to date.
+/// The clusters of a frame. Merging keeps their borders, events and facets up to date.
 pub(crate) struct Clusters<'a> {
     pub scene: &'a Scene<'a>,
     clusters: Vec<Cluster>,
@@ -143,7 +143,7 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Merges a cluster into another or into the background; what is known of its neighbours goes along.
+    /// Merges a cluster into another or into the background, with its borders and events.
     fn merge(&mut self, into: Option<SegmentId>, from: SegmentId) {
         let Cluster { pixels, neighbours, events, .. } = std::mem::take(&mut self.clusters[from.index()]);
         for cluster in self.of_facet.iter_mut().filter(|cluster| **cluster == Some(from)) {

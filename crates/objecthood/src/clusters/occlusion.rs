@@ -37,8 +37,8 @@ const HORIZONTAL_DISTANCE: f64 = 0.8;
 /// ... and their colours have to overlap by this much.
 const HORIZONTAL_COLOR: f64 = 0.15;
 
-/// Joins clusters of which one facet continues the other behind something nearer: same surface, same direction, and what is seen in
-/// the gap is mostly nearer and hardly ever farther.
+/// Joins two clusters when a facet of one continues a facet of the other behind something nearer. Both have the same surface and
+/// direction, and the gap shows mostly nearer and hardly any farther things.
 ///
 /// O(F^2 · (samples + pixels of the lines + all facets)) for F facets that are large and partly hidden; parallel over pairs.
 pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params::Occlusion) {

@@ -43,7 +43,7 @@ fn foot_m(scene: &Scene<'_>, i: u32, support: &StructureSurface) -> [f64; 2] {
 /// The circle through the feet of the points of some clusters at the height `top_m` (algebraic fit, Kåsa 1976). O(pixels).
 ///
 /// # Errors
-/// The checks, of which one fails, when it is no rim of a vessel.
+/// All checks when one of them fails: the circle is no rim of a vessel.
 pub(crate) fn fit_rim_circle(
     clusters: &Clusters<'_>,
     ids: &[SegmentId],

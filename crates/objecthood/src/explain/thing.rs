@@ -39,7 +39,8 @@ impl Explainer {
                 let low = low.reduce(|a, b| if b.measured > a.measured { b } else { a });
                 let hypothesis =
                     self.run.hypothesis(cluster).filter(|_| !self.params.objectness.every_hypothesis);
-                let unlikely = hypothesis.map(|hypothesis| hypothesis.unlikely(&self.params.objectness));
+                let unlikely =
+                    hypothesis.map(|hypothesis| hypothesis.check_unlikely(&self.params.objectness));
                 match unlikely {
                     _ if too_small.holds() => (Reason::Size, vec![too_small]),
                     Some(unlikely) if unlikely.holds() => (Reason::Objectness, vec![unlikely]),

@@ -143,26 +143,16 @@ fn find_walls(
         if clusters.get(id).pixels.len() < least_px || (in_front as usize) < least_front {
             continue;
         }
-        let (front, back) = (f64::from(in_front), f64::from(FRONT_RATIO * behind));
-        let bends = || clusters.convexity(id);
-        let apart_m = || (limits.top_m(clusters, id) - limits.top_m(clusters, inside)).abs();
-        let most_m = limits.params.rim_height_m;
         let mut join = Proposal::new(Rule::VesselWall, Source::Cluster(inside), Some(id));
-        let is_wall = join.check(Check::new(
-            "wall in front along, against 4 times behind",
-            "px",
-            front,
-            Bound::AtLeast,
-            back,
-        )) && join.check(Check::new(
-            "how far the wall bends outwards",
-            "",
-            bends(),
-            Bound::AtLeast,
-            -FLAT,
-        )) && join.check(
-            Check::new("difference of the tops", "m", apart_m(), Bound::AtMost, most_m).set_by(RIM_HEIGHT),
-        );
+        let is_wall = join.check(check_in_front(in_front, behind))
+            && join.check(Check::new(
+                "how far the wall bends outwards",
+                "",
+                clusters.convexity(id),
+                Bound::AtLeast,
+                -FLAT,
+            ))
+            && join.check(check_level(clusters, limits, id, inside));
         if is_wall {
             walls.push(Wall { id, in_front, join });
         } else {
@@ -170,6 +160,17 @@ fn find_walls(
         }
     }
     walls
+}
+
+fn check_in_front(in_front: u32, behind: u32) -> Check {
+    let (front, back) = (f64::from(in_front), f64::from(FRONT_RATIO * behind));
+    Check::new("wall in front along, against 4 times behind", "px", front, Bound::AtLeast, back)
+}
+
+fn check_level(clusters: &Clusters<'_>, limits: Limits<'_>, wall: SegmentId, inside: SegmentId) -> Check {
+    let apart_m = (limits.top_m(clusters, wall) - limits.top_m(clusters, inside)).abs();
+    let limit_m = limits.params.rim_height_m;
+    Check::new("difference of the tops", "m", apart_m, Bound::AtMost, limit_m).set_by(RIM_HEIGHT)
 }
 
 /// The search for the rim of one inside.
@@ -217,7 +218,7 @@ impl RimSearch<'_> {
     /// The circle through the rims of the inside and of all walls, else of the inside and the foremost wall; with these parts.
     ///
     /// # Errors
-    /// The checks of the last circle, of which one fails.
+    /// The checks of the last circle; one of them fails.
     fn fit_circle(&self) -> Result<(Vec<SegmentId>, RimCircle), Vec<Check>> {
         let top_m = self.limits.top_m(self.clusters, self.inside);
         let fit = |parts: Vec<SegmentId>| {
