@@ -1,7 +1,7 @@
 //! How far normals are from that of the plane they lie on.
 
 use objecthood::planes::StructurePlane;
-use objecthood::support::gravity::dominant_plane;
+use objecthood::support::gravity::find_dominant_plane;
 use objecthood::{Params, Raster};
 
 /// Points no farther than this from the plane are taken to lie on it: what `pcl_normals` takes.
@@ -11,7 +11,7 @@ const ON_PLANE_M: f32 = 0.007;
 pub fn table(points_m: &Raster<[f32; 3]>) -> Option<StructurePlane> {
     let mut params = Params::default().gravity;
     params.inlier_distance_m = f64::from(ON_PLANE_M);
-    dominant_plane(points_m, &params)
+    find_dominant_plane(points_m, &params)
 }
 
 /// Median angle (degrees) between the plane's normal and those of the points on it that have one.

@@ -6,12 +6,13 @@
 
 mod world;
 
-use objecthood::clusters::clustering::{Rules, find_clusters};
-use objecthood::clusters::fill::fill;
-use objecthood::clusters::scene::{Scene, Steps};
+use objecthood::clusters::fill::fill_facets;
+use objecthood::clusters::rules::{Rules, find_clusters};
+use objecthood::clusters::scene::Scene;
+use objecthood::clusters::steps::StepLimits;
 use objecthood::facets::find_facets;
 use objecthood::objectness::conclusion::conclude_context;
-use objecthood::objectness::hypotheses::find_hypotheses;
+use objecthood::objectness::hypotheses::find_cluster_hypotheses;
 use objecthood::oversegment::linked::LinkedSuperpixels;
 use objecthood::oversegment::structure::find_structure;
 use objecthood::shapes::border::measure_borders;
@@ -46,13 +47,13 @@ fn discover_with(labels: &Raster<i32>, frame: &Frame, params: &Params) -> object
     let borders = measure_borders(&facets, &surfaces.disparity, &surfaces.space, &params.border);
     let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
     // 4. Objectness.
-    let steps = Steps::of(&params.watershed);
-    let filled = fill(&facets, &surfaces.disparity, steps);
+    let steps = StepLimits::of(&params.watershed);
+    let filled = fill_facets(&facets, &surfaces.disparity, steps);
     let points_m = frame.points_m();
     let scene = Scene::new(frame, &surfaces, &structure, &filled, &points_m, steps);
     let clusters = find_clusters(&scene, &shapes, Rules::of(params));
     let standing = find_standing(frame, &scene, &clusters, &structure.planes, params);
-    let hypotheses = find_hypotheses(&scene, &clusters, &standing, params);
+    let hypotheses = find_cluster_hypotheses(&scene, &clusters, &standing, params);
     conclude_context(&filled.segments, &points_m, &standing, &hypotheses, params)
 }
 

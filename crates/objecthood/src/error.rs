@@ -1,4 +1,4 @@
-//! What can be wrong with what the caller gave. Bad pixels are data, not errors.
+//! Errors: what the caller gave cannot be used. Bad pixels are data, not errors.
 
 /// Result with this crate's [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;

@@ -27,9 +27,9 @@
 //! | [`oversegment`] | superpixels | III-A, eq. 1 |
 //! | [`facets`] | faces of convex shapes | III-B, eq. 3 |
 //! | [`shapes`] | convex shapes | III-C, eq. 4 and 5 |
-//! | [`clusters`] | what joins shapes (`context`) | |
-//! | [`support`] | gravity, and what stands on what | III-D, eq. 6 to 8 |
-//! | [`objectness`] | the score, and which shapes are objects by it | III-D |
+//! | [`clusters`] | which shapes are one thing, by their surroundings (`context`) | |
+//! | [`support`] | up, and what stands on what | III-D, eq. 6 to 8 |
+//! | [`objectness`] | the score, and which regions are objects | III-D |
 //! | [`regions`] | label maps and region graphs, which the stages hand to each other | |
 //! | [`params`] | every parameter with unit, default and source | |
 //! | [`observe`] | the hook through which intermediate results are seen | |

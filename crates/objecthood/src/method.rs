@@ -3,9 +3,10 @@
 //! Every stage is a function from outputs of earlier stages and its own parameters to one output. [`recall`] runs it only where
 //! the output is not there yet.
 
-use crate::clusters::clustering::{Rules, find_clusters};
-use crate::clusters::fill::fill;
-use crate::clusters::scene::{Scene, Steps};
+use crate::clusters::fill::fill_facets;
+use crate::clusters::rules::{Rules, find_clusters};
+use crate::clusters::scene::Scene;
+use crate::clusters::steps::StepLimits;
 use crate::discovery::Discovery;
 use crate::error::Result;
 use crate::facets::appearance::Appearance;
@@ -13,7 +14,7 @@ use crate::facets::find_facets;
 use crate::facets::grouping::facets;
 use crate::frame::Frame;
 use crate::objectness::conclusion::{conclude_context, conclude_paper};
-use crate::objectness::hypotheses::{Evidence, find_hypotheses, hypotheses};
+use crate::objectness::hypotheses::{Evidence, find_cluster_hypotheses, find_hypotheses};
 use crate::observe::{LabelMap, Observer, Output};
 use crate::outputs::{ContextOutputs, PaperOutputs, recall, try_recall};
 use crate::oversegment::linked::flood_superpixels;
@@ -25,7 +26,7 @@ use crate::shapes::contact::contacts;
 use crate::shapes::contraction::{contract, votes};
 use crate::shapes::convexity::{convexities, shapes};
 use crate::shapes::descriptor::descriptors;
-use crate::support::by_height::support;
+use crate::support::by_height::build_by_height;
 use crate::support::gravity::{camera_up, find_ground};
 use crate::support::standing::find_standing;
 use crate::surface::curvature::curvature;
@@ -72,13 +73,19 @@ pub(crate) fn paper<'k>(
     let ground = recall(&mut kept.ground, || find_ground(points_m, &params.gravity));
     let support = recall(&mut kept.support, || {
         let described = descriptors(shapes, &superpixels.core, points_m, normals);
-        support(shapes, &described, &contacts(shapes, points_m, &params.contact), points_m, &ground.up)
+        build_by_height(
+            shapes,
+            &described,
+            &contacts(shapes, points_m, &params.contact),
+            points_m,
+            &ground.up,
+        )
     });
     observer.observe(Output::Support { graph: support, regions: shapes });
     let hypotheses = recall(&mut kept.hypotheses, || {
         let space = &DisparitySpace::new(frame.camera(), &params.sensor);
         let evidence = Evidence { regions: shapes, points_m, normals, support, up: &ground.up, space };
-        hypotheses(&evidence, 0, params.objectness.min_size_px, params)
+        find_hypotheses(&evidence, 0, params.objectness.min_size_px, params)
     });
     observer.observe(Output::Hypotheses(hypotheses));
     let discovery = try_recall(&mut kept.discovery, || {
@@ -125,8 +132,8 @@ pub(crate) fn context<'k>(
     observer.observe(Output::Shapes(LabelMap::shapes(facets, shapes)));
 
     // 4. Objectness: what the surroundings of a shape tell, and support against gravity.
-    let steps = Steps::of(&params.watershed);
-    let filled = recall(&mut kept.filled, || fill(facets, &surfaces.disparity, steps));
+    let steps = StepLimits::of(&params.watershed);
+    let filled = recall(&mut kept.filled, || fill_facets(facets, &surfaces.disparity, steps));
     let points_m = recall(&mut kept.points_m, || frame.points_m());
     let scene = &Scene::new(frame, surfaces, structure, filled, points_m, steps);
     let clusters = recall(&mut kept.clusters, || find_clusters(scene, shapes, Rules::of(params)));
@@ -134,7 +141,8 @@ pub(crate) fn context<'k>(
     let standing =
         recall(&mut kept.standing, || find_standing(frame, scene, clusters, &structure.planes, params));
     observer.observe(Output::Support { graph: &standing.graph, regions: &standing.candidates.regions });
-    let hypotheses = recall(&mut kept.hypotheses, || find_hypotheses(scene, clusters, standing, params));
+    let hypotheses =
+        recall(&mut kept.hypotheses, || find_cluster_hypotheses(scene, clusters, standing, params));
     observer.observe(Output::Hypotheses(hypotheses));
     let discovery = try_recall(&mut kept.discovery, || {
         conclude_context(&filled.segments, points_m, standing, hypotheses, params)

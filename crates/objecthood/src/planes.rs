@@ -13,14 +13,14 @@ pub struct StructurePlane {
     pub inlier_share: f32,
 }
 
-/// The plane that fits points best (total least squares); all of them lie on it. `None` of fewer than three. O(points).
-pub fn fitted_plane(points_m: &[[f32; 3]]) -> Option<StructurePlane> {
+/// Fits a plane to points by total least squares; all of them count as on it. `None` of fewer than three. O(points).
+pub fn fit_plane(points_m: &[[f32; 3]]) -> Option<StructurePlane> {
     let mut sums = PointSums::default();
     points_m.iter().for_each(|&p| sums.add(Vec3::from(p).as_dvec3()));
-    sums.fitted_plane()
+    sums.fit_plane()
 }
 
-/// normal · X + offset = 0 with offset >= 0: the camera is on the side the normal points to.
+/// normal · X + offset = 0 with offset >= 0: the normal points to the side of the camera.
 pub(crate) struct Plane {
     pub normal: DVec3,
     pub offset_m: f64,
@@ -37,7 +37,7 @@ impl Plane {
     }
 
     /// Total least squares: the direction in which the points vary least.
-    pub(crate) fn fitted(points: impl Iterator<Item = DVec3>) -> Option<Self> {
+    pub(crate) fn fit(points: impl Iterator<Item = DVec3>) -> Option<Self> {
         let mut sums = PointSums::default();
         points.for_each(|p| sums.add(p));
         sums.plane()
@@ -48,7 +48,7 @@ impl Plane {
     }
 }
 
-/// What the plane through some points follows from: their number and the sums of x, y, z and of their products.
+/// Sums over points from which the best plane follows: their number, x, y, z, and products of these.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct PointSums {
     n: f64,
@@ -60,7 +60,7 @@ pub(crate) struct PointSums {
 }
 
 impl PointSums {
-    /// Of `n` points; `mixed`: xy, yz, zx.
+    /// The sums of `n` points; `mixed`: xy, yz, zx.
     pub(crate) fn new(n: f64, sum: DVec3, squares: DVec3, mixed: DVec3) -> Self {
         Self { n, sum, squares, mixed }
     }
@@ -73,8 +73,8 @@ impl PointSums {
         self.mixed += p * DVec3::new(p.y, p.z, p.x);
     }
 
-    /// The plane that fits the points best; `None` of fewer than three.
-    pub(crate) fn fitted_plane(&self) -> Option<StructurePlane> {
+    /// Fits a plane to the points; `None` of fewer than three.
+    pub(crate) fn fit_plane(&self) -> Option<StructurePlane> {
         let plane = self.plane()?;
         Some(StructurePlane {
             normal: plane.normal.as_vec3().to_array(),
@@ -99,7 +99,7 @@ impl PointSums {
 /// The unit eigenvector of the least eigenvalue of a symmetric matrix, by cyclic Jacobi rotations (Golub and Van
 /// Loan, 8.5): nothing but square roots, so that every platform gives the same.
 fn least_eigenvector(symmetric: DMat3) -> DVec3 {
-    // Convergence is quadratic: off the diagonal nothing is left after five or six.
+    // Convergence is quadratic: nothing is left off the diagonal after five or six sweeps.
     const SWEEPS: usize = 8;
     let mut a = symmetric.to_cols_array_2d();
     let mut vectors = DMat3::IDENTITY.to_cols_array_2d();
@@ -155,10 +155,10 @@ mod tests {
         let (s, t) = n.any_orthonormal_pair();
         let point = |k: usize| s * (k % 23) as f64 / 11.0 + t * (k / 23) as f64 / 11.0 - n;
         let points: Vec<[f32; 3]> = (0..500).map(|k| point(k).as_vec3().to_array()).collect();
-        let plane = fitted_plane(&points).unwrap();
+        let plane = fit_plane(&points).unwrap();
         assert!(
             Vec3::from(plane.normal).as_dvec3().dot(n) > 0.999_999 && (plane.offset_m - 1.0).abs() < 1e-5
         );
-        assert_eq!(fitted_plane(&points[..2]), None);
+        assert_eq!(fit_plane(&points[..2]), None);
     }
 }

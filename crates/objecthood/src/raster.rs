@@ -177,6 +177,22 @@ mod tests {
         }
     }
 
+    proptest! {
+        #[test]
+        fn a_box_of_pixels_is_that_of_their_places(
+            pixels in prop::collection::vec(0_usize..60, 1..20),
+            width in 1_usize..9,
+        ) {
+            let PixelBox { u, v, width: wide, height: tall } = PixelBox::around(pixels.iter().copied(), width);
+            let around = |place: fn(usize, usize) -> usize| {
+                let places = || pixels.iter().map(|&i| place(i, width));
+                (places().min().unwrap(), places().max().unwrap() + 1)
+            };
+            prop_assert_eq!((u, u + wide), around(|i, width| i % width));
+            prop_assert_eq!((v, v + tall), around(|i, width| i / width));
+        }
+    }
+
     #[test]
     fn a_raster_has_one_value_a_pixel() {
         assert!(Raster::from_vec(2, 3, vec![0; 6]).is_ok());

@@ -26,7 +26,7 @@ impl SegmentId {
 pub struct Segments {
     labels: Raster<i32>,
     count: usize,
-    /// What many stages pass over instead of the pixels; found when the first one asks.
+    /// Many stages pass over runs instead of pixels; found on first use.
     runs: OnceLock<Runs>,
 }
 
@@ -63,7 +63,7 @@ impl Segments {
         &self.labels
     }
 
-    /// The label of every pixel, to make another label map of.
+    /// The labels, to make another label map in their memory.
     pub(crate) fn into_labels(self) -> Raster<i32> {
         self.labels
     }
@@ -94,25 +94,25 @@ impl Segments {
         self.runs_in(0..self.labels.height())
     }
 
-    /// Those in some of the rows.
+    /// The runs in some of the rows.
     pub(crate) fn runs_in(&self, rows: Range<usize>) -> impl Iterator<Item = (Range<usize>, usize)> + '_ {
         self.kept_runs().within(rows)
     }
 
-    /// Finds its runs. To be called before several threads ask for them, else each of them searches.
+    /// Finds its runs. Call it before several threads need them: otherwise each of them searches.
     pub(crate) fn find_runs(&self) {
         self.kept_runs();
     }
 
     fn kept_runs(&self) -> &Runs {
         self.runs.get().unwrap_or_else(|| {
-            // Not within the lock: who waits there for another thread may be handed work that asks for the same.
+            // Outside the lock: a thread that waits inside may be handed work that needs the same runs.
             let found = Runs::of(&self.labels);
             self.runs.get_or_init(|| found)
         })
     }
 
-    /// Of every segment its [`runs`](Self::runs). O(runs).
+    /// The [`runs`](Self::runs) of every segment. O(runs).
     pub(crate) fn runs_of_each(&self) -> RunsOfEach {
         let mut ends = vec![0; self.count];
         self.runs().for_each(|(_, s)| ends[s] += 1);
@@ -138,14 +138,14 @@ impl Segments {
 struct Runs {
     /// First pixel, the pixel behind the last, label.
     all: Vec<[u32; 3]>,
-    /// Row by row the number of runs in it and above.
+    /// Per row the number of runs in it and above.
     upto: Vec<u32>,
 }
 
 impl Runs {
     fn of(labels: &Raster<i32>) -> Self {
         let height = labels.height();
-        // A band for each thread: one thread alone has nothing to put together.
+        // One band per thread.
         let rows = height.div_ceil(rayon::current_num_threads());
         let tops: Vec<usize> = (0..height).step_by(rows).collect();
         let band = |&top: &usize| Self::of_rows(labels, top..height.min(top + rows));
@@ -180,7 +180,7 @@ impl Runs {
     }
 }
 
-/// The runs of every segment, in scan order: segments are looked at side by side, and sums over the pixels of one keep their
+/// The runs of every segment, in scan order: segments can be processed in parallel, and sums over the pixels of each keep their
 /// order.
 pub(crate) struct RunsOfEach {
     /// Segment by segment.
@@ -190,7 +190,7 @@ pub(crate) struct RunsOfEach {
 }
 
 impl RunsOfEach {
-    /// What `look` makes of the runs of every segment.
+    /// Applies `look` to the runs of every segment; parallel over segments.
     pub(crate) fn map<T: Send>(&self, look: impl Fn(usize, &[Range<usize>]) -> T + Sync) -> Vec<T> {
         let start = |s: usize| if s == 0 { 0 } else { self.ends[s - 1] };
         let of = |s: usize| look(s, &self.runs[start(s)..self.ends[s]]);
@@ -198,7 +198,7 @@ impl RunsOfEach {
     }
 }
 
-/// The runs of one label along some rows, as (pixel indices, label), in scan order; without those of negative labels.
+/// The longest runs of one label along some rows, as (pixel indices, label), in scan order. Negative labels are left out.
 pub(crate) fn runs(
     labels: &Raster<i32>,
     rows: Range<usize>,
@@ -213,7 +213,7 @@ pub(crate) fn runs(
     run.filter_map(|(pixels, label)| usize::try_from(label).ok().map(|label| (pixels, label)))
 }
 
-/// How many of these labels, from the first on, are the same. Long runs are passed over in strides.
+/// The number of labels from the first on that equal it. Long runs are passed over in strides.
 fn run_length(labels: &[i32]) -> usize {
     const STRIDE_PX: usize = 16;
     let Some(&own) = labels.first() else { return 0 };
@@ -222,14 +222,14 @@ fn run_length(labels: &[i32]) -> usize {
     passed + labels[passed..].iter().take_while(|label| **label == own).count()
 }
 
-/// An undirected edge between two regions, with what is known about their common border.
+/// An undirected edge between two regions, with evidence from their common border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegionEdge<E> {
     /// The region with the smaller number.
     pub a: SegmentId,
     /// The region with the larger number.
     pub b: SegmentId,
-    /// What is known about the pair.
+    /// The evidence.
     pub evidence: E,
 }
 
@@ -251,7 +251,7 @@ impl<E> RegionGraph<E> {
         &self.edges
     }
 
-    /// Of edges that are sorted by (a, b), a < b, each pair once.
+    /// A graph of edges that are sorted by (a, b), a < b, each pair once.
     pub(crate) fn from_sorted(regions: usize, edges: Vec<RegionEdge<E>>) -> Self {
         debug_assert!(edges.is_sorted_by(|one, next| (one.a, one.b) < (next.a, next.b)));
         Self { regions, edges }
@@ -265,15 +265,15 @@ impl<E> RegionGraph<E> {
 }
 
 impl<E: Default> RegionGraph<E> {
-    /// Gathers what was observed along the borders of regions: `add` puts each sample to the evidence of its pair, in
-    /// the order in which they came. Samples of a region with itself are left out. O(n log n).
+    /// Gathers samples along the borders of regions: `add` adds each sample to the evidence of its pair, in the order in which they
+    /// come. Samples between a region and itself are left out. O(n log n).
     pub fn gather<S>(
         regions: usize,
         samples: impl IntoIterator<Item = (SegmentId, SegmentId, S)>,
         mut add: impl FnMut(&mut E, S),
     ) -> Self {
         let between = samples.into_iter().filter(|(a, b, _)| a != b);
-        // Both regions as one number, which is compared faster.
+        // Both regions as one number compare faster.
         let pair = |a: SegmentId, b: SegmentId| u64::from(a.min(b).0) << 32 | u64::from(a.max(b).0);
         let mut samples: Vec<_> = between.map(|(a, b, sample)| (pair(a, b), sample)).collect();
         samples.sort_by_key(|&(pair, _)| pair);
@@ -294,7 +294,7 @@ impl<E: Default> RegionGraph<E> {
 impl RegionGraph<u32> {
     /// Counts how often each unordered pair of different regions occurs in `pairs`. O(n log n).
     pub fn from_pairs(regions: usize, pairs: impl IntoIterator<Item = (SegmentId, SegmentId)>) -> Self {
-        // Along a border the same pair comes often in a row, and then is sorted once.
+        // Along a border the same pair often comes several times in a row; it is sorted once.
         let mut counted: Vec<(SegmentId, SegmentId, u32)> = Vec::new();
         for (a, b) in pairs {
             match counted.last_mut() {

@@ -8,3 +8,21 @@ mod one_frame;
 fn one_frame_runs() {
     one_frame::main().unwrap();
 }
+
+#[allow(dead_code, reason = "the example's own main is called below")]
+#[path = "../examples/02_own_superpixels.rs"]
+mod own_superpixels;
+
+#[test]
+fn own_superpixels_run() {
+    own_superpixels::main().unwrap();
+}
+
+#[allow(dead_code, reason = "the example's own main is called below")]
+#[path = "../examples/03_facets_only.rs"]
+mod facets_only;
+
+#[test]
+fn facets_only_runs() {
+    facets_only::main().unwrap();
+}

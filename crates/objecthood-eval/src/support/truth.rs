@@ -4,8 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DQuat, DVec3};
 use objecthood::discovery::{SupportGraph, SupportKind, Up, UpSource};
-use objecthood::planes::{StructurePlane, fitted_plane};
-use objecthood::support::forest::forest;
+use objecthood::planes::{StructurePlane, fit_plane};
+use objecthood::support::forest::build_forest;
+use objecthood::support::scene::SupportScene;
 use objecthood::surface::disparity::DisparitySpace;
 use objecthood::{Params, Raster, Segments};
 use objecthood_scene::{Contact, ContactKind, Rendered, World};
@@ -70,7 +71,7 @@ impl SupportTruth {
             points.entry(label(i)).or_default().push(points_m[i]);
         }
         points.retain(|_, points| points.len() >= LEAST_SEEN_PX as usize);
-        let planes = points.range(..OBJECTS).filter_map(|(_, points)| fitted_plane(points)).collect();
+        let planes = points.range(..OBJECTS).filter_map(|(_, points)| fit_plane(points)).collect();
         let kept = |i: usize| if points.contains_key(&label(i)) { label(i) } else { -1 };
         let labels = (0..points_m.len()).map(kept).collect();
         let labels = Raster::from_vec(points_m.width(), points_m.height(), labels)?;
@@ -89,7 +90,8 @@ impl SupportTruth {
         params: &Params,
     ) -> Result<(SupportGraph, Segments)> {
         let (segments, planes) = self.segments(points_m)?;
-        let graph = forest(&segments, points_m, normals, &planes, &self.up, space, params);
+        let (regions, planes, up) = (&segments, &planes[..], &self.up);
+        let graph = build_forest(&SupportScene { regions, points_m, normals, planes, up, space }, params);
         Ok((graph, segments))
     }
 }

@@ -1,30 +1,31 @@
-//! How clusters lie to each other in the image.
+//! How clusters border on each other in the image.
 
 use std::ops::{AddAssign, Range};
 
 use rayon::prelude::*;
 
-use crate::clusters::scene::{Scene, Steps};
+use crate::clusters::scene::Scene;
 use crate::facets::Facets;
 use crate::regions::{RegionGraph, SegmentId};
 use crate::shapes::contraction::Shapes;
 
-/// How two clusters lie to each other in the image: pairs of neighbouring pixels, also across a gap.
+/// How one cluster borders on another: pairs of neighbouring pixels, one of each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Borders {
-    /// Next to each other without a step in depth.
+pub(crate) struct BorderCounts {
+    /// Side by side without a step in depth.
     pub touch: u32,
-    /// The same across a gap.
+    /// Across a gap without depth, and without a step.
     pub level: u32,
-    /// This one before the other.
+    /// This cluster in front of the other, by a step.
     pub in_front: u32,
-    /// The other before this one.
+    /// This cluster behind the other, by a step.
     pub behind: u32,
 }
 
 /// Pixels farther apart in a row or column (px at a focal length of 525 px) are no neighbours.
 pub(crate) const REACH_PX: usize = 24;
-impl AddAssign for Borders {
+
+impl AddAssign for BorderCounts {
     fn add_assign(&mut self, other: Self) {
         self.touch += other.touch;
         self.level += other.level;
@@ -33,94 +34,125 @@ impl AddAssign for Borders {
     }
 }
 
-impl Borders {
-    /// As the other cluster sees it.
+impl BorderCounts {
+    /// The same as the other cluster sees it.
     pub(crate) fn mirrored(self) -> Self {
         Self { in_front: self.behind, behind: self.in_front, ..self }
     }
 }
 
-/// How any two clusters lie to each other; region 0 is the background, region k + 1 is cluster k. Neighbours in a row or column
-/// are those with nothing but holes between them. O(pixels + border pixels · log of them).
-pub(crate) fn lie_of_clusters(scene: &Scene<'_>, shapes: &Shapes) -> RegionGraph<Borders> {
+/// How any two clusters border on each other. Region 0 is the background, region k + 1 is cluster k. Neighbours are pixels of a row
+/// or column with nothing but holes between them. O(pixels + border pixels · log of them); parallel over strips of columns.
+pub(crate) fn count_borders(scene: &Scene<'_>, shapes: &Shapes) -> RegionGraph<BorderCounts> {
     let width = scene.facets.segments.labels().width();
-    // A strip for each thread: pairs are counted, so it does not matter which comes first.
+    // One strip per thread; counts add up to the same in any order.
     let columns = width.div_ceil(rayon::current_num_threads());
     let strips: Vec<Range<usize>> =
         (0..width).step_by(columns).map(|left| left..width.min(left + columns)).collect();
-    let met: Vec<Vec<Meeting>> = strips.into_par_iter().map(|strip| meetings(scene, shapes, strip)).collect();
-    let add = |sum: &mut Borders, borders| *sum += borders;
-    RegionGraph::gather(shapes.count + 1, met.into_iter().flatten(), add)
+    let pairs: Vec<Vec<PairCounts>> =
+        strips.into_par_iter().map(|strip| Strip::new(scene, strip).count(shapes)).collect();
+    let add = |sum: &mut BorderCounts, counts| *sum += counts;
+    RegionGraph::gather(shapes.count + 1, pairs.into_iter().flatten(), add)
 }
 
-/// How two regions lie to each other at some pairs of pixels.
-type Meeting = (SegmentId, SegmentId, Borders);
+/// How the first region borders on the second.
+type PairCounts = (SegmentId, SegmentId, BorderCounts);
 
-/// Where regions meet above each other in these columns, or side by side, the right one in these columns.
-fn meetings(scene: &Scene<'_>, shapes: &Shapes, strip: Range<usize>) -> Vec<Meeting> {
-    /// What was seen last in a row or column: the region, and where.
-    #[derive(Clone, Copy)]
-    struct Last {
-        region: u32,
-        pixel: usize,
+/// No region.
+const NOTHING: u32 = u32::MAX;
+
+/// A pixel and its region.
+#[derive(Clone, Copy)]
+struct Place {
+    region: u32,
+    pixel: usize,
+}
+
+/// Some columns of the image. They count pairs of pixels above each other, and pairs side by side whose right pixel is theirs.
+struct Strip<'a> {
+    columns: Range<usize>,
+    counter: PairCounter<'a>,
+    /// Per column the region that was seen last, and the first pixel of its row.
+    above: Vec<u32>,
+    row_of_above: Vec<usize>,
+}
+
+impl<'a> Strip<'a> {
+    fn new(scene: &'a Scene<'a>, columns: Range<usize>) -> Self {
+        let counter = PairCounter { scene, reach: scene.space.length_px(REACH_PX), pairs: Vec::new() };
+        let (above, row_of_above) = (vec![NOTHING; columns.len()], vec![0; columns.len()]);
+        Self { columns, counter, above, row_of_above }
     }
-    let Facets { segments, structure, .. } = scene.facets;
-    let width = segments.labels().width();
-    let Steps { touch_quanta, level_quanta } = scene.steps;
-    let reach = scene.space.length_px(REACH_PX);
-    let region = |facet: usize| facet.checked_sub(*structure).map_or(0, |shape| shapes.of_facet[shape] + 1);
-    let mut met: Vec<Meeting> = Vec::new();
-    // Two regions that meet at pixels so many steps apart.
-    let mut meet = |a: Last, b: Last, apart: usize| {
-        if a.region == b.region || apart > reach {
+
+    fn count(mut self, shapes: &Shapes) -> Vec<PairCounts> {
+        let Facets { segments, structure, .. } = self.counter.scene.facets;
+        let width = segments.labels().width();
+        let region =
+            |facet: usize| facet.checked_sub(*structure).map_or(0, |shape| shapes.of_facet[shape] + 1);
+        let mut left: Option<Place> = None;
+        for (run, facet) in segments.runs() {
+            let (own, v) = (region(facet), run.start / width);
+            let at = |pixel: usize| Place { region: own, pixel };
+            let (first, end) = (run.start - v * width, run.end - v * width);
+            if let Some(left) = left.filter(|left| left.pixel / width == v && self.columns.contains(&first)) {
+                self.counter.add(left, at(run.start), run.start - left.pixel);
+            }
+            left = Some(at(run.end - 1));
+            self.count_above(own, v * width, first.max(self.columns.start)..end.min(self.columns.end));
+        }
+        self.counter.pairs
+    }
+
+    /// Counts the pairs of some columns of one region with the pixels above them. `row`: the first pixel of the row.
+    #[inline(always)]
+    fn count_above(&mut self, own: u32, row: usize, columns: Range<usize>) {
+        if columns.is_empty() {
             return;
         }
-        let [d_a, d_b] = [a, b].map(|last| scene.disparity[last.pixel]);
-        let rise = if a.region < b.region { d_a - d_b } else { d_b - d_a };
-        let borders = match (rise.abs(), apart) {
-            (step, 1) if step <= touch_quanta => Borders { touch: 1, ..Default::default() },
-            (step, _) if step <= level_quanta => Borders { level: 1, ..Default::default() },
-            _ if rise > 0.0 => Borders { in_front: 1, ..Default::default() },
-            _ => Borders { behind: 1, ..Default::default() },
-        };
-        let [a, b] = [a, b].map(|last| SegmentId(last.region));
-        // Along a row the same two often meet again, and then are sorted once.
-        match met.last_mut() {
-            Some((last_a, last_b, sum)) if (*last_a, *last_b) == (a, b) => *sum += borders,
-            _ => met.push((a, b, borders)),
-        }
-    };
-    let mut left: Option<Last> = None;
-    // Column by column of the strip: the region, and the row.
-    let mut above: Vec<u32> = vec![NOTHING; strip.len()];
-    let mut row_of_above = vec![0; strip.len()];
-    for (run, facet) in segments.runs() {
-        let (own, v) = (region(facet), run.start / width);
-        let at = |pixel: usize| Last { region: own, pixel };
-        let (first, end) = (run.start - v * width, run.end - v * width);
-        if let Some(left) = left.filter(|left| left.pixel / width == v && strip.contains(&first)) {
-            meet(left, at(run.start), run.start - left.pixel);
-        }
-        left = Some(at(run.end - 1));
-        let (first, end) = (first.max(strip.start), end.min(strip.end));
-        if first >= end {
-            continue;
-        }
-        let lanes = first - strip.start..end - strip.start;
-        let seen = above[lanes.clone()].iter().zip(&row_of_above[lanes.clone()]);
-        for (u, (&region, &row)) in (first..end).zip(seen) {
+        let lanes = columns.start - self.columns.start..columns.end - self.columns.start;
+        let (above, row_of_above) = (&mut self.above[lanes.clone()], &mut self.row_of_above[lanes]);
+        for (u, (&region, &row_above)) in columns.zip(above.iter().zip(row_of_above.iter())) {
             if region != own && region != NOTHING {
-                meet(Last { region, pixel: row * width + u }, at(v * width + u), v - row);
+                let width = self.counter.scene.disparity.width();
+                let above = Place { region, pixel: row_above + u };
+                self.counter.add(above, Place { region: own, pixel: row + u }, (row - row_above) / width);
             }
         }
-        above[lanes.clone()].fill(own);
-        row_of_above[lanes].fill(v);
+        above.fill(own);
+        row_of_above.fill(row);
     }
-    met
 }
 
-/// Of no region.
-const NOTHING: u32 = u32::MAX;
+/// Counts pairs of pixels by the regions they are of.
+struct PairCounter<'a> {
+    scene: &'a Scene<'a>,
+    reach: usize,
+    pairs: Vec<PairCounts>,
+}
+
+impl PairCounter<'_> {
+    /// Adds a pair of pixels `apart` steps apart.
+    fn add(&mut self, a: Place, b: Place, apart: usize) {
+        if a.region == b.region || apart > self.reach {
+            return;
+        }
+        let Scene { disparity, steps, .. } = self.scene;
+        let [d_a, d_b] = [a, b].map(|place| disparity[place.pixel]);
+        let rise = if a.region < b.region { d_a - d_b } else { d_b - d_a };
+        let counts = match (rise.abs(), apart) {
+            (step, 1) if step <= steps.touch_quanta => BorderCounts { touch: 1, ..Default::default() },
+            (step, _) if step <= steps.level_quanta => BorderCounts { level: 1, ..Default::default() },
+            _ if rise > 0.0 => BorderCounts { in_front: 1, ..Default::default() },
+            _ => BorderCounts { behind: 1, ..Default::default() },
+        };
+        let [a, b] = [a, b].map(|place| SegmentId(place.region));
+        // Along a row the same two regions often meet again; their counts are sorted once.
+        match self.pairs.last_mut() {
+            Some((last_a, last_b, sum)) if (*last_a, *last_b) == (a, b) => *sum += counts,
+            _ => self.pairs.push((a, b, counts)),
+        }
+    }
+}
 
 #[cfg(test)]
 mod tests {

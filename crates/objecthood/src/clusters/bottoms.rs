@@ -1,15 +1,15 @@
-//! Bottoms: what lies as low as the table within a plate or a bowl is a part of it (ours, because a plate came out as a
-//! ring).
+//! Bottoms: background that a plate or a bowl encloses is a part of it (ours, because a plate came out as a ring).
 //!
-//! A patch of background that an object encloses, without a step in depth between them, is no table: the table goes on
-//! behind what stands on it, with a step at every near side. Through a handle or a ring it is seen across such a step.
+//! The bottom of a plate lies as low as the table. It is told from the table by its border: the plate encloses it without a step in
+//! depth. The table goes on behind what stands on it, with a step at every near side, and shows through a handle or a ring across
+//! such a step.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use crate::clusters::check::{Bound, Check, Checks};
+use crate::clusters::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::history::{Event, Miss, Rule, Source};
+use crate::clusters::history::{Proposal, Rule, Source};
 use crate::clusters::scene::Scene;
 use crate::discovery::join::{Join, JoinEvidence, JoinedPart};
 use crate::facets::Facets;
@@ -18,10 +18,10 @@ use crate::raster::PixelBox;
 use crate::regions::{SegmentId, Segments};
 use crate::union_find::UnionFind;
 
-/// Who a facet belongs to.
+/// What a facet belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Owner {
-    /// It is a wall.
+    /// Structure other than the support: a wall.
     Nobody,
     Background,
     Cluster(SegmentId),
@@ -37,17 +37,20 @@ struct Patch {
     runs: Vec<Run>,
     /// Sides of its pixels beyond which it ends.
     border: u32,
-    /// Those without a step in depth, by cluster.
+    /// Those of them without a step in depth, by cluster.
     touch: BTreeMap<SegmentId, u32>,
 }
 
 /// A smaller step in depth (m) is none: the edge of the thinnest thing that is told from the table.
 const STEP_M: f64 = 0.01;
-/// Smaller patches (px at a focal length of 525 px) are holes in a surface: they are filled without a word.
+/// Smaller patches (px at a focal length of 525 px) are holes in a surface: they are filled and not noted.
 const BOTTOM_PX: usize = 100;
+/// The vessel holds more than this share of the border: more than all others together.
+const MAJORITY: f64 = 0.5;
 
-/// Gives patches of the support, and of what was found to be a part of it, to the object that encloses them. Beyond a step,
-/// or when depths differ by more than 1 cm, nothing touches. Without a support surface nothing is done.
+/// Gives patches of background to the cluster that encloses them. Background is the support and what earlier rules gave to it.
+/// Pixels across a step,
+/// or with depths more than 1 cm apart, do not touch. Does nothing without a support surface.
 /// O(pixels + patches · clusters).
 pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let scene = clusters.scene;
@@ -55,42 +58,30 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels
     let least_px = scene.space.area_px(BOTTOM_PX);
     let mut misses = Vec::new();
     let mut gains: BTreeMap<SegmentId, Vec<u32>> = BTreeMap::new();
-    for Patch { runs, border, touch } in scene.patches(&owners(clusters, support.index())) {
-        // The first of those touched most.
-        let Some((&id, &most)) = touch.iter().rev().max_by_key(|(_, touch)| **touch) else { continue };
-        let contact_share = f64::from(touch.values().sum::<u32>()) / f64::from(border);
-        let mut checks = Checks::default();
-        let share = |of: u32| f64::from(of) / f64::from(border);
-        let is_bottom = checks.that(
-            Check::new(
-                "share of its border without a step",
+    for patch in find_patches(scene, &find_owners(clusters, support.index())) {
+        // Of equally long contacts the first.
+        let Some((&id, &most)) = patch.touch.iter().rev().max_by_key(|(_, touch)| **touch) else { continue };
+        let mut join = Proposal::new(Rule::VesselBottom, Source::Patch(patch.runs[0].start as u32), Some(id));
+        let contact_share = patch.share_of_border(patch.touch.values().sum());
+        let is_bottom = join.check(check_enclosed(contact_share, params))
+            && join.check(Check::new(
+                "share of its border with the vessel",
                 "",
-                contact_share,
-                Bound::AtLeast,
-                params.bottom_contact_share,
-            )
-            .set_by("vessels.bottom_contact_share"),
-        ) && checks.that(Check::new(
-            "share of its border with the vessel",
-            "",
-            share(most),
-            Bound::Above,
-            0.5,
-        ));
-        let size_px = runs.iter().map(Run::len).sum();
-        let is_noted = size_px >= least_px;
-        let (rule, from) = (Rule::VesselBottom, Source::Patch(runs[0].start as u32));
+                patch.share_of_border(most),
+                Bound::Above,
+                MAJORITY,
+            ));
+        let is_noted = patch.size_px() >= least_px;
         if !is_bottom {
-            misses.extend(is_noted.then_some(Miss { rule, from, into: Some(id), checks: checks.0 }));
+            misses.extend(is_noted.then(|| join.refuse()));
             continue;
         }
         if is_noted {
-            let box_px = PixelBox::around(runs.iter().cloned().flatten(), scene.disparity.width());
-            let parts = [clusters.part(id), JoinedPart { size_px, box_px }];
-            let join = Join { parts, evidence: JoinEvidence::VesselBottom { contact_share }, behind: None };
-            clusters.give(Event { rule, from, into: Some(id), checks: checks.0, join: Some((join, None)) });
+            let parts = [clusters.part(id), patch.part(scene.disparity.width())];
+            let evidence = JoinEvidence::VesselBottom { contact_share };
+            clusters.give(join.accept(Some((Join { parts, evidence, behind: None }, None))));
         }
-        gains.entry(id).or_default().extend(runs.into_iter().flatten().map(|i| i as u32));
+        gains.entry(id).or_default().extend(patch.runs.into_iter().flatten().map(|i| i as u32));
     }
     for (id, pixels) in gains {
         clusters.extend(id, &pixels);
@@ -98,8 +89,29 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels
     clusters.history.note_misses(misses);
 }
 
+fn check_enclosed(contact_share: f64, params: &params::Vessels) -> Check {
+    let what = "share of its border without a step";
+    Check::new(what, "", contact_share, Bound::AtLeast, params.bottom_contact_share)
+        .set_by("vessels.bottom_contact_share")
+}
+
+impl Patch {
+    fn size_px(&self) -> usize {
+        self.runs.iter().map(Run::len).sum()
+    }
+
+    fn share_of_border(&self, sides: u32) -> f64 {
+        f64::from(sides) / f64::from(self.border)
+    }
+
+    fn part(&self, width: usize) -> JoinedPart {
+        let box_px = PixelBox::around(self.runs.iter().cloned().flatten(), width);
+        JoinedPart { size_px: self.size_px(), box_px }
+    }
+}
+
 /// The owner of every facet.
-fn owners(clusters: &Clusters<'_>, support: usize) -> Vec<Owner> {
+fn find_owners(clusters: &Clusters<'_>, support: usize) -> Vec<Owner> {
     let Facets { segments, structure, .. } = clusters.scene.facets;
     let owner = |facet: usize| match facet.checked_sub(*structure) {
         None if facet == support => Owner::Background,
@@ -109,71 +121,109 @@ fn owners(clusters: &Clusters<'_>, support: usize) -> Vec<Owner> {
     (0..segments.count()).map(owner).collect()
 }
 
-impl Scene<'_> {
-    fn touch(&self, i: usize, j: usize) -> bool {
-        let [d_i, d_j] = [i, j].map(|i| self.disparity[i]);
-        let [z_i, z_j] = [d_i, d_j].map(|d| self.space.depth_m(d.into()));
-        (d_i - d_j).abs() <= self.steps.touch_quanta && (z_i - z_j).abs() <= STEP_M
+/// Whether there is no step between two pixels side by side, neither in quanta nor in metres.
+fn touches(scene: &Scene<'_>, i: usize, j: usize) -> bool {
+    let [d_i, d_j] = [i, j].map(|i| scene.disparity[i]);
+    let [z_i, z_j] = [d_i, d_j].map(|d| scene.space.depth_m(d.into()));
+    (d_i - d_j).abs() <= scene.steps.touch_quanta && (z_i - z_j).abs() <= STEP_M
+}
+
+/// The patches of background, by their first pixels. Runs above each other are of one patch; where a run has no other above or
+/// below, its patch ends. O(pixels + border pixels).
+fn find_patches(scene: &Scene<'_>, owners: &[Owner]) -> Vec<Patch> {
+    let (width, height) = scene.disparity.size();
+    let mut sides = Sides::of(scene, owners);
+    for v in 0..height {
+        for run in sides.row(v) {
+            let Run { start, end } = sides.runs[run];
+            sides.end(run, start, (start % width > 0).then(|| start - 1));
+            sides.end(run, end - 1, (end % width > 0).then_some(end));
+            let (step, above) = (width as isize, v.checked_sub(1).map(|above| sides.row(above)));
+            sides.meet(run, above, -step);
+            sides.meet(run, (v + 1 < height).then(|| sides.row(v + 1)), step);
+        }
+    }
+    sides.into_patches()
+}
+
+/// Runs of background, and what lies beyond the sides of their pixels.
+struct Sides<'a> {
+    scene: &'a Scene<'a>,
+    owners: &'a [Owner],
+    runs: Vec<Run>,
+    /// The runs of row v are first_of[v]..first_of[v + 1].
+    first_of: Vec<usize>,
+    /// Runs of one patch.
+    sets: UnionFind,
+    /// Per run the sides where its patch ends.
+    borders: Vec<u32>,
+    /// Those that touch a cluster: the run, and the cluster.
+    touches: Vec<(usize, SegmentId)>,
+}
+
+impl<'a> Sides<'a> {
+    fn of(scene: &'a Scene<'a>, owners: &'a [Owner]) -> Self {
+        let (width, height) = scene.disparity.size();
+        let runs = find_background(&scene.facets.segments, owners);
+        let first_of = (0..=height).map(|v| runs.partition_point(|run| run.start < v * width)).collect();
+        let (sets, borders) = (UnionFind::new(runs.len()), vec![0; runs.len()]);
+        Self { scene, owners, runs, first_of, sets, borders, touches: Vec::new() }
     }
 
-    /// The patches of background in the order of their first pixels: runs that lie above each other are of one. What ends a
-    /// patch lies where they do not. O(pixels + border pixels).
-    fn patches(&self, owners: &[Owner]) -> Vec<Patch> {
-        let segments = &self.facets.segments;
-        let (width, height) = segments.labels().size();
-        let runs = background(segments, owners);
-        // The runs of row v are first_of[v]..first_of[v + 1].
-        let first_of: Vec<usize> =
-            (0..=height).map(|v| runs.partition_point(|run| run.start < v * width)).collect();
-        let mut sets = UnionFind::new(runs.len());
-        let mut borders = vec![0_u32; runs.len()];
-        let mut touches: Vec<(usize, SegmentId)> = Vec::new();
-        let mut end = |run: usize, i: usize, beyond: Option<usize>| {
-            borders[run] += 1;
-            let Some((j, facet)) = beyond.and_then(|j| Some((j, segments.at(j)?))) else { return };
-            if let Owner::Cluster(id) = owners[facet.index()]
-                && self.touch(i, j)
-            {
-                touches.push((run, id));
-            }
+    /// The runs of a row.
+    fn row(&self, v: usize) -> Range<usize> {
+        self.first_of[v]..self.first_of[v + 1]
+    }
+
+    /// Counts a side of pixel `i` where its patch ends; the pixel beyond is none at the border of the image.
+    fn end(&mut self, run: usize, i: usize, beyond: Option<usize>) {
+        self.borders[run] += 1;
+        let Some((j, facet)) = beyond.and_then(|j| Some((j, self.scene.facets.segments.at(j)?))) else {
+            return;
         };
-        for v in 0..height {
-            for run in first_of[v]..first_of[v + 1] {
-                let Run { start, end: last } = runs[run];
-                end(run, start, (start % width > 0).then(|| start - 1));
-                end(run, last - 1, (last % width > 0).then_some(last));
-                let above = v.checked_sub(1).map(|above| first_of[above]..first_of[v]);
-                let below = (v + 1 < height).then(|| first_of[v + 1]..first_of[v + 2]);
-                for (others, step) in [(above, -(width as isize)), (below, width as isize)] {
-                    let Some(others) = others else {
-                        (start..last).for_each(|i| end(run, i, None));
-                        continue;
-                    };
-                    let beyond = |i: usize| i.wrapping_add_signed(step);
-                    let mut i = start;
-                    let from = others.start
-                        + runs[others.clone()].partition_point(|other| other.end <= beyond(start));
-                    for other in (from..others.end).take_while(|&other| runs[other].start < beyond(last)) {
-                        while beyond(i) < runs[other].start {
-                            end(run, i, Some(beyond(i)));
-                            i += 1;
-                        }
-                        i = last.min(runs[other].end.wrapping_add_signed(-step));
-                        let [a, b] = [run, other].map(|run| sets.find(run));
-                        sets.link(a.min(b), a.max(b));
-                    }
-                    (i..last).for_each(|i| end(run, i, Some(beyond(i))));
-                }
-            }
+        if let Owner::Cluster(id) = self.owners[facet.index()]
+            && touches(self.scene, i, j)
+        {
+            self.touches.push((run, id));
         }
-        let (patch_of, count) = sets.groups();
+    }
+
+    /// Joins a run with those of the `others`, a row `step` pixels farther, that lie beside it, and counts its sides where none
+    /// does. No row = the image ends.
+    fn meet(&mut self, run: usize, others: Option<Range<usize>>, step: isize) {
+        let Run { start, end } = self.runs[run];
+        let Some(others) = others else {
+            (start..end).for_each(|i| self.end(run, i, None));
+            return;
+        };
+        let beyond = |i: usize| i.wrapping_add_signed(step);
+        let mut i = start;
+        let first = self.runs[others.clone()].partition_point(|other| other.end <= beyond(start));
+        for other in others.start + first..others.end {
+            let Run { start: other_start, end: other_end } = self.runs[other];
+            if other_start >= beyond(end) {
+                break;
+            }
+            while beyond(i) < other_start {
+                self.end(run, i, Some(beyond(i)));
+                i += 1;
+            }
+            i = end.min(other_end.wrapping_add_signed(-step));
+            let [a, b] = [run, other].map(|run| self.sets.find(run));
+            self.sets.link(a.min(b), a.max(b));
+        }
+        (i..end).for_each(|i| self.end(run, i, Some(beyond(i))));
+    }
+
+    fn into_patches(self) -> Vec<Patch> {
+        let (patch_of, count) = self.sets.groups();
         let mut patches: Vec<Patch> = (0..count).map(|_| Patch::default()).collect();
-        for ((run, border), &patch) in runs.into_iter().zip(borders).zip(&patch_of) {
+        for ((run, border), &patch) in self.runs.into_iter().zip(self.borders).zip(&patch_of) {
             let patch = &mut patches[patch as usize];
             patch.runs.push(run);
             patch.border += border;
         }
-        for (run, id) in touches {
+        for (run, id) in self.touches {
             *patches[patch_of[run] as usize].touch.entry(id).or_default() += 1;
         }
         patches
@@ -181,7 +231,7 @@ impl Scene<'_> {
 }
 
 /// The longest runs of background along the rows, in scan order. O(pixels).
-fn background(segments: &Segments, owners: &[Owner]) -> Vec<Run> {
+fn find_background(segments: &Segments, owners: &[Owner]) -> Vec<Run> {
     let width = segments.labels().width();
     let mut background: Vec<Run> = Vec::new();
     for (run, _) in segments.runs().filter(|&(_, facet)| owners[facet] == Owner::Background) {
@@ -257,7 +307,7 @@ mod tests {
                                     open.push(j);
                                 }
                             }
-                            Some(Owner::Cluster(id)) if scene.touch(i, j) => *touch.entry(id).or_insert(0) += 1,
+                            Some(Owner::Cluster(id)) if touches(&scene, i, j) => *touch.entry(id).or_insert(0) += 1,
                             _ => {}
                         }
                     }
@@ -265,7 +315,7 @@ mod tests {
                 flood.sort_unstable();
                 expected.push((flood, border, touch));
             }
-            let patches = scene.patches(owners).into_iter();
+            let patches = find_patches(&scene, owners).into_iter();
             let got: Vec<_> = patches.map(|p| (p.runs.into_iter().flatten().collect::<Vec<_>>(), p.border, p.touch)).collect();
             prop_assert_eq!(got, expected);
         }

@@ -1,7 +1,7 @@
-//! What has become of the clusters: regions for the support graph, and hypotheses (METHOD 3.14).
+//! Candidates: the clusters that are large enough for an object, as regions of the support graph (METHOD 3.14).
 
 use crate::clusters::check::{Bound, Check};
-use crate::clusters::clustering::{Cluster, Clustering};
+use crate::clusters::clustering::{Clustering, FinalCluster};
 use crate::clusters::scene::Scene;
 use crate::discovery::ids::NodeId;
 use crate::discovery::join::Join;
@@ -11,31 +11,33 @@ use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
 use crate::surface::disparity::DisparitySpace;
 
-/// What may carry and be carried.
+/// The clusters that are large enough for an object, and the structure.
 #[derive(Clone, Debug)]
 pub(crate) struct Candidates {
     /// First the structure, with what turned out to be a part of it, then the clusters that are large enough.
     pub regions: Segments,
-    /// Those clusters.
+    /// The clusters, by ascending number; the first is the region after the structure.
     found: Vec<SegmentId>,
+    /// The number of regions that are structure.
     structure: usize,
 }
 
-/// Whether a cluster of so many pixels is too small for an object.
-pub(crate) fn too_small(size_px: usize, space: &DisparitySpace, params: &params::Objectness) -> Check {
+/// Checks that a cluster of `size_px` pixels is too small for an object.
+pub(crate) fn check_too_small(size_px: usize, space: &DisparitySpace, params: &params::Objectness) -> Check {
     let limit = space.area_px(params.min_size_px) as f64;
     Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("objectness.min_size_px")
 }
 
-/// Keeps the clusters that are not [`too_small`]; what remains of others belongs to the support. O(pixels).
+/// Finds the clusters that are large enough. What the rules gave to the background belongs to the support. O(pixels).
 pub(crate) fn find_candidates(
     scene: &Scene<'_>,
     clusters: &Clustering,
     params: &params::Objectness,
 ) -> Candidates {
     let structure = scene.facets.structure;
-    let is_kept = |cluster: &&Cluster| !too_small(cluster.pixels.len(), scene.space, params).holds();
-    let kept: Vec<&Cluster> = clusters.clusters.iter().filter(is_kept).collect();
+    let is_kept =
+        |cluster: &&FinalCluster| !check_too_small(cluster.pixels.len(), scene.space, params).holds();
+    let kept: Vec<&FinalCluster> = clusters.clusters.iter().filter(is_kept).collect();
     let facets = &scene.facets.segments;
     let mut labels = facets.labels().map(|&l| if l < structure as i32 { l } else { Segments::NONE });
     let painted = labels.as_mut_slice();
@@ -50,8 +52,12 @@ pub(crate) fn find_candidates(
 }
 
 impl Candidates {
-    /// The planes of the structure, with the share of all `measured_px` points that is counted as theirs in the end. O(runs).
-    pub(crate) fn counted(&self, planes: Vec<StructurePlane>, measured_px: usize) -> Vec<StructurePlane> {
+    /// Gives each plane of the structure its share of all `measured_px` points, as it is in the end. O(runs).
+    pub(crate) fn count_inliers(
+        &self,
+        planes: Vec<StructurePlane>,
+        measured_px: usize,
+    ) -> Vec<StructurePlane> {
         let mut size_px = vec![0_usize; self.regions.count()];
         self.regions.runs().for_each(|(run, region)| size_px[region] += run.len());
         let share = |size: usize| (size as f64 / measured_px as f64) as f32;
@@ -59,7 +65,7 @@ impl Candidates {
         planes.map(|(plane, size)| StructurePlane { inlier_share: share(size), ..plane }).collect()
     }
 
-    /// The structure of every pixel: 0 = none, else k stands for the surface at index k - 1.
+    /// The structure of every pixel: 0 = none, k = the surface at index k - 1.
     pub(crate) fn structure_labels(&self) -> Raster<u16> {
         let structure = 0..self.structure as i32;
         self.regions.labels().map(|label| if structure.contains(label) { *label as u16 + 1 } else { 0 })
@@ -74,15 +80,15 @@ impl Candidates {
     pub(crate) fn joins(&self, region: SegmentId, clusters: &Clustering) -> Vec<Join> {
         let id = self.cluster(region);
         let joins = clusters.get(id).map(|cluster| &cluster.joins[..]).unwrap_or_default();
-        joins.iter().map(|join| self.resolve(clusters, id, join)).collect()
+        joins.iter().map(|join| self.resolve_hider(clusters, id, join)).collect()
     }
 
     fn cluster(&self, region: SegmentId) -> SegmentId {
         self.found[region.index() - self.structure]
     }
 
-    /// Says of a join of a cluster which node it is behind: none when what hid the parts became a part of the cluster itself.
-    fn resolve(
+    /// Fills in which node hides the gap of a join: none when the hider became a part of the cluster itself or is no node.
+    fn resolve_hider(
         &self,
         clusters: &Clustering,
         own: SegmentId,
@@ -112,7 +118,7 @@ mod tests {
         Table::drawn(&rows, &[0.1, 0.05, 0.2])
     }
 
-    /// With which so many pixels (px) of a scene are the least.
+    /// Parameters with which a candidate has at least this many pixels (px) of a scene.
     fn least(scene: &Scene<'_>, size_px: usize) -> params::Objectness {
         let numbers = 0..10_000;
         let min_size_px = numbers.rev().find(|&px| scene.space.area_px(px) <= size_px).expect("0 is no more");

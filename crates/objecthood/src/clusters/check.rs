@@ -1,11 +1,11 @@
 //! Checks: what a rule measures, and the limit that it compares with.
 //!
-//! A rule of stage 4 is a list of checks that all have to hold. The rule decides by them, and whoever asks why reads the same ones.
+//! A rule holds when all of its checks hold. An explanation shows the same checks.
 
 use serde::Serialize;
 use serde::ser::{SerializeStruct, Serializer};
 
-/// On which side of its limit a measured value has to be.
+/// The side of its limit on which a measured value must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bound {
@@ -19,24 +19,24 @@ pub enum Bound {
     AtLeast,
 }
 
-/// One condition, with what was measured.
+/// One condition, with the measured value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Check {
-    /// What is measured, in words.
+    /// The measured quantity, in words.
     pub what: &'static str,
     /// Its unit; empty for counts and shares.
     pub unit: &'static str,
-    /// What was measured.
+    /// The measured value.
     pub measured: f64,
-    /// On which side of the limit it has to be.
+    /// The side of the limit on which it must be.
     pub bound: Bound,
     /// The limit.
     pub limit: f64,
-    /// The parameter that the limit is proportional to; `None` = it is fixed.
+    /// The parameter that the limit is proportional to; `None` = the limit is fixed.
     pub parameter: Option<&'static str>,
 }
 
-/// With whether it holds.
+/// As an object of its fields, and whether it holds.
 impl Serialize for Check {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let &Self { what, unit, measured, bound, limit, parameter } = self;
@@ -56,7 +56,7 @@ impl Serialize for Check {
 }
 
 impl Check {
-    /// That `what`, which was `measured`, is on the right side of a fixed limit.
+    /// The check that a measured value is on the right side of a fixed limit.
     pub(crate) fn new(
         what: &'static str,
         unit: &'static str,
@@ -67,7 +67,7 @@ impl Check {
         Self { what, unit, measured, bound, limit, parameter: None }
     }
 
-    /// The same with a limit that a parameter sets.
+    /// The same check with a limit that a parameter sets.
     pub(crate) fn set_by(self, parameter: &'static str) -> Self {
         Self { parameter: Some(parameter), ..self }
     }
@@ -82,22 +82,10 @@ impl Check {
         }
     }
 
-    /// How far what was measured is from the limit, as a share of the larger of both; in [0, 2].
+    /// Distance of the measured value from the limit, as a share of the larger of both; in [0, 2].
     pub fn distance(&self) -> f64 {
         let scale = self.limit.abs().max(self.measured.abs());
         if scale > 0.0 { (self.measured - self.limit).abs() / scale } else { 0.0 }
-    }
-}
-
-/// The checks of one rule, in the order in which they were made. What comes after one that fails may not have been looked at.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Checks(pub Vec<Check>);
-
-impl Checks {
-    /// Takes down a check and says whether it holds.
-    pub(crate) fn that(&mut self, check: Check) -> bool {
-        self.0.push(check);
-        check.holds()
     }
 }
 

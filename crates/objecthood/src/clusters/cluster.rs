@@ -1,13 +1,14 @@
-//! Clusters: shapes on their way to objects, and what is known of each (METHOD 3.9).
+//! Clusters while the rules work on them: pixels, borders, top and convexity (METHOD 3.9).
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-use crate::clusters::borders::{Borders, lie_of_clusters};
-use crate::clusters::clustering::{self, Clustering};
-use crate::clusters::history::{Event, History, Source};
+use crate::clusters::borders::{BorderCounts, count_borders};
+use crate::clusters::clustering::{Clustering, FinalCluster};
+use crate::clusters::convexity::measure_convexity;
+use crate::clusters::history::{Event, History, Proposal, Source};
 use crate::clusters::scene::Scene;
-use crate::discovery::join::{Join, JoinedPart};
+use crate::discovery::join::{Join, JoinEvidence, JoinedPart};
 use crate::facets::Facets;
 use crate::oversegment::structure::StructureSurface;
 use crate::quantile::element_at;
@@ -20,15 +21,15 @@ use crate::shapes::contraction::Shapes;
 pub(crate) struct Cluster {
     /// In scan order; empty when it has been merged into another.
     pub pixels: Vec<u32>,
-    /// How it lies to others; `None` = the background, which is all structure.
-    pub neighbours: BTreeMap<Option<SegmentId>, Borders>,
-    /// What was given to it, and before that to what was given to it: places in the history.
+    /// How it borders on others; `None` = the background, which is all structure.
+    pub neighbours: BTreeMap<Option<SegmentId>, BorderCounts>,
+    /// The events that gave it something, and those of the clusters that it was given: places in the history.
     events: Vec<usize>,
     top_m: OnceLock<f64>,
     convexity: OnceLock<f64>,
 }
 
-/// The clusters of a frame. Merging keeps everything known of them in step.
+/// The clusters of a frame. Merging keeps their borders, events and facets up to date.
 pub(crate) struct Clusters<'a> {
     pub scene: &'a Scene<'a>,
     clusters: Vec<Cluster>,
@@ -39,11 +40,11 @@ pub(crate) struct Clusters<'a> {
     pub history: History,
 }
 
-/// How high a cluster is: this share of its pixels is lower.
+/// The top of a cluster is higher than this share of its pixels: single noisy pixels stand high anywhere.
 const TOP_SHARE: f64 = 0.98;
 
 impl<'a> Clusters<'a> {
-    /// The shapes. O(pixels).
+    /// One cluster per shape. O(pixels + border pixels · log of them).
     pub(crate) fn new(scene: &'a Scene<'a>, shapes: &Shapes) -> Self {
         let Shapes { of_facet: shape_of, count } = shapes;
         let of_facet: Vec<_> = shape_of.iter().map(|&shape| Some(SegmentId(shape))).collect();
@@ -58,13 +59,13 @@ impl<'a> Clusters<'a> {
             clusters
         };
         scene.facets.segments.find_runs();
-        let (mut clusters, lie) = rayon::join(gather, || lie_of_clusters(scene, shapes));
-        for edge in lie.edges() {
+        let (mut clusters, borders) = rayon::join(gather, || count_borders(scene, shapes));
+        for edge in borders.edges() {
             // Region 0 is the background.
             let [a, b] = [edge.a, edge.b].map(|k| k.0.checked_sub(1).map(SegmentId));
-            for (own, other, borders) in [(a, b, edge.evidence), (b, a, edge.evidence.mirrored())] {
+            for (own, other, counts) in [(a, b, edge.evidence), (b, a, edge.evidence.mirrored())] {
                 if let Some(own) = own {
-                    clusters[own.index()].neighbours.insert(other, borders);
+                    clusters[own.index()].neighbours.insert(other, counts);
                 }
             }
         }
@@ -87,34 +88,33 @@ impl<'a> Clusters<'a> {
         self.of_facet[facet]
     }
 
-    /// What a cluster looks like as a part of something.
+    /// Where a cluster is in the image, as a part of something.
     pub(crate) fn part(&self, id: SegmentId) -> JoinedPart {
         let pixels = self.get(id).pixels.iter().map(|&i| i as usize);
         JoinedPart { size_px: pixels.len(), box_px: PixelBox::around(pixels, self.scene.disparity.width()) }
     }
 
-    /// How `a` lies to `b`.
-    pub(crate) fn borders(&self, a: SegmentId, b: SegmentId) -> Borders {
+    /// How `a` borders on `b`.
+    pub(crate) fn borders(&self, a: SegmentId, b: SegmentId) -> BorderCounts {
         self.get(a).neighbours.get(&Some(b)).copied().unwrap_or_default()
     }
 
-    /// Which parts of a cluster were joined although they do not touch as one surface, each with the facet that hides what is
-    /// between.
+    /// Why those parts of a cluster are one that do not touch as one surface; each with the facet that hides the gap, if one does.
     pub(crate) fn joins(&self, id: SegmentId) -> impl Iterator<Item = &(Join, Option<SegmentId>)> {
         let events = self.get(id).events.iter().map(|&place| &self.history.events()[place]);
         events.filter_map(|event| event.join.as_ref())
     }
 
-    /// What is left when all rules are done. O(clusters + the pixels whose heights are not known yet).
+    /// The clusters that are left when all rules are done. O(clusters + the pixels whose heights are not known yet).
     pub(crate) fn finish(mut self) -> Clustering {
         let support = self.scene.support;
-        let left = self.alive().into_iter().map(|id| clustering::Cluster {
+        let left = self.alive().into_iter().map(|id| FinalCluster {
             id,
             top_m: support.map(|support| self.top_m(id, support) as f32),
             joins: self.joins(id).cloned().collect(),
             pixels: Vec::new(),
         });
-        let mut left: Vec<clustering::Cluster> = left.collect();
+        let mut left: Vec<FinalCluster> = left.collect();
         for cluster in &mut left {
             cluster.pixels = std::mem::take(&mut self.clusters[cluster.id.index()].pixels);
         }
@@ -122,8 +122,8 @@ impl<'a> Clusters<'a> {
         Clustering { clusters: left, of_facet, remains, history }
     }
 
-    /// Gives a cluster to where the event says, and notes the event. Of a patch of the background the event is only noted: see
-    /// [`Self::extend`]. O(n log n + neighbours) for the n pixels from the first to the last that are given.
+    /// Does what an event says and notes it: a cluster is merged. A patch of the background is noted only; its pixels come by
+    /// [`Self::extend`]. O(n log n + neighbours) for the n pixels between the first and the last that are given.
     pub(crate) fn give(&mut self, event: Event) {
         if let Source::Cluster(from) = event.from {
             self.merge(event.into, from);
@@ -135,6 +135,15 @@ impl<'a> Clusters<'a> {
         }
     }
 
+    /// Joins two clusters that do not touch as one surface, and notes why.
+    pub(crate) fn join(&mut self, proposal: Proposal, evidence: JoinEvidence) {
+        if let Some(pair) = proposal.clusters() {
+            let parts = pair.map(|id| self.part(id));
+            self.give(proposal.accept(Some((Join { parts, evidence, behind: None }, None))));
+        }
+    }
+
+    /// Merges a cluster into another or into the background, with its borders and events.
     fn merge(&mut self, into: Option<SegmentId>, from: SegmentId) {
         let Cluster { pixels, neighbours, events, .. } = std::mem::take(&mut self.clusters[from.index()]);
         for cluster in self.of_facet.iter_mut().filter(|cluster| **cluster == Some(from)) {
@@ -165,7 +174,7 @@ impl<'a> Clusters<'a> {
         self.clusters[id.index()].extend(pixels);
     }
 
-    /// How high a cluster stands (m) above a surface: nearly its highest pixel. Single noisy pixels stand high anywhere.
+    /// Height (m) of the top of a cluster above a surface; kept until the cluster changes. Every other pixel is looked at.
     pub(crate) fn top_m(&self, id: SegmentId, support: &StructureSurface) -> f64 {
         let cluster = self.get(id);
         *cluster.top_m.get_or_init(|| {
@@ -176,18 +185,18 @@ impl<'a> Clusters<'a> {
         })
     }
 
-    /// How far a cluster bends outwards: the mean over pairs of its points of how much the normals turn apart along the way, above 0
-    /// when it is convex, below 0 when it is concave, 0 when it is flat or small. Between -2 and 2. O(1).
+    /// How far a cluster bends outwards, see [`measure_convexity`]; kept until the cluster changes. O(1).
     pub(crate) fn convexity(&self, id: SegmentId) -> f64 {
         let cluster = self.get(id);
-        *cluster.convexity.get_or_init(|| self.scene.convexity(&cluster.pixels))
+        *cluster.convexity.get_or_init(|| measure_convexity(self.scene, &cluster.pixels))
     }
 }
 
 impl Cluster {
+    /// Adds pixels in their places.
     fn extend(&mut self, pixels: &[u32]) {
         let (Some(first), Some(last)) = (pixels.iter().min(), pixels.iter().max()) else { return };
-        // Only between them there is something to sort.
+        // Only what lies between the first and the last is out of order.
         let [from, to] = [first, last].map(|end| self.pixels.partition_point(|own| own < end));
         let behind = self.pixels.split_off(to);
         self.pixels.extend(pixels);
@@ -221,7 +230,7 @@ mod tests {
     }
 
     /// The pixels of a cluster and how it lies to its neighbours.
-    type Counted = (Vec<u32>, BTreeMap<Option<SegmentId>, Borders>);
+    type Counted = (Vec<u32>, BTreeMap<Option<SegmentId>, BorderCounts>);
 
     /// Pixels and neighbours of every cluster, from the cluster of every pixel: `None` = no facet, `Some(None)` = background.
     fn counted(

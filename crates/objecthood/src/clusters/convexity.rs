@@ -5,40 +5,43 @@ use glam::{DVec3, Vec3};
 use crate::clusters::scene::Scene;
 use crate::surface::disparity::position;
 
-/// Fewer pixels (at 525 px) tell nothing about convexity.
+/// Fewer pixels (at a focal length of 525 px) say nothing about convexity.
 const CONVEXITY_PX: usize = 80;
-/// Convexity looks at about so many points ...
+/// Convexity looks at about this many points, evenly spaced, ...
 const CONVEXITY_SAMPLES: usize = 48;
-/// ... and at pairs of them whose squared distance (m^2) is at least this.
+/// ... and at pairs of them whose squared distance (m^2) is at least this: nearer, noise turns normals more than the surface.
 const CONVEXITY_APART_M2: f64 = 1e-5;
 
-impl Scene<'_> {
-    pub(crate) fn convexity(&self, pixels: &[u32]) -> f64 {
-        if pixels.len() < self.space.area_px(CONVEXITY_PX) {
-            return 0.0;
-        }
-        let step = (pixels.len() / CONVEXITY_SAMPLES).max(1);
-        let sampled = pixels.iter().map(|&i| i as usize).skip(step / 2).step_by(step);
-        let samples: Vec<(DVec3, DVec3)> = sampled
-            .filter(|&i| self.normals[i] != [0.0; 3])
-            .map(|i| {
-                let at = position(i, self.disparity.width());
-                let point = self.space.point_m(at, f64::from(self.disparity[i]));
-                (point, Vec3::from(self.normals[i]).as_dvec3())
-            })
-            .collect();
-        let (mut sum, mut pairs) = (0.0, 0);
-        for (k, (x, n)) in samples.iter().enumerate() {
-            for (y, m) in &samples[k + 1..] {
-                let apart = *x - *y;
-                if apart.length_squared() >= CONVEXITY_APART_M2 {
-                    sum += apart.dot(*n - *m) / apart.length();
-                    pairs += 1;
-                }
+/// How far the surface of some pixels bends outwards: the mean over pairs of points of how much their normals turn apart along the
+/// way from one to the other. Above 0 = convex, below 0 = concave; 0 of what is flat or small. Between -2 and 2. O(1).
+pub(crate) fn measure_convexity(scene: &Scene<'_>, pixels: &[u32]) -> f64 {
+    if pixels.len() < scene.space.area_px(CONVEXITY_PX) {
+        return 0.0;
+    }
+    let samples = oriented_samples(scene, pixels);
+    let (mut sum, mut pairs) = (0.0, 0);
+    for (k, (x, n)) in samples.iter().enumerate() {
+        for (y, m) in &samples[k + 1..] {
+            let apart = *x - *y;
+            if apart.length_squared() >= CONVEXITY_APART_M2 {
+                sum += apart.dot(*n - *m) / apart.length();
+                pairs += 1;
             }
         }
-        if pairs == 0 { 0.0 } else { sum / f64::from(pairs) }
     }
+    if pairs == 0 { 0.0 } else { sum / f64::from(pairs) }
+}
+
+/// Points (m) and normals of some of the pixels.
+fn oriented_samples(scene: &Scene<'_>, pixels: &[u32]) -> Vec<(DVec3, DVec3)> {
+    let step = (pixels.len() / CONVEXITY_SAMPLES).max(1);
+    let sampled = pixels.iter().map(|&i| i as usize).skip(step / 2).step_by(step);
+    let oriented = |i: usize| {
+        let at = position(i, scene.disparity.width());
+        let point = scene.space.point_m(at, f64::from(scene.disparity[i]));
+        (point, Vec3::from(scene.normals[i]).as_dvec3())
+    };
+    sampled.filter(|&i| scene.normals[i] != [0.0; 3]).map(oriented).collect()
 }
 
 #[cfg(test)]

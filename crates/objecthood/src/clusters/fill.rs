@@ -1,23 +1,23 @@
-//! Measured pixels without a facet are given to one that they touch.
+//! Measured pixels without a facet are given to a facet that they touch (METHOD 3.9).
 
 use std::collections::VecDeque;
 
 use rayon::prelude::*;
 
-use crate::clusters::scene::Steps;
+use crate::clusters::steps::StepLimits;
 use crate::facets::Facets;
 use crate::neighbours::four_neighbours;
 use crate::raster::{Raster, marked};
 use crate::regions::Segments;
 use crate::simd::vectorized;
 
-/// Gives measured pixels without a facet to the facet of a neighbour that they touch, breadth first, in scan order at first.
-/// O(pixels).
-pub fn fill(facets: &Facets, disparity: &Raster<f32>, steps: Steps) -> Facets {
+/// Gives measured pixels without a facet to the facet of a neighbour that they touch: breadth first, from the pixels that have a
+/// facet, in scan order. O(pixels).
+pub fn fill_facets(facets: &Facets, disparity: &Raster<f32>, steps: StepLimits) -> Facets {
     let count = facets.segments.count();
     let mut labels = facets.segments.labels().clone();
     let (width, height) = labels.size();
-    let mut open = VecDeque::from(givers(&labels, disparity, steps));
+    let mut open = VecDeque::from(find_givers(&labels, disparity, steps));
     let slice = labels.as_mut_slice();
     while let Some(i) = open.pop_front() {
         for (j, _) in four_neighbours(i, width, height) {
@@ -31,29 +31,28 @@ pub fn fill(facets: &Facets, disparity: &Raster<f32>, steps: Steps) -> Facets {
     Facets { segments: Segments::from_numbered(labels, count), models, structure: facets.structure }
 }
 
-/// The pixels with a facet that touch one that is measured and has none, in scan order. O(pixels + theirs · log of them); parallel
-/// over rows.
-fn givers(labels: &Raster<i32>, disparity: &Raster<f32>, steps: Steps) -> Vec<usize> {
+/// The pixels with a facet that touch a measured one without, in scan order. O(pixels + theirs · log of them); parallel over rows.
+fn find_givers(labels: &Raster<i32>, disparity: &Raster<f32>, steps: StepLimits) -> Vec<usize> {
     let (width, height) = labels.size();
-    let around = |bare: &mut Vec<i32>, v: usize| {
+    let givers_around = |is_bare: &mut Vec<i32>, v: usize| {
         let row = v * width..(v + 1) * width;
         let pixels = labels.as_slice()[row.clone()].iter().zip(&disparity.as_slice()[row.clone()]);
         vectorized(
             #[inline(always)]
             || {
-                for (bare, (label, d)) in bare.iter_mut().zip(pixels) {
-                    *bare = i32::from(*label < 0) & i32::from(!d.is_nan());
+                for (is_bare, (label, d)) in is_bare.iter_mut().zip(pixels) {
+                    *is_bare = i32::from(*label < 0) & i32::from(!d.is_nan());
                 }
             },
         );
         let mut givers = Vec::new();
-        for i in marked(bare).map(|u| row.start + u) {
+        for i in marked(is_bare).map(|u| row.start + u) {
             let near = four_neighbours(i, width, height).map(|(j, _)| j);
             givers.extend(near.filter(|&j| labels[j] >= 0 && steps.touch(disparity, i, j)));
         }
         givers
     };
-    let rows = (0..height).into_par_iter().map_init(|| vec![0; width], around);
+    let rows = (0..height).into_par_iter().map_init(|| vec![0; width], givers_around);
     let mut givers: Vec<usize> = rows.flatten_iter().collect();
     givers.sort_unstable();
     givers.dedup();
@@ -77,8 +76,8 @@ mod tests {
                 (0..labels.len()).map(|i| if disparity[i].is_nan() { -1 } else { labels[i] }).collect(),
             );
             let facets = Facets { segments: Segments::from_numbered(labels.clone(), 2), models: Vec::new(), structure: 0 };
-            let steps = Steps { touch_quanta: 3.0, level_quanta: 2.0 };
-            let filled = fill(&facets, &disparity, steps).segments;
+            let steps = StepLimits { touch_quanta: 3.0, level_quanta: 2.0 };
+            let filled = fill_facets(&facets, &disparity, steps).segments;
             let (width, height) = labels.size();
             // Breadth first from every pixel that has a facet.
             let mut expected = labels.as_slice().to_vec();

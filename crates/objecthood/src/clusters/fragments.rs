@@ -1,52 +1,28 @@
 //! Fragments go to what they touch (METHOD 3.10).
+//!
+//! Folds, rims and the edges of shadows leave crumbs that belong to the surface beside them.
 
 use std::collections::BTreeMap;
 
-use crate::clusters::check::{Bound, Check, Checks};
+use crate::clusters::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::history::{Event, Miss, Rule, Source};
+use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
 use crate::params;
 use crate::regions::SegmentId;
 use crate::surface::disparity::DisparitySpace;
 
 /// Rounds; a fragment may lie on a fragment.
 const ROUNDS: usize = 3;
-/// A fragment goes to what it touches along at least so many pixels (px at a focal length of 525 px).
+/// A fragment goes to what it touches along at least this many pixels (px at a focal length of 525 px).
 const LEAST_TOUCH_PX: usize = 4;
 
-/// Merges clusters of fewer than `max_size_px` pixels into the neighbour that they touch most, the background included, smaller ones
-/// excluded: folds, rims and the edges of shadows leave crumbs that belong to what they touch.
-/// O(rounds · clusters · neighbours).
+/// Merges clusters of fewer than `max_size_px` pixels into the neighbour that they touch most, which may be the background, but
+/// is no smaller cluster. O(rounds · clusters · neighbours).
 pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fragments) {
-    let space = clusters.scene.space;
-    let least_touch = space.length_px(LEAST_TOUCH_PX) as f64;
     for round in 1..=ROUNDS {
-        let size = |id: SegmentId| clusters.get(id).pixels.len();
-        let is_small = |id: SegmentId| small(size(id), space, params).holds();
-        let mut fragments: Vec<SegmentId> = clusters.alive().into_iter().filter(|&id| is_small(id)).collect();
-        fragments.sort_by_key(|&id| (size(id), id));
-        let mut moves: BTreeMap<SegmentId, Event> = BTreeMap::new();
-        let mut stays = Vec::new();
-        for id in fragments {
-            let not_smaller = |other: &Option<SegmentId>| other.is_none_or(|other| size(other) >= size(id));
-            let neighbours = clusters.get(id).neighbours.iter().filter(|(other, _)| not_smaller(other));
-            // The first of those touched most; the background comes first of all.
-            let target = neighbours.rev().max_by_key(|(_, borders)| borders.touch);
-            let Some((&into, borders)) = target else { continue };
-            let mut checks = Checks::default();
-            let touch = f64::from(borders.touch);
-            let goes = checks.that(small(size(id), space, params))
-                && checks.that(Check::new("touches it along", "px", touch, Bound::AtLeast, least_touch))
-                && !into.is_some_and(|into| moves.contains_key(&into));
-            let (rule, checks) = (Rule::Fragment, checks.0);
-            if goes {
-                moves.insert(id, Event { rule, from: Source::Cluster(id), into, checks, join: None });
-            } else {
-                stays.push(Miss { rule, from: Source::Cluster(id), into, checks });
-            }
-        }
+        let (moves, stays) = find_moves(clusters, params);
         let is_last = moves.is_empty() || round == ROUNDS;
-        moves.into_values().for_each(|event| clusters.give(event));
+        moves.into_iter().for_each(|event| clusters.give(event));
         if is_last {
             clusters.history.note_misses(stays);
             break;
@@ -54,8 +30,39 @@ pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fra
     }
 }
 
-/// Whether a cluster of so many pixels is small enough to be a fragment.
-pub(crate) fn small(size_px: usize, space: &DisparitySpace, params: &params::Fragments) -> Check {
+/// Which fragments move in a round, by ascending number, and which stay. The smallest decide first; none moves to a fragment that
+/// moves itself.
+fn find_moves(clusters: &Clusters<'_>, params: &params::Fragments) -> (Vec<Event>, Vec<Miss>) {
+    let space = clusters.scene.space;
+    let least_touch = space.length_px(LEAST_TOUCH_PX) as f64;
+    let size = |id: SegmentId| clusters.get(id).pixels.len();
+    let is_small = |id: SegmentId| check_small(size(id), space, params).holds();
+    let mut fragments: Vec<SegmentId> = clusters.alive().into_iter().filter(|&id| is_small(id)).collect();
+    fragments.sort_by_key(|&id| (size(id), id));
+    let mut moves: BTreeMap<SegmentId, Event> = BTreeMap::new();
+    let mut stays = Vec::new();
+    for id in fragments {
+        let not_smaller = |other: &Option<SegmentId>| other.is_none_or(|other| size(other) >= size(id));
+        let neighbours = clusters.get(id).neighbours.iter().filter(|(other, _)| not_smaller(other));
+        // Of equally long contacts the first; the background comes before all clusters.
+        let most_touched = neighbours.rev().max_by_key(|(_, borders)| borders.touch);
+        let Some((&into, borders)) = most_touched else { continue };
+        let touch = f64::from(borders.touch);
+        let mut merge = Proposal::new(Rule::Fragment, Source::Cluster(id), into);
+        let moves_on = merge.check(check_small(size(id), space, params))
+            && merge.check(Check::new("touches it along", "px", touch, Bound::AtLeast, least_touch))
+            && !into.is_some_and(|into| moves.contains_key(&into));
+        if moves_on {
+            moves.insert(id, merge.accept(None));
+        } else {
+            stays.push(merge.refuse());
+        }
+    }
+    (moves.into_values().collect(), stays)
+}
+
+/// Checks that a cluster of `size_px` pixels is small enough to be a fragment.
+pub(crate) fn check_small(size_px: usize, space: &DisparitySpace, params: &params::Fragments) -> Check {
     let limit = space.area_px(params.max_size_px) as f64;
     Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("fragments.max_size_px")
 }

@@ -4,36 +4,27 @@ use rayon::prelude::*;
 
 use crate::clusters::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::history::{Event, Miss, Rule, Source};
+use crate::clusters::history::{Proposal, Rule, Source};
 use crate::params;
 
 /// Gives clusters whose top is lower than `min_top_m` above the support surface to the background: remains of the table and
-/// crumbs at the edge of what is seen. Without a support surface nothing is done.
+/// crumbs at the edge of what is seen. Does nothing without a support surface. O(pixels of clusters).
 pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
     let Some(support) = clusters.scene.support else { return };
     let alive = clusters.alive();
-    let seen = &*clusters;
-    // What is given away changes no other's top.
-    let tops_m: Vec<f64> = alive.par_iter().map(|&id| seen.top_m(id, support)).collect();
+    let before = &*clusters;
+    // A cluster that is given away changes no other's top.
+    let tops_m: Vec<f64> = alive.par_iter().map(|&id| before.top_m(id, support)).collect();
     for (id, top_m) in alive.into_iter().zip(tops_m) {
-        let low = Check::new("its top above the support", "m", top_m, Bound::Below, params.min_top_m)
-            .set_by("height.min_top_m");
-        let checks = vec![low];
-        if low.holds() {
-            clusters.give(Event {
-                rule: Rule::Low,
-                from: Source::Cluster(id),
-                into: None,
-                checks,
-                join: None,
-            });
+        let mut drop = Proposal::new(Rule::Low, Source::Cluster(id), None);
+        let is_low = drop.check(
+            Check::new("its top above the support", "m", top_m, Bound::Below, params.min_top_m)
+                .set_by("height.min_top_m"),
+        );
+        if is_low {
+            clusters.give(drop.accept(None));
         } else {
-            clusters.history.note_misses([Miss {
-                rule: Rule::Low,
-                from: Source::Cluster(id),
-                into: None,
-                checks,
-            }]);
+            clusters.history.note_misses([drop.refuse()]);
         }
     }
 }

@@ -1,7 +1,8 @@
-//! What joins shapes (`context`): the surroundings of a shape tell what is one object.
+//! Clusters: which shapes are one thing, by their surroundings (`context`, first half of stage 4).
 //!
-//! A cluster is a shape on its way to an object. The rules, in their order: [`fragments`], what hardly rises above the support
-//! ([`height`]), [`vessels`], [`bottoms`], [`occlusion`]. Each rule is a list of [`check`]s, and what it did is the [`history`].
+//! Every shape begins as a cluster. The [`rules`] join clusters or give them to the background: fragments, height, vessels, bottoms,
+//! occlusion. A rule decides by [`check`]s; the [`history`] keeps what it did and what it refused. The clusters that are left and
+//! large enough are candidates for objects.
 
 pub(crate) mod borders;
 pub(crate) mod bottoms;
@@ -16,7 +17,9 @@ pub(crate) mod height;
 pub mod history;
 pub(crate) mod occlusion;
 mod rim;
+pub mod rules;
 pub mod scene;
+pub mod steps;
 #[cfg(test)]
 pub(crate) mod testing;
 pub(crate) mod vessels;

@@ -1,8 +1,8 @@
-//! Occlusion joins: a surface cut in two by something nearer goes on behind it (METHOD 3.13).
+//! Occlusion: a surface cut in two by something nearer goes on behind it (METHOD 3.13).
 //!
-//! 1. [`pieces`]: the large facets of clusters before which something stands.
-//! 2. [`along`]: for two of them a frame along the gap, in which pairs are told that are turned hopelessly apart.
-//! 3. [`surface`]: one surface through both, and how much worse it fits than one each.
+//! 1. [`pieces`]: the large facets of clusters that something is in front of.
+//! 2. [`along`]: for two of them a frame along the gap; pairs whose planes are turned hopelessly apart are dropped.
+//! 3. [`surface`]: one surface through both, and how much worse it fits than one for each.
 //! 4. [`sight`]: what is seen in the gap, along the pixels of [`line`]s.
 
 mod along;
@@ -16,12 +16,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use self::along::{Along, ROUNDING_DEG};
-use self::pieces::{Piece, pieces};
-use self::sight::{HIDDEN_SHARE, HOPELESS, SEEN_THROUGH_SHARE, Seen, look};
-use self::surface::{Surface, joint};
+use self::pieces::{Piece, find_pieces};
+use self::sight::{HIDDEN_SHARE, HOPELESS, SEEN_THROUGH_SHARE, Seen, look_into_gap};
+use self::surface::{Surface, fit_jointly};
 use crate::clusters::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::history::{Event, Miss, Rule, Source};
+use crate::clusters::history::{Proposal, Rule, Source};
 use crate::discovery::join::{Continuation, Join, JoinEvidence};
 use crate::params;
 use crate::regions::SegmentId;
@@ -30,117 +30,118 @@ use crate::union_find::UnionFind;
 
 /// Clusters that touch along more pairs (px at 525 px) are neighbours, not parts.
 const TOUCH_PX: usize = 6;
-/// Cosine to the support plane's normal from which a facet is horizontal: tops of equal height are common, so ...
+/// Cosine to the support plane's normal from which a facet is horizontal. Tops of equal height are common, so ...
 const HORIZONTAL: f64 = 0.92;
-/// ... they have to be nearer, by this factor, ...
+/// ... they have to be nearer to each other, by this factor, ...
 const HORIZONTAL_DISTANCE: f64 = 0.8;
-/// ... and of more alike colour.
+/// ... and their colours have to overlap by this much.
 const HORIZONTAL_COLOR: f64 = 0.15;
 
-/// Joins clusters of which one facet each continues the other behind something nearer: same surface, same direction, and the gap
-/// shows what is nearer, hardly anything that is farther.
+/// Joins two clusters when a facet of one continues a facet of the other behind something nearer. Both have the same surface and
+/// direction, and the gap shows mostly nearer and hardly any farther things.
 ///
-/// O(F^2 · (samples + pixels of the lines + all facets)) for F facets that are large and partly hidden; in parallel over pairs.
+/// O(F^2 · (samples + pixels of the lines + all facets)) for F facets that are large and partly hidden; parallel over pairs.
 pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params::Occlusion) {
     if !params.enabled {
         return;
     }
-    let pieces = pieces(clusters);
-    let hopeless_deg = HOPELESS * params.angle_deg + ROUNDING_DEG;
-    let hopeless_cosine =
-        if hopeless_deg < 180.0 { libm::cos(hopeless_deg.to_radians()) } else { f64::NEG_INFINITY };
-    let gap = Gap { clusters, params, hopeless_cosine };
-    let looks: Vec<Look> = pieces
-        .par_iter()
-        .enumerate()
-        .flat_map_iter(|(k, a)| pieces[k + 1..].iter().filter_map(|b| gap.compare(a, b)))
-        .collect();
-    let (mut joins, misses): (Vec<Look>, Vec<Look>) = looks.into_iter().partition(Look::is_join);
-    let disagreement = |look: &Look| look.continuation.disagreement_quanta;
-    joins.sort_by(|x, y| disagreement(x).total_cmp(&disagreement(y)));
-    // As the parts are before the first of them is joined.
-    let parts: Vec<_> =
-        joins.iter().map(|look| look.clusters.map(|cluster| clusters.part(cluster))).collect();
-
-    let rule = Rule::Occlusion;
-    let highest = joins.iter().flat_map(|look| look.clusters).map(|id| id.index() + 1).max();
-    let mut sets = UnionFind::new(highest.unwrap_or(0));
-    for (Look { clusters: pair, checks, continuation, hider }, parts) in joins.into_iter().zip(parts) {
-        let [a, b] = pair.map(|cluster| sets.find(cluster.index()));
-        if a != b {
-            let (into, from) = (SegmentId(a.min(b) as u32), SegmentId(a.max(b) as u32));
-            sets.link(into.index(), from.index());
-            let evidence = JoinEvidence::Occlusion(continuation);
-            let join = Some((Join { parts, evidence, behind: None }, hider));
-            clusters.give(Event { rule, from: Source::Cluster(from), into: Some(into), checks, join });
-        }
-    }
-    clusters.history.note_misses(misses.into_iter().map(
-        |Look { clusters: [into, from], checks, .. }| Miss {
-            rule,
-            from: Source::Cluster(from),
-            into: Some(into),
-            checks,
-        },
-    ));
+    let (joins, refused) = Comparer::new(clusters, params).compare_all();
+    join_all(clusters, joins);
+    clusters.history.note_misses(refused.into_iter().map(|pair| pair.propose(pair.clusters).refuse()));
 }
 
-/// What goes through two pieces.
-struct Common {
-    surface: Surface<4>,
-    /// Of the first piece.
-    normal: DVec3,
-    /// How far it is from both (quanta), and the angle between them.
-    disagreement_quanta: f64,
-    angle_deg: f64,
+/// Joins pairs of clusters, those whose surfaces agree best first. A pair that is one already is passed over.
+fn join_all(clusters: &mut Clusters<'_>, mut joins: Vec<Comparison>) {
+    let disagreement = |pair: &Comparison| pair.continuation.disagreement_quanta;
+    joins.sort_by(|x, y| disagreement(x).total_cmp(&disagreement(y)));
+    // Parts are described as they are before the first join.
+    let parts: Vec<_> = joins.iter().map(|pair| pair.clusters.map(|id| clusters.part(id))).collect();
+    let highest = joins.iter().flat_map(|pair| pair.clusters).map(|id| id.index() + 1).max();
+    let mut sets = UnionFind::new(highest.unwrap_or(0));
+    for (pair, parts) in joins.into_iter().zip(parts) {
+        let [a, b] = pair.clusters.map(|cluster| sets.find(cluster.index()));
+        if a != b {
+            let [into, from] = [a.min(b), a.max(b)];
+            sets.link(into, from);
+            let evidence = JoinEvidence::Occlusion(pair.continuation);
+            let join = (Join { parts, evidence, behind: None }, pair.hider);
+            let proposal = pair.propose([into, from].map(|root| SegmentId(root as u32)));
+            clusters.give(proposal.accept(Some(join)));
+        }
+    }
 }
 
 /// What was found out about two pieces of different clusters.
-struct Look {
+struct Comparison {
     clusters: [SegmentId; 2],
     checks: Vec<Check>,
     /// How one continues the other.
     continuation: Continuation,
-    /// The facet that hides most of what is between them.
+    /// The facet that hides most of the gap.
     hider: Option<SegmentId>,
 }
 
-impl Look {
+impl Comparison {
     fn is_join(&self) -> bool {
         self.checks.iter().all(Check::holds)
     }
+
+    fn propose(&self, [into, from]: [SegmentId; 2]) -> Proposal {
+        let mut proposal = Proposal::new(Rule::Occlusion, Source::Cluster(from), Some(into));
+        proposal.extend(self.checks.iter().copied());
+        proposal
+    }
 }
 
-struct Gap<'a> {
+/// The surface through two pieces.
+struct Common {
+    surface: Surface<4>,
+    /// Normal of the first piece.
+    normal: DVec3,
+    /// How far the surface is from both (quanta), and the angle between them.
+    disagreement_quanta: f64,
+    angle_deg: f64,
+}
+
+/// Compares pieces of the clusters.
+struct Comparer<'a> {
     clusters: &'a Clusters<'a>,
     params: &'a params::Occlusion,
-    /// Of an angle that is hopeless even if it is measured with rounding.
+    /// Cosine of an angle that is hopeless even with rounding.
     hopeless_cosine: f64,
 }
 
-impl Gap<'_> {
-    /// How piece `b` continues piece `a`: `None` when they are of one cluster, touch, are too far apart or hopelessly unlike.
-    fn compare(&self, a: &Piece, b: &Piece) -> Option<Look> {
+impl<'a> Comparer<'a> {
+    fn new(clusters: &'a Clusters<'a>, params: &'a params::Occlusion) -> Self {
+        let hopeless_deg = HOPELESS * params.angle_deg + ROUNDING_DEG;
+        let hopeless_cosine =
+            if hopeless_deg < 180.0 { libm::cos(hopeless_deg.to_radians()) } else { f64::NEG_INFINITY };
+        Self { clusters, params, hopeless_cosine }
+    }
+
+    /// Compares every two pieces: those to join, and those that are not.
+    fn compare_all(&self) -> (Vec<Comparison>, Vec<Comparison>) {
+        let pieces = find_pieces(self.clusters);
+        let pairs: Vec<Comparison> = pieces
+            .par_iter()
+            .enumerate()
+            .flat_map_iter(|(k, a)| pieces[k + 1..].iter().filter_map(|b| self.compare(a, b)))
+            .collect();
+        pairs.into_iter().partition(Comparison::is_join)
+    }
+
+    /// How piece `b` continues piece `a`. `None` when they are of one cluster, touch, are too far apart or hopelessly unlike.
+    fn compare(&self, a: &Piece, b: &Piece) -> Option<Comparison> {
         let scene = self.clusters.scene;
-        if a.cluster == b.cluster {
-            return None;
-        }
-        let distance_m = a.middle_m.distance(b.middle_m);
-        if distance_m > self.params.max_distance_m {
-            return None;
-        }
-        let touch = self.clusters.borders(a.cluster, b.cluster).touch as usize;
-        if touch > scene.space.length_px(TOUCH_PX) {
-            return None;
-        }
+        let distance_m = self.distance_m(a, b)?;
         let origin = f64::from(scene.disparity[a.pixels[0] as usize]);
         let along = Along::between([a.centroid, b.centroid], origin)?;
         let color_overlap = scene.color.map(|_| a.color_overlap(b));
         if color_overlap.is_some_and(|overlap| HOPELESS * overlap < self.params.color_overlap) {
             return None;
         }
-        let Common { surface, normal, disagreement_quanta, angle_deg } = self.common(a, b, &along)?;
-        let Seen { hidden_share, seen_through_share, hider } = look(
+        let Common { surface, normal, disagreement_quanta, angle_deg } = self.fit_common(a, b, &along)?;
+        let Seen { hidden_share, seen_through_share, hider } = look_into_gap(
             self.clusters,
             [a, b],
             #[inline(always)]
@@ -156,14 +157,30 @@ impl Gap<'_> {
         };
         let is_horizontal =
             scene.support.is_some_and(|support| normal.dot(support.normal).abs() > HORIZONTAL);
-        let checks = self.checks(&continuation, is_horizontal);
-        Some(Look { clusters: [a.cluster, b.cluster], checks, continuation, hider })
+        let mut checks = self.check(&continuation);
+        if is_horizontal {
+            checks.extend(self.check_horizontal(&continuation));
+        }
+        Some(Comparison { clusters: [a.cluster, b.cluster], checks, continuation, hider })
     }
 
-    /// The surface that goes through both pieces; `None` when they are hopelessly unlike.
-    fn common(&self, a: &Piece, b: &Piece, along: &Along) -> Option<Common> {
+    /// The distance of two pieces of different clusters that do not touch (m), unless it is too long.
+    fn distance_m(&self, a: &Piece, b: &Piece) -> Option<f64> {
+        if a.cluster == b.cluster {
+            return None;
+        }
+        let distance_m = a.middle_m.distance(b.middle_m);
+        if distance_m > self.params.max_distance_m {
+            return None;
+        }
+        let touch = self.clusters.borders(a.cluster, b.cluster).touch as usize;
+        (touch <= self.clusters.scene.space.length_px(TOUCH_PX)).then_some(distance_m)
+    }
+
+    /// Fits one surface to both pieces; `None` when they are hopelessly unlike.
+    fn fit_common(&self, a: &Piece, b: &Piece, along: &Along) -> Option<Common> {
         let space = self.clusters.scene.space;
-        // Most are not alike at all, which their spread tells.
+        // Most pairs are nothing alike, which their spread tells at once.
         let [rough_a, rough_b] = [a, b].map(|piece| along.normal(&along.plane(&piece.spread), space));
         if rough_a.dot(rough_b) < self.hopeless_cosine {
             return None;
@@ -177,54 +194,46 @@ impl Gap<'_> {
         }
         let steepness = flat.each_ref().map(|surface| length(along.slope(surface)));
         let noise = space.slope_noise(steepness[0].min(steepness[1]));
-        let (surface, disagreement_quanta) = joint(&of_a, &of_b, &flat, noise);
+        let (surface, disagreement_quanta) = fit_jointly(&of_a, &of_b, &flat, noise);
         let is_hopeless = disagreement_quanta > HOPELESS * self.params.disagreement_quanta;
         (!is_hopeless).then_some(Common { surface, normal: normals[0], disagreement_quanta, angle_deg })
     }
 
-    /// What decides whether one piece continues the other.
-    fn checks(&self, found: &Continuation, is_horizontal: bool) -> Vec<Check> {
-        let &params::Occlusion { max_distance_m, disagreement_quanta, angle_deg, color_overlap, .. } =
-            self.params;
-        let share = |what, share, bound, limit| Check::new(what, "", share, bound, limit);
-        let no_farther = |what, limit_m| {
-            Check::new(what, "m", found.distance_m, Bound::AtMost, limit_m).set_by("occlusion.max_distance_m")
-        };
-        let (disagreement, angle) = (found.disagreement_quanta, found.angle_deg);
+    /// Checks that one piece continues the other.
+    fn check(&self, found: &Continuation) -> Vec<Check> {
+        let params = self.params;
+        let below = |what, unit, measured, limit| Check::new(what, unit, measured, Bound::Below, limit);
+        let disagreement = found.disagreement_quanta;
         let mut checks = vec![
-            no_farther("distance of the parts", max_distance_m),
-            Check::new(
-                "disagreement of the surfaces",
-                "quanta",
-                disagreement,
-                Bound::Below,
-                disagreement_quanta,
-            )
-            .set_by("occlusion.disagreement_quanta"),
-            Check::new("angle between the surfaces", "degrees", angle, Bound::Below, angle_deg)
+            check_no_farther("distance of the parts", found, params.max_distance_m),
+            below("disagreement of the surfaces", "quanta", disagreement, params.disagreement_quanta)
+                .set_by("occlusion.disagreement_quanta"),
+            below("angle between the surfaces", "degrees", found.angle_deg, params.angle_deg)
                 .set_by("occlusion.angle_deg"),
-            share(
-                "share of the gap seen through",
-                found.seen_through_share,
-                Bound::Below,
-                SEEN_THROUGH_SHARE,
-            ),
-            share("share of the gap that is hidden", found.hidden_share, Bound::Above, HIDDEN_SHARE),
+            below("share of the gap seen through", "", found.seen_through_share, SEEN_THROUGH_SHARE),
+            Check::new("share of the gap that is hidden", "", found.hidden_share, Bound::Above, HIDDEN_SHARE),
         ];
         checks.extend(found.color_overlap.map(|overlap| {
-            share("overlap of their colours", overlap, Bound::Above, color_overlap)
+            Check::new("overlap of their colours", "", overlap, Bound::Above, params.color_overlap)
                 .set_by("occlusion.color_overlap")
         }));
-        if is_horizontal {
-            let limit_m = HORIZONTAL_DISTANCE * max_distance_m;
-            checks.push(no_farther("distance of the parts, which are level", limit_m));
-            checks.extend(found.color_overlap.map(|overlap| {
-                let what = "overlap of their colours, as they are level";
-                share(what, overlap, Bound::AtLeast, HORIZONTAL_COLOR)
-            }));
-        }
         checks
     }
+
+    /// Checks in addition that two horizontal pieces are near each other and of one colour.
+    fn check_horizontal(&self, found: &Continuation) -> Vec<Check> {
+        let limit_m = HORIZONTAL_DISTANCE * self.params.max_distance_m;
+        let mut checks = vec![check_no_farther("distance of the parts, which are level", found, limit_m)];
+        checks.extend(found.color_overlap.map(|overlap| {
+            let what = "overlap of their colours, as they are level";
+            Check::new(what, "", overlap, Bound::AtLeast, HORIZONTAL_COLOR)
+        }));
+        checks
+    }
+}
+
+fn check_no_farther(what: &'static str, found: &Continuation, limit_m: f64) -> Check {
+    Check::new(what, "m", found.distance_m, Bound::AtMost, limit_m).set_by("occlusion.max_distance_m")
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! The circle of a vessel's rim (METHOD 3.12).
 
+use std::f64::consts::{PI, TAU};
+
 use glam::Vec3;
 
-use crate::clusters::check::{Bound, Check, Checks};
+use crate::clusters::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::scene::Scene;
 use crate::discovery::join::RimCircle;
@@ -12,23 +14,23 @@ use crate::tangents::tangents;
 
 /// The rim is what lies within this height (m) of the top.
 const BAND_M: f64 = 0.012;
-/// With fewer points there is no circle.
+/// Fewer points make no circle.
 const LEAST_POINTS: usize = 20;
 /// Points in a line have a determinant (m^4) below this.
 const LEAST_SPREAD: f64 = 1e-12;
-/// Rims of vessels that a hand can hold (m).
+/// Radius of the rims of vessels that a hand can hold (m).
 const RADIUS_M: std::ops::Range<f64> = 0.02..0.2;
-/// A rim lies on its circle within so much (m), or within this share of the radius if that is more.
+/// A rim lies on its circle within this distance (m), or within this share of the radius if that is more.
 const RESIDUAL_M: f64 = 0.006;
 const RESIDUAL_SHARE: f64 = 0.12;
-/// The circle is looked at in so many sectors, ...
+/// The circle is divided into this many sectors, ...
 const SECTORS: usize = 12;
-/// ... at least so many of which must hold points.
+/// ... of which at least this many must hold points.
 const LEAST_SECTORS: usize = 7;
-/// A sector is held by so many points, or by one in `POINTS_PER_HOLD` of all if that is more.
+/// A sector holds points when it has this many, or one in `POINTS_PER_HOLD` of all if that is more.
 const LEAST_HOLD: usize = 2;
 const POINTS_PER_HOLD: usize = 200;
-/// A vessel may bulge beyond its rim by so much (m), or by this share of the radius if that is more.
+/// A vessel may bulge beyond its rim by this much (m), or by this share of the radius if that is more.
 const BULGE_M: f64 = 0.012;
 const BULGE_SHARE: f64 = 0.12;
 
@@ -38,69 +40,106 @@ fn foot_m(scene: &Scene<'_>, i: u32, support: &StructureSurface) -> [f64; 2] {
     tangents(support.normal).map(|t| t.dot(point))
 }
 
-/// The circle through the feet of what lies at the height `top_m` of some clusters (algebraic fit, Kåsa 1976). O(pixels).
+/// The circle through the feet of the points of some clusters at the height `top_m` (algebraic fit, Kåsa 1976). O(pixels).
 ///
 /// # Errors
-/// The checks, of which one fails, when it is no rim of a vessel.
-pub(crate) fn rim_circle(
+/// All checks when one of them fails: the circle is no rim of a vessel.
+pub(crate) fn fit_rim_circle(
     clusters: &Clusters<'_>,
     ids: &[SegmentId],
     top_m: f64,
     support: &StructureSurface,
 ) -> Result<RimCircle, Vec<Check>> {
     let scene = clusters.scene;
-    let mut checks = Checks::default();
     let pixels = ids.iter().flat_map(|&id| &clusters.get(id).pixels);
     let on_rim = pixels.filter(|&&i| (scene.height_m(i as usize, support) - top_m).abs() < BAND_M);
-    let feet: Vec<[f64; 2]> = on_rim.map(|&i| foot_m(scene, i, support)).collect();
-    let n = feet.len() as f64;
-    if !checks.that(Check::new("points of the rim", "px", n, Bound::AtLeast, LEAST_POINTS as f64)) {
-        return Err(checks.0);
+    let feet_m: Vec<[f64; 2]> = on_rim.map(|&i| foot_m(scene, i, support)).collect();
+    let count = feet_m.len() as f64;
+    let points = Check::new("points of the rim", "px", count, Bound::AtLeast, LEAST_POINTS as f64);
+    if !points.holds() {
+        return Err(vec![points]);
     }
-    let mean = [0, 1].map(|k| feet.iter().map(|foot| foot[k]).sum::<f64>() / n);
-    let centered = || feet.iter().map(|foot| (foot[0] - mean[0], foot[1] - mean[1]));
-    let (mut xx, mut xy, mut yy, mut xr, mut yr) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for (x, y) in centered() {
-        let squared = x * x + y * y;
-        xx += x * x;
-        xy += x * y;
-        yy += y * y;
-        xr += x * squared;
-        yr += y * squared;
+    let moments = FeetMoments::of(&feet_m);
+    let spread = moments.determinant();
+    let spread = Check::new("spread of the rim's points", "m^4", spread, Bound::AtLeast, LEAST_SPREAD);
+    if !spread.holds() {
+        return Err(vec![points, spread]);
     }
-    let determinant = xx * yy - xy * xy;
-    let spread = Check::new("spread of the rim's points", "m^4", determinant, Bound::AtLeast, LEAST_SPREAD);
-    if !checks.that(spread) {
-        return Err(checks.0);
+    let circle = moments.fit_circle(&feet_m);
+    let checks = check_circle(&circle);
+    if checks.iter().all(Check::holds) {
+        Ok(circle)
+    } else {
+        Err([points, spread].into_iter().chain(checks).collect())
     }
-    let x_center = (xr * yy - yr * xy) / (2.0 * determinant);
-    let y_center = (yr * xx - xr * xy) / (2.0 * determinant);
-    let radius_m = (x_center * x_center + y_center * y_center + (xx + yy) / n).sqrt();
-
-    let mut held = [0_usize; SECTORS];
-    let mut squared_error = 0.0;
-    for (x, y) in centered() {
-        let (x, y) = (x - x_center, y - y_center);
-        let off = (x * x + y * y).sqrt() - radius_m;
-        squared_error += off * off;
-        let turn = (libm::atan2(y, x) + std::f64::consts::PI) / std::f64::consts::TAU;
-        held[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] += 1;
-    }
-    let residual_m = (squared_error / n).sqrt();
-    let least_hold = LEAST_HOLD.max(feet.len() / POINTS_PER_HOLD);
-    let covered = held.iter().filter(|&&points| points >= least_hold).count();
-    let circle = RimCircle {
-        center_m: [mean[0] + x_center, mean[1] + y_center],
-        radius_m,
-        residual_m,
-        covered: covered as f64 / SECTORS as f64,
-    };
-    checks.0.extend(circle_checks(&circle));
-    if checks.0.iter().all(Check::holds) { Ok(circle) } else { Err(checks.0) }
 }
 
-/// What makes a circle the rim of a vessel.
-pub(crate) fn circle_checks(circle: &RimCircle) -> [Check; 4] {
+/// The mean of some feet, and sums of products of their coordinates about it; r is the squared distance from the mean.
+struct FeetMoments {
+    mean: [f64; 2],
+    xx: f64,
+    xy: f64,
+    yy: f64,
+    xr: f64,
+    yr: f64,
+}
+
+impl FeetMoments {
+    fn of(feet_m: &[[f64; 2]]) -> Self {
+        let n = feet_m.len() as f64;
+        let mean = [0, 1].map(|k| feet_m.iter().map(|foot| foot[k]).sum::<f64>() / n);
+        let mut moments = Self { mean, xx: 0.0, xy: 0.0, yy: 0.0, xr: 0.0, yr: 0.0 };
+        for [x, y] in moments.about_mean(feet_m) {
+            let squared = x * x + y * y;
+            moments.xx += x * x;
+            moments.xy += x * y;
+            moments.yy += y * y;
+            moments.xr += x * squared;
+            moments.yr += y * squared;
+        }
+        moments
+    }
+
+    fn about_mean<'a>(&self, feet_m: &'a [[f64; 2]]) -> impl Iterator<Item = [f64; 2]> + use<'a> {
+        let mean = self.mean;
+        feet_m.iter().map(move |foot| [foot[0] - mean[0], foot[1] - mean[1]])
+    }
+
+    fn determinant(&self) -> f64 {
+        self.xx * self.yy - self.xy * self.xy
+    }
+
+    /// The circle that fits best, how far the feet are from it, and how much of it they cover.
+    fn fit_circle(&self, feet_m: &[[f64; 2]]) -> RimCircle {
+        let &Self { mean, xx, xy, yy, xr, yr } = self;
+        let n = feet_m.len() as f64;
+        let determinant = self.determinant();
+        let x_center = (xr * yy - yr * xy) / (2.0 * determinant);
+        let y_center = (yr * xx - xr * xy) / (2.0 * determinant);
+        let radius_m = (x_center * x_center + y_center * y_center + (xx + yy) / n).sqrt();
+
+        let mut held = [0_usize; SECTORS];
+        let mut squared_error = 0.0;
+        for [x, y] in self.about_mean(feet_m) {
+            let (x, y) = (x - x_center, y - y_center);
+            let off_m = (x * x + y * y).sqrt() - radius_m;
+            squared_error += off_m * off_m;
+            let turn = (libm::atan2(y, x) + PI) / TAU;
+            held[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] += 1;
+        }
+        let least_hold = LEAST_HOLD.max(feet_m.len() / POINTS_PER_HOLD);
+        let covered = held.iter().filter(|&&points| points >= least_hold).count();
+        RimCircle {
+            center_m: [mean[0] + x_center, mean[1] + y_center],
+            radius_m,
+            residual_m: (squared_error / n).sqrt(),
+            covered: covered as f64 / SECTORS as f64,
+        }
+    }
+}
+
+/// Checks that a circle can be the rim of a vessel.
+pub(crate) fn check_circle(circle: &RimCircle) -> [Check; 4] {
     let &RimCircle { radius_m, residual_m, covered, .. } = circle;
     let radius = |bound, limit_m| Check::new("radius of the rim", "m", radius_m, bound, limit_m);
     let residual_limit_m = RESIDUAL_M.max(RESIDUAL_SHARE * radius_m);
@@ -113,8 +152,8 @@ pub(crate) fn circle_checks(circle: &RimCircle) -> [Check; 4] {
     ]
 }
 
-/// The share of a cluster, of every third pixel, that stands within the circle or hardly outside.
-pub(crate) fn share_within(
+/// The share of a cluster that stands within the circle or hardly outside; every third pixel is looked at.
+pub(crate) fn measure_share_within(
     clusters: &Clusters<'_>,
     id: SegmentId,
     rim: &RimCircle,
@@ -159,7 +198,7 @@ mod tests {
 
     fn circle(table: &Table) -> Option<RimCircle> {
         let scene = table.scene();
-        rim_circle(&single(&scene), &[SegmentId(0)], TOP_M, scene.support.unwrap()).ok()
+        fit_rim_circle(&single(&scene), &[SegmentId(0)], TOP_M, scene.support.unwrap()).ok()
     }
 
     #[test]
@@ -206,7 +245,8 @@ mod tests {
         let clusters = single(&scene);
         let support = scene.support.unwrap();
         let rim = circle(&table).unwrap();
-        let within = |rim: &RimCircle| [0, 1].map(|k| share_within(&clusters, SegmentId(k), rim, support));
+        let within =
+            |rim: &RimCircle| [0, 1].map(|k| measure_share_within(&clusters, SegmentId(k), rim, support));
         assert_eq!(within(&rim), [1.0, 1.0]);
         let elsewhere = RimCircle { center_m: rim.center_m.map(|x| x + 0.2), ..rim };
         assert_eq!(within(&elsewhere), [0.0, 0.0]);

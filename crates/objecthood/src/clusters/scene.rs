@@ -1,18 +1,18 @@
-//! What the rules look at.
+//! The scene: what the rules look at besides the clusters.
 
+use crate::clusters::steps::StepLimits;
 use crate::facets::Facets;
 use crate::frame::Frame;
 use crate::oversegment::structure::{Structure, StructureSurface};
-use crate::params;
 use crate::raster::Raster;
 use crate::regions::SegmentId;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::surfaces::Surfaces;
 
-/// What stage 4 looks at besides the clusters: it stays as it is.
+/// What the rules look at besides the clusters. They leave it as it is.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
-    /// Facets and structure after [`fill`](crate::clusters::fill::fill).
+    /// Facets and structure after [`fill_facets`](crate::clusters::fill::fill_facets).
     pub facets: &'a Facets,
     /// Disparity (quanta); `NaN` without depth.
     pub disparity: &'a Raster<f32>,
@@ -24,23 +24,23 @@ pub struct Scene<'a> {
     pub color: Option<&'a Raster<[u8; 3]>>,
     /// The camera and its noise.
     pub space: &'a DisparitySpace,
-    /// What objects stand on.
+    /// The surface that objects stand on.
     pub support: Option<&'a StructureSurface>,
-    /// Which facet that is.
+    /// The facet of that surface.
     pub support_facet: Option<SegmentId>,
-    /// How much disparity may differ without a step in depth.
-    pub steps: Steps,
+    /// The largest differences in disparity that are no step.
+    pub steps: StepLimits,
 }
 
 impl<'a> Scene<'a> {
-    /// What a frame looks like once its facets are there. `filled`: the facets after [`fill`](crate::clusters::fill::fill).
+    /// The scene of a frame whose facets are known. `filled`: the facets after [`fill_facets`](crate::clusters::fill::fill_facets).
     pub fn new(
         frame: &'a Frame,
         surfaces: &'a Surfaces,
         structure: &'a Structure,
         filled: &'a Facets,
         points_m: &'a Raster<[f32; 3]>,
-        steps: Steps,
+        steps: StepLimits,
     ) -> Self {
         Self {
             facets: filled,
@@ -53,27 +53,6 @@ impl<'a> Scene<'a> {
             support_facet: structure.support.map(|surface| SegmentId(surface as u32)),
             steps,
         }
-    }
-}
-
-/// Largest differences in disparity (quanta) that are no step in depth.
-#[derive(Clone, Copy, Debug)]
-pub struct Steps {
-    /// Between pixels side by side.
-    pub touch_quanta: f32,
-    /// Across a gap.
-    pub level_quanta: f32,
-}
-
-impl Steps {
-    /// What a link of the watershed allows; side by side one quantum more, as much as rounding makes.
-    pub fn of(params: &params::Watershed) -> Self {
-        Self { touch_quanta: params.link_jump_quanta + 1.0, level_quanta: params.link_jump_quanta }
-    }
-
-    /// Whether there is no step between two pixels side by side.
-    pub(crate) fn touch(self, disparity: &Raster<f32>, i: usize, j: usize) -> bool {
-        (disparity[j] - disparity[i]).abs() <= self.touch_quanta
     }
 }
 

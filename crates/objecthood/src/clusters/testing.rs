@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Event, Rule, Source};
-use crate::clusters::scene::{Scene, Steps};
+use crate::clusters::scene::Scene;
+use crate::clusters::steps::StepLimits;
 use crate::facets::Facets;
 use crate::oversegment::structure::StructureSurface;
 use crate::params;
@@ -92,7 +93,7 @@ impl Table {
             space: &self.space,
             support: Some(&self.support),
             support_facet: Some(SegmentId(0)),
-            steps: Steps::of(&params::Watershed::default()),
+            steps: StepLimits::of(&params::Watershed::default()),
         }
     }
 }

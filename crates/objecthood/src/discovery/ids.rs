@@ -1,4 +1,4 @@
-//! Numbers of what was found.
+//! The numbers of objects and of nodes of the support graph.
 
 /// Number of an object in the label image: 1, 2, .. by falling objectness, then pixel count, then first pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -8,9 +8,9 @@ use crate::raster::PixelBox;
 pub struct Join {
     /// Where the two parts were in the image when they were joined.
     pub parts: [JoinedPart; 2],
-    /// Why.
+    /// Why they are one.
     pub evidence: JoinEvidence,
-    /// What hides the object between them, if that is a node of the support graph.
+    /// The node of the support graph that hides the gap between them, if one does.
     pub behind: Option<NodeId>,
 }
 
@@ -23,26 +23,26 @@ pub struct JoinedPart {
     pub size_px: usize,
 }
 
-/// Why two parts are one object.
+/// Evidence that two parts are one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JoinEvidence {
-    /// One surface that goes on behind something nearer (METHOD 3.13).
+    /// A surface that goes on behind something nearer (METHOD 3.13).
     Occlusion(Continuation),
     /// Two pieces of the inside of one vessel (METHOD 3.12 i).
     VesselInside {
-        /// How far the larger and the smaller piece bend outwards: both inwards, below 0.
+        /// How far the larger and the smaller piece bend outwards; both are concave, below 0.
         convexity: [f64; 2],
     },
-    /// The inside of a vessel and the wall before it (METHOD 3.12 ii).
+    /// The inside of a vessel and the wall in front of it (METHOD 3.12 ii).
     VesselWall {
-        /// How far the inside bends outwards: inwards, below 0, or hardly.
+        /// How far the inside bends outwards; below 0 or hardly above.
         convexity: f64,
-        /// Pixel pairs in which the wall is before the inside.
+        /// Pixel pairs in which the wall is in front of the inside.
         wall_in_front: u32,
         /// The circle on which both rims lie, if that decided.
         rim: Option<RimCircle>,
     },
-    /// What stands within the circle of a vessel's rim and as high (METHOD 3.12 ii).
+    /// A part that stands within the circle of a vessel's rim and as high (METHOD 3.12 ii).
     VesselRim {
         /// The circle.
         rim: RimCircle,

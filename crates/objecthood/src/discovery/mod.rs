@@ -1,4 +1,4 @@
-//! What was found in a frame: the results, as values that say nothing of how they came about.
+//! The result: what was found in a frame. These types depend on no stage, so every stage can use them.
 
 pub(crate) mod ids;
 pub(crate) mod join;

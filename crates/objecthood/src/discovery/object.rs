@@ -10,9 +10,9 @@ use crate::raster::PixelBox;
 pub struct Object {
     /// Its number in the label image.
     pub id: ObjectId,
-    /// How sure it is, in [0, 1].
+    /// How sure it is that it is an object, in [0, 1].
     pub objectness: f32,
-    /// What the objectness is made of.
+    /// The parts of the objectness.
     pub parts: ObjectnessParts,
     /// Pixels in the label image.
     pub size_px: usize,
@@ -26,7 +26,7 @@ pub struct Object {
     pub top_m: Option<f32>,
     /// Number of facets it is made of.
     pub facets: usize,
-    /// Which of its parts were joined although they do not touch as one surface. None in `paper`.
+    /// Why those parts of it are one that do not touch as one surface. Empty in `paper`.
     pub joins: Vec<Join>,
     /// Its place in the support graph.
     pub node: NodeId,

@@ -1,25 +1,25 @@
-//! Objectness: what its parts are, and how they make one figure.
+//! The parts of the objectness, and how they make one figure.
 
 use crate::params;
 
-/// What an objectness is made of; each in [0, 1], 1 = speaks for an object, or at least not against one.
+/// The parts of an objectness, each in [0, 1]: 1 speaks for an object, or at least not against one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectnessParts {
-    /// Whether it has the size of something graspable: not too long, and not thin in two directions.
+    /// How graspable its size is: not too long, and not thin in two directions.
     pub size: f32,
-    /// Whether something carries it: P(O), eq. 8, half of it lost when what carries it is merely guessed.
+    /// How surely something carries it: P(O) of eq. 8, halved when the confidence in the carrier is 0.
     pub support: f32,
-    /// How much of its hull in the image it fills, as far as nothing hides it.
+    /// How much of its hull in the image it fills, where nothing hides it.
     pub compactness: f32,
-    /// How clear its borders are: steps in depth and valleys, not flat or convex folds.
+    /// How clear its borders are: steps in depth and valleys are, flat or convex folds are not.
     pub separation: f32,
-    /// How much of its outline is its own, and neither something nearer's nor the border of the image.
+    /// How much of its outline is its own: neither something nearer nor the border of the image cuts it.
     pub visibility: f32,
 }
 
 impl ObjectnessParts {
-    /// The objectness, in [0, 1]: the product of 1 - weight · (1 - part). Each part can take away its weight at most, so a
-    /// weight of 1 makes it necessary and 0 leaves it out.
+    /// The objectness, in [0, 1]: the product of 1 - weight · (1 - part). Each part takes away its weight at most: a weight of 1 makes
+    /// it necessary, a weight of 0 leaves it out.
     pub fn objectness(&self, params: &params::Objectness) -> f32 {
         let weighted = [
             (params.size_weight, self.size),

@@ -1,4 +1,4 @@
-//! What stands on what.
+//! The support graph: what stands on what.
 
 use crate::discovery::ids::{NodeId, ObjectId};
 
@@ -10,7 +10,7 @@ pub enum NodeKind {
         /// Its number in the label image.
         object: ObjectId,
     },
-    /// A shape that is not: the table, or what too little speaks for.
+    /// A shape that is none: the table, or something of too little objectness.
     Surface,
     /// A structure plane (`context`).
     Structure {
@@ -54,8 +54,8 @@ pub struct SupportEdge {
     pub upper: NodeId,
     /// How.
     pub kind: SupportKind,
-    /// How sure it is that this carries it, in [0, 1]; 1 in `paper`, in `context` see
-    /// [`forest`](crate::support::forest::forest).
+    /// How sure it is that the lower carries the upper, in [0, 1]; 1 in `paper`, in `context` see
+    /// [`build_forest`](crate::support::forest::build_forest).
     pub confidence: f32,
     /// Whether the contact itself is not seen.
     pub hidden: bool,
@@ -64,7 +64,7 @@ pub struct SupportEdge {
 }
 
 impl SupportEdge {
-    /// `upper` stands on `lower`, which so many pairs of points show.
+    /// `upper` stands on `lower`, as `contacts` pairs of points show.
     pub fn seen(lower: NodeId, upper: NodeId, contacts: u32) -> Self {
         Self { lower, upper, kind: SupportKind::On, confidence: 1.0, hidden: false, contacts }
     }
@@ -88,8 +88,8 @@ impl SupportGraph {
         parents
     }
 
-    /// How surely each node is carried, in [0, 1]: its P(O), half of which is lost when its surest carrier is merely guessed (ours,
-    /// because in a forest whatever floats has a carrier too). O(nodes + edges).
+    /// How surely each node is carried, in [0, 1]: its P(O), halved when the confidence in its surest carrier is 0 (ours, because
+    /// in a forest what floats has a carrier too). O(nodes + edges).
     pub(crate) fn carried(&self) -> Vec<f32> {
         let mut surest = vec![0.0_f32; self.nodes.len()];
         for edge in &self.edges {

@@ -1,8 +1,8 @@
 //! What became of the thing that a facet belongs to: which rules joined it, which nearly did, which filter it met.
 
-use crate::clusters::candidates::too_small;
+use crate::clusters::candidates::check_too_small;
 use crate::clusters::check::{Bound, Check};
-use crate::clusters::fragments::small;
+use crate::clusters::fragments::check_small;
 use crate::clusters::history::{Rule, Source};
 use crate::explain::Explainer;
 use crate::explain::explanation::{Decision, Question, Reason};
@@ -29,8 +29,8 @@ impl Explainer {
             }
             Some(cluster) => {
                 let size_px = self.run.size_px(cluster);
-                let fragment = small(size_px, &self.surfaces.space, &self.params.fragments);
-                let too_small = too_small(size_px, &self.surfaces.space, &self.params.objectness);
+                let fragment = check_small(size_px, &self.surfaces.space, &self.params.fragments);
+                let too_small = check_too_small(size_px, &self.surfaces.space, &self.params.objectness);
                 let is_low =
                     |near: &&NearStep| near.miss.rule == Rule::Low && near.owners[1] == Some(cluster);
                 // A thing is as high as the highest of what it was made of.
@@ -39,7 +39,8 @@ impl Explainer {
                 let low = low.reduce(|a, b| if b.measured > a.measured { b } else { a });
                 let hypothesis =
                     self.run.hypothesis(cluster).filter(|_| !self.params.objectness.every_hypothesis);
-                let unlikely = hypothesis.map(|hypothesis| hypothesis.unlikely(&self.params.objectness));
+                let unlikely =
+                    hypothesis.map(|hypothesis| hypothesis.check_unlikely(&self.params.objectness));
                 match unlikely {
                     _ if too_small.holds() => (Reason::Size, vec![too_small]),
                     Some(unlikely) if unlikely.holds() => (Reason::Objectness, vec![unlikely]),

@@ -7,21 +7,21 @@ use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::disparity::DisparitySpace;
 
-/// The first and the last column of a region in a row of the image.
+/// A row of the image from a first to a last column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Run {
+struct RowSpan {
     v: usize,
     first: usize,
     last: usize,
 }
 
-/// For every region the share of its convex hull in the image that is its own, in [0, 1]; 0 without pixels. `pixels`: those of each
-/// region that are measured, in scan order.
+/// Measures for every region the share of its convex hull in the image that is its own, in [0, 1]; 0 without pixels. `pixels`: those
+/// of each region that are measured, in scan order.
 ///
-/// Pixels of the hull without depth, and those that show something nearer, by a step, than the region is beside them, do not count: behind them
-/// it may go on. The pixel of the region beside another is the last one before it in scan order, at the beginning of a row
-/// the first one in it. O(pixels + area of the hulls); parallel over regions.
-pub fn compactness(
+/// Two kinds of pixels of the hull do not count, because the region may go on behind them: those without depth, and those that are
+/// nearer by a step than the region beside them. Beside a pixel is the last pixel of the region before it in scan order; at the
+/// beginning of a row it is the first one in the row. O(pixels + area of the hulls); parallel over regions.
+pub fn measure_compactness(
     regions: &Segments,
     pixels: &[Vec<usize>],
     points_m: &Raster<[f32; 3]>,
@@ -29,12 +29,12 @@ pub fn compactness(
 ) -> Vec<f32> {
     let width = regions.labels().width();
     let z_m = |i: usize| f64::from(points_m[i][2]);
-    let empty_in = |region: usize, runs: &[Run]| {
+    let empty_in = |region: usize, spans: &[RowSpan]| {
         let (mut empty, mut beside_m) = (0_usize, f64::NAN);
-        let mut rows = runs.iter().peekable();
-        for row in hull(runs) {
-            if let Some(run) = rows.next_if(|run| run.v == row.v) {
-                beside_m = z_m(run.v * width + run.first);
+        let mut rows = spans.iter().peekable();
+        for row in fill_hull(spans) {
+            if let Some(span) = rows.next_if(|span| span.v == row.v) {
+                beside_m = z_m(span.v * width + span.first);
             }
             for i in row.first + row.v * width..=row.last + row.v * width {
                 if regions.labels()[i] == region as i32 {
@@ -48,41 +48,45 @@ pub fn compactness(
     };
     let share = |(region, pixels): (usize, &Vec<usize>)| {
         let own = pixels.len() as f32;
-        if pixels.is_empty() { 0.0 } else { own / (own + empty_in(region, &rows(pixels, width)) as f32) }
+        if pixels.is_empty() {
+            0.0
+        } else {
+            own / (own + empty_in(region, &find_row_spans(pixels, width)) as f32)
+        }
     };
     pixels.par_iter().enumerate().map(share).collect()
 }
 
-/// From where to where pixels, which are in scan order, reach in each row. O(rows · log of the width).
-fn rows(mut pixels: &[usize], width: usize) -> Vec<Run> {
-    let mut runs = Vec::new();
+/// From where to where pixels reach in each row; they are in scan order. O(rows · log of the width).
+fn find_row_spans(mut pixels: &[usize], width: usize) -> Vec<RowSpan> {
+    let mut spans = Vec::new();
     while let Some(&first) = pixels.first() {
         let v = first / width;
         let (row, below) =
             pixels.split_at(pixels[..width.min(pixels.len())].partition_point(|&i| i < (v + 1) * width));
-        runs.push(Run { v, first: first % width, last: row[row.len() - 1] % width });
+        spans.push(RowSpan { v, first: first % width, last: row[row.len() - 1] % width });
         pixels = below;
     }
-    runs
+    spans
 }
 
-/// The pixels whose centres lie in the convex hull of the runs' ends; `runs` by ascending row.
-fn hull(runs: &[Run]) -> Vec<Run> {
-    let left = chain(runs.iter().map(|run| [run.first as i64, run.v as i64]), 1);
-    let right = chain(runs.iter().map(|run| [run.last as i64, run.v as i64]), -1);
+/// The pixels whose centres lie in the convex hull of the spans' ends; `spans` by ascending row.
+fn fill_hull(spans: &[RowSpan]) -> Vec<RowSpan> {
+    let left = chain(spans.iter().map(|span| [span.first as i64, span.v as i64]), 1);
+    let right = chain(spans.iter().map(|span| [span.last as i64, span.v as i64]), -1);
     let (Some(&[_, top]), Some(&[_, bottom])) = (left.first(), left.last()) else { return Vec::new() };
     let (mut l, mut r) = (0, 0);
     (top..=bottom)
         .map(|v| {
-            // Rounded into the hull.
+            // Rounded inwards.
             let first = -crossing(&left, &mut l, v, -1);
             let last = crossing(&right, &mut r, v, 1);
-            Run { v: v as usize, first: first as usize, last: last as usize }
+            RowSpan { v: v as usize, first: first as usize, last: last as usize }
         })
         .collect()
 }
 
-/// The corners of one side of a hull, from top to bottom: those beyond which no other lies. `side`: 1 = left, -1 = right.
+/// The corners of one side of a hull, from top to bottom. `side`: 1 = left, -1 = right.
 fn chain(points: impl Iterator<Item = [i64; 2]>, side: i64) -> Vec<[i64; 2]> {
     let mut corners: Vec<[i64; 2]> = Vec::new();
     for [u, v] in points {
@@ -151,7 +155,7 @@ mod tests {
             let mut measured = vec![Vec::new(); 3];
             let own = regions.members().filter(|&(i, _)| !points[i][2].is_nan());
             own.for_each(|(i, region)| measured[region].push(i));
-            let got = compactness(&regions, &measured, &points, &space);
+            let got = measure_compactness(&regions, &measured, &points, &space);
             for (region, got) in got.into_iter().enumerate() {
                 let is_measured = |i: &usize| !points[*i][2].is_nan();
                 let is_own = |i: &usize| regions.labels()[*i] == region as i32 && is_measured(i);

@@ -1,4 +1,4 @@
-//! The end of both methods: what was found, put together.
+//! The end of both methods: the discovery is put together.
 
 use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::{Discovery, Notice};
@@ -6,17 +6,17 @@ use crate::error::Result;
 use crate::frame::Frame;
 use crate::objectness::decision::decide;
 use crate::objectness::hypotheses::Hypothesis;
-use crate::objectness::objects::{mark_objects, objects};
+use crate::objectness::objects::{make_objects, mark_objects};
 use crate::params::{Params, UpFrom};
 use crate::raster::Raster;
 use crate::regions::Segments;
-use crate::support::gravity::{Ground, on_plane};
+use crate::support::gravity::{Ground, mark_plane};
 use crate::support::standing::Standing;
 
-/// What `paper` found: the hypotheses that are objects, the ground, and what stands on what. O(pixels log pixels).
+/// Puts together what `paper` found: the hypotheses that are objects, the ground, and what stands on what. O(pixels log pixels).
 ///
 /// # Errors
-/// As [`objects`].
+/// As [`make_objects`].
 pub fn conclude_paper(
     frame: &Frame,
     facets: &Segments,
@@ -25,7 +25,7 @@ pub fn conclude_paper(
     hypotheses: &[Hypothesis],
     params: &Params,
 ) -> Result<Discovery> {
-    let (objects, labels) = objects(decide(hypotheses, params), facets, points_m, support)?;
+    let (objects, labels) = make_objects(decide(hypotheses, params), facets, points_m, support)?;
     let plane = ground.plane.as_ref();
     let missing_plane = plane.is_none() && params.gravity.up_from == UpFrom::Plane;
     let missing_color = frame.color().is_none();
@@ -34,17 +34,17 @@ pub fn conclude_paper(
         support: mark_objects(support, &objects),
         objects,
         up: ground.up,
-        structure: on_plane(plane, &labels, points_m, &params.gravity),
+        structure: mark_plane(plane, &labels, points_m, &params.gravity),
         structure_planes: plane.cloned().into_iter().collect(),
         labels,
         notices: notices.into_iter().filter_map(|(holds, notice)| holds.then_some(notice)).collect(),
     })
 }
 
-/// What `context` found: the hypotheses that are objects, the structure, and what stands on what. O(pixels log pixels).
+/// Puts together what `context` found: the hypotheses that are objects, the structure, and what stands on what. O(pixels log pixels).
 ///
 /// # Errors
-/// As [`objects`].
+/// As [`make_objects`].
 pub fn conclude_context(
     facets: &Segments,
     points_m: &Raster<[f32; 3]>,
@@ -53,7 +53,7 @@ pub fn conclude_context(
     params: &Params,
 ) -> Result<Discovery> {
     let Standing { candidates, planes, up, graph } = standing;
-    let (objects, labels) = objects(decide(hypotheses, params), facets, points_m, graph)?;
+    let (objects, labels) = make_objects(decide(hypotheses, params), facets, points_m, graph)?;
     let missing_plane = planes.is_empty() && params.gravity.up_from == UpFrom::Plane;
     Ok(Discovery {
         support: mark_objects(graph, &objects),

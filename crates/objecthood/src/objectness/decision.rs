@@ -1,4 +1,4 @@
-//! The decision: which hypotheses are objects.
+//! The decision: which hypotheses become objects.
 
 use crate::clusters::check::{Bound, Check};
 use crate::objectness::hypotheses::Hypothesis;
@@ -16,12 +16,12 @@ impl Hypothesis {
                 let graspable = params.min_side_m..=params.max_side_m;
                 graspable.contains(&longest_side_m(&self.box_m)) && self.parts.support >= params.min_p_o
             }
-            Method::Context => !self.unlikely(params).holds(),
+            Method::Context => !self.check_unlikely(params).holds(),
         }
     }
 
-    /// Whether too little speaks for it to be an object of `context`.
-    pub(crate) fn unlikely(&self, params: &params::Objectness) -> Check {
+    /// Checks that its objectness is too small for an object of `context`.
+    pub(crate) fn check_unlikely(&self, params: &params::Objectness) -> Check {
         let [measured, limit] = [self.objectness, params.threshold].map(f64::from);
         Check::new("its objectness", "", measured, Bound::Below, limit).set_by("objectness.threshold")
     }

@@ -1,4 +1,4 @@
-//! Hypotheses: what may be an object, and how much speaks for it.
+//! Hypotheses: regions that may be objects, with their objectness.
 
 use rayon::prelude::*;
 
@@ -9,44 +9,44 @@ use crate::discovery::object::OrientedBox;
 use crate::discovery::parts::ObjectnessParts;
 use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::up::Up;
-use crate::objectness::compactness::compactness;
-use crate::objectness::outline::outlines;
-use crate::objectness::size::{graspable, oriented_box};
+use crate::objectness::compactness::measure_compactness;
+use crate::objectness::outline::measure_outlines;
+use crate::objectness::size::{fit_oriented_box, rate_size};
 use crate::params::Params;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
 use crate::support::standing::Standing;
 use crate::surface::disparity::DisparitySpace;
 
-/// What may be an object, and how much speaks for it.
+/// A region that may be an object, with its objectness.
 #[derive(Clone, Debug)]
 pub struct Hypothesis {
-    /// The region that it is.
+    /// The region.
     pub region: SegmentId,
     /// Its pixels with depth, in scan order; at least one.
     pub pixels: Vec<usize>,
     /// Its box.
     pub box_m: OrientedBox,
-    /// How sure it is, in [0, 1].
+    /// How sure it is that it is an object, in [0, 1].
     pub objectness: f32,
-    /// What the objectness is made of.
+    /// The parts of the objectness.
     pub parts: ObjectnessParts,
     /// How high it stands above the support plane (m), where that is known.
     pub top_m: Option<f32>,
-    /// Which of its parts were joined although they do not touch as one surface.
+    /// Why those parts of it are one that do not touch as one surface.
     pub joins: Vec<Join>,
 }
 
-/// What hypotheses are judged by.
+/// What regions are judged by.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence<'a> {
-    /// What may be an object, among other things.
+    /// The regions, among them those that may be objects.
     pub regions: &'a Segments,
     /// Points (m); `NaN` without depth.
     pub points_m: &'a Raster<[f32; 3]>,
     /// Unit normals; zero where there is none.
     pub normals: &'a Raster<[f32; 3]>,
-    /// What carries what: node k is region k.
+    /// What carries what; node k is region k.
     pub support: &'a SupportGraph,
     /// The direction against gravity.
     pub up: &'a Up,
@@ -54,25 +54,19 @@ pub struct Evidence<'a> {
     pub space: &'a DisparitySpace,
 }
 
-/// The regions from number `first` on that have `min_size_px` points, with their objectness, in the order of the regions.
+/// Judges the regions from number `first` on that have at least `min_size_px` points, in their order.
 /// O(pixels + area of the hulls); parallel over rows and regions.
-pub fn hypotheses(
+pub fn find_hypotheses(
     evidence: &Evidence<'_>,
     first: usize,
     min_size_px: usize,
     params: &Params,
 ) -> Vec<Hypothesis> {
     let Evidence { regions, points_m, normals, support, up, space } = *evidence;
-    let things = || regions.runs().filter(|&(_, region)| region >= first);
-    let mut most = vec![0; regions.count()];
-    things().for_each(|(run, region)| most[region] += run.len());
-    let mut pixels: Vec<Vec<usize>> = most.into_iter().map(Vec::with_capacity).collect();
-    for (run, region) in things() {
-        pixels[region].extend(run.filter(|&i| !points_m[i][2].is_nan()));
-    }
+    let pixels = measured_pixels(regions, first, points_m);
     let (outlines, compactness) = rayon::join(
-        || outlines(regions, first, points_m, normals, space, &params.contraction),
-        || compactness(regions, &pixels, points_m, space),
+        || measure_outlines(regions, first, points_m, normals, space, &params.contraction),
+        || measure_compactness(regions, &pixels, points_m, space),
     );
     let carried = support.carried();
     let judge = |(region, pixels): (usize, Vec<usize>)| {
@@ -80,10 +74,10 @@ pub fn hypotheses(
             return None;
         }
         let points: Vec<[f32; 3]> = pixels.iter().map(|&i| points_m[i]).collect();
-        let box_m = oriented_box(&points, up.direction);
+        let box_m = fit_oriented_box(&points, up.direction);
         let visibility = outlines[region].visibility();
         let parts = ObjectnessParts {
-            size: graspable(&box_m, visibility, &params.objectness),
+            size: rate_size(&box_m, visibility, &params.objectness),
             support: carried[region],
             compactness: compactness[region],
             separation: outlines[region].separation(),
@@ -96,8 +90,20 @@ pub fn hypotheses(
     pixels.into_par_iter().enumerate().filter_map(judge).collect()
 }
 
-/// The large clusters of `context` with their objectness, how high they stand, and why their parts are one. As [`hypotheses`].
-pub fn find_hypotheses(
+/// The pixels with depth of every region from number `first` on, in scan order; none of the others.
+fn measured_pixels(regions: &Segments, first: usize, points_m: &Raster<[f32; 3]>) -> Vec<Vec<usize>> {
+    let runs = || regions.runs().filter(|&(_, region)| region >= first);
+    let mut most = vec![0; regions.count()];
+    runs().for_each(|(run, region)| most[region] += run.len());
+    let mut pixels: Vec<Vec<usize>> = most.into_iter().map(Vec::with_capacity).collect();
+    for (run, region) in runs() {
+        pixels[region].extend(run.filter(|&i| !points_m[i][2].is_nan()));
+    }
+    pixels
+}
+
+/// Judges the candidates of `context`; says also how high they stand, and why their parts are one. As [`find_hypotheses`].
+pub fn find_cluster_hypotheses(
     scene: &Scene<'_>,
     clusters: &Clustering,
     standing: &Standing,
@@ -106,7 +112,7 @@ pub fn find_hypotheses(
     let Standing { candidates, planes, up, graph } = standing;
     let &Scene { points_m, normals, space, .. } = scene;
     let evidence = Evidence { regions: &candidates.regions, points_m, normals, support: graph, up, space };
-    let mut hypotheses = hypotheses(&evidence, planes.len(), 1, params);
+    let mut hypotheses = find_hypotheses(&evidence, planes.len(), 1, params);
     for hypothesis in &mut hypotheses {
         hypothesis.top_m = candidates.top_m(hypothesis.region, clusters);
         hypothesis.joins = candidates.joins(hypothesis.region, clusters);

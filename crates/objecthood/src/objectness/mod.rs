@@ -1,4 +1,7 @@
-//! Which shapes are objects: by size and by what supports them (paper, III-D).
+//! Objectness: which regions are objects, by size, support and the look of their borders (paper, III-D).
+//!
+//! [`hypotheses`] judges every region by its parts: [`size`], support, [`compactness`], and the [`outline`] for separation and
+//! visibility. [`decision`] keeps those that are objects, [`objects`] numbers and describes them.
 
 pub mod compactness;
 pub mod conclusion;

@@ -1,4 +1,4 @@
-//! Hypotheses become objects: ranked, numbered, described and painted.
+//! Objects: hypotheses that are ranked, numbered, described and painted.
 
 use glam::{DVec3, Vec3};
 
@@ -10,12 +10,12 @@ use crate::objectness::hypotheses::Hypothesis;
 use crate::raster::{PixelBox, Raster};
 use crate::regions::Segments;
 
-/// The objects, numbered 1.. by falling objectness, then falling pixel count, then first pixel; and the label image, 0 =
-/// none. `facets`: what the shapes are made of; node k of `support` is shape k. O(pixels log pixels + edges).
+/// Makes objects of hypotheses, numbered 1.. by falling objectness, then falling pixel count, then first pixel. With them comes the
+/// label image, 0 = none. `facets`: what the regions are made of; node k of `support` is region k. O(pixels log pixels + edges).
 ///
 /// # Errors
 /// [`Error::TooManyObjects`] beyond 65535.
-pub fn objects(
+pub fn make_objects(
     mut hypotheses: Vec<&Hypothesis>,
     facets: &Segments,
     points_m: &Raster<[f32; 3]>,
@@ -53,7 +53,7 @@ pub fn objects(
     Ok((objects, points_m.with_data(labels.into())))
 }
 
-/// The graph, in which the nodes that turned out to be objects are marked. O(nodes + edges).
+/// The graph with the nodes marked that turned out to be objects. O(nodes + edges).
 pub(crate) fn mark_objects(support: &SupportGraph, objects: &[Object]) -> SupportGraph {
     let mut marked = support.clone();
     for object in objects {
@@ -67,7 +67,8 @@ fn centroid_m(pixels: &[usize], points_m: &Raster<[f32; 3]>) -> [f32; 3] {
     (sum / pixels.len() as f64).as_vec3().to_array()
 }
 
-/// How many facets some pixels are of; no facet counts as one. `seen` tells when a facet, after the first place, was seen last.
+/// The number of facets that some pixels are of; no facet counts as one. `seen[k + 1]` is the object that facet k was last seen in,
+/// `seen[0]` the same for no facet.
 fn facets_among(pixels: &[usize], facets: &Segments, now: u16, seen: &mut [u16]) -> usize {
     let mut count = 0;
     for &i in pixels {
@@ -80,8 +81,6 @@ fn facets_among(pixels: &[usize], facets: &Segments, now: u16, seen: &mut [u16])
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
     use crate::discovery::object::OrientedBox;
     use crate::discovery::parts::ObjectnessParts;
@@ -111,23 +110,8 @@ mod tests {
         let points = columns.with_data((0..12).map(|i| [(i % 4) as f32, (i / 4) as f32, 1.0]).collect());
         let support =
             SupportGraph { nodes: Vec::new(), edges: vec![SupportEdge::seen(NodeId(0), NodeId(7), 1)] };
-        objects(hypotheses.iter().collect(), &Segments::from_labels(&columns), &points, &support).unwrap()
-    }
-
-    proptest! {
-        #[test]
-        fn a_box_of_pixels_is_that_of_their_places(
-            pixels in prop::collection::vec(0_usize..60, 1..20),
-            width in 1_usize..9,
-        ) {
-            let PixelBox { u, v, width: wide, height: tall } = PixelBox::around(pixels.iter().copied(), width);
-            let around = |place: fn(usize, usize) -> usize| {
-                let places = || pixels.iter().map(|&i| place(i, width));
-                (places().min().unwrap(), places().max().unwrap() + 1)
-            };
-            prop_assert_eq!((u, u + wide), around(|i, width| i % width));
-            prop_assert_eq!((v, v + tall), around(|i, width| i / width));
-        }
+        make_objects(hypotheses.iter().collect(), &Segments::from_labels(&columns), &points, &support)
+            .unwrap()
     }
 
     #[test]
@@ -161,8 +145,8 @@ mod tests {
         let one_of_many = hypothesis(0, &[0], 0.9);
         let many = |n| vec![&one_of_many; n];
         let support = SupportGraph::default();
-        assert!(objects(many(65535), &facets, &points, &support).is_ok());
-        let refused = objects(many(65536), &facets, &points, &support);
+        assert!(make_objects(many(65535), &facets, &points, &support).is_ok());
+        let refused = make_objects(many(65536), &facets, &points, &support);
         assert!(matches!(refused, Err(Error::TooManyObjects { found: 65536 })));
     }
 }

@@ -1,4 +1,6 @@
-//! What lies beyond the outline of a region: nothing of it, something behind it, before it, or beside it.
+//! Outlines: what lies beyond the border of a region. Separation and visibility follow from it.
+
+use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,7 +14,7 @@ use crate::surface::disparity::DisparitySpace;
 
 /// A larger difference in disparity (quanta) between both sides is a step in depth, as between side by side (METHOD 3.9).
 pub(crate) const STEP_QUANTA: f64 = 6.0;
-/// The surfaces of both sides are looked at so far from the border (px at 525 px): nearer, windows of 7 px hold both.
+/// The surfaces of both sides are looked at this far from the border (px at 525 px): nearer, windows of 7 px hold both.
 const ASIDE_PX: usize = 5;
 
 /// The outline of a region, in metres of the sides of its pixels.
@@ -24,14 +26,14 @@ pub struct Outline {
     pub hidden_m: f64,
     /// Where the image ends.
     pub cut_m: f64,
-    /// Of what is judged: how much is the border of a thing.
+    /// How much of `judged_m` is the border of a thing.
     pub clear_m: f64,
-    /// Steps in depth, and folds of which both sides have a normal.
+    /// Steps in depth, and folds with a normal on both sides.
     pub judged_m: f64,
 }
 
 /// One side of a pixel beyond which its region does not go on.
-struct Side {
+struct OutlineSide {
     region: SegmentId,
     end: End,
     length_m: f64,
@@ -39,7 +41,7 @@ struct Side {
     clear_m: Option<f64>,
 }
 
-/// How a region ends there.
+/// How a region ends at a side.
 enum End {
     Own,
     Hidden,
@@ -55,17 +57,19 @@ struct View<'a> {
     normals: &'a Raster<[f32; 3]>,
     space: &'a DisparitySpace,
     params: &'a params::Contraction,
+    /// How far something is looked for beyond a hole (px), ...
     reach: usize,
+    /// ... and how far from the border surfaces are looked at (px).
     aside: usize,
 }
 
-/// The outline of every region from number `first` on; nothing of the others.
+/// Measures the outline of every region from number `first` on; those of the others stay empty.
 ///
-/// A step in depth is clear, whoever is in front. A fold is as clear as its valley is deep: not at all from
-/// `full_vote_deg` above the neutral valley of `reflex_offset_deg`, wholly from `full_vote_deg` below it, as borders vote
-/// (METHOD 3.8). What lies beyond a hole in the depth is looked for up to 24 px away; a side beyond which nothing is
-/// seen tells nothing. O(pixels + outline · 24); parallel over rows.
-pub fn outlines(
+/// A step in depth is clear, whichever side is in front. A fold is as clear as its valley is deep: not at all from `full_vote_deg`
+/// above the neutral valley of `reflex_offset_deg`, wholly from `full_vote_deg` below it, as borders vote (METHOD 3.8). Beyond a
+/// hole in the depth something is looked for up to 24 px away; a side beyond which nothing is seen does not count.
+/// O(pixels + outline · 24); parallel over rows.
+pub fn measure_outlines(
     regions: &Segments,
     first: usize,
     points_m: &Raster<[f32; 3]>,
@@ -73,42 +77,12 @@ pub fn outlines(
     space: &DisparitySpace,
     params: &params::Contraction,
 ) -> Vec<Outline> {
-    let (width, height) = regions.labels().size();
-    let view = View {
-        regions,
-        points_m,
-        normals,
-        space,
-        params,
-        reach: space.length_px(REACH_PX),
-        aside: space.length_px(ASIDE_PX),
-    };
-    let labels = regions.labels().as_slice();
+    let height = regions.labels().height();
+    let [reach, aside] = [REACH_PX, ASIDE_PX].map(|px| space.length_px(px));
+    let view = View { regions, points_m, normals, space, params, reach, aside };
     regions.find_runs();
-    let sides_in = |band: usize| {
-        let mut sides = Vec::new();
-        let mut marks = vec![0; width];
-        let rows = band * BAND_ROWS..height.min((band + 1) * BAND_ROWS);
-        for (run, region) in regions.runs_in(rows).filter(|&(_, region)| region >= first) {
-            let marks = &mut marks[..run.len()];
-            let v = run.start / width;
-            if v == 0 || v + 1 == height {
-                marks.fill(1);
-            } else {
-                let [above, below] =
-                    [run.start - width, run.start + width].map(|i| &labels[i..][..run.len()]);
-                // Without branches, so that the compiler tells many at once; runs are too short for wider units than all machines have.
-                for ((mark, above), below) in marks.iter_mut().zip(above).zip(below) {
-                    *mark = (above ^ region as i32) | (below ^ region as i32);
-                }
-                (marks[0], marks[run.len() - 1]) = (1, 1);
-            }
-            let region = SegmentId(region as u32);
-            marked(marks).for_each(|k| view.sides(run.start + k, region, &mut sides));
-        }
-        sides
-    };
-    let bands: Vec<Vec<Side>> = (0..height.div_ceil(BAND_ROWS)).into_par_iter().map(sides_in).collect();
+    let band = |band: usize| view.band(band * BAND_ROWS..height.min((band + 1) * BAND_ROWS), first);
+    let bands: Vec<Vec<OutlineSide>> = (0..height.div_ceil(BAND_ROWS)).into_par_iter().map(band).collect();
     let mut outlines = vec![Outline::default(); regions.count()];
     for side in bands.into_iter().flatten() {
         outlines[side.region.index()].add(&side);
@@ -116,9 +90,40 @@ pub fn outlines(
     outlines
 }
 
+/// Marks the pixels of a run of one region that another region or none lies beside: the ends, and what has another label above or
+/// below. At the border of the image all are marked.
+fn mark_border(labels: &Raster<i32>, run: &Range<usize>, label: i32, marks: &mut [i32]) {
+    let (width, height) = labels.size();
+    let v = run.start / width;
+    if v == 0 || v + 1 == height {
+        marks.fill(1);
+        return;
+    }
+    let [above, below] = [run.start - width, run.start + width].map(|i| &labels.as_slice()[i..][..run.len()]);
+    // Without branches the compiler compares many at once. Runs are too short for wider units than all machines have.
+    for ((mark, above), below) in marks.iter_mut().zip(above).zip(below) {
+        *mark = (above ^ label) | (below ^ label);
+    }
+    (marks[0], marks[run.len() - 1]) = (1, 1);
+}
+
 impl View<'_> {
-    /// Adds those of the four sides of pixel `i` that are of the outline of its region, if it is measured.
-    fn sides(&self, i: usize, region: SegmentId, sides: &mut Vec<Side>) {
+    /// The outlines of regions from number `first` on in some rows.
+    fn band(&self, rows: Range<usize>, first: usize) -> Vec<OutlineSide> {
+        let labels = self.regions.labels();
+        let mut sides = Vec::new();
+        let mut marks = vec![0; labels.width()];
+        for (run, region) in self.regions.runs_in(rows).filter(|&(_, region)| region >= first) {
+            let marks = &mut marks[..run.len()];
+            mark_border(labels, &run, region as i32, marks);
+            let region = SegmentId(region as u32);
+            marked(marks).for_each(|k| self.sides(run.start + k, region, &mut sides));
+        }
+        sides
+    }
+
+    /// Adds the sides of pixel `i` that are of the outline of its region, if it is measured.
+    fn sides(&self, i: usize, region: SegmentId, sides: &mut Vec<OutlineSide>) {
         let (width, height) = self.regions.labels().size();
         let (u, v) = (i % width, i / width);
         let camera = self.space.camera();
@@ -136,7 +141,7 @@ impl View<'_> {
         ];
         sides.extend(directions.into_iter().filter_map(|(room, step, length_m)| {
             let (end, clear_m) = self.side(i, region, room, step, length_m)?;
-            Some(Side { region, end, length_m, clear_m })
+            Some(OutlineSide { region, end, length_m, clear_m })
         }));
     }
 
@@ -177,7 +182,7 @@ impl View<'_> {
         None
     }
 
-    /// Point and normal some pixels away from the border within the region of `i`; nearer when the region is narrow.
+    /// Point and normal some pixels away from the border within the region of `i`; nearer where the region is narrow.
     fn surface(&self, i: usize, step: isize) -> Option<(DVec3, DVec3)> {
         let own = self.regions.at(i);
         let along = |t: usize| i.checked_add_signed(step * t as isize).filter(|&j| j < self.points_m.len());
@@ -202,7 +207,7 @@ impl Outline {
         if all_m > 0.0 { (self.own_m / all_m) as f32 } else { 1.0 }
     }
 
-    fn add(&mut self, side: &Side) {
+    fn add(&mut self, side: &OutlineSide) {
         let length_m = match side.end {
             End::Own => &mut self.own_m,
             End::Hidden => &mut self.hidden_m,
@@ -230,7 +235,7 @@ mod tests {
         let table = Table::drawn(rows, heights_m);
         let scene = table.scene();
         let params = params::Contraction::default();
-        outlines(&scene.facets.segments, 0, scene.points_m, scene.normals, scene.space, &params)
+        measure_outlines(&scene.facets.segments, 0, scene.points_m, scene.normals, scene.space, &params)
     }
 
     fn sides(length_m: f64, height_m: f64) -> f64 {
@@ -288,8 +293,9 @@ mod tests {
             });
             let scene = table.scene();
             let params = params::Contraction::default();
-            outlines(&scene.facets.segments, 0, scene.points_m, scene.normals, scene.space, &params)[1]
-                .separation()
+            measure_outlines(&scene.facets.segments, 0, scene.points_m, scene.normals, scene.space, &params)
+                [1]
+            .separation()
         };
         assert!(bent(1.0) < 0.05 && bent(-1.0) > 0.95, "{} {}", bent(1.0), bent(-1.0));
     }
@@ -314,7 +320,7 @@ mod tests {
                 view.sides(i, SegmentId(region as u32), &mut sides);
                 sides.iter().for_each(|side| expected[region].add(side));
             }
-            prop_assert_eq!(outlines(regions, first, points_m, normals, space, params), expected);
+            prop_assert_eq!(measure_outlines(regions, first, points_m, normals, space, params), expected);
         }
     }
 

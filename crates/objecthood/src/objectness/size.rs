@@ -1,4 +1,4 @@
-//! How large a shape is: an oriented box with one axis along up (METHOD 2.7).
+//! Size: an oriented box with one axis along up, and how graspable it is (METHOD 2.7).
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
@@ -6,19 +6,19 @@ use crate::discovery::object::OrientedBox;
 use crate::params;
 use crate::simd::vectorized;
 
-/// The share of the points that lies beyond each face of the box: sensors have outliers.
+/// Share of the points beyond each face of the box: sensors have outliers.
 const OUTLIERS: f64 = 0.01;
-/// Every so many points one tells where most of them lie: a prime number, which does not fall into step with the rows of an image.
+/// One point in this many is sampled to find where most of them lie: a prime number, which does not fall into step with image rows.
 const SAMPLE_STEP: usize = 61;
 /// Points that are looked at together.
 const SIDE_BY_SIDE: usize = 64;
 
-/// The box of `points_m` with its z axis along `up` and x and y along the principal axes of the
-/// horizontal coordinates; each side reaches from the 1st to the 99th percentile. Of no size without points.
+/// Fits a box to `points_m`: z along `up`, x and y along the principal axes of the horizontal coordinates, each side from the 1st to
+/// the 99th percentile. Without points it has no size.
 ///
-/// The axes form a right-handed frame; x points the way of greater extent, towards positive camera x (or y, or z,
-/// when it has none), so that the same points give the same box. O(n).
-pub fn oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
+/// The axes form a right-handed frame. The box is longer along x than along y, and x points towards positive camera x (or y, or z, if
+/// it has no part along x): the same points give the same box. O(n).
+pub fn fit_oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
     let up = Vec3::from(up).as_dvec3();
     let (east, north) = up.any_orthonormal_pair();
     let points = || points_m.iter().map(|&p| Vec3::from(p).as_dvec3());
@@ -65,24 +65,24 @@ fn sorted(box_m: &OrientedBox) -> [f32; 3] {
     sides_m
 }
 
-/// Whether something with this box can be grasped and moved, in [0, 1] (ours, because the paper's hard limits make a verdict
-/// of a measurement, and what is thin in two directions is a sliver of something, however long).
+/// Rates how well something with this box can be grasped and moved, in [0, 1] (ours: the paper has hard limits, which turn a
+/// measurement into a verdict, and what is thin in two directions is a sliver of something, however long).
 ///
-/// The longest side has the upper limit `max_side_m`, the second-longest the lower limit `min_second_side_m`. Limits are soft: on them it is
-/// 1/2, an octave inside 1, an octave outside 0, linear in the logarithm. What is seen is the least that a thing can be, so
-/// the lower limit counts by the share of its outline that is its own (`visibility`).
-pub fn graspable(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
+/// The longest side has the upper limit `max_side_m`, the second-longest the lower limit `min_second_side_m`. Limits are soft: the
+/// rating is 1/2 on them, 1 an octave inside, 0 an octave outside, linear in the logarithm. A thing may be larger than what is
+/// seen of it, so the lower limit counts by the share of the outline that is its own (`visibility`).
+pub fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
     let [_, second_m, longest_m] = sorted(box_m);
     let within = |excess: f32| 0.5 - 0.5 * libm::log2f(excess).clamp(-1.0, 1.0);
     let thin = 1.0 - within(params.min_second_side_m / second_m);
     (1.0 - visibility * thin).min(within(longest_m / params.max_side_m))
 }
 
-/// Where along `axis` (m) a share of [`OUTLIERS`] of the points lies below, and where above, between two points by linear
-/// interpolation; 0 without points.
+/// The places along `axis` (m) below and above which a share of [`OUTLIERS`] of the points lies, interpolated linearly; 0 without
+/// points.
 ///
-/// A sample tells where most points lie, and only what is beyond is ranked (after Floyd and Rivest 1975); everything, should the
-/// sample have misled. O(n).
+/// A sample tells where most points lie, and only points beyond are ranked (after Floyd and Rivest 1975); all points if the sample
+/// misled. O(n).
 fn limits_m(points_m: &[[f32; 3]], axis: DVec3) -> [f64; 2] {
     let count = points_m.len();
     let sample = points_m.iter().step_by(SAMPLE_STEP).map(|p| along_m(p, axis));
@@ -104,7 +104,7 @@ fn limits_m(points_m: &[[f32; 3]], axis: DVec3) -> [f64; 2] {
     [ranked(below, low), ranked(above, high - before)]
 }
 
-/// Where along `axis` points lie (m), as far as not beyond the first bound or beyond the second.
+/// The places of points along `axis` (m): those up to `low`, and those from `high` on.
 fn tails_m(points_m: &[[f32; 3]], axis: DVec3, [low, high]: [f64; 2]) -> [Vec<f64>; 2] {
     let mut tails = [Vec::new(), Vec::new()];
     for points in points_m.chunks(SIDE_BY_SIDE) {
@@ -167,7 +167,7 @@ mod tests {
                 }
             }
             let up = rotation * DVec3::Z;
-            let found = oriented_box(&points, up.as_vec3().to_array());
+            let found = fit_oriented_box(&points, up.as_vec3().to_array());
             for (got, side) in found.extents_m.iter().zip(sides) {
                 prop_assert!((f64::from(*got) - side).abs() < 1e-4, "{:?}", found);
             }
@@ -182,9 +182,9 @@ mod tests {
     fn outliers_do_not_stretch_the_box_and_no_point_is_no_box() {
         let mut points: Vec<[f32; 3]> = (0..1000).map(|i| [i as f32 / 1000.0, 0.0, 1.0]).collect();
         points.push([50.0, 0.0, 1.0]);
-        let found = oriented_box(&points, [0.0, -1.0, 0.0]);
+        let found = fit_oriented_box(&points, [0.0, -1.0, 0.0]);
         assert!((longest_side_m(&found) - 0.98).abs() < 0.01, "{found:?}");
-        assert_eq!(longest_side_m(&oriented_box(&[], [0.0, -1.0, 0.0])), 0.0);
+        assert_eq!(longest_side_m(&fit_oriented_box(&[], [0.0, -1.0, 0.0])), 0.0);
     }
 
     #[test]
@@ -192,8 +192,8 @@ mod tests {
         let params = params::Objectness::default();
         let (min_m, max_m) = (params.min_second_side_m, params.max_side_m);
         let part = |extents_m, visibility| {
-            let of_origin = oriented_box(&[], [0.0, -1.0, 0.0]);
-            graspable(&OrientedBox { extents_m, ..of_origin }, visibility, &params)
+            let of_origin = fit_oriented_box(&[], [0.0, -1.0, 0.0]);
+            rate_size(&OrientedBox { extents_m, ..of_origin }, visibility, &params)
         };
         let expected = [
             ([0.0, 0.0, 0.0], 1.0, 0.0),
@@ -254,7 +254,7 @@ mod tests {
             let rotation = glam::Quat::from_rotation_z(roll) * glam::Quat::from_rotation_y(angle);
             let on_board = |i: usize| Vec3::new((i % 21) as f32 / 10.0 - 1.0, 0.0, (i / 21) as f32 / 20.0 - 0.5);
             let points: Vec<_> = (0..441).map(|i| (rotation * on_board(i) + 3.0 * Vec3::Z).to_array()).collect();
-            let found = oriented_box(&points, (rotation * -Vec3::Y).to_array());
+            let found = fit_oriented_box(&points, (rotation * -Vec3::Y).to_array());
             let x = glam::Quat::from_array(found.rotation_xyzw) * Vec3::X;
             prop_assert!(x.distance(rotation * Vec3::X) < 1e-3, "{} {:?}", x, found);
         }
@@ -266,7 +266,7 @@ mod tests {
         for slope in [1.0, -1.0] {
             let points: Vec<_> =
                 (0..100).map(|i| i as f32 / 100.0).map(|y| [0.0, y, slope * y + 2.0]).collect();
-            let found = oriented_box(&points, [1.0, 0.0, 0.0]);
+            let found = fit_oriented_box(&points, [1.0, 0.0, 0.0]);
             let x = glam::Quat::from_array(found.rotation_xyzw) * Vec3::X;
             assert!(x.distance(Vec3::new(0.0, 1.0, slope).normalize()) < 1e-6, "{x}");
         }

@@ -1,82 +1,82 @@
-//! Regions against gravity: how high they stand, where they are in the plan view, how they are tilted.
+//! Bodies: regions seen against gravity. How high they stand, where they are in the plan view, how they are tilted.
 
 use std::ops::Range;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::discovery::up::Up;
 use crate::oversegment::structure::UPWARD;
 use crate::planes::StructurePlane;
 use crate::quantile::element_at;
 use crate::raster::Raster;
-use crate::regions::Segments;
 use crate::simd::{extend_where, vectorized};
 use crate::support::cell::{CELL_M, Cell, Cells};
-use crate::support::piece::{Extent, PIECE_PX, Piece};
+use crate::support::pixel_block::{BLOCK_PX, PixelBlock, RegionExtent};
 use crate::support::plan::{DIRECTIONS, FORESHORTENED, Plan};
+use crate::support::scene::SupportScene;
 use crate::surface::disparity::DisparitySpace;
 
-/// Heights that differ by less (m) are the same: what rises less above its surroundings is not told from them either
-/// (`height.min_top_m`). Beyond 1.9 m the sensor resolves less: there it is [`LEVEL_QUANTA`].
+/// Heights that differ by less (m) count as the same: what rises less above its surroundings is a part of them as well
+/// (`height.min_top_m`). Beyond 1.9 m the sensor does not resolve this, and the limit is [`LEVEL_QUANTA`].
 const LEVEL_M: f64 = 0.01;
-/// A foot, at the 2nd percentile of heights, sinks by so many quanta: two standard deviations of a depth of half a quantum.
+/// Heights within this many quanta are the same: a foot, the 2nd percentile of heights, lies two standard deviations of depth too
+/// low, each half a quantum.
 const LEVEL_QUANTA: f64 = 1.0;
-/// In so many directions one looks for what is around a place.
+/// Directions in which the surroundings of a place are looked at.
 pub(crate) const SECTORS: usize = 12;
-/// The foot of a region is this share of its heights from below: single noisy pixels lie low anywhere.
+/// The foot of a region is above this share of its heights: single noisy pixels lie low anywhere.
 const FOOT_SHARE: f64 = 0.02;
-/// Its top is this share from below.
+/// The top of a region is above this share of its heights.
 const TOP_SHARE: f64 = 0.98;
-/// A face whose normal has more than this along up (25 degrees from level) is a top, not a side.
+/// A face whose normal has more than this along up (25 degrees from level) is a top and no side.
 const TOP_FACE: f64 = 0.9;
 /// Sides of a flat thing are tilted alike up to this (sine; 9 degrees, the noise of normals of small faces).
 const ALIKE: f64 = 0.15;
-/// What is tilted by less (sine; 8 degrees) stands upright.
+/// A side tilted by less (sine; 8 degrees) stands upright.
 const LEAST_TILT: f64 = 0.14;
-/// This share of what is tilted in something that leans is tilted alike: a board is, a ball or a rounded edge is not.
+/// Something leans when at least this share of its tilted pixels is tilted alike: a board does, a ball or a rounded edge does not.
 const LEAST_ALIKE: f64 = 0.6;
-/// And it is this share of all that is seen of it.
+/// The pixels tilted alike are at least this share of all its pixels, ...
 const LEAST_TILTED: f64 = 0.2;
-/// Up its slope it is so long (m) ...
+/// ... at least this long up its slope (m) ...
 const LEAST_SLOPE_M: f64 = 0.07;
-/// ... and so large (m²): boards are, cables, handles and slivers of a bowl's wall are not.
+/// ... and at least this large (m²): boards are, cables, handles and slivers of a bowl's wall are not.
 const LEAST_FACE_M2: f64 = 0.004;
 
 /// A region as something that stands.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Body {
-    /// Its first pixel; tells regions apart whatever their numbers are.
+    /// Its first pixel: ties are broken by it, because region numbers may differ.
     pub(crate) first: usize,
     /// Pixels with depth.
     pub(crate) size_px: usize,
     /// Mean height (m).
     pub(crate) mean_m: f64,
-    /// Of a thing, the height of its lowest visible part (m).
+    /// Height of its lowest visible part (m); things only, and so is all that follows but middle and outline.
     pub(crate) foot_m: f64,
-    /// Of a thing, the height of its highest part (m).
+    /// Height of its highest part (m).
     pub(crate) top_m: f64,
-    /// Of a thing, heights that differ by less (m) are the same at its depth.
+    /// Heights that differ by less (m) count as the same at its depth.
     pub(crate) level_m: f64,
-    /// Of a thing, its mean normal, the shorter the more it bends; zero without any.
+    /// Its mean normal, the shorter the more it bends; zero without any.
     pub(crate) normal: DVec3,
     /// Mean place (m).
     pub(crate) middle_m: DVec2,
-    /// How far it reaches in the plan view in each of the directions of its outline (m).
+    /// Its outline in the plan view: how far it reaches in each of the [`DIRECTIONS`] (m).
     reach_m: [f64; DIRECTIONS],
-    /// Of a thing, how high it is cell by cell.
+    /// How high it is cell by cell.
     cells: Cells,
-    /// Of a thing, the pixels of what is level with its lowest visible part.
+    /// The pixels that are level with its lowest visible part.
     pub(crate) foot: Vec<u32>,
-    /// Which way its sides lean, if they are one flat face that is tilted.
+    /// How its sides lean, if they are one flat and tilted face.
     pub(crate) tilt: Option<Tilt>,
 }
 
-/// Something flat that is not upright.
+/// How something flat leans.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tilt {
     /// Unit vector in the plan view from its foot to its top.
     pub(crate) toward: DVec2,
-    /// Share of its sides that are tilted alike.
+    /// Share of its tilted pixels that are tilted alike.
     pub(crate) alike: f64,
 }
 
@@ -90,34 +90,26 @@ pub(crate) struct Bodies<'a> {
 }
 
 impl<'a> Bodies<'a> {
-    /// Pixels without depth do not count. O(pixels + pixels of things · log of them); parallel over
-    /// regions.
-    pub(crate) fn new(
-        regions: &Segments,
-        points_m: &Raster<[f32; 3]>,
-        normals: &Raster<[f32; 3]>,
-        planes: &'a [StructurePlane],
-        up: &Up,
-        space: &DisparitySpace,
-    ) -> Self {
-        let plan = Plan::new(up);
-        let pixels = (points_m, normals);
-        let body = |region, runs: &[_]| Body::of(runs, region >= planes.len(), pixels, &plan, space);
-        let all = regions.runs_of_each().map(body);
-        Self { plan, all, planes }
+    /// The bodies of a scene. Pixels without depth do not count. O(pixels + pixels of things · log of them); parallel over regions.
+    pub(crate) fn new(scene: &SupportScene<'a>) -> Self {
+        let plan = Plan::new(scene.up);
+        let view = View { points_m: scene.points_m, normals: scene.normals, plan: &plan, space: scene.space };
+        let body = |region, runs: &[_]| Body::of(runs, region >= scene.planes.len(), view);
+        let all = scene.regions.runs_of_each().map(body);
+        Self { plan, all, planes: scene.planes }
     }
 
-    /// The regions that are no planes and have points.
+    /// The regions that are no structure and have points.
     pub(crate) fn things(&self) -> impl Iterator<Item = usize> + '_ {
         (self.planes.len()..self.all.len()).filter(|&region| self.all[region].size_px > 0)
     }
 
-    /// Whether something can stand on a plane.
+    /// Whether a plane faces up, so that something can stand on it.
     pub(crate) fn faces_up(&self, plane: &StructurePlane) -> bool {
         self.plan.upward(plane.normal) > UPWARD
     }
 
-    /// Whether a region ends upwards near a place, below a height (m), and is something to stand on there.
+    /// Whether something can stand on a region near a place: the region ends upwards there, at or below a height (m).
     pub(crate) fn ends_at(&self, region: usize, place_m: DVec2, below_m: f64) -> bool {
         match self.planes.get(region) {
             Some(plane) => self.faces_up(plane),
@@ -135,20 +127,20 @@ impl<'a> Bodies<'a> {
             .all(|(direction, reach_m)| place_m.dot(*direction) <= *reach_m)
     }
 
-    /// How high a thing is seen at a place and about 1 cm around it (m).
+    /// How high a thing is at a place and about 1 cm around it (m); `None` where nothing of it is seen.
     pub(crate) fn top_near_m(&self, region: usize, place_m: DVec2) -> Option<f64> {
         self.all[region].cells.top_near_m(place_m)
     }
 
-    /// How long a region is in the plan view (m), along the longest of [`DIRECTIONS`].
+    /// Length of a region in the plan view (m), in the direction in which it is longest.
     pub(crate) fn length_m(&self, region: usize) -> f64 {
         let reach_m = &self.all[region].reach_m;
         let lengths_m = (0..DIRECTIONS).map(|k| reach_m[k] + reach_m[(k + DIRECTIONS / 2) % DIRECTIONS]);
         lengths_m.fold(0.0, f64::max)
     }
 
-    /// How far the outlines of two regions overlap in the plan view (m): the least way along any of [`DIRECTIONS`] that
-    /// takes them apart.
+    /// How far the outlines of two regions overlap in the plan view (m): the shortest way along any of [`DIRECTIONS`] that takes
+    /// them apart.
     pub(crate) fn overlap_m(&self, a: usize, b: usize) -> f64 {
         let [a, b] = [a, b].map(|region| &self.all[region].reach_m);
         let apart = (0..DIRECTIONS).map(|k| a[k] + b[(k + DIRECTIONS / 2) % DIRECTIONS]);
@@ -163,7 +155,7 @@ impl<'a> Bodies<'a> {
         -f64::from(distance_m) / self.plan.upward(plane.normal)
     }
 
-    /// Around a place, in how many of [`SECTORS`] directions a region is seen above a height.
+    /// In how many of the [`SECTORS`] around a place a region is seen above a height (m).
     pub(crate) fn sectors_above(&self, region: usize, place_m: DVec2, height_m: f64) -> usize {
         let mut seen = [false; SECTORS];
         for (cell, _) in self.all[region].cells.iter().filter(|of_cell| of_cell.1 > height_m) {
@@ -177,105 +169,108 @@ impl<'a> Bodies<'a> {
 }
 
 impl Body {
-    /// Of the pixels in these runs along rows.
-    fn of(
-        runs: &[Range<usize>],
-        is_thing: bool,
-        pixels: Pixels<'_>,
-        plan: &Plan,
-        space: &DisparitySpace,
-    ) -> Self {
-        let (points_m, normals) = pixels;
+    /// The body of the pixels in these runs along rows.
+    fn of(runs: &[Range<usize>], is_thing: bool, view: View<'_>) -> Self {
         let most = if is_thing { runs.iter().map(ExactSizeIterator::len).sum() } else { 0 };
-        let (mut extent, mut look, mut piece) = (Extent::new(), Look::of_at_most(most), Piece::new());
-        let mut survey = |piece: &mut Piece| {
-            piece.survey(plan, &mut extent);
+        let mut extent = RegionExtent::new();
+        let mut details = Details::with_room(most);
+        let mut survey = |block: &mut PixelBlock| {
+            block.survey(view.plan, &mut extent);
             if is_thing {
-                look.add(piece, normals.as_slice(), plan);
+                details.add(block, view.normals.as_slice(), view.plan);
             }
         };
+        let mut block = PixelBlock::new();
         for run in runs {
-            piece.take(run.clone(), points_m.as_slice(), &mut survey);
+            block.take(run.clone(), view.points_m.as_slice(), &mut survey);
         }
-        survey(&mut piece);
+        survey(&mut block);
         let Some(first) = extent.first else { return Self::default() };
         let mut body = Self {
             first: first as usize,
             size_px: extent.size_px,
             mean_m: extent.mean_m(),
-            level_m: space.step_m(LEVEL_QUANTA, extent.depth_m()).max(LEVEL_M),
+            level_m: view.space.step_m(LEVEL_QUANTA, extent.depth_m()).max(LEVEL_M),
             middle_m: extent.middle_m(),
             reach_m: extent.reach_m,
             ..Self::default()
         };
-        body.take(look, pixels, plan, space);
+        body.add_details(details, view);
         body
     }
 
-    /// What follows from all that is seen of it.
-    fn take(&mut self, look: Look, pixels: Pixels<'_>, plan: &Plan, space: &DisparitySpace) {
-        let mut heights_m = look.heights_m.clone();
+    /// Adds what follows from the single pixels of a thing.
+    fn add_details(&mut self, details: Details, view: View<'_>) {
+        let mut heights_m = details.heights_m.clone();
         self.foot_m = element_at(&mut heights_m, FOOT_SHARE);
         self.top_m = element_at(&mut heights_m, TOP_SHARE);
         let is_foot = |&(_, height_m): &(&u32, &f64)| *height_m < self.foot_m + self.level_m;
-        self.foot = look.pixels.iter().zip(&look.heights_m).filter(is_foot).map(|(&i, _)| i).collect();
-        self.normal = look.normal / f64::from(look.normals.max(1));
-        self.cells = Cells::new(look.heights_m, &look.runs);
-        self.tilt = Tilt::of(&look.tilted, self.size_px, pixels, plan, space);
+        self.foot = details.pixels.iter().zip(&details.heights_m).filter(is_foot).map(|(&i, _)| i).collect();
+        self.normal = details.normal / f64::from(details.normals.max(1));
+        self.cells = Cells::new(details.heights_m, &details.runs);
+        self.tilt = Tilt::of(&details.tilted, self.size_px, view);
     }
 }
 
-/// Points and normals of the image.
-type Pixels<'a> = (&'a Raster<[f32; 3]>, &'a Raster<[f32; 3]>);
+/// What bodies are computed from.
+#[derive(Clone, Copy)]
+struct View<'a> {
+    points_m: &'a Raster<[f32; 3]>,
+    normals: &'a Raster<[f32; 3]>,
+    plan: &'a Plan,
+    space: &'a DisparitySpace,
+}
 
-/// What is seen of a thing.
+/// What is known of the single pixels of a thing.
 #[derive(Default)]
-struct Look {
+struct Details {
     /// Every pixel, in scan order.
     pixels: Vec<u32>,
     /// Its height (m).
     heights_m: Vec<f64>,
-    /// Neighbouring points in one cell of the plan view, and where they begin among the heights.
+    /// Successive points in one cell of the plan view: the cell, and where they begin among the heights.
     runs: Vec<(Cell, u32)>,
+    /// Sum of the normals, and their number.
     normal: DVec3,
     normals: u32,
-    tilted: Vec<Side>,
+    tilted: Vec<TiltedPixel>,
 }
 
-/// A pixel of a face that is tilted, and no top.
+/// A pixel of a side that is tilted.
 #[derive(Clone, Copy, Default)]
-struct Side {
+struct TiltedPixel {
     pixel: u32,
-    /// What of its normal is upwards.
+    /// The part of its normal along up.
     upward: f64,
     height_m: f64,
 }
 
-impl Look {
-    /// Of so many pixels, for which there is room.
-    fn of_at_most(count: usize) -> Self {
+impl Details {
+    /// Nothing yet, with room for `count` pixels.
+    fn with_room(count: usize) -> Self {
         Self { pixels: Vec::with_capacity(count), heights_m: Vec::with_capacity(count), ..Self::default() }
     }
 
-    fn add(&mut self, piece: &Piece, normals: &[[f32; 3]], plan: &Plan) {
-        let (pixels, heights_m) = (piece.pixels(), piece.heights_m());
-        let cells = piece.cells();
-        let mut is_start = [false; PIECE_PX];
+    /// Adds a surveyed block.
+    fn add(&mut self, block: &PixelBlock, normals: &[[f32; 3]], plan: &Plan) {
+        let (pixels, heights_m) = (block.pixels(), block.heights_m());
+        let cells = block.cells();
+        let mut is_start = [false; BLOCK_PX];
         is_start[0] = self.runs.last().is_none_or(|run| run.0 != cells[0]);
-        (1..PIECE_PX).for_each(|k| is_start[k] = cells[k] != cells[k - 1]);
+        (1..BLOCK_PX).for_each(|k| is_start[k] = cells[k] != cells[k - 1]);
         let starts = cells.into_iter().zip(self.heights_m.len() as u32..);
-        extend_where::<PIECE_PX, _>(&mut self.runs, starts.zip(is_start).take(pixels.len()));
+        extend_where::<BLOCK_PX, _>(&mut self.runs, starts.zip(is_start).take(pixels.len()));
         self.pixels.extend(pixels);
         self.heights_m.extend(heights_m);
 
-        let mut own = [[0.0; 3]; PIECE_PX];
+        let mut own = [[0.0; 3]; BLOCK_PX];
         own.iter_mut().zip(pixels).for_each(|(own, &pixel)| *own = normals[pixel as usize]);
-        let (mut upward, mut is_side) = ([0.0; PIECE_PX], [false; PIECE_PX]);
+        let (mut upward, mut is_side) = ([0.0; BLOCK_PX], [false; BLOCK_PX]);
         self.normals += vectorized(
             #[inline(always)]
             || {
                 let mut count = 0;
-                for k in 0..PIECE_PX {
+                for k in 0..BLOCK_PX {
                     upward[k] = plan.upward(own[k]);
                     is_side[k] = (upward[k] < TOP_FACE) & (upward[k].abs() > LEAST_TILT);
                     let [x, y, z] = own[k];
@@ -284,24 +279,19 @@ impl Look {
                 count
             },
         );
-        // Of no normal nothing is added.
+        // A missing normal is zero and adds nothing.
         self.normal = own[..pixels.len()].iter().fold(self.normal, |sum, &n| sum + Vec3::from(n).as_dvec3());
         let sides = pixels.iter().zip(heights_m).zip(upward).zip(is_side);
-        let sides =
-            sides.map(|(((&pixel, &height_m), upward), is_side)| (Side { pixel, upward, height_m }, is_side));
-        extend_where::<PIECE_PX, _>(&mut self.tilted, sides);
+        let sides = sides.map(|(((&pixel, &height_m), upward), is_side)| {
+            (TiltedPixel { pixel, upward, height_m }, is_side)
+        });
+        extend_where::<BLOCK_PX, _>(&mut self.tilted, sides);
     }
 }
 
 impl Tilt {
-    /// Of the tilted faces of something of `size_px` pixels.
-    fn of(
-        tilted: &[Side],
-        size_px: usize,
-        (points_m, normals): Pixels<'_>,
-        plan: &Plan,
-        space: &DisparitySpace,
-    ) -> Option<Self> {
+    /// How a thing of `size_px` pixels leans, if enough of its tilted pixels are tilted alike and they are long and large enough.
+    fn of(tilted: &[TiltedPixel], size_px: usize, view: View<'_>) -> Option<Self> {
         let mut upward: Vec<f64> = tilted.iter().map(|side| side.upward).collect();
         let middle = element_at(&mut upward, 0.5);
         let alike: Vec<_> = tilted.iter().filter(|side| (side.upward - middle).abs() <= ALIKE).collect();
@@ -309,24 +299,25 @@ impl Tilt {
         if share < LEAST_ALIKE || (alike.len() as f64) < LEAST_TILTED * size_px as f64 {
             return None;
         }
-        let at = |raster: &Raster<[f32; 3]>, side: &Side| raster[side.pixel as usize];
-        let outward: DVec2 = alike.iter().map(|side| plan.place_m(at(normals, side))).sum();
-        // What shows its upper side leans away from where that faces.
+        let at = |raster: &Raster<[f32; 3]>, side: &TiltedPixel| raster[side.pixel as usize];
+        let outward: DVec2 = alike.iter().map(|side| view.plan.place_m(at(view.normals, side))).sum();
+        // A side that faces up leans away from where it faces.
         let toward = (-middle.signum() * outward).try_normalize()?;
         let mut heights_m: Vec<f64> = alike.iter().map(|side| side.height_m).collect();
         let rise_m = element_at(&mut heights_m, TOP_SHARE) - element_at(&mut heights_m, FOOT_SHARE);
         let is_long = rise_m >= LEAST_SLOPE_M * (1.0 - middle * middle).max(0.0).sqrt();
-        let area_m2 = |side: &&Side| area_m2(at(points_m, side), at(normals, side), space);
+        let area_m2 =
+            |side: &&TiltedPixel| area_m2(at(view.points_m, side), at(view.normals, side), view.space);
         let is_large = || alike.iter().map(area_m2).sum::<f64>() >= LEAST_FACE_M2;
         (is_long && is_large()).then_some(Self { toward, alike: share })
     }
 }
 
-/// Area of the face that a pixel shows (m^2).
+/// Area of the face that a pixel shows (m²).
 fn area_m2(point_m: [f32; 3], normal: [f32; 3], space: &DisparitySpace) -> f64 {
     let camera = space.camera();
     let [point, normal] = [point_m, normal].map(|v| Vec3::from(v).as_dvec3());
-    // Along the face one sees next to nothing, and normals err.
+    // Seen along the face the area would be unbounded, and normals err.
     let slant = (normal.dot(point) / point.length()).abs().max(FORESHORTENED);
     point.z * point.z * point.z / (camera.fx_px * camera.fy_px * point.length() * slant)
 }
@@ -336,7 +327,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::discovery::up::UpSource;
+    use crate::discovery::up::{Up, UpSource};
+    use crate::regions::Segments;
     use crate::support::cell::CELL_SHARE;
 
     proptest! {
@@ -354,8 +346,12 @@ mod tests {
             let regions = Segments::from_numbered(pixels.map(|pixel| pixel.0), 2);
             // Some have none.
             let normals = pixels.map(|&(_, vector, _)| if vector[0] < 0.5 { vector } else { [0.0; 3] });
-            let bodies = Bodies::new(&regions, &points, &normals, &[], &up, &crate::testing::kinect());
+            let space = &crate::testing::kinect();
+            let (points_m, normals) = (&points, &normals);
+            let bodies =
+                Bodies::new(&SupportScene { regions: &regions, points_m, normals, planes: &[], up: &up, space });
             let plan = Plan::new(&up);
+            let view = View { points_m, normals, plan: &plan, space };
             for (region, body) in bodies.all.iter().enumerate() {
                 let own = || regions.members().filter(|&(i, r)| r == region && !points[i][2].is_nan()).map(|(i, _)| i);
                 prop_assert_eq!((body.size_px, body.first), (own().count(), own().next().unwrap_or(0)));
@@ -368,10 +364,10 @@ mod tests {
                 prop_assert_eq!(body.normal, normal / known().count().max(1) as f64);
                 let side = |i: usize| {
                     let (upward, height_m) = (plan.upward(normals[i]), plan.height_m(points[i]));
-                    (upward < 0.9 && upward.abs() > 0.14).then_some(Side { pixel: i as u32, upward, height_m })
+                    (upward < 0.9 && upward.abs() > 0.14).then_some(TiltedPixel { pixel: i as u32, upward, height_m })
                 };
-                let sides: Vec<Side> = own().filter_map(side).collect();
-                let tilt = Tilt::of(&sides, own().count(), (&points, &normals), &plan, &crate::testing::kinect());
+                let sides: Vec<TiltedPixel> = own().filter_map(side).collect();
+                let tilt = Tilt::of(&sides, own().count(), view);
                 let told = |tilt: Option<Tilt>| tilt.map(|tilt| (tilt.toward, tilt.alike));
                 prop_assert_eq!(told(body.tilt), told(tilt));
                 let is_foot = |&i: &usize| plan.height_m(points[i]) < body.foot_m + body.level_m;

@@ -1,4 +1,4 @@
-//! Physical support: what stands on what (paper, eq. 6 to 8).
+//! Support in `paper`: of two shapes in contact the higher one stands on the other (eq. 6 to 8).
 
 use glam::{DVec3, Vec3};
 
@@ -12,16 +12,16 @@ use crate::shapes::descriptor::Descriptor;
 /// A shape with fewer points has height 0.
 const MIN_POINTS: usize = 3;
 
-/// Builds the support graph of the shapes in contact and carries P(O) up through it.
+/// Builds the support graph of the shapes in contact and hands P(O) up through it.
 ///
-/// * eq. 6: of two shapes in contact the one of greater mean height stands on the other (equal: the greater number), so
-///   that there are no cycles;
+/// * eq. 6: of two shapes in contact the one of greater mean height stands on the other (equal: the greater number), so there are no
+///   cycles;
 /// * eq. 7: P(S) = the part of the mean normal along up, clamped to [0, 1];
 /// * eq. 8: P(O) = the greatest P(S) or P(O) of any parent, 0 without parents, in ascending height.
 ///
 /// All nodes start as [`NodeKind::Surface`]. *Differs from the paper:* its "vertical position" is read as the mean
 /// height. O(pixels + E log E).
-pub fn support(
+pub fn build_by_height(
     shapes: &Segments,
     descriptors: &[Descriptor],
     contacts: &RegionGraph<u32>,
@@ -29,6 +29,32 @@ pub fn support(
     up: &Up,
 ) -> SupportGraph {
     let up = Vec3::from(up.direction).as_dvec3();
+    let (height_m, size_px) = measure_heights(shapes, points_m, up);
+    let rank = rank_by(&height_m);
+    let edge = |(a, b, contacts): (usize, usize, u32)| {
+        let (lower, upper) = if rank[a] < rank[b] { (a, b) } else { (b, a) };
+        SupportEdge::seen(NodeId(lower as u32), NodeId(upper as u32), contacts)
+    };
+    let pairs = contacts.edges().iter().map(|e| (e.a.index(), e.b.index(), e.evidence));
+    let mut edges: Vec<SupportEdge> = pairs.map(edge).collect();
+    edges.sort_by_key(|e| (e.lower, e.upper));
+
+    // Adding 0 takes the sign from a negative zero.
+    let upward = |d: &Descriptor| DVec3::from(d.normal).dot(up).clamp(0.0, 1.0) + 0.0;
+    let p_s: Vec<f64> = descriptors.iter().map(upward).collect();
+    let p_o = hand_up(&p_s, &edges, &rank);
+    let node = |s: usize| SupportNode {
+        kind: NodeKind::Surface,
+        p_s: p_s[s] as f32,
+        p_o: p_o[s] as f32,
+        height_m: height_m[s] as f32,
+        size_px: size_px[s],
+    };
+    SupportGraph { nodes: (0..shapes.count()).map(node).collect(), edges }
+}
+
+/// Mean height (m) and number of points of every shape.
+fn measure_heights(shapes: &Segments, points_m: &Raster<[f32; 3]>, up: DVec3) -> (Vec<f64>, Vec<usize>) {
     let mut sum_m = vec![0.0; shapes.count()];
     let mut size_px = vec![0_usize; shapes.count()];
     for (run, s) in shapes.runs() {
@@ -37,48 +63,30 @@ pub fn support(
             (sum_m + Vec3::from(point).as_dvec3().dot(up), size_px + 1)
         });
     }
-    let height_m: Vec<f64> = sum_m
-        .iter()
-        .zip(&size_px)
-        .map(|(sum, &n)| if n < MIN_POINTS { 0.0 } else { sum / n as f64 })
-        .collect();
-    let mut order: Vec<usize> = (0..shapes.count()).collect();
-    order.sort_by(|&a, &b| height_m[a].total_cmp(&height_m[b]));
+    let mean = |(sum, &n): (&f64, &usize)| if n < MIN_POINTS { 0.0 } else { sum / n as f64 };
+    (sum_m.iter().zip(&size_px).map(mean).collect(), size_px)
+}
+
+/// The place of every value among all in ascending order; of equal ones the first comes first.
+fn rank_by(values: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
     let mut rank = vec![0; order.len()];
     order.iter().enumerate().for_each(|(place, &s)| rank[s] = place);
+    rank
+}
 
-    let mut edges: Vec<SupportEdge> = contacts
-        .edges()
-        .iter()
-        .map(|e| {
-            let (lower, upper) = if rank[e.a.index()] < rank[e.b.index()] { (e.a, e.b) } else { (e.b, e.a) };
-            SupportEdge::seen(NodeId(lower.0), NodeId(upper.0), e.evidence)
-        })
-        .collect();
-    edges.sort_by_key(|e| (e.lower, e.upper));
-
-    // The sum takes the sign from a negative zero.
-    let upward = |d: &Descriptor| DVec3::from(d.normal).dot(up).clamp(0.0, 1.0) + 0.0;
-    let p_s: Vec<f64> = descriptors.iter().map(upward).collect();
-    let mut p_o = vec![0.0_f64; shapes.count()];
+/// P(O) of every shape (eq. 8).
+fn hand_up(p_s: &[f64], edges: &[SupportEdge], rank: &[usize]) -> Vec<f64> {
+    let mut p_o = vec![0.0_f64; p_s.len()];
     let mut upwards: Vec<&SupportEdge> = edges.iter().collect();
-    // Whatever leads to a parent comes before what leads on from it.
+    // What leads to a parent comes before what leads on from it.
     upwards.sort_by_key(|e| rank[e.upper.0 as usize]);
     for edge in upwards {
         let (parent, child) = (edge.lower.0 as usize, edge.upper.0 as usize);
         p_o[child] = p_o[child].max(p_s[parent]).max(p_o[parent]);
     }
-
-    let nodes = (0..shapes.count())
-        .map(|s| SupportNode {
-            kind: NodeKind::Surface,
-            p_s: p_s[s] as f32,
-            p_o: p_o[s] as f32,
-            height_m: height_m[s] as f32,
-            size_px: size_px[s],
-        })
-        .collect();
-    SupportGraph { nodes, edges }
+    p_o
 }
 
 #[cfg(test)]
@@ -98,7 +106,7 @@ mod tests {
         let up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera };
         let contacts =
             RegionGraph::from_pairs(n, contacts.iter().map(|&(a, b)| (SegmentId(a), SegmentId(b))));
-        support(&Segments::from_labels(&labels), &described, &contacts, &points, &up)
+        build_by_height(&Segments::from_labels(&labels), &described, &contacts, &points, &up)
     }
 
     fn p_o(graph: &SupportGraph) -> Vec<f32> {
@@ -137,7 +145,7 @@ mod tests {
         let up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera };
         let contacts = RegionGraph::from_pairs(2, [(SegmentId(0), SegmentId(1))]);
         let described = [Descriptor::default(); 2];
-        let graph = support(&Segments::from_labels(&labels), &described, &contacts, &points, &up);
+        let graph = build_by_height(&Segments::from_labels(&labels), &described, &contacts, &points, &up);
         assert_eq!((graph.nodes[0].height_m, graph.nodes[0].size_px), (0.0, 2));
         assert_eq!((graph.nodes[1].height_m, graph.nodes[1].size_px), (0.4, 3));
         let (lower, upper) = (graph.edges[0].lower, graph.edges[0].upper);

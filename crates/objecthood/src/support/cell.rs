@@ -1,4 +1,4 @@
-//! Cells of the plan view.
+//! How high a region is, cell by cell of the plan view.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -7,12 +7,12 @@ use glam::DVec2;
 
 use crate::quantile::element_at;
 
-/// Side of a cell of the plan view (m): half the distance of contact, so that what is in contact is in neighbouring cells.
+/// Side of a cell of the plan view (m): half the distance of contact, so that points in contact lie in neighbouring cells.
 pub(crate) const CELL_M: f64 = 0.01;
-/// The height of a cell is this share of its heights from below.
+/// The height of a cell is above this share of the heights of its points.
 pub(crate) const CELL_SHARE: f64 = 0.8;
 
-/// A cell of the plan view. In one number, so that many are sorted fast: by column, then by row.
+/// A cell of the plan view as one number, which sorts fast: by column, then by row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Cell(u64);
 
@@ -34,19 +34,19 @@ impl Cell {
     }
 }
 
-/// How high a region is, cell by cell. Few cells are asked about, so each is looked at when it is.
+/// The heights of a region by cell. Few cells are asked for, so the height of each is computed on demand.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cells {
     /// Of every point (m).
     heights_m: Vec<f64>,
-    /// Points that follow each other and are in one cell, in the order of cells.
+    /// Successive points in one cell, sorted by cell.
     runs: Vec<(Cell, Range<u32>)>,
-    /// Where the runs of each cell are, and its height (m) once it is known; in the order of cells.
+    /// Per cell its runs, and its height (m) once it is known; sorted by cell.
     all: Vec<(Cell, Range<u32>, OnceLock<f64>)>,
 }
 
 impl Cells {
-    /// Of points at these heights, and of where among them a run of points in one cell begins. O(runs · log of them).
+    /// The cells of points at these heights. `starts`: where each run of points in one cell begins. O(runs · log of them).
     pub(crate) fn new(heights_m: Vec<f64>, starts: &[(Cell, u32)]) -> Self {
         let ends = starts.iter().skip(1).map(|run| run.1).chain([heights_m.len() as u32]);
         let mut runs: Vec<(Cell, Range<u32>)> =
@@ -62,7 +62,7 @@ impl Cells {
         Self { heights_m, runs, all }
     }
 
-    /// How high it is at a place and about 1 cm around it (m); `None` where there is nothing of it.
+    /// The greatest height (m) in the cell of a place and the eight around it; `None` where the region has no point.
     pub(crate) fn top_near_m(&self, place_m: DVec2) -> Option<f64> {
         let [x, y] = Cell::at(place_m).place();
         let column = |x: i32| {
@@ -74,7 +74,7 @@ impl Cells {
         around.map(|k| self.height_m(k)).reduce(f64::max)
     }
 
-    /// The cells, in their order, with their heights (m).
+    /// The cells in order, with their heights (m).
     pub(crate) fn iter(&self) -> impl Iterator<Item = (Cell, f64)> + '_ {
         (0..self.all.len()).map(|k| (self.all[k].0, self.height_m(k)))
     }
@@ -91,7 +91,7 @@ impl Cells {
     }
 }
 
-/// The integer below, saturating: a conversion and a comparison, which a library's `floor` on the oldest x86-64 is not.
+/// The largest integer not above `x`, saturating: a conversion and a comparison. On the oldest x86-64 a library's `floor` is a call.
 #[inline(always)]
 fn floor(x: f64) -> i32 {
     let toward_zero = x as i32;

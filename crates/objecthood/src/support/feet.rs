@@ -1,4 +1,4 @@
-//! What hides the feet of things: the way down in the image, to what stands there.
+//! Feet: what is seen below the lowest visible part of a thing.
 
 use glam::Vec3;
 
@@ -7,25 +7,26 @@ use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::support::body::Bodies;
 
-/// What is seen below the lowest visible part of a region, counted in pixels of its edge.
+/// What is seen below the foot of a region, in pixels of the foot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Foot {
-    /// Another thing that touches it or is nearer, the border of the image, or a hole without depth: it may go on there.
+    /// Another region that touches it or is nearer, the border of the image, or a hole: the region may go on there.
     pub(crate) ended: u32,
-    /// Something farther: there it is over, above the ground.
+    /// Something farther: the region ends there, above the ground.
     pub(crate) open: u32,
 }
 
 impl Foot {
-    /// Share of the foot below which something farther is seen; 0 of no foot.
+    /// Share of the foot below which something farther is seen; 0 without a foot.
     pub(crate) fn open_share(&self) -> f64 {
         f64::from(self.open) / f64::from((self.open + self.ended).max(1))
     }
 }
 
-/// The feet of all things: of what is level with their lowest visible part, each pixel below which, along gravity in
-/// the image, the first pixel of any region with depth within `reach_px` is not its own. O(pixels of feet · `reach_px`).
-pub(crate) fn feet(
+/// Looks below the feet of all things. The foot of a thing is its pixels level with its lowest visible part. From each the first
+/// pixel with region and depth is looked for, along gravity in the image and within `reach_px`. If it is the thing's own, the foot
+/// goes on and does not count. O(pixels of feet · `reach_px`).
+pub(crate) fn find_feet(
     regions: &Segments,
     points_m: &Raster<[f32; 3]>,
     bodies: &Bodies<'_>,

@@ -1,7 +1,7 @@
 //! The support forest of `context`: what stands on, lies in or leans on what, also where the contact is hidden.
 //!
-//! The paper takes the lower one of any two shapes in contact for the carrier (eq. 6). Here the place of the contact and the
-//! direction of gravity decide: what stands on something touches it with its foot, from above.
+//! The paper takes the lower of any two shapes in contact for the carrier (eq. 6). Here the place of the contact and the direction
+//! of gravity decide: what stands on something touches it with its foot, from above.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,101 +10,78 @@ use glam::Vec3;
 
 use crate::discovery::ids::NodeId;
 use crate::discovery::support_graph::{NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode};
-use crate::discovery::up::Up;
 use crate::params::{self, Params};
-use crate::planes::StructurePlane;
-use crate::raster::Raster;
-use crate::regions::Segments;
 use crate::shapes::contact::touching_pairs;
+use crate::support::acyclic::Acyclic;
 use crate::support::body::{Bodies, Body, SECTORS};
-use crate::support::feet::{Foot, feet};
-use crate::support::meeting::{Meeting, UNDER_M, meetings};
-use crate::surface::disparity::DisparitySpace;
+use crate::support::feet::{Foot, find_feet};
+use crate::support::meeting::{Meeting, UNDER_M, find_meetings};
+use crate::support::scene::SupportScene;
 
 /// Fewer pairs of points in contact are chance (METHOD 3.10: 4 touching pixels, each here in up to four directions).
 const LEAST_CONTACTS: u32 = 8;
-/// What carries has this share of the contacts of the foot; this share of them is where it goes on below, or of the foot is
-/// over the edge.
+/// A carrier has at least this share of the contacts of the foot. At least this share of them is where the carrier goes on below,
+/// or of the foot is over its edge.
 const LEAST_SHARE: f64 = 0.2;
-/// It is seen in so many of [`SECTORS`]: a far wall alone, half of them, encloses nothing.
+/// What encloses something is seen in at least this many of the [`SECTORS`] around it: a far wall alone is seen in half of them.
 const LEAST_ENCLOSED: usize = 8;
-/// What is leant on is where the upper one leans, up to this angle (cosine, 60 degrees).
+/// Something leans on what lies where it leans to, up to this angle (cosine, 60 degrees).
 const TOWARD: f64 = 0.5;
-/// A contact that is not seen is half as sure as one that is.
+/// A hidden contact is half as sure as one that is seen.
 const HIDDEN: f64 = 0.5;
 
-/// What carries what, of any label map: our own, or the true one.
+/// Finds what carries what among the regions of any label map: our own, or the true one. Node k of the graph is region k.
 ///
-/// `regions`: first the structure, of which region k lies on `planes[k]`, then the things that stand about; all rasters are of one
-/// size. Node k of the graph is region k. Two regions meet where points are in contact (`params`). The foot of a thing is
-/// the lowest 10 mm of what is seen of it, beyond 1.9 m as much as the sensor resolves. It
+/// Two regions meet where points are in contact (`contact`). The foot of a thing is the lowest visible 10 mm of it; beyond
+/// 1.9 m, where the sensor resolves less, it is one quantum. A thing
 ///
-/// * stands *on* what its foot is level with, from above. So that what merely stands behind something and is hidden by it
-///   below does not stand on it: the lower goes on 3 cm behind the contact, or holds the middle of the upper, or the foot hangs
-///   over. `confidence`: share of the contacts of the foot;
-/// * lies *in* what has a rim around it: is graspable (`objectness.max_side_m`), and rises by 1 cm, far away by what the
-///   sensor resolves, above its foot and above the floor seen under its middle, in two of three directions around that.
-///   `confidence`: the share of directions, half of it if the two are not seen to touch (`hidden`);
-/// * *leans* on what its side touches, in the direction in which it leans, if it is flat, tilted by 8 degrees or more, 7 cm
-///   long up its slope and 40 cm² large, and the other is no plane that faces up: what is thin or small leans by chance of
-///   noise. `confidence`: the share of what is tilted in it that is tilted alike;
-/// * else the two touch side by side, which is no edge.
+/// * stands *on* what its foot is level with, from above. What merely stands behind something and is hidden by it below does not
+///   stand on it. So the lower must go on 3 cm behind the contact, or hold the middle of the upper, or the foot must hang over.
+///   `confidence`: share of the contacts of the foot;
+/// * lies *in* what has a rim around it: something graspable (`objectness.max_side_m`) that rises above the foot, and above the
+///   floor seen under the middle, by 1 cm or by what the sensor resolves, in two of three directions around the middle.
+///   `confidence`: the share of directions; half of it if the two are not seen to touch (`hidden`);
+/// * *leans* on what its side touches in the direction in which it leans, if that is no plane that faces up. It must be flat,
+///   tilted by 8 degrees or more, 7 cm long up its slope and 40 cm² large: thin or small things lean by noise.
+///   `confidence`: the share of its tilted pixels that are tilted alike;
+/// * else merely touches it side by side, which is no edge.
 ///
-/// What then stands on and lies in nothing has a hidden contact: behind what ends its foot it goes on along gravity, to the
-/// highest thing below that holds its middle or that it hangs over level with its top, else to the plane there, else to the
-/// highest plane below; or it lies in what is around it. `confidence`: a half, if it is level with that or lies in it; else
-/// half the share of its foot that something ends, 0 of what floats.
+/// A thing that then stands on and lies in nothing has a hidden contact. Behind what hides its foot it goes on along gravity: to
+/// the highest thing below that holds its middle, or that it hangs over level with its top; else to the plane there; else to the
+/// highest plane below. Or it lies in what is around it. `confidence`: a half if it is level with its carrier or lies in it; else
+/// half the share of its foot that something ends, 0 for what floats.
 ///
-/// Edges are taken in the order *on* and *in*, *leans*, then what stands on and lies in nothing yet, of each the surest
-/// first, and each unless the upper already carries the lower, directly or by others: there are no cycles. P(S) is eq. 7, of a
-/// plane by its own normal; P(O) is eq. 8 over the edges. Confidence does not weigh in: it says which carrier it is, and eq. 8
-/// asks what that could carry. `contact.reach_px` holds at a focal length of 525 px.
+/// Edges are taken in this order: *on* and *in*, *leans*, hidden contacts; the surest first. None is taken whose upper already
+/// carries its lower, directly or through others, so there are no cycles. P(S) is eq. 7, for a plane by its own normal. P(O) is
+/// eq. 8 over the edges, whatever their confidence: it says which carrier it is, and eq. 8 asks what that could carry.
+/// `contact.reach_px` holds at a focal length of 525 px.
 ///
-/// Source: ours, in the place of eq. 6. O(pixels · `reach_px` + n log n + pairs · cells + edges · (regions + edges)): n, the
-/// pixels of things; pairs, of things; cells, 1 cm² each, of the outer one of a pair; the last, the search for cycles.
-pub fn forest(
-    regions: &Segments,
-    points_m: &Raster<[f32; 3]>,
-    normals: &Raster<[f32; 3]>,
-    planes: &[StructurePlane],
-    up: &Up,
-    space: &DisparitySpace,
-    params: &Params,
-) -> SupportGraph {
+/// Source: ours, in place of eq. 6. O(pixels · `reach_px` + n log n + pairs · cells + edges · (regions + edges)) for n pixels of
+/// things, pairs of things, cells of 1 cm² of the outer thing of a pair; the last term is the search for cycles.
+pub fn build_forest(scene: &SupportScene<'_>, params: &Params) -> SupportGraph {
+    let &SupportScene { regions, points_m, space, .. } = scene;
     let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };
-    let (bodies, touching) = rayon::join(
-        || Bodies::new(regions, points_m, normals, planes, up, space),
-        || touching_pairs(regions, points_m, &contact),
-    );
+    let (bodies, touching) =
+        rayon::join(|| Bodies::new(scene), || touching_pairs(regions, points_m, &contact));
     let (feet, meetings) = rayon::join(
-        || feet(regions, points_m, &bodies, &contact),
-        || meetings(&touching, regions, points_m, &bodies),
+        || find_feet(regions, points_m, &bodies, &contact),
+        || find_meetings(&touching, regions, points_m, &bodies),
     );
     let max_side_m = f64::from(params.objectness.max_side_m);
+    let relations = Relations { bodies: &bodies, feet: &feet, meetings: &meetings, max_side_m };
 
     let mut edges = Acyclic::new(regions.count());
-    seen(&bodies, &feet, &meetings, max_side_m).into_iter().for_each(|edge| _ = edges.add(edge));
-    // From above downwards.
-    let mut hanging: Vec<usize> = bodies.things().filter(|&thing| !edges.stands[thing]).collect();
-    hanging.sort_by(|&a, &b| {
-        let [a, b] = [a, b].map(|thing| &bodies.all[thing]);
-        b.foot_m.total_cmp(&a.foot_m).then(a.first.cmp(&b.first))
-    });
-    for upper in hanging {
-        let carriers = below(&bodies, upper, &feet[upper], max_side_m);
-        carriers.into_iter().any(|edge| edges.add(edge));
+    relations.find_seen().into_iter().for_each(|edge| _ = edges.add(edge));
+    for upper in from_above(&bodies, |thing| !edges.is_held(thing)) {
+        relations.find_hidden(upper).into_iter().any(|edge| edges.add(edge));
     }
-
-    let up = Vec3::from(up.direction).as_dvec3();
-    let p_s = |(region, body): (usize, &Body)| {
-        let normal = planes.get(region).map_or(body.normal, |plane| Vec3::from(plane.normal).as_dvec3());
-        // The sum takes the sign from a negative zero.
-        (normal.dot(up).clamp(0.0, 1.0) + 0.0) as f32
-    };
-    let p_s: Vec<f32> = bodies.all.iter().enumerate().map(p_s).collect();
-    let p_o = edges.handed_up(&p_s);
+    let p_s = measure_p_s(scene, &bodies);
+    let p_o = edges.hand_up(&p_s);
     let nodes = bodies.all.iter().enumerate().map(|(region, body)| SupportNode {
-        kind: if region < planes.len() { NodeKind::Structure { plane: region } } else { NodeKind::Surface },
+        kind: match region {
+            plane if plane < scene.planes.len() => NodeKind::Structure { plane },
+            _ => NodeKind::Surface,
+        },
         p_s: p_s[region],
         p_o: p_o[region],
         height_m: body.mean_m as f32,
@@ -113,52 +90,94 @@ pub fn forest(
     SupportGraph { nodes: nodes.collect(), edges: edges.into_sorted() }
 }
 
+/// Some of the things, the one with the highest foot first.
+fn from_above(bodies: &Bodies<'_>, is_wanted: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut things: Vec<usize> = bodies.things().filter(|&thing| is_wanted(thing)).collect();
+    things.sort_by(|&a, &b| {
+        let [a, b] = [a, b].map(|thing| &bodies.all[thing]);
+        b.foot_m.total_cmp(&a.foot_m).then(a.first.cmp(&b.first))
+    });
+    things
+}
+
+/// P(S) of every region (eq. 7): the part of its normal along up.
+fn measure_p_s(scene: &SupportScene<'_>, bodies: &Bodies<'_>) -> Vec<f32> {
+    let up = Vec3::from(scene.up.direction).as_dvec3();
+    let p_s = |(region, body): (usize, &Body)| {
+        let plane = scene.planes.get(region);
+        let normal = plane.map_or(body.normal, |plane| Vec3::from(plane.normal).as_dvec3());
+        // Adding 0 takes the sign from a negative zero.
+        (normal.dot(up).clamp(0.0, 1.0) + 0.0) as f32
+    };
+    bodies.all.iter().enumerate().map(p_s).collect()
+}
+
 fn node(region: usize) -> NodeId {
     NodeId(region as u32)
 }
 
-/// The edges that are seen, those to be believed first before the others, by what does not depend on the numbers of regions.
-fn seen(
-    bodies: &Bodies<'_>,
-    feet: &[Foot],
-    meetings: &BTreeMap<(usize, usize), Meeting>,
+/// How the bodies of a scene stand to each other.
+struct Relations<'a> {
+    bodies: &'a Bodies<'a>,
+    /// Per region.
+    feet: &'a [Foot],
+    /// By (lower, upper).
+    meetings: &'a BTreeMap<(usize, usize), Meeting>,
+    /// The longest side of something graspable (m).
     max_side_m: f64,
-) -> Vec<SupportEdge> {
-    let mut in_contact = vec![0; bodies.all.len()];
-    meetings.iter().for_each(|(&(_, upper), meeting)| in_contact[upper] += meeting.foot);
-    let mut seen = enclosed(bodies, meetings, max_side_m);
-    let within: BTreeSet<(NodeId, NodeId)> = seen.iter().map(|edge| (edge.lower, edge.upper)).collect();
-    for (&(lower, upper), meeting) in meetings {
-        let [a, b] = [node(lower), node(upper)];
-        if !within.contains(&(a, b)) && !within.contains(&(b, a)) {
-            seen.extend(stands(bodies, (lower, upper), meeting, (&feet[upper], in_contact[upper])));
-        }
-    }
-    seen.sort_by_key(|edge| {
-        let first = |node: NodeId| bodies.all[node.0 as usize].first;
-        let leans = edge.kind == SupportKind::Leans;
-        (leans, Reverse(edge.confidence.to_bits()), first(edge.upper), first(edge.lower))
-    });
-    seen
 }
 
-/// What lies in what. O(pairs of things + cells of the outer one of those that may).
-fn enclosed(
-    bodies: &Bodies<'_>,
-    meetings: &BTreeMap<(usize, usize), Meeting>,
-    max_side_m: f64,
-) -> Vec<SupportEdge> {
-    let enclosed = |lower: usize, upper: usize| {
-        let (outer, inner) = (&bodies.all[lower], &bodies.all[upper]);
-        let may = outer.foot_m <= inner.foot_m && is_cavity(bodies, lower, upper, max_side_m);
-        if !may {
+/// What may carry something whose contact is hidden.
+struct Carrier {
+    region: usize,
+    /// Whether the middle of the upper is over it, or its edge.
+    is_under: bool,
+    /// How high the upper stands there (m).
+    height_m: f64,
+    kind: SupportKind,
+}
+
+impl Relations<'_> {
+    /// The edges that are seen, the surest first; ties do not depend on the numbers of regions.
+    fn find_seen(&self) -> Vec<SupportEdge> {
+        let mut in_contact = vec![0; self.bodies.all.len()];
+        self.meetings.iter().for_each(|(&(_, upper), meeting)| in_contact[upper] += meeting.foot);
+        let mut seen = self.find_enclosed();
+        let within: BTreeSet<(NodeId, NodeId)> = seen.iter().map(|edge| (edge.lower, edge.upper)).collect();
+        for (&(lower, upper), meeting) in self.meetings {
+            let [a, b] = [node(lower), node(upper)];
+            if !within.contains(&(a, b)) && !within.contains(&(b, a)) {
+                let on = self.on((lower, upper), meeting, in_contact[upper]);
+                seen.extend(on.or_else(|| self.leans((lower, upper), meeting)));
+            }
+        }
+        seen.sort_by_key(|edge| {
+            let first = |node: NodeId| self.bodies.all[node.0 as usize].first;
+            let leans = edge.kind == SupportKind::Leans;
+            (leans, Reverse(edge.confidence.to_bits()), first(edge.upper), first(edge.lower))
+        });
+        seen
+    }
+
+    /// What lies in what. O(pairs of things + cells of the outer thing of those pairs that may be one in the other).
+    fn find_enclosed(&self) -> Vec<SupportEdge> {
+        let things = || self.bodies.things();
+        let pairs = things().flat_map(|upper| things().map(move |lower| (lower, upper)));
+        pairs.filter(|(lower, upper)| lower != upper).filter_map(|pair| self.within(pair)).collect()
+    }
+
+    /// The edge that says that the upper lies in the lower, if it does.
+    fn within(&self, (lower, upper): (usize, usize)) -> Option<SupportEdge> {
+        let (outer, inner) = (&self.bodies.all[lower], &self.bodies.all[upper]);
+        let may_hold = outer.foot_m <= inner.foot_m && self.is_cavity(lower, upper);
+        if !may_hold {
             return None;
         }
-        // Above its foot, and above the floor around it as far as that is seen.
-        let floor_m = bodies.top_near_m(lower, inner.middle_m).unwrap_or(inner.foot_m);
+        // The rim rises above the foot, and above the floor around it as far as that is seen.
+        let floor_m = self.bodies.top_near_m(lower, inner.middle_m).unwrap_or(inner.foot_m);
         let rim_m = inner.foot_m.max(floor_m) + inner.level_m;
-        let sectors = bodies.sectors_above(lower, inner.middle_m, rim_m);
-        let contacts = meetings.get(&(lower, upper)).map_or(0, |meeting| meeting.foot + meeting.side);
+        let sectors = self.bodies.sectors_above(lower, inner.middle_m, rim_m);
+        let contacts = self.meetings.get(&(lower, upper)).map_or(0, |meeting| meeting.foot + meeting.side);
         let seen = if contacts == 0 { HIDDEN } else { 1.0 };
         (sectors >= LEAST_ENCLOSED).then(|| SupportEdge {
             kind: SupportKind::In,
@@ -166,147 +185,90 @@ fn enclosed(
             hidden: contacts == 0,
             ..SupportEdge::seen(node(lower), node(upper), contacts)
         })
-    };
-    let pairs = bodies.things().flat_map(|upper| bodies.things().map(move |lower| (lower, upper)));
-    pairs
-        .filter(|(lower, upper)| lower != upper)
-        .filter_map(|(lower, upper)| enclosed(lower, upper))
-        .collect()
-}
-
-/// Whether `upper` is within the outline of `lower`, which is graspable, as a vessel is, and is not seen above the foot of
-/// `upper` where that is: else it would be solid there.
-fn is_cavity(bodies: &Bodies<'_>, lower: usize, upper: usize, max_side_m: f64) -> bool {
-    let body = &bodies.all[upper];
-    let may_hold = bodies.length_m(lower) <= max_side_m && bodies.holds(lower, body.middle_m);
-    let floor_m = || bodies.top_near_m(lower, body.middle_m);
-    may_hold && floor_m().is_none_or(|floor_m| floor_m <= body.foot_m + body.level_m)
-}
-
-/// The edge that a meeting shows, if any. With the foot of the upper, and all contacts that it has.
-fn stands(
-    bodies: &Bodies<'_>,
-    (lower, upper): (usize, usize),
-    meeting: &Meeting,
-    (foot, in_contact): (&Foot, u32),
-) -> Option<SupportEdge> {
-    let is_share = |part: u32, whole: u32| f64::from(part) >= LEAST_SHARE * f64::from(whole);
-    let goes_on = || {
-        lower < bodies.planes.len()
-            || is_share(meeting.under, meeting.on)
-            || foot.open_share() >= LEAST_SHARE
-            || bodies.holds(lower, bodies.all[upper].middle_m)
-    };
-    if meeting.on >= LEAST_CONTACTS && is_share(meeting.on, in_contact) && goes_on() {
-        let confidence = (f64::from(meeting.on) / f64::from(in_contact)) as f32;
-        return Some(SupportEdge { confidence, ..SupportEdge::seen(node(lower), node(upper), meeting.on) });
     }
-    if bodies.planes.get(lower).is_some_and(|plane| bodies.faces_up(plane)) {
-        return None;
-    }
-    let tilt = bodies.all[upper].tilt?;
-    let way = meeting.side_way_m.try_normalize()?;
-    (meeting.side >= LEAST_CONTACTS && way.dot(tilt.toward) > TOWARD).then(|| SupportEdge {
-        kind: SupportKind::Leans,
-        confidence: tilt.alike as f32,
-        ..SupportEdge::seen(node(lower), node(upper), meeting.side)
-    })
-}
 
-/// The edges to what may carry something whose contact is hidden, the likeliest first.
-fn below(bodies: &Bodies<'_>, upper: usize, foot: &Foot, max_side_m: f64) -> Vec<SupportEdge> {
-    let body = &bodies.all[upper];
-    // Whether it is over the other, how high it stands there (m), and how.
-    let candidate = |lower: usize| {
-        let other = &bodies.all[lower];
-        let is_over = bodies.holds(lower, body.middle_m);
+    /// Whether the lower may hold the upper: it is graspable, as a vessel is, its outline holds the middle of the upper, and nothing
+    /// of it is seen above the foot of the upper there; else it would be solid.
+    fn is_cavity(&self, lower: usize, upper: usize) -> bool {
+        let (bodies, body) = (self.bodies, &self.bodies.all[upper]);
+        let may_hold = bodies.length_m(lower) <= self.max_side_m && bodies.holds(lower, body.middle_m);
+        let floor_m = || bodies.top_near_m(lower, body.middle_m);
+        may_hold && floor_m().is_none_or(|floor_m| floor_m <= body.foot_m + body.level_m)
+    }
+
+    /// The edge that says that the upper stands on the lower, if the meeting shows it. `in_contact`: all contacts of its foot.
+    fn on(&self, (lower, upper): (usize, usize), meeting: &Meeting, in_contact: u32) -> Option<SupportEdge> {
+        let bodies = self.bodies;
+        let is_share = |part: u32, whole: u32| f64::from(part) >= LEAST_SHARE * f64::from(whole);
+        let goes_on = || {
+            lower < bodies.planes.len()
+                || is_share(meeting.under, meeting.on)
+                || self.feet[upper].open_share() >= LEAST_SHARE
+                || bodies.holds(lower, bodies.all[upper].middle_m)
+        };
+        let is_on = meeting.on >= LEAST_CONTACTS && is_share(meeting.on, in_contact) && goes_on();
+        is_on.then(|| {
+            let confidence = (f64::from(meeting.on) / f64::from(in_contact)) as f32;
+            SupportEdge { confidence, ..SupportEdge::seen(node(lower), node(upper), meeting.on) }
+        })
+    }
+
+    /// The edge that says that the upper leans on the lower, if the meeting shows it.
+    fn leans(&self, (lower, upper): (usize, usize), meeting: &Meeting) -> Option<SupportEdge> {
+        if self.bodies.planes.get(lower).is_some_and(|plane| self.bodies.faces_up(plane)) {
+            return None;
+        }
+        let tilt = self.bodies.all[upper].tilt?;
+        let way = meeting.side_way_m.try_normalize()?;
+        (meeting.side >= LEAST_CONTACTS && way.dot(tilt.toward) > TOWARD).then(|| SupportEdge {
+            kind: SupportKind::Leans,
+            confidence: tilt.alike as f32,
+            ..SupportEdge::seen(node(lower), node(upper), meeting.side)
+        })
+    }
+
+    /// The edges to the carriers that something with a hidden contact may have, the likeliest first: those under it, then the highest.
+    fn find_hidden(&self, upper: usize) -> Vec<SupportEdge> {
+        let (bodies, body) = (self.bodies, &self.bodies.all[upper]);
+        let others = (0..bodies.all.len()).filter(|&lower| lower != upper && bodies.all[lower].size_px > 0);
+        let mut carriers: Vec<Carrier> = others.filter_map(|lower| self.carrier(lower, upper)).collect();
+        carriers.sort_by(|a, b| {
+            let first = |carrier: &Carrier| bodies.all[carrier.region].first;
+            let by_height = || b.height_m.total_cmp(&a.height_m);
+            b.is_under.cmp(&a.is_under).then_with(by_height).then_with(|| first(a).cmp(&first(b)))
+        });
+        let edge = |carrier: Carrier| {
+            // What is level with its carrier does not float, whatever is seen below.
+            let is_level = body.foot_m - carrier.height_m <= body.level_m;
+            let ended = if is_level { 1.0 } else { 1.0 - self.feet[upper].open_share() };
+            SupportEdge {
+                kind: carrier.kind,
+                confidence: (HIDDEN * ended) as f32,
+                hidden: true,
+                ..SupportEdge::seen(node(carrier.region), node(upper), 0)
+            }
+        };
+        carriers.into_iter().map(edge).collect()
+    }
+
+    /// Whether and how the lower may carry the upper, whose contact is hidden.
+    fn carrier(&self, lower: usize, upper: usize) -> Option<Carrier> {
+        let (bodies, body, other) = (self.bodies, &self.bodies.all[upper], &self.bodies.all[lower]);
+        let holds_middle = bodies.holds(lower, body.middle_m);
+        let carrier = |is_under, height_m, kind| Carrier { region: lower, is_under, height_m, kind };
         if let Some(plane) = bodies.planes.get(lower) {
             let height_m = bodies.height_of_m(plane, body.middle_m);
             let is_below = bodies.faces_up(plane) && height_m <= body.foot_m + body.level_m;
-            return is_below.then_some((is_over, height_m, SupportKind::On));
+            return is_below.then(|| carrier(holds_middle, height_m, SupportKind::On));
         }
-        // What it hangs over does not hold its middle.
+        // What a thing hangs over does not hold its middle.
         let hangs_over =
             || (other.top_m - body.foot_m).abs() <= body.level_m && bodies.overlap_m(lower, upper) >= UNDER_M;
-        if other.top_m <= body.foot_m + body.level_m && (is_over || hangs_over()) {
-            return Some((true, other.top_m, SupportKind::On));
+        if other.top_m <= body.foot_m + body.level_m && (holds_middle || hangs_over()) {
+            return Some(carrier(true, other.top_m, SupportKind::On));
         }
-        let is_around = other.foot_m < body.foot_m && is_cavity(bodies, lower, upper, max_side_m);
-        is_around.then_some((true, body.foot_m, SupportKind::In))
-    };
-    let others = (0..bodies.all.len()).filter(|&lower| lower != upper && bodies.all[lower].size_px > 0);
-    let mut below: Vec<_> = others.filter_map(|lower| Some((candidate(lower)?, lower))).collect();
-    below.sort_by(|((over_a, height_a, _), a), ((over_b, height_b, _), b)| {
-        let first = |lower: usize| bodies.all[lower].first;
-        over_b.cmp(over_a).then(height_b.total_cmp(height_a)).then(first(*a).cmp(&first(*b)))
-    });
-    let edge = |((_, height_m, kind), lower): ((bool, f64, SupportKind), usize)| {
-        // What is as low as it would stand there does not float, whatever is seen below.
-        let ended = if body.foot_m - height_m <= body.level_m { 1.0 } else { 1.0 - foot.open_share() };
-        SupportEdge {
-            kind,
-            confidence: (HIDDEN * ended) as f32,
-            hidden: true,
-            ..SupportEdge::seen(node(lower), node(upper), 0)
-        }
-    };
-    below.into_iter().map(edge).collect()
-}
-
-/// Edges without cycles.
-struct Acyclic {
-    edges: Vec<SupportEdge>,
-    /// What each node carries.
-    carries: Vec<Vec<usize>>,
-    /// Whether each stands on or lies in something.
-    stands: Vec<bool>,
-}
-
-impl Acyclic {
-    fn new(nodes: usize) -> Self {
-        Self { edges: Vec::new(), carries: vec![Vec::new(); nodes], stands: vec![false; nodes] }
-    }
-
-    /// Adds an edge unless it closes a cycle; whether it did. O(nodes + edges).
-    fn add(&mut self, edge: SupportEdge) -> bool {
-        let (lower, upper) = (edge.lower.0 as usize, edge.upper.0 as usize);
-        let mut open = vec![upper];
-        let mut is_seen = vec![false; self.carries.len()];
-        while let Some(node) = open.pop() {
-            if node == lower {
-                return false;
-            }
-            if !std::mem::replace(&mut is_seen[node], true) {
-                open.extend(&self.carries[node]);
-            }
-        }
-        self.stands[upper] |= edge.kind != SupportKind::Leans;
-        self.carries[lower].push(upper);
-        self.edges.push(edge);
-        true
-    }
-
-    /// P(O) of every node, eq. 8, carriers before what they carry. O(nodes + edges).
-    fn handed_up(&self, p_s: &[f32]) -> Vec<f32> {
-        let mut carriers = vec![0_usize; p_s.len()];
-        self.carries.iter().flatten().for_each(|&upper| carriers[upper] += 1);
-        let mut ready: Vec<usize> = (0..p_s.len()).filter(|&node| carriers[node] == 0).collect();
-        let mut p_o = vec![0.0_f32; p_s.len()];
-        while let Some(lower) = ready.pop() {
-            for &upper in &self.carries[lower] {
-                p_o[upper] = p_o[upper].max(p_s[lower]).max(p_o[lower]);
-                carriers[upper] -= 1;
-                if carriers[upper] == 0 {
-                    ready.push(upper);
-                }
-            }
-        }
-        p_o
-    }
-
-    fn into_sorted(mut self) -> Vec<SupportEdge> {
-        self.edges.sort_by_key(|e| (e.lower, e.upper));
-        self.edges
+        let is_around = other.foot_m < body.foot_m && self.is_cavity(lower, upper);
+        is_around.then(|| carrier(true, body.foot_m, SupportKind::In))
     }
 }
 

@@ -9,21 +9,21 @@ use crate::planes::{Plane, StructurePlane};
 use crate::random::Lcg;
 use crate::raster::Raster;
 
-/// How often the best plane is fitted again to all its points.
+/// The best plane is fitted again to all its points this many times.
 const REFITS: usize = 3;
 
-/// The plane that holds most points, if it holds a share of at least `min_inlier_share`.
+/// Finds the plane that holds most points, if it holds a share of at least `min_inlier_share`.
 ///
-/// RANSAC (Fischler and Bolles 1981): `trials` planes through three random points of an even sample of `samples`
-/// points; the one with most of the sample within `inlier_distance_m` is fitted to all its points by total least
-/// squares, three times. The random numbers are fixed. O(trials · samples + points).
-pub fn dominant_plane(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> Option<StructurePlane> {
+/// RANSAC (Fischler and Bolles 1981): `trials` planes are laid through three random points each of an even sample of `samples`
+/// points. The one with most of the sample within `inlier_distance_m` is fitted to all its points by total least squares, three
+/// times. The random numbers are fixed. O(trials · samples + points).
+pub fn find_dominant_plane(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> Option<StructurePlane> {
     let measured = points_m.as_slice().iter().copied().filter(|p| !p[2].is_nan());
-    plane_of_most(&measured.collect::<Buffer<_>>(), params)
+    fit_plane_of_most(&measured.collect::<Buffer<_>>(), params)
 }
 
-/// The plane that holds most of these points, see [`dominant_plane`].
-fn plane_of_most(points: &[[f32; 3]], params: &params::Gravity) -> Option<StructurePlane> {
+/// As [`find_dominant_plane`], of points that are all measured.
+fn fit_plane_of_most(points: &[[f32; 3]], params: &params::Gravity) -> Option<StructurePlane> {
     let point = |p: &[f32; 3]| Vec3::from(*p).as_dvec3();
     let sampled = params.samples.min(points.len());
     let sample: Vec<DVec3> = (0..sampled).map(|k| point(&points[k * points.len() / sampled])).collect();
@@ -41,7 +41,7 @@ fn plane_of_most(points: &[[f32; 3]], params: &params::Gravity) -> Option<Struct
     }
     let (_, mut plane) = best?;
     for _ in 0..REFITS {
-        plane = Plane::fitted(points.iter().map(point).filter(|p| near(&plane, p)))?;
+        plane = Plane::fit(points.iter().map(point).filter(|p| near(&plane, p)))?;
     }
     let share = points.iter().map(point).filter(|p| near(&plane, p)).count() as f64 / points.len() as f64;
     (share >= params.min_inlier_share).then(|| StructurePlane {
@@ -51,8 +51,8 @@ fn plane_of_most(points: &[[f32; 3]], params: &params::Gravity) -> Option<Struct
     })
 }
 
-/// The points of the plane that belong to no object: 1 on the plane, 0 elsewhere.
-pub(crate) fn on_plane(
+/// Marks the points of the plane that belong to no object: 1 on the plane, 0 elsewhere. O(pixels).
+pub(crate) fn mark_plane(
     plane: Option<&StructurePlane>,
     labels: &Raster<u16>,
     points_m: &Raster<[f32; 3]>,
@@ -67,26 +67,25 @@ pub(crate) fn on_plane(
     labels.with_data(pixels.map(|(p, &object)| u16::from(object == 0 && is_near(p))).collect())
 }
 
-/// The camera's own up: a unit vector in its frame, as it is tilted and rolled (`tilt_deg`, `roll_deg`); held
-/// horizontally -y.
+/// The camera's own up by its tilt and roll (`tilt_deg`, `roll_deg`): a unit vector in its frame, -y when it is held horizontally.
 pub fn camera_up(params: &params::Gravity) -> [f32; 3] {
     let (sin_tilt, cos_tilt) = libm::sincos(params.tilt_deg.to_radians());
     let (sin_roll, cos_roll) = libm::sincos(params.roll_deg.to_radians());
-    // The sum takes the sign from a negative zero.
+    // Adding 0 takes the sign from a negative zero.
     [-sin_roll * cos_tilt, -cos_roll * cos_tilt, -sin_tilt].map(|x| (x + 0.0) as f32)
 }
 
-/// The direction up: the normal of `plane`, or the camera's own up when there is none or `up_from` says so.
+/// Finds the direction up: the normal of `plane`, or the camera's own up when there is no plane or `up_from` says so.
 ///
 /// *Differs from the paper:* it holds the camera horizontally (`up_from = camera`, and neither tilt nor roll).
-pub fn up(plane: Option<&StructurePlane>, params: &params::Gravity) -> Up {
+pub fn find_up(plane: Option<&StructurePlane>, params: &params::Gravity) -> Up {
     match (params.up_from, plane) {
         (UpFrom::Plane, Some(plane)) => Up { direction: plane.normal, source: UpSource::Plane },
         _ => Up { direction: camera_up(params), source: UpSource::Camera },
     }
 }
 
-/// What everything stands on in `paper`, as far as it is seen.
+/// What everything stands on in `paper`.
 #[derive(Clone, Debug)]
 pub struct Ground {
     /// The plane that holds most points, if it holds enough of them.
@@ -95,10 +94,10 @@ pub struct Ground {
     pub up: Up,
 }
 
-/// Finds the dominant plane and up. As [`dominant_plane`].
+/// Finds the dominant plane and up. As [`find_dominant_plane`].
 pub fn find_ground(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> Ground {
-    let plane = dominant_plane(points_m, params);
-    Ground { up: up(plane.as_ref(), params), plane }
+    let plane = find_dominant_plane(points_m, params);
+    Ground { up: find_up(plane.as_ref(), params), plane }
 }
 
 #[cfg(test)]
@@ -119,7 +118,7 @@ mod tests {
     #[test]
     fn the_plane_is_found_among_as_many_other_points() {
         let n = DVec3::new(0.1, -0.8, -0.6).normalize();
-        let plane = dominant_plane(&cloud(n, 5000, 5000), &params::Gravity::default()).unwrap();
+        let plane = find_dominant_plane(&cloud(n, 5000, 5000), &params::Gravity::default()).unwrap();
         assert!(Vec3::from(plane.normal).as_dvec3().dot(n) > 0.9999, "{plane:?}");
         assert!(
             (plane.offset_m - 1.0).abs() < 2e-3 && (0.5..0.53).contains(&plane.inlier_share),
@@ -134,18 +133,19 @@ mod tests {
         let mut draw = || random.below(2001) as f64 / 1000.0 - 1.0;
         let points = (0..4000).map(|_| [draw() as f32, draw() as f32, (2.0 + 0.004 * draw()) as f32]);
         let points = Raster::from_vec(4000, 1, points.collect()).unwrap();
-        let plane = dominant_plane(&points, &params::Gravity { trials: 20, ..Default::default() }).unwrap();
+        let plane =
+            find_dominant_plane(&points, &params::Gravity { trials: 20, ..Default::default() }).unwrap();
         assert!(plane.normal[2] < -0.999_999 && (plane.offset_m - 2.0).abs() < 2e-4, "{plane:?}");
     }
 
     #[test]
     fn without_a_plane_up_is_the_cameras() {
         let params = params::Gravity::default();
-        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 50, 5000), &params), None);
-        assert_eq!(dominant_plane(&cloud(DVec3::NEG_Y, 1, 0), &params), None);
+        assert_eq!(find_dominant_plane(&cloud(DVec3::NEG_Y, 50, 5000), &params), None);
+        assert_eq!(find_dominant_plane(&cloud(DVec3::NEG_Y, 1, 0), &params), None);
         let line = Raster::from_vec(3, 1, vec![[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, 3.0]]).unwrap();
-        assert_eq!(dominant_plane(&line, &params), None, "points on a line are no plane");
-        assert_eq!(up(None, &params), Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera });
+        assert_eq!(find_dominant_plane(&line, &params), None, "points on a line are no plane");
+        assert_eq!(find_up(None, &params), Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera });
     }
 
     #[test]
@@ -172,7 +172,7 @@ mod tests {
     fn the_camera_is_up_when_asked_for() {
         let plane = StructurePlane { normal: [0.0, 0.0, -1.0], offset_m: 1.0, inlier_share: 1.0 };
         let params = params::Gravity { up_from: UpFrom::Camera, ..Default::default() };
-        assert_eq!(up(Some(&plane), &params).source, UpSource::Camera);
-        assert_eq!(up(Some(&plane), &params::Gravity::default()).direction, plane.normal);
+        assert_eq!(find_up(Some(&plane), &params).source, UpSource::Camera);
+        assert_eq!(find_up(Some(&plane), &params::Gravity::default()).direction, plane.normal);
     }
 }

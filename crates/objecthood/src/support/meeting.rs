@@ -1,4 +1,4 @@
-//! How things meet: where on either the contact lies, against gravity.
+//! Meetings: where two regions touch, seen against gravity.
 
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
@@ -10,29 +10,28 @@ use crate::regions::Segments;
 use crate::support::body::Bodies;
 use crate::support::plan::Plan;
 
-/// What carries goes on below what it carries: so far (m) behind the line of contact, which is all that is seen of a foot.
+/// A carrier goes on below what it carries, at least this far (m) behind the line of contact: only that line of a foot is seen.
 pub(crate) const UNDER_M: f64 = 0.03;
 
-/// How one region touches another that may carry it, in pairs of points in contact.
+/// How an upper region touches a lower one that may carry it, in pairs of points in contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Meeting {
-    /// Its foot is on a top of the other, level with it.
+    /// The foot of the upper is level with a top of the lower.
     pub(crate) on: u32,
-    /// Of these, those behind which the other goes on below it.
+    /// Of these: the lower goes on below the upper.
     pub(crate) under: u32,
-    /// Its foot touches the other, on a top or not.
+    /// The foot of the upper touches the lower, on a top or not.
     pub(crate) foot: u32,
-    /// It touches the other above its foot.
+    /// The upper touches the lower above its foot.
     pub(crate) side: u32,
-    /// Sum of the ways from its middle to the other there, in the plan view (m).
+    /// Sum of the ways from the middle of the upper to these contacts, in the plan view (m).
     pub(crate) side_way_m: DVec2,
 }
 
-/// How every two regions that touch meet, by (lower, upper), either way; planes are never the upper one.
+/// How any two touching regions meet, by (lower, upper), each pair both ways round. A plane is never the upper one.
 ///
-/// `touching`: the pixels in contact, best with those that share the second one after the other. The foot is what is level with
-/// the lowest visible part. O(pairs of pixels + changes from one pair of regions to another · log of them).
-pub(crate) fn meetings(
+/// `touching`: pairs of pixels in contact; those with the same second pixel best follow each other. O(pairs of pixels + changes from one pair of regions to another · log of them).
+pub(crate) fn find_meetings(
     touching: &[(u32, u32)],
     regions: &Segments,
     points_m: &Raster<[f32; 3]>,
@@ -71,7 +70,7 @@ pub(crate) fn meetings(
 struct Spot {
     height_m: f64,
     place_m: DVec2,
-    /// Whether its region ends there upwards, once that was asked for; it holds for one other region.
+    /// Whether its region ends upwards there, once it was asked; valid for one other region.
     is_end: Option<bool>,
 }
 
@@ -92,7 +91,7 @@ impl AddAssign for Meeting {
 }
 
 impl Meeting {
-    /// Adds two points in contact: those of the lower and of the upper region.
+    /// Adds a pair of points in contact, one of the lower and one of the upper region.
     fn add(
         &mut self,
         (of_lower, lower): (usize, &mut Spot),
@@ -129,6 +128,7 @@ mod tests {
     use crate::params;
     use crate::planes::StructurePlane;
     use crate::shapes::contact::touching_pairs;
+    use crate::support::scene::SupportScene;
     use crate::testing::{kinect, raster};
 
     proptest! {
@@ -147,7 +147,10 @@ mod tests {
             let normals = points.map(|_| [0.0, 0.0, -1.0]);
             let plane = StructurePlane { normal: up.direction, offset_m: 1.0, inlier_share: 1.0 };
             let planes = &[plane; 2][..planes];
-            let bodies = Bodies::new(&regions, &points, &normals, planes, &up, &kinect());
+            let scene = SupportScene {
+                regions: &regions, points_m: &points, normals: &normals, planes, up: &up, space: &kinect(),
+            };
+            let bodies = Bodies::new(&scene);
             let touching = touching_pairs(&regions, &points, &params::Contact::default());
             let mut expected: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
             for (upper, lower) in touching.iter().flat_map(|&(i, j)| [(i, j), (j, i)]) {
@@ -161,7 +164,7 @@ mod tests {
                 let meeting = expected.entry((of_lower, of_upper)).or_default();
                 meeting.add((of_lower, &mut lower), (of_upper, &upper), &bodies);
             }
-            let got = meetings(&touching, &regions, &points, &bodies);
+            let got = find_meetings(&touching, &regions, &points, &bodies);
             prop_assert_eq!(got.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
             for (got, expected) in got.values().zip(expected.values()) {
                 let counts = |meeting: &Meeting| [meeting.on, meeting.under, meeting.foot, meeting.side];

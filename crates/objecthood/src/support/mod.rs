@@ -1,5 +1,8 @@
-//! Gravity, and what stands on what (paper, III-D, eq. 6 to 8).
+//! Support: the direction up, and what stands on what (paper, III-D, eq. 6 to 8).
+//!
+//! `paper`: [`by_height`]. `context`: the [`forest`], from bodies seen against gravity, their feet and their meetings.
 
+mod acyclic;
 mod body;
 pub mod by_height;
 mod cell;
@@ -7,6 +10,7 @@ mod feet;
 pub mod forest;
 pub mod gravity;
 mod meeting;
-mod piece;
+mod pixel_block;
 mod plan;
+pub mod scene;
 pub mod standing;

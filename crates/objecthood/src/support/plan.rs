@@ -1,22 +1,22 @@
-//! The plan view: what is seen from straight above, and heights.
+//! The plan view: the scene seen from straight above, and heights along up.
 
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::discovery::up::Up;
 use crate::tangents::tangents;
 
-/// The outline of a region in the plan view is known in so many directions.
+/// Directions in which the outline of a region is known in the plan view.
 pub(crate) const DIRECTIONS: usize = 16;
-/// Where the way along gravity is shorter than this in the image (sine; 6 degrees) its direction means nothing.
+/// Sine of the angle (6 degrees) between the line of sight and gravity, or a face, below which directions mean nothing.
 pub(crate) const FORESHORTENED: f64 = 0.1;
 
-/// Takes points to heights and to the plan view, which is what is seen from straight above.
+/// Takes points to heights and to places in the plan view.
 pub(crate) struct Plan {
     /// Against gravity.
     pub(crate) up: DVec3,
     /// The axes of the plan view.
     pub(crate) across: [DVec3; 2],
-    /// In which the outline of a region is known.
+    /// Unit vectors in which the outline of a region is known.
     pub(crate) directions: [DVec2; DIRECTIONS],
 }
 
@@ -36,7 +36,7 @@ impl Plan {
         self.up.dot(Vec3::from(point_m).as_dvec3())
     }
 
-    /// How much of a normal is upwards.
+    /// The part of a normal along up.
     #[inline(always)]
     pub(crate) fn upward(&self, normal: [f32; 3]) -> f64 {
         self.height_m(normal)
@@ -48,8 +48,8 @@ impl Plan {
         DVec2::new(self.across[0].dot(point), self.across[1].dot(point))
     }
 
-    /// The step to one of the eight neighbouring pixels that leads most nearly along gravity at a point, for square
-    /// pixels; `None` where one looks along gravity (within about 6 degrees).
+    /// The step to the neighbouring pixel, of eight, that leads most nearly along gravity at a point; pixels are taken to be square.
+    /// `None` where the camera looks along gravity, within about 6 degrees.
     pub(crate) fn step_down(&self, point_m: [f32; 3]) -> Option<[i64; 2]> {
         let [x, y, z] = point_m.map(f64::from);
         let down = DVec2::new(-self.up.x + x / z * self.up.z, -self.up.y + y / z * self.up.z);

@@ -1,4 +1,4 @@
-//! What stands on what in `context`: the clusters that are large enough, the structure, and the forest between them.
+//! Support in `context`: the candidates, the structure, and the forest between them.
 
 use crate::clusters::candidates::{Candidates, find_candidates};
 use crate::clusters::clustering::Clustering;
@@ -9,10 +9,11 @@ use crate::frame::Frame;
 use crate::params::Params;
 use crate::planes::StructurePlane;
 use crate::regions::Segments;
-use crate::support::forest::forest;
-use crate::support::gravity::up;
+use crate::support::forest::build_forest;
+use crate::support::gravity::find_up;
+use crate::support::scene::SupportScene;
 
-/// What stands on what, and the regions that do.
+/// What stands on what, and the regions that the nodes are.
 #[derive(Clone, Debug)]
 pub struct Standing {
     /// The regions: first the structure, then the clusters that are large enough.
@@ -25,7 +26,8 @@ pub struct Standing {
     pub(crate) graph: SupportGraph,
 }
 
-/// Finds up and what stands on what. `planes`: those of the structure. O(pixels) and what [`forest`] says.
+/// Finds the candidates, the direction up, and what stands on what. `planes`: those of the structure. O(pixels), and as
+/// [`build_forest`].
 pub fn find_standing(
     frame: &Frame,
     scene: &Scene<'_>,
@@ -34,9 +36,12 @@ pub fn find_standing(
     params: &Params,
 ) -> Standing {
     let candidates = find_candidates(scene, clusters, &params.objectness);
-    let planes = candidates.counted(planes.to_vec(), frame.measured_px());
-    let up = up(scene.support_facet.map(|facet| &planes[facet.index()]), &params.gravity);
-    let graph = forest(&candidates.regions, scene.points_m, scene.normals, &planes, &up, scene.space, params);
+    let planes = candidates.count_inliers(planes.to_vec(), frame.measured_px());
+    let up = find_up(scene.support_facet.map(|facet| &planes[facet.index()]), &params.gravity);
+    let &Scene { points_m, normals, space, .. } = scene;
+    let support_scene =
+        SupportScene { regions: &candidates.regions, points_m, normals, planes: &planes, up: &up, space };
+    let graph = build_forest(&support_scene, params);
     Standing { candidates, planes, up, graph }
 }
 

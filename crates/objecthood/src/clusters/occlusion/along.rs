@@ -7,10 +7,10 @@ use super::surface::{RIDGE, Surface};
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::moments::{length, solve};
 
-/// Facets nearer to each other in the image (px) have no direction between them.
+/// Facets nearer to each other in the image (px) have no clear direction between them.
 const LEAST_APART_PX: f64 = 3.0;
-/// The normals by spread and by all samples differ by rounding alone: each by less than a twentieth of this in images 2000 px wide,
-/// even of facets one pixel wide (see the tests).
+/// Normals computed from the spread and from all samples differ by rounding only: in images 2000 px wide by less than a twentieth
+/// of this angle, even for facets one pixel wide (see the tests).
 pub(super) const ROUNDING_DEG: f64 = 0.01;
 
 /// A frame that lies along the gap between two pieces: S from one centroid to the other, T across, in units of their distance.
@@ -19,7 +19,7 @@ pub(super) struct Along {
     middle: [f64; 2],
     /// How S grows in the image (1/px).
     axis: [f64; 2],
-    /// Disparities are counted from here.
+    /// Disparity (quanta) that counts as 0.
     origin: f64,
 }
 
@@ -48,12 +48,12 @@ impl Along {
         self.origin + surface.value(self.coordinates(at))
     }
 
-    /// Pixels with their disparities in this frame.
+    /// Takes samples to this frame.
     pub(super) fn take(&self, samples: &[Sample]) -> Vec<Sample> {
         samples.iter().map(|&(at, d)| (self.coordinates(at), d - self.origin)).collect()
     }
 
-    /// The plane through samples that spread like this, but for rounding what [`Surface::fit`] finds from all of them. O(1).
+    /// The plane through samples with this spread: but for rounding the same as [`Surface::fit`] of all samples. O(1).
     pub(super) fn plane(&self, spread: &Spread) -> Surface<3> {
         let Turned { mean: [s, t, d], products: [ss, st, tt, sd, td] } =
             spread.turned(self.middle, self.axis, self.origin);

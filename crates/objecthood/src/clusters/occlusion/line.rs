@@ -1,12 +1,12 @@
-//! The pixels between two, along which a gap is looked at.
+//! Lines of sight: the pixels between two pixels.
 
 /// The pixels nearest to the line between two, without its ends: a pixel for each step along the longer side.
 pub(super) struct Line {
-    /// Column and row of the last pixel, in units of 2^-32 px, and half a pixel more.
+    /// Column and row of the last pixel plus half a pixel, in units of 2^-32 px.
     at: [i64; 2],
-    /// From one to the next. Rounded up, so that what lies between two pixels goes to the one behind, as exactly half does.
+    /// From one pixel to the next, rounded up: exactly half a pixel goes to the later one.
     step: [i64; 2],
-    /// How many pixels are left.
+    /// The number of pixels that are left.
     pub(super) steps: usize,
 }
 

@@ -1,21 +1,22 @@
-//! Facets that something may cut.
+//! Pieces: facets that something may cut.
 
 use glam::DVec3;
 
 use super::spread::{Sample, Spread};
 use crate::clusters::cluster::Clusters;
+use crate::clusters::scene::Scene;
 use crate::regions::SegmentId;
 use crate::surface::disparity::position;
 
-/// A facet is looked at when it has so many pixels (at a focal length of 525 px) ...
+/// A facet is a piece when it has at least this many pixels (at a focal length of 525 px) ...
 const FACET_PX: usize = 80;
-/// ... in small images at least so many (px), because fewer determine no surface ...
+/// ... and, however small the image, this many (px), because fewer determine no surface, ...
 pub(super) const LEAST_FACET_PX: usize = 12;
 /// ... and is this share of its cluster.
 const FACET_SHARE: f64 = 0.15;
-/// Something is in front of a cluster along so many pixel pairs (px at 525 px) before it counts as cut.
+/// A cluster counts as cut when something is in front of it along at least this many pixel pairs (px at 525 px).
 const OCCLUDED_PX: usize = 8;
-/// Pixels of a facet that are looked at.
+/// Samples of a facet, evenly spaced; a small facet repeats some.
 pub(super) const SAMPLES: usize = 150;
 /// Bits of each colour channel in the histograms.
 const COLOR_BITS: u32 = 2;
@@ -27,10 +28,11 @@ pub(super) struct Piece {
     pub(super) cluster: SegmentId,
     /// In scan order.
     pub(super) pixels: Vec<u32>,
+    /// Mean column and row (px).
     pub(super) centroid: [f64; 2],
-    /// Where its facet's surface is at the centroid (m).
+    /// Where the surface of the facet is at the centroid (m).
     pub(super) middle_m: DVec3,
-    /// Column, row and disparity of some of them, evenly spaced.
+    /// Places of [`SAMPLES`] pixels, evenly spaced, with their disparities (quanta).
     pub(super) samples: Vec<Sample>,
     pub(super) spread: Spread,
     /// Share of its pixels in each cell of colour; empty without colour.
@@ -38,57 +40,65 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    /// Overlap of the histograms of colours. Shares add up to 1 but for rounding.
+    fn new(scene: &Scene<'_>, facet: SegmentId, cluster: SegmentId, pixels: Vec<u32>) -> Self {
+        let width = scene.disparity.width();
+        let sum = pixels.iter().fold([0.0; 2], |[x, y], &i| {
+            let [u, v] = position(i as usize, width);
+            [x + u, y + v]
+        });
+        let centroid = sum.map(|sum| sum / pixels.len() as f64);
+        let sample = |q: usize| {
+            let i = pixels[q * pixels.len() / SAMPLES] as usize;
+            (position(i, width), f64::from(scene.disparity[i]))
+        };
+        let samples: Vec<Sample> = (0..SAMPLES).map(sample).collect();
+        let spread = Spread::of(&samples);
+        let colors = scene.color.map(|color| histogram(&pixels, |i| color[i])).unwrap_or_default();
+        // A bent surface may reach beyond what can be seen.
+        let disparity = scene.facets.models[facet.index()].value(centroid).max(1.0);
+        let middle_m = scene.space.point_m(centroid, disparity);
+        Self { facet, cluster, pixels, centroid, middle_m, samples, spread, colors }
+    }
+
+    /// Overlap of the colour histograms, in [0, 1]. Shares may add up to more than 1 by rounding.
     pub(super) fn color_overlap(&self, other: &Self) -> f64 {
         let common = |(x, y): (&f64, &f64)| x.min(*y);
         self.colors.iter().zip(&other.colors).map(common).sum::<f64>().min(1.0)
     }
 }
 
-/// The large facets of clusters before which something stands. O(pixels of those clusters).
-pub(super) fn pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
+/// The large facets of clusters that something is in front of. O(pixels of those clusters).
+pub(super) fn find_pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
     let scene = clusters.scene;
-    let facets = scene.facets;
-    let hidden_along = |id: SegmentId| {
-        let real = clusters.get(id).neighbours.iter().filter(|(other, _)| other.is_some());
-        real.map(|(_, borders)| borders.behind).sum::<u32>()
-    };
     let least_px = scene.space.area_px(FACET_PX).max(LEAST_FACET_PX);
-    let least_hidden = scene.space.length_px(OCCLUDED_PX) as u32;
-    let mut pixels: Vec<Vec<u32>> = vec![Vec::new(); facets.segments.count() - facets.structure];
-    for id in clusters.alive().into_iter().filter(|&id| hidden_along(id) >= least_hidden) {
-        for &i in &clusters.get(id).pixels {
-            // Also patches of the background may be of a cluster.
-            let facet =
-                facets.segments.at(i as usize).and_then(|facet| facet.index().checked_sub(facets.structure));
-            facet.into_iter().for_each(|free| pixels[free].push(i));
-        }
-    }
     let judge = |(free, pixels): (usize, Vec<u32>)| {
         let cluster = clusters.of_facet(free)?;
         let share = pixels.len() as f64 / clusters.get(cluster).pixels.len() as f64;
-        if pixels.len() < least_px || share < FACET_SHARE {
-            return None;
-        }
-        let sum = pixels.iter().fold([0.0; 2], |[x, y], &i| {
-            let [u, v] = position(i as usize, scene.disparity.width());
-            [x + u, y + v]
-        });
-        let centroid = sum.map(|sum| sum / pixels.len() as f64);
-        let sample = |q: usize| {
-            let i = pixels[q * pixels.len() / SAMPLES] as usize;
-            (position(i, scene.disparity.width()), f64::from(scene.disparity[i]))
-        };
-        let samples: Vec<Sample> = (0..SAMPLES).map(sample).collect();
-        let spread = Spread::of(&samples);
-        let colors = scene.color.map(|color| histogram(&pixels, |i| color[i])).unwrap_or_default();
-        let facet = SegmentId((facets.structure + free) as u32);
-        // A bent surface may leave what can be seen.
-        let disparity = facets.models[facet.index()].value(centroid).max(1.0);
-        let middle_m = scene.space.point_m(centroid, disparity);
-        Some(Piece { facet, cluster, pixels, centroid, middle_m, samples, spread, colors })
+        let is_piece = pixels.len() >= least_px && share >= FACET_SHARE;
+        is_piece
+            .then(|| Piece::new(scene, SegmentId((scene.facets.structure + free) as u32), cluster, pixels))
     };
-    pixels.into_iter().enumerate().filter_map(judge).collect()
+    cut_facets(clusters).into_iter().enumerate().filter_map(judge).collect()
+}
+
+/// The pixels of every facet after the structure that is of a cut cluster, in scan order; none of the others.
+fn cut_facets(clusters: &Clusters<'_>) -> Vec<Vec<u32>> {
+    let (facets, space) = (clusters.scene.facets, clusters.scene.space);
+    let least_hidden = space.length_px(OCCLUDED_PX) as u32;
+    let hidden_along = |id: SegmentId| {
+        let others = clusters.get(id).neighbours.iter().filter(|(other, _)| other.is_some());
+        others.map(|(_, borders)| borders.behind).sum::<u32>()
+    };
+    let mut pixels: Vec<Vec<u32>> = vec![Vec::new(); facets.segments.count() - facets.structure];
+    for id in clusters.alive().into_iter().filter(|&id| hidden_along(id) >= least_hidden) {
+        for &i in &clusters.get(id).pixels {
+            // The bottom of a vessel has the facet of the structure, or none.
+            let facet = facets.segments.at(i as usize);
+            let free = facet.and_then(|facet| facet.index().checked_sub(facets.structure));
+            free.into_iter().for_each(|free| pixels[free].push(i));
+        }
+    }
+    pixels
 }
 
 /// The share of pixels in each cell of a coarse RGB histogram.

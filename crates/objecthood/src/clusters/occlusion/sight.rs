@@ -12,15 +12,17 @@ use crate::simd::vectorized;
 
 /// Lines of sight through the gap.
 const LINES: usize = 60;
-/// What is farther than the surface in the gap by so many quanta is seen through it; nearer by so many, hides it.
+/// What is farther than the surface in the gap by this many quanta is seen through it; ...
 const SEEN_THROUGH_QUANTA: f64 = 3.0;
+/// ... what is nearer by this many hides it.
 const HIDDEN_QUANTA: f64 = 2.0;
-/// The surface may be seen through in less than this share of the gap, and is hidden in more than this share.
+/// The surface may be seen through in less than this share of the gap, ...
 pub(super) const SEEN_THROUGH_SHARE: f64 = 0.15;
+/// ... and is hidden in more than this share.
 pub(super) const HIDDEN_SHARE: f64 = 0.5;
-/// Beyond so many times a tolerance nothing else is looked at.
+/// A pair that misses a limit by more than this factor is not looked at further.
 pub(super) const HOPELESS: f64 = 2.0;
-/// So many pixels of a line are looked at together.
+/// Pixels of a line that are looked at together.
 const STRETCH_PX: usize = 64;
 
 /// What lies in the gap between two pieces, as shares of its measured pixels.
@@ -28,73 +30,98 @@ const STRETCH_PX: usize = 64;
 pub(super) struct Seen {
     pub(super) hidden_share: f64,
     pub(super) seen_through_share: f64,
-    /// The facet that hides most.
+    /// The facet that hides most; of equal ones the first.
     pub(super) hider: Option<SegmentId>,
 }
 
-/// What is seen along lines from random pixels of one piece to random pixels of the other, as shares of the measured pixels on
-/// them that are of neither piece; `None` when it is hopelessly much that is seen through, or little that is hidden, whatever
-/// the lines that are left would show. `surface`: the disparity (quanta) that is expected at a column and row. O(pixels of the
-/// lines + facets).
-pub(super) fn look(
+/// What is seen along lines from random pixels of one piece to random pixels of the other. Only measured pixels of neither piece
+/// count. `None` as soon as too much is seen through, or too little is hidden, whatever the lines that are left would show.
+/// `surface`: the disparity (quanta) that is expected at a column and row. O(pixels of the lines + facets).
+pub(super) fn look_into_gap(
     clusters: &Clusters<'_>,
-    [a, b]: [&Piece; 2],
+    pieces: [&Piece; 2],
     surface: impl Fn([f64; 2]) -> f64 + Copy,
 ) -> Option<Seen> {
     let scene = clusters.scene;
     let width = scene.disparity.width();
-    let lines = lines([a, b], width);
+    let lines = draw_lines(pieces, width);
     let (labels, disparity) = (scene.facets.segments.labels().as_slice(), scene.disparity.as_slice());
-    let own = [a, b].map(|piece| piece.facet.0 as i32);
+    let own = pieces.map(|piece| piece.facet.0 as i32);
     let mut left = lines.iter().map(|line| line.steps).sum::<usize>();
-    let (mut through, mut on, mut hidden) = (0_u32, 0_u32, 0_u32);
-    let mut before = vec![0_u32; scene.facets.segments.count()];
+    let mut tally = Tally::new(clusters, pieces);
     let mut stretch = Stretch::new();
     for mut line in lines {
         left -= line.steps;
         while line.steps > 0 {
             stretch.take(&mut line, width, labels, disparity);
             let (farther, level) = stretch.compare(own, surface);
-            through += farther;
-            on += level;
-            for k in marked(&stretch.is_nearer) {
-                let facet = usize::try_from(stretch.labels[k]).ok();
-                let free = facet.and_then(|facet| facet.checked_sub(scene.facets.structure));
-                let cluster = free.and_then(|free| clusters.of_facet(free));
-                if cluster.is_some_and(|cluster| cluster == a.cluster || cluster == b.cluster) {
-                    on += 1;
-                } else {
-                    hidden += 1;
-                    facet.into_iter().for_each(|facet| before[facet] += 1);
-                }
-            }
+            tally.through += farther;
+            tally.level += level;
+            marked(&stretch.is_nearer).for_each(|k| tally.add_nearer(stretch.labels[k]));
         }
-        // Were something nearer seen in all that is left.
-        let most = f64::from(through + on + hidden) + left as f64;
-        if is_hopeless(through, on, most) {
+        if tally.is_hopeless(left) {
             return None;
         }
     }
-    let share = |part: u32| f64::from(part) / f64::from((through + on + hidden).max(1));
-    // The first of equal ones.
-    let hider = before.iter().zip(0..).max_by_key(|&(&count, facet)| (count, Reverse(facet)));
-    let hider = hider.filter(|(count, _)| **count > 0).map(|(_, facet)| SegmentId(facet));
-    Some(Seen { hidden_share: share(hidden), seen_through_share: share(through), hider })
+    Some(tally.into_seen())
 }
 
-/// From random pixels of one piece to random pixels of the other.
-fn lines(pieces: [&Piece; 2], width: usize) -> [Line; LINES] {
+/// Counts pixels of the gap.
+struct Tally<'a> {
+    clusters: &'a Clusters<'a>,
+    pieces: [&'a Piece; 2],
+    /// Farther than the surface.
+    through: u32,
+    /// Level with it, or of a cluster of the pieces.
+    level: u32,
+    /// Nearer.
+    hidden: u32,
+    /// The nearer ones by facet.
+    hidden_by: Vec<u32>,
+}
+
+impl<'a> Tally<'a> {
+    fn new(clusters: &'a Clusters<'a>, pieces: [&'a Piece; 2]) -> Self {
+        let hidden_by = vec![0; clusters.scene.facets.segments.count()];
+        Self { clusters, pieces, through: 0, level: 0, hidden: 0, hidden_by }
+    }
+
+    /// Adds a pixel that is nearer than the surface. Nothing hides itself.
+    fn add_nearer(&mut self, label: i32) {
+        let facet = usize::try_from(label).ok();
+        let free = facet.and_then(|facet| facet.checked_sub(self.clusters.scene.facets.structure));
+        let cluster = free.and_then(|free| self.clusters.of_facet(free));
+        if cluster.is_some_and(|cluster| self.pieces.iter().any(|piece| piece.cluster == cluster)) {
+            self.level += 1;
+        } else {
+            self.hidden += 1;
+            facet.into_iter().for_each(|facet| self.hidden_by[facet] += 1);
+        }
+    }
+
+    /// Whether too much is seen through, or too little hidden, even if something nearer is seen in all pixels that are `left`.
+    fn is_hopeless(&self, left: usize) -> bool {
+        let most = f64::from(self.through + self.level + self.hidden) + left as f64;
+        f64::from(self.through) > HOPELESS * SEEN_THROUGH_SHARE * most
+            || f64::from(self.through + self.level) > (1.0 - HIDDEN_SHARE / HOPELESS) * most
+    }
+
+    fn into_seen(self) -> Seen {
+        let all = f64::from((self.through + self.level + self.hidden).max(1));
+        let hider = self.hidden_by.iter().zip(0..).max_by_key(|&(&count, facet)| (count, Reverse(facet)));
+        let hider = hider.filter(|(count, _)| **count > 0).map(|(_, facet)| SegmentId(facet));
+        let share = |part: u32| f64::from(part) / all;
+        Seen { hidden_share: share(self.hidden), seen_through_share: share(self.through), hider }
+    }
+}
+
+/// Lines from random pixels of one piece to random pixels of the other.
+fn draw_lines(pieces: [&Piece; 2], width: usize) -> [Line; LINES] {
     let mut random = Lcg::new(777);
     [(); LINES].map(|()| {
         let ends = pieces.map(|piece| piece.pixels[random.below(piece.pixels.len())] as usize);
         Line::between(ends.map(|i| [i % width, i / width].map(|x| x as i64)))
     })
-}
-
-/// Whether too much is seen through, or too little hidden, even if `most` pixels are seen in the end.
-fn is_hopeless(through: u32, on: u32, most: f64) -> bool {
-    f64::from(through) > HOPELESS * SEEN_THROUGH_SHARE * most
-        || f64::from(through + on) > (1.0 - HIDDEN_SHARE / HOPELESS) * most
 }
 
 /// Pixels of a line that follow each other.
@@ -114,7 +141,7 @@ impl Stretch {
         Self { at: [none; 2], labels: none, disparity: [f32::NAN; STRETCH_PX], is_nearer: none }
     }
 
-    /// Takes as many pixels of a line as there are, or there is room for.
+    /// Takes the next pixels of a line.
     fn take(&mut self, line: &mut Line, width: usize, labels: &[i32], disparity: &[f32]) {
         let Self { at: [columns, rows], labels: own_labels, disparity: own_disparity, .. } = self;
         let mut taken = 0;
@@ -127,8 +154,8 @@ impl Stretch {
         own_disparity[taken..].fill(f32::NAN);
     }
 
-    /// How many pixels, of those that are measured and have none of these labels, are farther than a surface, and how many are
-    /// level with it; marks the nearer ones. All at once, without branches.
+    /// Of the measured pixels with other labels than these: how many are farther than a surface, and how many are level with it;
+    /// marks the nearer ones. All at once, without branches.
     fn compare(&mut self, own: [i32; 2], surface: impl Fn([f64; 2]) -> f64 + Copy) -> (u32, u32) {
         let Self { at: [columns, rows], labels, disparity, is_nearer } = self;
         vectorized(
@@ -155,7 +182,7 @@ impl Stretch {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::pieces::pieces;
+    use super::super::pieces::find_pieces;
     use super::*;
     use crate::clusters::testing::{Table, merge, single};
 
@@ -169,7 +196,7 @@ mod tests {
         let segments = &scene.facets.segments;
         let (mut through, mut on, mut hidden) = (0.0, 0.0, 0.0);
         let mut before = vec![0; segments.count()];
-        for [u, v] in lines([a, b], scene.disparity.width()).into_iter().flatten() {
+        for [u, v] in draw_lines([a, b], scene.disparity.width()).into_iter().flatten() {
             let (facet, d) =
                 (segments.at(v * scene.disparity.width() + u), f64::from(*scene.disparity.get(u, v)?));
             if d.is_nan() || facet == Some(a.facet) || facet == Some(b.facet) {
@@ -222,11 +249,11 @@ mod tests {
             if clusters.alive().contains(&SegmentId(4)) {
                 merge(&mut clusters, Some(SegmentId(0)), SegmentId(4));
             }
-            let pieces = pieces(&clusters);
+            let pieces = find_pieces(&clusters);
             let [a, b] = [1, 2].map(|facet| pieces.iter().find(|piece| piece.facet == SegmentId(facet)).unwrap());
             let level = f64::from(scene.disparity[a.pixels[0] as usize]);
             let surface = |[u, _]: [f64; 2]| level + tilt * (u - 55.0);
-            prop_assert_eq!(look(&clusters, [a, b], surface), look_to_the_end(&clusters, [a, b], surface));
+            prop_assert_eq!(look_into_gap(&clusters, [a, b], surface), look_to_the_end(&clusters, [a, b], surface));
         }
     }
 }

@@ -1,9 +1,9 @@
-//! How samples of a facet spread: enough to tell the plane through them in any frame.
+//! The spread of samples of a facet: their first and second moments, which give the plane through them in any frame.
 
 /// A place and the disparity there (quanta).
 pub(crate) type Sample = ([f64; 2], f64);
 
-/// The mean of some samples, and the means of products of what they are off it.
+/// Means of some samples, and means of products of their deviations.
 pub(crate) struct Spread {
     place: [f64; 2],
     disparity: f64,
@@ -32,7 +32,7 @@ impl Spread {
         Self { place: [x, y], disparity, products: products.map(|sum| sum / n) }
     }
 
-    /// The same in a frame that grows by `axis` from `middle` on, and across, with disparities counted from `origin`. O(1).
+    /// The same in a frame with its origin at `middle` and the first axis along `axis`; disparities count from `origin`. O(1).
     pub(crate) fn turned(&self, middle: [f64; 2], [a, b]: [f64; 2], origin: f64) -> Turned {
         let [x, y] = [0, 1].map(|k| self.place[k] - middle[k]);
         let (s, t, d) = (x * a + y * b, y * a - x * b, self.disparity - origin);

@@ -3,12 +3,12 @@
 use super::spread::Sample;
 use crate::surface::moments::solve;
 
-/// Keeps the normal equations solvable, per sample.
+/// Added per sample to the diagonal of the normal equations, so that they can always be solved.
 pub(super) const RIDGE: f64 = 1e-6;
-/// A facet is curved when its residual falls by this factor with a squared term across the gap: a cylinder that lies along it.
+/// A facet is curved when a squared term across the gap divides its residual by this: a cylinder that lies along the gap.
 const CURVED_RATIO: f64 = 1.3;
 
-/// Disparity (quanta, from the origin of [`Along`](super::along::Along)) over 1, S, T and T^2 of that frame, the first K of them.
+/// Disparity as a polynomial in the frame along the gap (see [`Along`](super::along::Along)): the first K of the terms 1, S, T, T^2.
 #[derive(Clone, Copy)]
 pub(super) struct Surface<const K: usize> {
     pub(super) weights: [f64; K],
@@ -64,8 +64,8 @@ impl Surface<3> {
     }
 }
 
-/// The surface of two pieces together, and by how much it fits each of them worse than one of its own (in `noise`, quanta).
-pub(super) fn joint(
+/// Fits one surface to two pieces. With it comes how much worse it fits than one surface for each, in units of `noise` (quanta).
+pub(super) fn fit_jointly(
     of_a: &[Sample],
     of_b: &[Sample],
     flat: &[Surface<3>; 2],
@@ -78,7 +78,7 @@ pub(super) fn joint(
         let error = Surface::<4>::fit(of[k].iter()).mean_squared_error(of[k].iter());
         (flat_error[k].sqrt() > CURVED_RATIO * error.sqrt()).then_some(error)
     };
-    // Most are flat on the first side, and the other need not be looked at.
+    // Both have to be curved; most often the first is not.
     let curved_error = curved_error(0).and_then(|of_a| Some([of_a, curved_error(1)?]));
     let (joint, single) = match curved_error {
         Some(curved_error) => (Surface::<4>::fit(both()), curved_error),

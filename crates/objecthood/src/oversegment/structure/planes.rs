@@ -32,7 +32,7 @@ pub(super) fn fit_planes(
     let own = own.iter().map(LaneSums::total);
     let plane = |(surface, own): (&StructureSurface, PointSums)| {
         let (normal, offset_m) = (surface.normal.as_vec3().to_array(), surface.offset_m as f32);
-        own.fitted_plane().unwrap_or(StructurePlane { normal, offset_m, inlier_share: 0.0 })
+        own.fit_plane().unwrap_or(StructurePlane { normal, offset_m, inlier_share: 0.0 })
     };
     surfaces.iter().zip(own).map(plane).collect()
 }

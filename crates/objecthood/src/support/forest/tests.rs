@@ -6,7 +6,11 @@ use glam::DVec3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::discovery::up::UpSource;
+use crate::discovery::up::{Up, UpSource};
+use crate::planes::StructurePlane;
+use crate::raster::Raster;
+use crate::regions::Segments;
+use crate::surface::disparity::DisparitySpace;
 use crate::testing::{raster, small_size, space};
 
 const SIZE: (usize, usize) = (320, 240);
@@ -96,7 +100,13 @@ impl Picture {
 
     fn forest_of(&self, regions: usize, plane: &StructurePlane, params: &Params) -> SupportGraph {
         let segments = Segments::from_numbered(self.labels.clone(), regions);
-        forest(&segments, &self.points_m, &self.normals, &[*plane], &up(), &camera(), params)
+        self.forest_among(&segments, &[*plane], params)
+    }
+
+    fn forest_among(&self, regions: &Segments, planes: &[StructurePlane], params: &Params) -> SupportGraph {
+        let (up, space) = (&up(), &camera());
+        let Self { points_m, normals, .. } = self;
+        build_forest(&SupportScene { regions, points_m, normals, planes, up, space }, params)
     }
 }
 
@@ -269,9 +279,8 @@ fn nothing_stands_on_a_wall_or_on_nothing() {
     let picture = Picture::of(&[block([0.0, 0.0, 0.05], [0.05, 0.05, 0.05])]);
     let segments = Segments::from_numbered(picture.labels.clone(), 2);
     let wall = StructurePlane { normal: [0.0, 0.6, -0.8], ..plane() };
-    let forest_of = |segments: &Segments, planes: &[StructurePlane]| {
-        forest(segments, &picture.points_m, &picture.normals, planes, &up(), &camera(), &params())
-    };
+    let forest_of =
+        |segments: &Segments, planes: &[StructurePlane]| picture.forest_among(segments, planes, &params());
     assert_eq!(forest_of(&segments, &[wall]).edges, []);
     let alone = Segments::from_numbered(picture.labels.map(|&l| l - 1), 1);
     assert_eq!(forest_of(&alone, &[]).edges, []);
@@ -286,7 +295,7 @@ fn two_that_carry_each_other_are_one_edge_and_eq_8_is_carried_along() {
     let added: Vec<bool> =
         [(0, 1), (1, 2), (2, 0), (2, 2), (1, 0), (3, 2)].map(|(l, u)| edges.add(edge(l, u))).into();
     assert_eq!(added, [true, true, false, false, false, true]);
-    assert_eq!(edges.handed_up(&[0.4, 0.1, 0.9, 0.6]), [0.0, 0.4, 0.6, 0.0]);
+    assert_eq!(edges.hand_up(&[0.4, 0.1, 0.9, 0.6]), [0.0, 0.4, 0.6, 0.0]);
 }
 
 /// A label map of up to five regions, of which the first are planes, on points that are anything.
@@ -312,7 +321,9 @@ proptest! {
             StructurePlane { normal: Vec3::from(n).normalize_or(Vec3::NEG_Y).to_array(), offset_m, inlier_share: 0.1 }
         }).collect();
         let segments = Segments::from_numbered(labels.clone(), 5);
-        let graph = forest(&segments, &points_m, &normals, &planes, &up(), &camera(), &params());
+        let (up, space) = (&up(), &camera());
+        let scene = SupportScene { regions: &segments, points_m: &points_m, normals: &normals, planes: &planes, up, space };
+        let graph = build_forest(&scene, &params());
 
         // Without cycles: whatever carries can be taken away, one after the other.
         let mut left = graph.edges.clone();
@@ -353,7 +364,8 @@ proptest! {
         let movable = 5 - planes.len();
         let moved: Vec<usize> = (0..5).map(|r| if r < planes.len() { r } else { planes.len() + (5 - 1 - r + turn) % movable }).collect();
         let renumbered = labels.map(|&l| if l < 0 { l } else { moved[l as usize] as i32 });
-        let again = forest(&Segments::from_numbered(renumbered, 5), &points_m, &normals, &planes, &up(), &camera(), &params());
+        let regions = &Segments::from_numbered(renumbered, 5);
+        let again = build_forest(&SupportScene { regions, ..scene }, &params());
         let named: BTreeMap<_, _> = graph.edges.iter().map(|e| {
             let [lower, upper] = [e.lower, e.upper].map(|n| moved[n.0 as usize] as u32);
             ((lower, upper), (e.kind, e.confidence.to_bits(), e.hidden, e.contacts))

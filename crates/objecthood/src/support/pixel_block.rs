@@ -1,4 +1,4 @@
-//! Points of a region against gravity, many at once.
+//! Blocks of pixels of one region: their points are taken to heights and to the plan view many at once.
 
 use std::ops::Range;
 
@@ -8,35 +8,36 @@ use crate::simd::vectorized;
 use crate::support::cell::Cell;
 use crate::support::plan::{DIRECTIONS, Plan};
 
-/// So many pixels are looked at together.
-pub(crate) const PIECE_PX: usize = 64;
-/// So many are added up side by side.
+/// Pixels that are looked at together.
+pub(crate) const BLOCK_PX: usize = 64;
+/// Sums that are kept side by side.
 const LANES: usize = 8;
 
-/// Pixels of a region, those that follow each other in scan order, and what they are against gravity. They lie close together in
-/// the plan view.
-pub(crate) struct Piece {
+/// Successive pixels of a region, in scan order, with their heights and their places in the plan view. They lie close together
+/// there.
+pub(crate) struct PixelBlock {
     count: usize,
-    pixels: [u32; PIECE_PX],
-    points_m: [[f32; 3]; PIECE_PX],
-    heights_m: [f64; PIECE_PX],
-    /// Along either axis of the plan view.
-    places_m: [[f64; PIECE_PX]; 2],
+    pixels: [u32; BLOCK_PX],
+    points_m: [[f32; 3]; BLOCK_PX],
+    heights_m: [f64; BLOCK_PX],
+    /// Along either axis of the plan view (m).
+    places_m: [[f64; BLOCK_PX]; 2],
 }
 
-/// Sums over the points of a region, and how far it reaches.
-pub(crate) struct Extent {
+/// How many points a region has, where they are in the mean, and how far it reaches.
+pub(crate) struct RegionExtent {
     /// Its first pixel.
     pub(crate) first: Option<u32>,
     pub(crate) size_px: usize,
+    /// Sums (m).
     height_m: [f64; LANES],
     depth_m: [f64; LANES],
     place_m: [[f64; LANES]; 2],
-    /// In the plan view, in each of the [`DIRECTIONS`] (m).
+    /// How far it reaches in the plan view in each of the [`DIRECTIONS`] (m).
     pub(crate) reach_m: [f64; DIRECTIONS],
 }
 
-impl Extent {
+impl RegionExtent {
     pub(crate) fn new() -> Self {
         let none = [0.0; LANES];
         let reach_m = [f64::NEG_INFINITY; DIRECTIONS];
@@ -64,18 +65,18 @@ impl Extent {
     }
 }
 
-impl Piece {
+impl PixelBlock {
     pub(crate) fn new() -> Self {
         Self {
             count: 0,
-            pixels: [0; PIECE_PX],
-            points_m: [[0.0; 3]; PIECE_PX],
-            heights_m: [0.0; PIECE_PX],
-            places_m: [[0.0; PIECE_PX]; 2],
+            pixels: [0; BLOCK_PX],
+            points_m: [[0.0; 3]; BLOCK_PX],
+            heights_m: [0.0; BLOCK_PX],
+            places_m: [[0.0; BLOCK_PX]; 2],
         }
     }
 
-    /// Takes these pixels; whenever it is full it is looked at and emptied.
+    /// Takes these pixels. Whenever the block is full, `look` sees it and it is emptied.
     pub(crate) fn take(
         &mut self,
         mut pixels: Range<usize>,
@@ -83,20 +84,20 @@ impl Piece {
         mut look: impl FnMut(&mut Self),
     ) {
         while !pixels.is_empty() {
-            let (first, taken) = (pixels.start, pixels.len().min(PIECE_PX - self.count));
+            let (first, taken) = (pixels.start, pixels.len().min(BLOCK_PX - self.count));
             pixels.start += taken;
             let own = self.count..self.count + taken;
             self.points_m[own.clone()].copy_from_slice(&points_m[first..][..taken]);
             self.pixels[own].iter_mut().zip(first as u32..).for_each(|(own, i)| *own = i);
             self.count += taken;
-            if self.count == PIECE_PX {
+            if self.count == BLOCK_PX {
                 look(self);
                 self.count = 0;
             }
         }
     }
 
-    /// Leaves out what is not measured.
+    /// Drops pixels without depth.
     fn keep_measured(&mut self) {
         let taken = std::mem::take(&mut self.count);
         for k in 0..taken {
@@ -107,28 +108,29 @@ impl Piece {
         }
     }
 
+    /// Its pixels.
     pub(crate) fn pixels(&self) -> &[u32] {
         &self.pixels[..self.count]
     }
 
-    /// As far as it is [surveyed](Self::survey).
+    /// Their heights (m), once they are [surveyed](Self::survey).
     pub(crate) fn heights_m(&self) -> &[f64] {
         &self.heights_m[..self.count]
     }
 
-    /// The cells of its pixels, as far as it is [surveyed](Self::survey); behind them some that mean nothing.
-    pub(crate) fn cells(&self) -> [Cell; PIECE_PX] {
+    /// Their cells of the plan view, once they are [surveyed](Self::survey). Beyond the last pixel cells mean nothing.
+    pub(crate) fn cells(&self) -> [Cell; BLOCK_PX] {
         let [x_m, y_m] = &self.places_m;
-        let mut cells = [Cell::default(); PIECE_PX];
+        let mut cells = [Cell::default(); BLOCK_PX];
         vectorized(
             #[inline(always)]
-            || (0..PIECE_PX).for_each(|k| cells[k] = Cell::at(DVec2::new(x_m[k], y_m[k]))),
+            || (0..BLOCK_PX).for_each(|k| cells[k] = Cell::at(DVec2::new(x_m[k], y_m[k]))),
         );
         cells
     }
 
-    /// Finds out where its points are, without those that are not measured, and adds them to what is known of the region.
-    pub(crate) fn survey(&mut self, plan: &Plan, extent: &mut Extent) {
+    /// Computes heights and places of its points, drops those without depth, and adds the rest to the extent of the region.
+    pub(crate) fn survey(&mut self, plan: &Plan, extent: &mut RegionExtent) {
         let points_m = &self.points_m[..self.count];
         let is_whole = vectorized(
             #[inline(always)]
@@ -140,15 +142,15 @@ impl Piece {
         let Some(&first) = self.pixels().first() else { return };
         extent.first.get_or_insert(first);
         extent.size_px += self.count;
-        // Free places repeat the first point, so that they widen nothing.
+        // Free places repeat the first point, which widens nothing.
         let first_m = self.points_m[0];
         self.points_m[self.count..].fill(first_m);
         vectorized(
             #[inline(always)]
             || {
                 let Self { count, points_m, heights_m, places_m: [x_m, y_m], .. } = self;
-                let mut depths_m = [0.0; PIECE_PX];
-                for k in 0..PIECE_PX {
+                let mut depths_m = [0.0; BLOCK_PX];
+                for k in 0..BLOCK_PX {
                     let point = Vec3::from(points_m[k]).as_dvec3();
                     heights_m[k] = plan.up.dot(point);
                     x_m[k] = plan.across[0].dot(point);
@@ -175,12 +177,12 @@ fn add(sums: &mut [f64; LANES], values: &[f64]) {
     sums.iter_mut().zip(rest).for_each(|(sum, value)| *sum += value);
 }
 
-/// Pushes an outline out to where some places reach. Most pieces lie inside, and the box around them tells: rounding keeps the
-/// order of products and sums, so nothing of a piece reaches farther than the box.
+/// Pushes an outline out to where some places reach. Most blocks lie inside the outline, and so does the box around them, which is
+/// quicker to test. Rounding keeps the order of products and sums, so no point of a block reaches farther than its box.
 #[inline(always)]
 fn push_out(
     reach_m: &mut [f64; DIRECTIONS],
-    [x_m, y_m]: [&[f64; PIECE_PX]; 2],
+    [x_m, y_m]: [&[f64; BLOCK_PX]; 2],
     directions: &[DVec2; DIRECTIONS],
 ) {
     let ((left, right), (low, high)) = (limits(x_m), limits(y_m));
@@ -192,15 +194,15 @@ fn push_out(
     }
     for k in (0..DIRECTIONS).filter(|&k| is_beyond[k]) {
         let DVec2 { x, y } = directions[k];
-        let mut along_m = [0.0; PIECE_PX];
-        (0..PIECE_PX).for_each(|p| along_m[p] = x_m[p] * x + y_m[p] * y);
+        let mut along_m = [0.0; BLOCK_PX];
+        (0..BLOCK_PX).for_each(|p| along_m[p] = x_m[p] * x + y_m[p] * y);
         reach_m[k] = larger(limits(&along_m).1, reach_m[k]);
     }
 }
 
 /// The least and the greatest of some values.
 #[inline(always)]
-fn limits(values: &[f64; PIECE_PX]) -> (f64, f64) {
+fn limits(values: &[f64; BLOCK_PX]) -> (f64, f64) {
     let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
     for block in values.as_chunks::<LANES>().0 {
         for k in 0..LANES {
@@ -208,7 +210,7 @@ fn limits(values: &[f64; PIECE_PX]) -> (f64, f64) {
             high[k] = larger(block[k], high[k]);
         }
     }
-    // By halves, so that no comparison waits for all before it.
+    // By halves: no comparison waits for all others.
     const { assert!(LANES == 8, "as many halves as follow") }
     for half in [4, 2, 1] {
         for k in 0..half {
@@ -219,13 +221,13 @@ fn limits(values: &[f64; PIECE_PX]) -> (f64, f64) {
     (low[0], high[0])
 }
 
-/// One instruction, where `min` minds what is no number.
+/// The smaller of two numbers in one instruction; `f64::min` also minds NaN.
 #[inline(always)]
 fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// As [`smaller`].
+/// The larger of two numbers, as [`smaller`].
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }

@@ -1,0 +1,47 @@
+//! The rules in their order (METHOD 3.9 to 3.13).
+
+use crate::clusters::bottoms::join_bottoms;
+use crate::clusters::cluster::Clusters;
+use crate::clusters::clustering::Clustering;
+use crate::clusters::fragments::absorb_fragments;
+use crate::clusters::height::drop_low;
+use crate::clusters::occlusion::join_behind_occluders;
+use crate::clusters::scene::Scene;
+use crate::clusters::vessels::join_vessels;
+use crate::params::{self, Params};
+use crate::shapes::contraction::Shapes;
+
+/// The parameters of the rules.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules<'a> {
+    /// For small clusters.
+    pub fragments: &'a params::Fragments,
+    /// For clusters that hardly rise above the support.
+    pub height: &'a params::Height,
+    /// For vessels and their bottoms.
+    pub vessels: &'a params::Vessels,
+    /// For parts behind something nearer.
+    pub occlusion: &'a params::Occlusion,
+}
+
+impl<'a> Rules<'a> {
+    /// The rules' groups of all parameters.
+    pub fn of(params: &'a Params) -> Self {
+        let Params { fragments, height, vessels, occlusion, .. } = params;
+        Self { fragments, height, vessels, occlusion }
+    }
+}
+
+/// Decides by the surroundings of shapes which of them are one thing and which are background.
+///
+/// Each rule checks the clusters that the rules before it left. Source: ours, in place of what the paper calls future work.
+/// O(pixels + border pixels · log of them), and the rules as they say.
+pub fn find_clusters(scene: &Scene<'_>, shapes: &Shapes, rules: Rules<'_>) -> Clustering {
+    let mut clusters = Clusters::new(scene, shapes);
+    absorb_fragments(&mut clusters, rules.fragments);
+    drop_low(&mut clusters, rules.height);
+    join_vessels(&mut clusters, rules.vessels);
+    join_bottoms(&mut clusters, rules.vessels);
+    join_behind_occluders(&mut clusters, rules.occlusion);
+    clusters.finish()
+}

@@ -1,0 +1,56 @@
+//! Rule 1: concave pieces that touch are one inside (METHOD 3.12 i).
+
+use super::limits::{CONCAVITY, INSIDE_TOUCH_PX, Limits};
+use crate::clusters::check::{Bound, Check};
+use crate::clusters::cluster::Clusters;
+use crate::clusters::history::{Miss, Proposal, Rule, Source};
+use crate::discovery::join::JoinEvidence;
+use crate::regions::SegmentId;
+
+/// A piece of an inside has at least this many pixels (at a focal length of 525 px).
+const INSIDE_PX: usize = 60;
+/// The smaller piece must be this much as concave as the larger one.
+const SMALLER_SHARE: f64 = 0.5;
+
+/// Joins the first two pieces of one inside that it finds, and says whether there were any: both concave, and the smaller one no
+/// higher than the larger.
+pub(super) fn join_insides(clusters: &mut Clusters<'_>, limits: Limits<'_>, misses: &mut Vec<Miss>) -> bool {
+    let check_concave = |what, convexity, share| {
+        Check::new(what, "", convexity, Bound::AtMost, -limits.params.concavity * share).set_by(CONCAVITY)
+    };
+    for [large, small] in touching_pairs(clusters) {
+        let convexity = [large, small].map(|id| clusters.convexity(id));
+        let mut join = Proposal::new(Rule::VesselInside, Source::Cluster(small), Some(large));
+        let is_inside =
+            join.check(check_concave("how far the larger piece bends outwards", convexity[0], 1.0))
+                && join.check(check_concave(
+                    "how far the smaller piece bends outwards",
+                    convexity[1],
+                    SMALLER_SHARE,
+                ))
+                && join.check(limits.check_no_higher(clusters, small, large));
+        if is_inside {
+            clusters.join(join, JoinEvidence::VesselInside { convexity });
+            return true;
+        }
+        misses.push(join.refuse());
+    }
+    false
+}
+
+/// Pairs of large clusters that touch, the larger one first (of equal ones the first); by ascending numbers.
+fn touching_pairs(clusters: &Clusters<'_>) -> Vec<[SegmentId; 2]> {
+    let space = clusters.scene.space;
+    let (least_px, least_touch) = (space.area_px(INSIDE_PX), space.length_px(INSIDE_TOUCH_PX) as u32);
+    let size = |id: SegmentId| clusters.get(id).pixels.len();
+    let mut pairs = Vec::new();
+    for a in clusters.alive().into_iter().filter(|&id| size(id) >= least_px) {
+        for (&b, borders) in &clusters.get(a).neighbours {
+            let Some(b) = b.filter(|&b| b > a && size(b) >= least_px) else { continue };
+            if borders.touch >= least_touch {
+                pairs.push(if size(b) > size(a) { [b, a] } else { [a, b] });
+            }
+        }
+    }
+    pairs
+}

@@ -1,0 +1,61 @@
+//! Rule 3: a small cluster that touches hardly anything but a vessel belongs to it (METHOD 3.12 iii).
+
+use std::collections::BTreeSet;
+
+use super::limits::Limits;
+use crate::clusters::check::{Bound, Check};
+use crate::clusters::cluster::Clusters;
+use crate::clusters::history::{Miss, Proposal, Rule, Source};
+use crate::discovery::join::JoinEvidence;
+use crate::regions::SegmentId;
+
+/// A remainder touches the vessel along at least this many pixels (px at a focal length of 525 px) ...
+const REMAINDER_TOUCH_PX: usize = 6;
+/// ... and with this share of all its contacts, ...
+const REMAINDER_SHARE: f64 = 0.8;
+/// ... and has at most this share of the vessel's pixels.
+const REMAINDER_SIZE: f64 = 0.3;
+
+/// Joins the first remainder that it finds to its vessel, and says whether there was one.
+pub(super) fn join_remainder(
+    clusters: &mut Clusters<'_>,
+    limits: Limits<'_>,
+    vessels: &BTreeSet<SegmentId>,
+    misses: &mut Vec<Miss>,
+) -> bool {
+    let least_touch = clusters.scene.space.length_px(REMAINDER_TOUCH_PX) as u32;
+    for id in clusters.alive().into_iter().filter(|id| !vessels.contains(id)) {
+        let Some((vessel, touch)) = find_nearest_vessel(clusters, id, vessels) else { continue };
+        if touch < least_touch {
+            continue;
+        }
+        let cluster = clusters.get(id);
+        let all: u32 = cluster.neighbours.values().map(|borders| borders.touch).sum();
+        let contact_share = f64::from(touch) / f64::from(all.max(1));
+        let size_share = cluster.pixels.len() as f64 / clusters.get(vessel).pixels.len() as f64;
+        let check = |what, share, bound, limit| Check::new(what, "", share, bound, limit);
+        let of_contacts = "share of its contacts that are with the vessel";
+        let mut join = Proposal::new(Rule::VesselRemainder, Source::Cluster(id), Some(vessel));
+        let is_remainder = join.check(check(of_contacts, contact_share, Bound::AtLeast, REMAINDER_SHARE))
+            && join.check(check("its pixels over the vessel's", size_share, Bound::AtMost, REMAINDER_SIZE))
+            && join.check(limits.check_no_higher(clusters, id, vessel));
+        if is_remainder {
+            clusters.join(join, JoinEvidence::VesselRemainder { contact_share });
+            return true;
+        }
+        misses.push(join.refuse());
+    }
+    false
+}
+
+/// The vessel that a cluster touches most, the first of equal ones, and along how many pixels.
+fn find_nearest_vessel(
+    clusters: &Clusters<'_>,
+    id: SegmentId,
+    vessels: &BTreeSet<SegmentId>,
+) -> Option<(SegmentId, u32)> {
+    let touched = clusters.get(id).neighbours.iter().filter_map(|(&other, borders)| {
+        other.filter(|other| vessels.contains(other)).map(|other| (other, borders.touch))
+    });
+    touched.reduce(|best, next| if next.1 > best.1 { next } else { best })
+}

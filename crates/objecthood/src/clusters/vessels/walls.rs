@@ -1,0 +1,254 @@
+//! Rule 2: an inside and the wall in front of it are one vessel (METHOD 3.12 ii).
+//!
+//! Both are equally high. They are joined when their rims lie on one circle, or else when the inside is concave enough. With the
+//! circle comes everything else that stands within it.
+
+use std::collections::BTreeSet;
+
+use super::limits::{CONCAVITY, INSIDE_TOUCH_PX, Limits, RIM_HEIGHT};
+use crate::clusters::borders::BorderCounts;
+use crate::clusters::check::{Bound, Check};
+use crate::clusters::cluster::Clusters;
+use crate::clusters::history::{Miss, Proposal, Rule, Source};
+use crate::clusters::rim::{check_circle, fit_rim_circle, measure_share_within};
+use crate::discovery::join::{JoinEvidence, RimCircle};
+use crate::regions::SegmentId;
+
+/// An inside and a wall have at least this many pixels (at a focal length of 525 px).
+const PART_PX: usize = 100;
+/// An inside bends outwards by no more than this, a wall inwards by no more.
+const FLAT: f64 = 0.1;
+/// A wall is in front of the inside along at least this many pixels (px at 525 px), ...
+const FRONT_PX: usize = 8;
+/// ... this many times as many as it is behind.
+const FRONT_RATIO: u32 = 4;
+/// Without a circle the wall is in front along at least this many (px at 525 px).
+const FRONT_ALONE_PX: usize = 12;
+/// A part of the vessel stands within its rim's circle with this share of its pixels.
+const WITHIN_SHARE: f64 = 0.8;
+
+/// A cluster that may be the wall in front of an inside.
+struct Wall {
+    id: SegmentId,
+    /// Pixel pairs in which it is in front.
+    in_front: u32,
+    /// To give the inside to it.
+    join: Proposal,
+}
+
+/// The circle of a rim, and the clusters near it.
+struct Rim {
+    circle: RimCircle,
+    /// Those that stand within it, each to be given to the wall.
+    members: Vec<(SegmentId, Proposal)>,
+    /// Those that do not.
+    others: Vec<Miss>,
+}
+
+/// Joins the first inside that it finds to its wall, and says whether there was one. The wall is then in `vessels`, and no inside
+/// any more.
+pub(super) fn join_wall(
+    clusters: &mut Clusters<'_>,
+    limits: Limits<'_>,
+    vessels: &mut BTreeSet<SegmentId>,
+    misses: &mut Vec<Miss>,
+) -> bool {
+    for inside in clusters.alive().into_iter().filter(|id| !vessels.contains(id)) {
+        if !is_inside(clusters, inside) {
+            continue;
+        }
+        let walls = find_walls(clusters, limits, inside, misses);
+        // Of equally many pixels in front the first wall.
+        let foremost =
+            walls.iter().reduce(|best, next| if next.in_front > best.in_front { next } else { best });
+        let Some(wall) = foremost else { continue };
+        let search = RimSearch { clusters, limits, inside, wall, walls: &walls };
+        let is_joined = match search.find_rim(misses) {
+            Some(rim) => {
+                join_within_rim(clusters, inside, wall, rim);
+                true
+            }
+            None => join_concave(clusters, limits, inside, wall, misses),
+        };
+        if is_joined {
+            vessels.insert(wall.id);
+            return true;
+        }
+    }
+    false
+}
+
+/// Whether a cluster is large and hardly bends outwards.
+fn is_inside(clusters: &Clusters<'_>, id: SegmentId) -> bool {
+    clusters.get(id).pixels.len() >= clusters.scene.space.area_px(PART_PX) && clusters.convexity(id) <= FLAT
+}
+
+/// Joins an inside and whatever else stands within the circle of its rim to the wall.
+fn join_within_rim(clusters: &mut Clusters<'_>, inside: SegmentId, wall: &Wall, found: Rim) {
+    let Rim { circle, members, others } = found;
+    let (convexity, wall_in_front) = (clusters.convexity(inside), wall.in_front);
+    let mut join = wall.join.clone();
+    join.extend(check_circle(&circle));
+    clusters.join(join, JoinEvidence::VesselWall { convexity, wall_in_front, rim: Some(circle) });
+    for (_, join) in members.into_iter().filter(|(member, _)| *member != wall.id) {
+        clusters.join(join, JoinEvidence::VesselRim { rim: circle });
+    }
+    clusters.history.note_misses(others);
+}
+
+/// Joins an inside to the wall if it is concave enough to need no circle; says whether it did.
+fn join_concave(
+    clusters: &mut Clusters<'_>,
+    limits: Limits<'_>,
+    inside: SegmentId,
+    wall: &Wall,
+    misses: &mut Vec<Miss>,
+) -> bool {
+    let (convexity, wall_in_front) = (clusters.convexity(inside), wall.in_front);
+    let most = -limits.params.concavity;
+    let least_front = clusters.scene.space.length_px(FRONT_ALONE_PX) as f64;
+    let front = f64::from(wall_in_front);
+    let mut join = wall.join.clone();
+    let is_joined = join.check(
+        Check::new("how far the inside bends outwards", "", convexity, Bound::Below, most).set_by(CONCAVITY),
+    ) && join.check(Check::new(
+        "wall in front of the inside along",
+        "px",
+        front,
+        Bound::AtLeast,
+        least_front,
+    ));
+    if is_joined {
+        clusters.join(join, JoinEvidence::VesselWall { convexity, wall_in_front, rim: None });
+    } else {
+        misses.push(join.refuse());
+    }
+    is_joined
+}
+
+/// The neighbours of an inside that may be the wall in front of it, by ascending number.
+fn find_walls(
+    clusters: &Clusters<'_>,
+    limits: Limits<'_>,
+    inside: SegmentId,
+    misses: &mut Vec<Miss>,
+) -> Vec<Wall> {
+    let space = clusters.scene.space;
+    let (least_px, least_front) = (space.area_px(PART_PX), space.length_px(FRONT_PX));
+    let mut walls = Vec::new();
+    for (&other, borders) in &clusters.get(inside).neighbours {
+        // In front of the inside is where the inside is behind.
+        let &BorderCounts { in_front: behind, behind: in_front, .. } = borders;
+        let Some(id) = other else { continue };
+        if clusters.get(id).pixels.len() < least_px || (in_front as usize) < least_front {
+            continue;
+        }
+        let mut join = Proposal::new(Rule::VesselWall, Source::Cluster(inside), Some(id));
+        let is_wall = join.check(check_in_front(in_front, behind))
+            && join.check(Check::new(
+                "how far the wall bends outwards",
+                "",
+                clusters.convexity(id),
+                Bound::AtLeast,
+                -FLAT,
+            ))
+            && join.check(check_level(clusters, limits, id, inside));
+        if is_wall {
+            walls.push(Wall { id, in_front, join });
+        } else {
+            misses.push(join.refuse());
+        }
+    }
+    walls
+}
+
+fn check_in_front(in_front: u32, behind: u32) -> Check {
+    let (front, back) = (f64::from(in_front), f64::from(FRONT_RATIO * behind));
+    Check::new("wall in front along, against 4 times behind", "px", front, Bound::AtLeast, back)
+}
+
+fn check_level(clusters: &Clusters<'_>, limits: Limits<'_>, wall: SegmentId, inside: SegmentId) -> Check {
+    let apart_m = (limits.top_m(clusters, wall) - limits.top_m(clusters, inside)).abs();
+    let limit_m = limits.params.rim_height_m;
+    Check::new("difference of the tops", "m", apart_m, Bound::AtMost, limit_m).set_by(RIM_HEIGHT)
+}
+
+/// The search for the rim of one inside.
+struct RimSearch<'a> {
+    clusters: &'a Clusters<'a>,
+    limits: Limits<'a>,
+    inside: SegmentId,
+    /// The one that is in front most, ...
+    wall: &'a Wall,
+    /// ... among all of them.
+    walls: &'a [Wall],
+}
+
+impl RimSearch<'_> {
+    /// The circle of the rim and the clusters within it, if a wall is among these; whatever else is refused.
+    fn find_rim(&self, misses: &mut Vec<Miss>) -> Option<Rim> {
+        if !self.limits.params.rim_circle {
+            return None;
+        }
+        let (parts, circle) = match self.fit_circle() {
+            Ok(found) => found,
+            Err(failed) => {
+                let mut join = self.wall.join.clone();
+                join.extend(failed);
+                misses.push(join.refuse());
+                return None;
+            }
+        };
+        let (mut members, mut others) = (Vec::new(), Vec::new());
+        for id in self.near(&parts) {
+            let mut join = Proposal::new(Rule::VesselRim, Source::Cluster(id), Some(self.wall.id));
+            if self.is_within(id, &parts, &circle, &mut join) {
+                members.push((id, join));
+            } else {
+                others.push(join.refuse());
+            }
+        }
+        if members.iter().any(|(id, _)| parts.contains(id)) {
+            return Some(Rim { circle, members, others });
+        }
+        misses.append(&mut others);
+        None
+    }
+
+    /// The circle through the rims of the inside and of all walls, else of the inside and the foremost wall; with these parts.
+    ///
+    /// # Errors
+    /// The checks of the last circle; one of them fails.
+    fn fit_circle(&self) -> Result<(Vec<SegmentId>, RimCircle), Vec<Check>> {
+        let top_m = self.limits.top_m(self.clusters, self.inside);
+        let fit = |parts: Vec<SegmentId>| {
+            let circle = fit_rim_circle(self.clusters, &parts, top_m, self.limits.support)?;
+            Ok((parts, circle))
+        };
+        let all = fit(self.walls.iter().map(|wall| wall.id).chain([self.inside]).collect());
+        if self.walls.len() > 1 { all.or_else(|_| fit(vec![self.wall.id, self.inside])) } else { all }
+    }
+
+    /// The clusters that are parts or beside one, but for the inside; by ascending number.
+    fn near(&self, parts: &[SegmentId]) -> BTreeSet<SegmentId> {
+        let beside = |&part: &SegmentId| self.clusters.get(part).neighbours.keys().copied().flatten();
+        let near = parts.iter().flat_map(beside).chain(parts.iter().copied());
+        near.filter(|&id| id != self.inside).collect()
+    }
+
+    /// Whether a cluster stands within the circle and as high as the inside. What clings to the inside may be lower.
+    fn is_within(&self, id: SegmentId, parts: &[SegmentId], circle: &RimCircle, join: &mut Proposal) -> bool {
+        let &Self { clusters, limits, inside, .. } = self;
+        let above_m = limits.top_m(clusters, id) - limits.top_m(clusters, inside);
+        let least_touch = clusters.scene.space.length_px(INSIDE_TOUCH_PX) as u32;
+        let clings = || !parts.contains(&id) && clusters.borders(inside, id).touch >= least_touch;
+        let check_above = |bound, limit_m| {
+            Check::new("its top above the inside's", "m", above_m, bound, limit_m).set_by(RIM_HEIGHT)
+        };
+        let share = || measure_share_within(clusters, id, circle, limits.support);
+        let most_m = limits.params.rim_height_m;
+        join.check(check_above(Bound::AtMost, most_m))
+            && (clings() || join.check(check_above(Bound::AtLeast, -most_m)))
+            && join.check(Check::new("its share within the rim", "", share(), Bound::AtLeast, WITHIN_SHARE))
+    }
+}

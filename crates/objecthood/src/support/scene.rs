@@ -1,0 +1,24 @@
+//! The scene: regions in space. Some carry others.
+
+use crate::discovery::up::Up;
+use crate::planes::StructurePlane;
+use crate::raster::Raster;
+use crate::regions::Segments;
+use crate::surface::disparity::DisparitySpace;
+
+/// Regions in space, and the direction up. All rasters are of one size.
+#[derive(Clone, Copy, Debug)]
+pub struct SupportScene<'a> {
+    /// First the structure, of which region k lies on `planes[k]`, then the things that stand about.
+    pub regions: &'a Segments,
+    /// Points (m); `NaN` without depth.
+    pub points_m: &'a Raster<[f32; 3]>,
+    /// Unit normals; zero where there is none.
+    pub normals: &'a Raster<[f32; 3]>,
+    /// The planes of the structure.
+    pub planes: &'a [StructurePlane],
+    /// The direction against gravity.
+    pub up: &'a Up,
+    /// The camera and its noise.
+    pub space: &'a DisparitySpace,
+}
