@@ -1,34 +1,63 @@
 //! What can be said on the command line, and nothing of what is done with it.
 
+mod eval;
 mod images;
+mod number;
+mod output;
+mod settings;
 mod synthetic;
 
+pub(crate) use eval::{ComparisonArgs, EvalArgs};
 pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
+pub(crate) use output::OutputKind;
+pub(crate) use settings::{MethodName, Settings, Threads};
 pub(crate) use synthetic::{DemoArgs, SynthArgs};
 
 use std::path::PathBuf;
 
-use clap::builder::RangedU64ValueParser;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Arg, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
-use objecthood_io::GridCamera;
+use objecthood_io::camera_file::CameraFile;
+
+use number::whole;
 
 /// Said at the end of every `--help`.
 const EXIT_CODES: &str = "\
 Exit codes:
-  0  every frame is done
-  1  something failed: it is named on stderr with what to do; the other frames are done
-  2  the command line or the configuration is wrong: nothing was done";
+  0    every frame is done
+  1    something failed: stderr says what failed and what to do; the other frames are done
+  2    the command line or the configuration is wrong: nothing was done
+  130  interrupted by Ctrl-C: the files of finished frames are complete";
 
-/// Finds the objects in RGB-D images: what in them can be grasped and moved.
+/// Finds objects in RGB-D images: the things that can be grasped and moved.
 ///
-/// Nothing is learned and nothing is known beforehand about the objects: surfaces are found in one image, joined to
-/// convex shapes, and shapes that something carries are objects.
+/// There is nothing to train. From a single image objecthood finds surfaces, joins them into shapes, and decides which of
+/// the shapes are objects.
 #[derive(Debug, Parser)]
 #[command(name = "objecthood", version, after_help = EXIT_CODES)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
+}
+
+impl Cli {
+    /// Reads the command line of the process.
+    ///
+    /// # Errors
+    /// When it makes no sense; when it asks for help or version.
+    pub(crate) fn read() -> Result<Self, clap::Error> {
+        let mut command = Self::command().mut_subcommands(|command| command.mut_args(take_what_follows));
+        let matches = command.try_get_matches_from_mut(std::env::args_os())?;
+        Self::from_arg_matches(&matches).map_err(|e| e.format(&mut command))
+    }
+}
+
+/// Lets an option have a value that begins with `-`, so that it says itself what it takes: of `--threads -3` clap would say
+/// that there is no option `-3`. Paths are left alone: a name may be forgotten, and the next option is not it.
+fn take_what_follows(arg: Arg) -> Arg {
+    let is_option = arg.get_long().is_some() && arg.get_action().takes_values();
+    let is_path = arg.get_value_hint() != ValueHint::Unknown;
+    arg.allow_hyphen_values(is_option && !is_path)
 }
 
 /// The subcommands.
@@ -44,7 +73,7 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    /// Whether to log the time of every stage.
+    /// Whether to log how long every stage takes.
     pub(crate) fn is_verbose(&self) -> bool {
         match self {
             Self::Demo(args) => args.settings.verbose,
@@ -55,62 +84,29 @@ impl Command {
             Self::Synth(_) | Self::Completions(_) => false,
         }
     }
-}
 
-/// What every subcommand takes that runs a method.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Settings")]
-pub(crate) struct Settings {
-    /// Read parameters from a TOML file; `objecthood params --toml` prints one.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) config: Option<PathBuf>,
-
-    /// Set one parameter, over the file; may be repeated, the last one wins.
-    #[arg(long, value_name = "STAGE.PARAMETER=VALUE")]
-    pub(crate) set: Vec<String>,
-
-    /// Keep every hypothesis with its objectness, also what is no object.
-    #[arg(long)]
-    pub(crate) all: bool,
-
-    #[command(flatten)]
-    threads: Threads,
-
-    /// Log the time of every stage.
-    #[arg(short, long)]
-    pub(crate) verbose: bool,
-}
-
-impl Settings {
-    /// How many threads to use.
-    pub(crate) fn threads(&self) -> usize {
-        self.threads.count()
+    /// How many threads to use; `None` where one does everything.
+    pub(crate) fn threads(&self) -> Option<&Threads> {
+        match self {
+            Self::Demo(args) => Some(&args.settings.threads),
+            Self::Segment(args) => Some(&args.settings.threads),
+            Self::Explain(args) => Some(&args.settings.threads),
+            Self::Eval(args) => Some(&args.settings.threads),
+            Self::Synth(args) => Some(&args.threads),
+            Self::Params(_) | Self::Completions(_) => None,
+        }
     }
 }
 
-/// How many threads to use.
-#[derive(Debug, Args)]
-pub(crate) struct Threads {
-    /// Threads to use [default: one per core].
-    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..=1024))]
-    threads: Option<usize>,
-}
-
-impl Threads {
-    pub(crate) fn count(&self) -> usize {
-        self.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
-    }
-}
-
-/// Which frames, and what of them is looked at.
+/// Which frames to read, and which part of them to use.
 #[derive(Debug, Args)]
 pub(crate) struct FrameArgs {
-    /// Point clouds (.pcd), folders that are searched for them, folders in the layout of TUM (rgb.txt, depth.txt).
+    /// Point clouds (.pcd), folders to search for point clouds, or folders in the layout of TUM (rgb.txt, depth.txt).
     #[arg(required_unless_present = "depth", conflicts_with = "depth", value_name = "INPUT")]
     pub(crate) inputs: Vec<PathBuf>,
 
-    /// Camera of the frames: its numbers in pixels, or a JSON file with fx, fy, cx, cy and perhaps width, height and
-    /// the depth scale. Depth images and unorganized clouds need it; organized clouds and TUM folders may have their own.
+    /// Camera of the frames: its numbers in pixels, or a JSON file with fx, fy, cx, cy and optionally width, height and
+    /// depth_scale. Needed for depth images and unorganized clouds; optional for organized clouds and TUM folders.
     #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]|FILE", value_parser = CameraArg::parse)]
     pub(crate) camera: Option<CameraArg>,
 
@@ -121,27 +117,40 @@ pub(crate) struct FrameArgs {
     pub(crate) scope: ScopeArgs,
 }
 
-/// Find the objects in frames and write them as label images, scene files and pictures.
+impl FrameArgs {
+    /// What to tell a user whose `--depth-scale` contradicts the camera file; `camera` is what that file says.
+    pub(crate) fn scale_note(&self, camera: Option<&CameraFile>) -> Option<String> {
+        let (asked, said) = (self.images.depth_scale?, camera?.depth_scale?);
+        let file = self.camera.as_ref().and_then(CameraArg::file)?;
+        (asked != said).then(|| {
+            let (times, file) = (said / asked, file.display());
+            format!(
+                "--depth-scale {asked} replaces the depth scale {said} of {file}: everything is {times} times as far \
+                 away; if no object is found, leave --depth-scale out"
+            )
+        })
+    }
+}
+
+/// Find the objects in frames; write label images, scene files and pictures.
 ///
-/// For every frame: DIR/<stem>.labels.png, a 16-bit image with 0 = none and 1.. = objects; DIR/<stem>.json, the scene;
-/// DIR/<stem>.structure.png, the table and other large planes as a second label image; DIR/<stem>.panels.png, pictures of
-/// every stage. A frame that fails leaves nothing.
+/// For every frame NAME, DIR receives the files that --write asks for. A frame that fails leaves no file.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct SegmentArgs {
-    /// Folder to write to; made if it is not there.
+    /// Folder for the output; created if needed.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 
-    /// Way of finding objects [default: context].
+    /// Method to use [default: context].
     #[arg(long)]
     pub(crate) method: Option<MethodName>,
 
-    /// What to write for each frame.
+    /// What to write for each frame, separated by commas.
     #[arg(long, value_name = "KINDS", value_delimiter = ',', default_value = "labels,json")]
     pub(crate) write: Vec<OutputKind>,
 
-    /// Lay the outputs out in DIR as the inputs lie in the folder common to all of them.
+    /// Repeat in DIR the folders of the inputs, from the folder down that all inputs share.
     #[arg(long)]
     pub(crate) keep_tree: bool,
 
@@ -152,30 +161,31 @@ pub(crate) struct SegmentArgs {
     pub(crate) settings: Settings,
 }
 
-/// Say why a pixel, or an object, is what it is: its facet, the votes of its borders, what each rule measured, and which
-/// single parameter, changed how far, would decide otherwise.
+/// Say why a pixel or an object is what it is, and which parameter would change that.
 ///
-/// Everything that is said of a parameter was tried. With --out a picture too: DIR/<stem>.explain.png.
+/// Explains one pixel of one frame: what it belongs to, how its surface (facet) fits, how the borders of that facet vote,
+/// what every rule measured, and which single parameter, changed to which value, reverses a decision. Every such value has
+/// been tried. With --out it also draws a picture, DIR/NAME.explain.png.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct ExplainArgs {
-    /// The pixel: its column and row.
+    /// The pixel to explain: column and row, counted from 0.
     #[arg(long, value_name = "X,Y", value_parser = pixel, required_unless_present = "object", conflicts_with = "object")]
     pub(crate) at: Option<[usize; 2]>,
 
-    /// The object with this number in the label image, at the middle of its largest facet.
-    #[arg(long, value_name = "ID", value_parser = RangedU64ValueParser::<u16>::new().range(1..=65535))]
+    /// The object to explain, by its number in the label image; the pixel is the middle of its largest facet.
+    #[arg(long, value_name = "ID", value_parser = whole(1, u16::MAX))]
     pub(crate) object: Option<u16>,
 
-    /// As JSON.
+    /// Print JSON instead of text.
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Folder to write a picture to; made if it is not there.
+    /// Folder for the picture; created if needed.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
-    /// Way of finding objects; only that of `context` can be explained [default: context].
+    /// Method to explain; only `context` can be explained [default: context].
     #[arg(long)]
     pub(crate) method: Option<MethodName>,
 
@@ -193,109 +203,15 @@ fn pixel(text: &str) -> Result<[usize; 2], String> {
     pixel.ok_or_else(|| "give a column and a row, counted from 0, as in 320,240".to_owned())
 }
 
-/// Score a method, or existing label images, on a data set with truth.
-///
-/// ROOT holds folders of labelled point clouds in the manner of mOSD. Without it, --support scores what stands on what.
-#[derive(Debug, Args)]
-#[command(after_help = EXIT_CODES)]
-pub(crate) struct EvalArgs {
-    /// The data set.
-    #[arg(value_name = "ROOT", required_unless_present = "support")]
-    pub(crate) root: Option<PathBuf>,
-
-    /// Which of its folders: learn, test, any other name, or all.
-    #[arg(long, value_name = "FOLDER", default_value = "all")]
-    pub(crate) split: String,
-
-    /// Way of finding objects [default: context].
-    #[arg(long)]
-    pub(crate) method: Option<MethodName>,
-
-    #[command(flatten)]
-    pub(crate) comparison: ComparisonArgs,
-
-    /// Score N scenes besides that are composed of the tables and objects of these, more densely: the folder `composite`.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 0,
-        hide_default_value = true,
-        conflicts_with = "labels",
-        group = "made"
-    )]
-    pub(crate) composites: u32,
-
-    /// Score the support forest instead, on N synthetic scenes of stacks, vessels, hidden things, tables and clutter in
-    /// equal parts, against the contacts that they were made with (`context`).
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = RangedU64ValueParser::<u32>::new().range(1..=1_000_000),
-        conflicts_with_all = ["root", "labels", "ComparisonArgs", "pictures", "camera", "per_scene", "split"],
-        group = "made"
-    )]
-    pub(crate) support: Option<u32>,
-
-    /// The first composed or synthetic scene; the others follow.
-    #[arg(long, value_name = "S", default_value_t = 0, requires = "made")]
-    pub(crate) seed: u32,
-
-    /// Score the label images DIR/<scene><suffix> instead of running a method.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) labels: Option<PathBuf>,
-
-    /// What follows the name of the scene in the names of the label images.
-    #[arg(long, value_name = "S", default_value = ".labels.png", requires = "labels")]
-    pub(crate) suffix: String,
-
-    /// Write the figures to a file as JSON.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) json: Option<PathBuf>,
-
-    /// Draw the hardest scenes, one picture each: colour, what either method finds, truth.
-    ///
-    /// The 12 scenes with most objects that are not correct, of equals those with most objects; made if it is not there.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["labels", "ComparisonArgs"])]
-    pub(crate) pictures: Option<PathBuf>,
-
-    /// Print a line for every scene.
-    #[arg(long)]
-    pub(crate) per_scene: bool,
-
-    /// Camera of the scenes, in pixels; the data set knows its own.
-    #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]")]
-    pub(crate) camera: Option<GridCamera>,
-
-    #[command(flatten)]
-    pub(crate) settings: Settings,
-}
-
-/// What is compared instead of scoring one setting.
-#[derive(Clone, Copy, Debug, Args)]
-#[group(multiple = false, conflicts_with = "labels")]
-pub(crate) struct ComparisonArgs {
-    /// Compare colour, depth and both, each with and without curvature (`paper`).
-    #[arg(long)]
-    pub(crate) ablation: bool,
-
-    /// Switch the steps of the method on one after the other, then leave out each alone (`context`).
-    #[arg(long)]
-    pub(crate) ladder: bool,
-
-    /// Change every parameter that the method reads, each alone: numbers by 30 % down and up, choices to their other values.
-    #[arg(long)]
-    pub(crate) sensitivity: bool,
-}
-
-/// Print every parameter with default, range, unit, meaning and source.
+/// Print every parameter with its default, range, unit, meaning and source.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct ParamsArgs {
-    /// As JSON.
+    /// Print JSON.
     #[arg(long, conflicts_with = "toml")]
     pub(crate) json: bool,
 
-    /// As a commented file for --config, with the values in force.
+    /// Print a commented file for --config, with the values that the other options give.
     #[arg(long)]
     pub(crate) toml: bool,
 
@@ -303,53 +219,17 @@ pub(crate) struct ParamsArgs {
     pub(crate) settings: Settings,
 }
 
-/// Print a script by which a shell completes the command line.
+/// Print a script with which a shell completes commands.
 ///
 /// For example: objecthood completions bash > ~/.local/share/bash-completion/completions/objecthood
 #[derive(Debug, Args)]
 pub(crate) struct CompletionsArgs {
-    /// The shell that is to read it.
+    /// The shell that will read the script.
     pub(crate) shell: Shell,
-}
-
-/// The methods by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MethodName {
-    /// Surfaces fitted in disparity, and what their borders and surroundings tell (the default).
-    Context,
-    /// The published method, equation by equation.
-    Paper,
-}
-
-/// What can be written for a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub(crate) enum OutputKind {
-    /// 16-bit label image.
-    Labels,
-    /// Scene file.
-    Json,
-    /// 16-bit label image of the large planes: table, floor, wall.
-    Structure,
-    /// Pictures of every stage.
-    Panels,
-}
-
-impl OutputKind {
-    /// What follows the name of the frame in the name of the file.
-    pub(crate) fn suffix(self) -> &'static str {
-        match self {
-            Self::Labels => ".labels.png",
-            Self::Json => ".json",
-            Self::Structure => ".structure.png",
-            Self::Panels => ".panels.png",
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
 
     #[test]

@@ -1,5 +1,7 @@
 //! Defaults, then `--config FILE`, then every `--set`, then `--method` and `--all` -> [`Params`].
 
+mod likely;
+
 use std::path::Path;
 
 use anyhow::Result;
@@ -9,13 +11,27 @@ use toml::{Table, Value};
 
 use crate::args::{MethodName, Settings};
 use crate::failure::usage;
+use crate::terminal;
+use likely::no_such_parameter;
+
+/// The parameters in force, for a command that runs the method. Says on stderr which of those that were changed the method
+/// does not read.
+///
+/// # Errors
+/// As [`values`].
+pub(crate) fn params(settings: &Settings, method: Option<MethodName>) -> Result<Params> {
+    let params = values(settings, method)?;
+    if let Some(note) = unread(&params)? {
+        terminal::note(&note);
+    }
+    Ok(params)
+}
 
 /// The parameters in force.
 ///
 /// # Errors
-/// Of usage: a file that cannot be read, a parameter that does not exist, a value that it does not take, a method that
-/// is not there.
-pub(crate) fn params(settings: &Settings, method: Option<MethodName>) -> Result<Params> {
+/// Of usage: a file that cannot be read, a parameter, value or method that does not exist.
+pub(crate) fn values(settings: &Settings, method: Option<MethodName>) -> Result<Params> {
     let mut given = Given { known: Params::table(), method: None, groups: Table::new() };
     if let Some(path) = &settings.config {
         given.read_file(path).map_err(|why| usage(format!("{}: {why}", path.display())))?;
@@ -32,6 +48,24 @@ pub(crate) fn params(settings: &Settings, method: Option<MethodName>) -> Result<
     params.objectness.every_hypothesis |= settings.all;
     params.validate().map_err(|e| usage(e.to_string()))?;
     Ok(params)
+}
+
+/// What to tell a user who changed parameters that the method does not read, and so changed nothing.
+fn unread(params: &Params) -> Result<Option<String>> {
+    let rows = crate::params::rows(params)?;
+    let unread = rows.iter().filter(|row| row.is_changed() && row.info.first_stage(params.method).is_none());
+    let unread: Vec<&str> = unread.map(|row| row.info.name.as_str()).collect();
+    let other = match params.method {
+        Method::Paper => Method::Context,
+        Method::Context => Method::Paper,
+    };
+    let (names, method) = (unread.join(", "), params.method);
+    let (has, them) = if unread.len() == 1 { ("has", "it") } else { ("have", "them") };
+    Ok((!unread.is_empty()).then(|| {
+        format!(
+            "{names} {has} no effect on the method {method}: only {other} reads {them} (--method {other})"
+        )
+    }))
 }
 
 /// What the user has set so far.
@@ -74,16 +108,16 @@ impl Given {
         Ok(())
     }
 
-    /// Takes in `stage.parameter=value`.
+    /// Takes in `group.parameter=value`.
     fn assign(&mut self, assignment: &str) -> Result<(), Complaint> {
         let (key, text) = assignment
             .split_once('=')
-            .ok_or("there is no value: write stage.parameter=value, as in curvature.threshold=0.2")?;
+            .ok_or("there is no value: write group.parameter=value, as in objectness.threshold=0.6")?;
         let (key, text) = (key.trim(), text.trim());
         if key == "method" {
             return Err("a method is chosen with --method".to_owned());
         }
-        let (group, name) = key.split_once('.').ok_or_else(|| self.no_such_parameter(key))?;
+        let (group, name) = key.split_once('.').ok_or_else(|| no_such_parameter(&self.known, key))?;
         // A word that is no TOML value, as `depth`, is meant as a string.
         let value = text.parse().unwrap_or_else(|_| Value::String(text.to_owned()));
         self.set(group, name, value)
@@ -91,7 +125,8 @@ impl Given {
 
     fn set(&mut self, group: &str, name: &str, value: Value) -> Result<(), Complaint> {
         let key = format!("{group}.{name}");
-        let info = self.known.iter().find(|p| p.name == key).ok_or_else(|| self.no_such_parameter(&key))?;
+        let info =
+            self.known.iter().find(|p| p.name == key).ok_or_else(|| no_such_parameter(&self.known, &key))?;
 
         // One value at a time, so that whatever is wrong is wrong with this one.
         let alone = Table::from_iter([(
@@ -109,36 +144,6 @@ impl Given {
         }
         Ok(())
     }
-
-    /// Names what may have been meant, if anything is like it.
-    fn no_such_parameter(&self, key: &str) -> Complaint {
-        const LIKE: f64 = 0.4;
-        let given = key.to_lowercase();
-        let names = self.known.iter().map(|p| p.name.as_str());
-        // A name without its group is compared with names without their groups.
-        let part =
-            |name: &'_ str| if given.contains('.') { name.to_owned() } else { after_dot(name).to_owned() };
-        let mut likely: Vec<(f64, &str)> =
-            names.map(|name| (strsim::normalized_damerau_levenshtein(&part(name), &given), name)).collect();
-        likely.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let best = likely.first().map_or(0.0, |l| l.0);
-        if best < LIKE {
-            return format!("there is no parameter `{key}`: `objecthood params` lists all");
-        }
-        let near: Vec<&str> = likely.iter().take_while(|l| l.0 >= best - 0.05).take(3).map(|l| l.1).collect();
-        format!(
-            "there is no parameter `{key}`: did you mean {}? `objecthood params` lists all",
-            in_ticks(&near)
-        )
-    }
-}
-
-fn after_dot(name: &str) -> &str {
-    name.split_once('.').map_or(name, |(_, name)| name)
-}
-
-fn in_ticks(names: &[&str]) -> String {
-    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(" or ")
 }
 
 /// A mistake in the file's syntax, with the line it is on.

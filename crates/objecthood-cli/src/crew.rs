@@ -8,13 +8,15 @@ use anyhow::{Result, anyhow};
 use indicatif::ProgressBar;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::terminal;
+use crate::failure::Outcome;
+use crate::{interrupt, terminal};
 
 /// Calls `work` on every item and `report` with the results, in the order of the items. Each thread that takes items has
-/// a `Tool` of its own, which `work` finds as the item before left it.
+/// a `Tool` of its own, which it hands to `work` as the last item left it.
 ///
-/// As many items are worked on at a time as there are threads, and each has an equal share of the threads to itself.
+/// As many items are open at a time as there are threads, and each has an equal share of the threads to itself.
 /// A common pool would let a thread that waits within one item start another, so that ever more are open at once.
+/// After Ctrl-C, if it is [caught](interrupt::catch), no more items are taken.
 ///
 /// # Errors
 /// When the threads cannot be had.
@@ -30,15 +32,16 @@ pub(crate) fn in_order<T: Sync, Tool: Default + Send, R: Send>(
         .collect::<Result<Vec<_>>>()?;
 
     let next = AtomicUsize::new(0);
+    let take = || if interrupt::is_asked() { None } else { take(items, &next) };
     let (sender, results) = mpsc::channel();
     thread::scope(|scope| {
         // Owned here, so that the workers stop as soon as nobody listens.
         let results = results;
         for pool in &pools {
-            let (sender, next, work) = (sender.clone(), &next, &work);
+            let (sender, take, work) = (sender.clone(), &take, &work);
             let worker = move || {
                 let mut tool = Tool::default();
-                while let Some((k, item)) = take(items, next) {
+                while let Some((k, item)) = take() {
                     if sender.send((k, pool.install(|| work(&mut tool, item)))).is_err() {
                         break;
                     }
@@ -63,16 +66,43 @@ pub(crate) fn in_order<T: Sync, Tool: Default + Send, R: Send>(
     })
 }
 
-/// What became of many items.
+/// How many items ended.
 pub(crate) struct Reported {
+    /// How many of how many were done.
+    done: usize,
+    total: usize,
     /// How many failed; each was named on stderr.
-    pub(crate) failed: usize,
-    /// Whether all that was to be said of the others was printed. Work goes on when it was not.
-    pub(crate) printed: Result<()>,
+    failed: usize,
+    /// Whether everything could be printed that there was to say of those done. Work goes on when it could not.
+    printed: Result<()>,
 }
 
-/// Does `work` on every item as [`in_order`] does, prints what `text` says of what was done and names what failed, below
-/// a bar that moves on.
+impl Reported {
+    /// Says on stderr how many `what` are done, when there is anything to tell; how the command ends. `refused` more could
+    /// not even be begun.
+    ///
+    /// # Errors
+    /// When stdout could not be written.
+    pub(crate) fn sum_up(self, what: &str, refused: usize) -> Result<Outcome> {
+        let Self { done, failed, printed, .. } = self;
+        let (total, failed) = (self.total + refused, failed + refused);
+        let is_interrupted = done + failed < total;
+        let ends = [(failed > 0, format!(", {failed} failed")), (is_interrupted, ", interrupted".to_owned())];
+        let ends: String = ends.into_iter().filter_map(|(holds, text)| holds.then_some(text)).collect();
+        if total > 1 || !ends.is_empty() {
+            terminal::complain(&format!("{done} of {total} {what} done{ends}"));
+        }
+        printed?;
+        Ok(match (is_interrupted, failed) {
+            (true, _) => Outcome::Interrupted,
+            (false, 0) => Outcome::AllDone,
+            (false, _) => Outcome::SomeFailed,
+        })
+    }
+}
+
+/// Does `work` on every item as [`in_order`] does, prints what `text` says of each that is done and names each that
+/// failed, above a bar that moves on. Ctrl-C ends it after the items that are under way.
 ///
 /// # Errors
 /// When the threads cannot be had.
@@ -83,10 +113,12 @@ pub(crate) fn report_in_order<T: Sync, Tool: Default + Send, D: Send>(
     work: impl Fn(&mut Tool, &T) -> Result<D> + Sync,
     mut text: impl FnMut(&T, D) -> String,
 ) -> Result<Reported> {
-    let mut reported = Reported { failed: 0, printed: Ok(()) };
+    interrupt::catch()?;
+    let mut reported = Reported { done: 0, total: items.len(), failed: 0, printed: Ok(()) };
     in_order(items, threads, work, |item, result| {
         bar.suspend(|| match result {
             Ok(done) => {
+                reported.done += 1;
                 let text = text(item, done);
                 if reported.printed.is_ok() {
                     reported.printed = terminal::print(&text);

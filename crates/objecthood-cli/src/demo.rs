@@ -18,7 +18,7 @@ use objecthood_view::Recording;
 use crate::args::{DemoArgs, OutputKind};
 use crate::failure::Outcome;
 use crate::outputs::{Found, make_folders_of, refuse_file};
-use crate::shell::word;
+use crate::shell::{program, word};
 use crate::synthetic::{Made, Recipe, camera_file, camera_path, color_path, depth_path};
 use crate::watch::{Laps, Watch};
 use crate::{config, crew, terminal};
@@ -131,15 +131,16 @@ fn in_words(verdict: Verdict) -> &'static str {
     }
 }
 
-/// What can be done next, as commands.
+/// What to do next, as commands.
 fn next_steps(folder: &Path, name: &str, seed: u64) -> String {
     let (color, depth) = (word(&color_path(folder, name)), word(&depth_path(folder, name)));
     let (camera, again) = (word(&camera_path(folder)), word(&folder.join("again")));
+    let program = program();
     format!(
         "next:\n  \
-         objecthood demo --seed {}\n  \
-         objecthood segment --color {color} --depth {depth} --camera {camera} --out {again}\n  \
-         objecthood synth --out scenes --scenes 20\n",
+         {program} demo --seed {}\n  \
+         {program} segment --color {color} --depth {depth} --camera {camera} --out {again} --write labels,json,overlay\n  \
+         {program} synth --out scenes --scenes 20\n",
         seed + 1
     )
 }

@@ -1,8 +1,11 @@
 //! `objecthood explain`: why a pixel or an object is what it is.
 
 mod text;
+mod verdict;
+mod words;
 
 use anyhow::{Context, Result};
+use indicatif::ProgressBar;
 use objecthood::explain::Explainer;
 use objecthood::{Error, ObjectId, Params, Pipeline};
 use objecthood_io::explanation::ExplanationFile;
@@ -15,7 +18,7 @@ use crate::inputs::{Input, Inputs};
 use crate::outputs::{make_folder, refuse_file, with_suffix};
 use crate::{config, crew, inputs, terminal};
 
-/// What is to be done, and nothing left to doubt.
+/// What to do; nothing is in doubt any more.
 struct Plan<'a> {
     args: &'a ExplainArgs,
     input: Input,
@@ -30,9 +33,12 @@ struct Plan<'a> {
 pub(crate) fn run(args: &ExplainArgs) -> Result<Outcome> {
     let plan = Plan::new(args)?;
     let name = plan.input.path.display().to_string();
+    let spinner = terminal::spinner(args.settings.verbose);
+    spinner.set_message("reading the frame");
     let capture = plan.input.open()?;
     let capture = plan.scope.limit(capture).with_context(|| name.clone())?;
-    let explained = crew::pool(args.settings.threads())?.install(|| plan.explain(&name, &capture));
+    let explained = crew::pool(args.settings.threads())?.install(|| plan.explain(&name, &capture, &spinner));
+    spinner.finish_and_clear();
     terminal::print(&explained?)?;
     Ok(Outcome::AllDone)
 }
@@ -41,6 +47,7 @@ impl<'a> Plan<'a> {
     fn new(args: &'a ExplainArgs) -> Result<Self> {
         let params = config::params(&args.settings, args.method)?;
         let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
+        args.frames.scale_note(camera.as_ref()).iter().for_each(|note| terminal::note(note));
         let Inputs { mut frames, unreadable, .. } = inputs::collect(&args.frames, false, camera.as_ref())?;
         let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
         if let Some(out) = &args.out {
@@ -55,11 +62,13 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// What is to be printed; writes the picture.
-    fn explain(&self, name: &str, capture: &Capture) -> Result<String> {
+    /// Writes the picture and returns the text to print.
+    fn explain(&self, name: &str, capture: &Capture, spinner: &ProgressBar) -> Result<String> {
+        spinner.set_message("finding the objects");
         let explainer =
             Explainer::new(&Pipeline::default(), &capture.frame, &self.params).map_err(said_of_usage)?;
         let pixel = self.pixel(&explainer)?;
+        spinner.set_message("trying which parameters would change the answer");
         let explanation = explainer.explain(pixel).map_err(said_of_usage)?;
         let mut text = if self.args.json {
             ExplanationFile::new(name, &self.params, &explanation).to_json()?
@@ -80,7 +89,7 @@ impl<'a> Plan<'a> {
         Ok(text)
     }
 
-    /// The pixel that is asked for.
+    /// The pixel to explain.
     fn pixel(&self, explainer: &Explainer) -> Result<[usize; 2]> {
         let Some(id) = self.args.object else { return Ok(self.args.at.unwrap_or_default()) };
         explainer.pixel_of(ObjectId(id)).ok_or_else(|| {

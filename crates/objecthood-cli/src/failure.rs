@@ -2,13 +2,15 @@
 
 use std::fmt;
 
-/// What became of the frames.
+/// How the frames ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// Every frame is done: exit code 0.
     AllDone,
     /// Some failed and were reported: exit code 1.
     SomeFailed,
+    /// The user pressed Ctrl-C before all were done: exit code 130, as shells have it.
+    Interrupted,
 }
 
 /// The command line or the configuration is wrong, so nothing was done: exit code 2.

@@ -1,7 +1,7 @@
-//! The command line of objecthood. It parses, calls the libraries and prints; nothing is computed here.
+//! The command line of objecthood. It parses, calls the libraries and prints; it computes nothing.
 //!
-//! One subcommand a file. Each turns its arguments into one typed plan before anything is done, so that what is wrong
-//! with the command line is said before the first file is written.
+//! One file per subcommand. Each turns its arguments into one typed plan before it does anything, so that a mistake on the
+//! command line is reported before the first file is written.
 
 mod args;
 mod completions;
@@ -12,6 +12,7 @@ mod eval;
 mod explain;
 mod failure;
 mod inputs;
+mod interrupt;
 mod natural;
 mod outputs;
 mod params;
@@ -24,22 +25,23 @@ mod watch;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
-use crate::args::{Cli, Command};
+use crate::args::{Cli, Command, Threads};
 use crate::failure::{Outcome, exit_code};
 
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::read() {
         Ok(cli) => cli,
         Err(e) => {
-            // Help and version come this way too. Whoever closed the pipe has read enough.
+            // Help and version come this way too. A reader that closed the pipe has read enough.
             let _ = e.print();
             return if e.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
         }
     };
     if cli.command.is_verbose() {
         terminal::log_to_stderr();
+    }
+    if let Some(note) = cli.command.threads().and_then(Threads::note) {
+        terminal::note(&note);
     }
     let outcome = match &cli.command {
         Command::Demo(args) => demo::run(args),
@@ -53,6 +55,7 @@ fn main() -> ExitCode {
     match outcome {
         Ok(Outcome::AllDone) => ExitCode::SUCCESS,
         Ok(Outcome::SomeFailed) => ExitCode::FAILURE,
+        Ok(Outcome::Interrupted) => ExitCode::from(interrupt::EXIT_CODE),
         Err(e) => {
             terminal::error(&e);
             ExitCode::from(exit_code(&e))

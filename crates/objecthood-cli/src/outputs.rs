@@ -1,4 +1,4 @@
-//! What is written of a frame, and where.
+//! The files that are written for a frame, and where they go.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -9,7 +9,7 @@ use anyhow::{Result, anyhow};
 use objecthood::{Discovery, Params};
 use objecthood_io::scene::SceneFile;
 use objecthood_io::{Capture, label_image};
-use objecthood_view::{Recording, panels, png};
+use objecthood_view::{Recording, overlay, panels, png};
 
 use crate::args::OutputKind;
 use crate::failure::usage;
@@ -40,6 +40,7 @@ impl Found<'_> {
                     SceneFile::new(source, capture, params, discovery).to_json()?.into_bytes()
                 }
                 OutputKind::Structure => label_image::encode(&discovery.structure)?,
+                OutputKind::Overlay => png(&overlay(&capture.frame, &discovery.labels))?,
                 OutputKind::Panels => {
                     let Some(recording) = recording else { continue };
                     png(&panels(&capture.frame, recording, discovery))?

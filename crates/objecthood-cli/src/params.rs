@@ -11,12 +11,19 @@ use crate::args::ParamsArgs;
 use crate::failure::Outcome;
 use crate::{config, terminal};
 
-/// A parameter and the value that it has with the settings given.
+/// A parameter and its value in force.
 #[derive(Serialize)]
-struct Row {
+pub(crate) struct Row {
     #[serde(flatten)]
-    info: ParameterInfo,
+    pub(crate) info: ParameterInfo,
     value: Value,
+}
+
+impl Row {
+    /// Whether the value is not the default.
+    pub(crate) fn is_changed(&self) -> bool {
+        !same(&plain(&self.value), &self.info.default)
+    }
 }
 
 /// Prints the parameters.
@@ -24,7 +31,7 @@ struct Row {
 /// # Errors
 /// Of usage, when the settings are wrong; when stdout cannot be written.
 pub(crate) fn run(args: &ParamsArgs) -> Result<Outcome> {
-    let params = config::params(&args.settings, None)?;
+    let params = config::values(&args.settings, None)?;
     let rows = rows(&params)?;
     let text = if args.json {
         let table = serde_json::json!({ "method": params.method, "parameters": rows });
@@ -38,7 +45,11 @@ pub(crate) fn run(args: &ParamsArgs) -> Result<Outcome> {
     Ok(Outcome::AllDone)
 }
 
-fn rows(params: &Params) -> Result<Vec<Row>> {
+/// Every parameter with its value, in the order of the table.
+///
+/// # Errors
+/// When the parameters have no JSON form.
+pub(crate) fn rows(params: &Params) -> Result<Vec<Row>> {
     // By way of text, where a 32-bit 0.14 is written 0.14; as a number it would become 0.14000000059604645.
     let text = serde_json::to_string(params).context("the parameters cannot be written as JSON")?;
     let values: Value = serde_json::from_str(&text).context("the parameters cannot be read as JSON")?;
@@ -52,11 +63,11 @@ fn rows(params: &Params) -> Result<Vec<Row>> {
 fn as_table(rows: &[Row]) -> String {
     let mut text = String::new();
     let width = rows.iter().map(|row| row.info.name.len()).max().unwrap_or(0);
-    for Row { info, value } in rows {
-        let ParameterInfo { name, default, range, unit, meaning, source, readers } = info;
-        let value = plain(value);
+    for row in rows {
+        let ParameterInfo { name, default, range, unit, meaning, source, readers } = &row.info;
+        let value = plain(&row.value);
         let _ = write!(text, "{name:width$}  {value:>8}  {range} [{unit}]");
-        if !same(&value, default) {
+        if row.is_changed() {
             let _ = write!(text, "  (default {default})");
         }
         let _ = writeln!(text, "\n    {meaning} [{source}; read by {}]", listed(readers));

@@ -19,7 +19,7 @@ use crate::outputs::{Found, make_folder, make_folders_of, path_of, refuse_file};
 use crate::watch::{Laps, Watch};
 use crate::{config, crew, inputs, terminal};
 
-/// What is to be done, and nothing left to doubt.
+/// What to do; nothing is in doubt any more.
 struct Plan<'a> {
     args: &'a SegmentArgs,
     inputs: Inputs,
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     make_folder(&args.out)?;
 
     let Inputs { frames, unreadable, notices, .. } = &plan.inputs;
-    notices.iter().for_each(|notice| terminal::complain(&format!("note: {notice}")));
+    notices.iter().for_each(|notice| terminal::note(notice));
     unreadable.iter().for_each(terminal::error);
     let total = frames.len() + unreadable.len();
 
@@ -53,24 +53,19 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     let work = |pipeline: &mut Pipeline, input: &Input| plan.segment(pipeline, input);
     let reported = crew::report_in_order(frames, args.settings.threads(), &bar, work, |input, done| {
         for notice in &done.notices {
-            terminal::complain(&format!("note: {}: {notice}", input.path.display()));
+            terminal::note(&format!("{}: {notice}", input.path.display()));
         }
         if total == 1 { in_full(input, &done) } else { in_short(input, &done) }
     })?;
 
-    let failed = unreadable.len() + reported.failed;
-    if total > 1 || failed > 0 {
-        let sum = if failed == 0 { String::new() } else { format!(", {failed} failed") };
-        terminal::complain(&format!("{} of {total} frames done{sum}", total - failed));
-    }
-    reported.printed?;
-    Ok(if failed == 0 { Outcome::AllDone } else { Outcome::SomeFailed })
+    reported.sum_up("frames", unreadable.len())
 }
 
 impl<'a> Plan<'a> {
     fn new(args: &'a SegmentArgs) -> Result<Self> {
         let params = config::params(&args.settings, args.method)?;
         let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
+        args.frames.scale_note(camera.as_ref()).iter().for_each(|note| terminal::note(note));
         let inputs = inputs::collect(&args.frames, args.keep_tree, camera.as_ref())?;
         let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
         refuse_file("--out", &args.out)?;

@@ -1,6 +1,12 @@
 //! Commands that the user can copy into a shell.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// The name of this program as the user called it: `objecthood` alone runs only where it is on the path.
+pub(crate) fn program() -> String {
+    let called = std::env::args_os().next().map_or_else(|| "objecthood".into(), PathBuf::from);
+    word(&called)
+}
 
 /// A word of a command line: as it is, or in quotes where a POSIX shell would read it otherwise.
 pub(crate) fn word(path: &Path) -> String {

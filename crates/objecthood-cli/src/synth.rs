@@ -7,10 +7,9 @@ use objecthood_io::output;
 use objecthood_scene::generate;
 
 use crate::args::SynthArgs;
-use crate::crew::Reported;
 use crate::failure::Outcome;
 use crate::outputs::{make_folder, make_folders_of, refuse_file};
-use crate::shell::word;
+use crate::shell::{program, word};
 use crate::synthetic::{Recipe, camera_file, camera_path, color_path, depth_path, recipes};
 use crate::{crew, terminal};
 
@@ -23,7 +22,7 @@ pub(crate) fn run(args: &SynthArgs) -> Result<Outcome> {
     refuse_file("--out", &args.out)?;
     let recipes = recipes(args.family, args.sensor, args.seed, args.scenes);
     make_folder(&args.out)?;
-    // One camera took all pictures; its file comes first, so that every scene that is there can be used.
+    // One camera took all pictures. Its file comes first, so that every finished scene can be used.
     if let Some(first) = recipes.first() {
         let (path, bytes) = camera_file(&generate(first.family, first.seed), &args.out)?;
         output::write_atomically(&path, &bytes)?;
@@ -31,19 +30,15 @@ pub(crate) fn run(args: &SynthArgs) -> Result<Outcome> {
 
     let bar = terminal::progress_bar(recipes.len(), false);
     let work = |(): &mut (), recipe: &Recipe| write(recipe, &args.out);
-    let Reported { failed, printed } =
-        crew::report_in_order(&recipes, args.threads.count(), &bar, work, |_, text| text)?;
-    printed?;
-    let total = recipes.len();
-    if failed > 0 {
-        terminal::complain(&format!("{} of {total} scenes done, {failed} failed", total - failed));
-        return Ok(Outcome::SomeFailed);
+    let reported = crew::report_in_order(&recipes, args.threads.count(), &bar, work, |_, text| text)?;
+    let outcome = reported.sum_up("scenes", 0)?;
+    if outcome == Outcome::AllDone {
+        terminal::print(&next_steps(&args.out))?;
     }
-    terminal::print(&next_steps(&args.out))?;
-    Ok(Outcome::AllDone)
+    Ok(outcome)
 }
 
-/// Makes one scene and writes all of its files or none; a line that says what it is.
+/// Makes one scene and writes all of its files or none. Returns a line that describes it.
 fn write(recipe: &Recipe, folder: &Path) -> Result<String> {
     let name = recipe.name();
     let scene = recipe.make().with_context(|| name.clone())?;
@@ -55,15 +50,15 @@ fn write(recipe: &Recipe, folder: &Path) -> Result<String> {
     Ok(format!("{name}: {objects} object{} -> {}\n", if objects == 1 { "" } else { "s" }, names.display()))
 }
 
-/// What can be done with the scenes, as commands.
+/// What to do with the scenes, as commands.
 fn next_steps(folder: &Path) -> String {
     let (color, depth) = (word(&color_path(folder, "*")), word(&depth_path(folder, "*")));
     let (camera, found) = (word(&camera_path(folder)), word(&folder.join("found")));
-    let folder = word(folder);
+    let (program, folder) = (program(), word(folder));
     format!(
         "\nnext:\n  \
-         objecthood segment --color {color} --depth {depth} --camera {camera} --out {found} --write labels,json,panels\n  \
-         objecthood eval {folder} --labels {found}\n  \
-         objecthood eval {folder}\n"
+         {program} segment --color {color} --depth {depth} --camera {camera} --out {found} --write labels,json,panels\n  \
+         {program} eval {folder} --labels {found}\n  \
+         {program} eval {folder}\n"
     )
 }

@@ -1,9 +1,11 @@
 //! The only place that writes to stdout and stderr.
 
+use std::fmt;
 use std::io::{self, IsTerminal, Write};
+use std::time::Duration;
 
 use anyhow::{Result, anyhow};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
 /// Prints results to stdout.
 ///
@@ -26,9 +28,14 @@ pub(crate) fn error(error: &anyhow::Error) {
     complain(&format!("error: {error:#}"));
 }
 
+/// Prints to stderr what the user should know although it is no error, on one line.
+pub(crate) fn note(text: &str) {
+    complain(&format!("note: {text}"));
+}
+
 /// Prints one line to stderr. When even that fails nobody is left to be told.
 pub(crate) fn complain(message: &str) {
-    // Names of files and what is in them may hold anything, line ends and commands to the terminal among it.
+    // File names and file contents may hold anything, even line ends and commands to the terminal.
     let _ = writeln!(io::stderr(), "{}", message.replace(char::is_control, " "));
 }
 
@@ -44,15 +51,55 @@ pub(crate) fn log_to_stderr() {
         .init();
 }
 
-/// A bar on stderr that shows how many of `frames` are done; hidden for a single frame, off a terminal, and in the
-/// company of a log.
-pub(crate) fn progress_bar(frames: usize, verbose: bool) -> ProgressBar {
-    if frames < 2 || verbose {
+/// A bar on stderr that shows how many of `total` items are done; hidden for a single one, off a terminal, and beside a
+/// log.
+pub(crate) fn progress_bar(total: usize, verbose: bool) -> ProgressBar {
+    if total < 2 || verbose {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::new(frames as u64);
-    match ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left") {
-        Ok(style) => bar.with_style(style),
+    let write_left = |state: &ProgressState, out: &mut dyn fmt::Write| {
+        // What cannot be written cannot be shown.
+        let _ = out.write_str(&left(state.pos(), state.eta()));
+    };
+    let bar = ProgressBar::new(total as u64);
+    match ProgressStyle::with_template("{bar:40} {pos} of {len} done{left}") {
+        Ok(style) => bar.with_style(style.with_key("left", write_left)),
         Err(_) => bar,
+    }
+}
+
+/// How long the rest takes, in words: nothing before the first item is done, when nobody knows it.
+fn left(done: u64, eta: Duration) -> String {
+    match eta.as_secs_f64().round() {
+        seconds if done > 0 && seconds > 0.0 => format!(", {} left", HumanDuration(eta)),
+        _ => String::new(),
+    }
+}
+
+/// A line on stderr that moves while one long step is under way; hidden off a terminal and beside a log. Says nothing
+/// until it is given a message.
+pub(crate) fn spinner(verbose: bool) -> ProgressBar {
+    if verbose {
+        return ProgressBar::hidden();
+    }
+    let spinner = ProgressBar::new_spinner();
+    spinner.enable_steady_tick(Duration::from_millis(100));
+    match ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
+        Ok(style) => spinner.with_style(style),
+        Err(_) => spinner,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bars began with "0s left".
+    #[test]
+    fn no_time_is_given_before_the_first_item_is_done() {
+        assert_eq!(left(0, Duration::ZERO), "");
+        assert_eq!(left(0, Duration::from_secs(9)), "");
+        assert_eq!(left(3, Duration::from_millis(300)), "");
+        assert_eq!(left(3, Duration::from_secs(9)), ", 9 seconds left");
     }
 }

@@ -11,9 +11,33 @@ fn json(bytes: &[u8]) -> Value {
     serde_json::from_slice(bytes).unwrap()
 }
 
-/// The command that segments the scene anew, without the name of the program.
-fn again(run: &Run) -> &str {
-    run.stdout.lines().find_map(|line| line.trim().strip_prefix("objecthood segment")).unwrap()
+/// The commands that a run proposes.
+fn next_commands(run: &Run) -> Vec<&str> {
+    run.stdout.lines().skip_while(|line| *line != "next:").skip(1).map(str::trim).collect()
+}
+
+/// What to do next was printed as `objecthood ..`, which runs only where the program is on the path.
+#[cfg(unix)]
+#[test]
+fn the_next_commands_run_as_printed() {
+    let folder = Folder::new();
+    // Commands that take long are not run to the end here, but in `the_check_is_what_eval_says`.
+    let small = |command: &str| command.replace("--scenes 20", "--scenes 1");
+    let run_all = |run: &Run, expected: usize| {
+        let commands = next_commands(run);
+        assert_eq!(commands.len(), expected, "{}", run.stdout);
+        for command in commands {
+            let shell = std::process::Command::new("sh")
+                .current_dir(folder.path())
+                .args(["-c", &small(command)])
+                .output()
+                .unwrap();
+            assert!(shell.status.success(), "{command}\n{}", String::from_utf8_lossy(&shell.stderr));
+        }
+    };
+    run_all(&folder.run("demo --out it's", 0), 3);
+    run_all(&folder.run("synth --out it's-more --scenes 1", 0), 3);
+    assert!(folder.names("it's/again").contains(&"tabletop34.overlay.png".to_owned()));
 }
 
 #[test]
@@ -66,7 +90,8 @@ fn the_first_command_shows_what_the_program_does() {
     assert!(run.stdout.contains(&format!("{correct} of {} objects correct", rows.len())), "{}", run.stdout);
 
     // What it proposes gives the same bytes from the files.
-    folder.run(&format!("segment{}", again(&run)), 0);
+    let again = next_commands(&run)[1].split_once(" segment ").unwrap().1;
+    folder.run(&format!("segment {again}"), 0);
     for name in ["tabletop34.json", "tabletop34.labels.png"] {
         assert!(folder.files("objecthood-demo/again")[name] == files[name], "{name}");
     }

@@ -40,11 +40,12 @@ fn the_text_of_an_object_and_of_the_table() {
 fn what_it_says_of_a_parameter_is_true() {
     let folder = stacked();
     let run = folder.run(&format!("explain {STACKED} --object 1"), 0);
-    let setting = run.stdout.split_once("otherwise with --set ").unwrap().1;
+    let setting = run.stdout.split_once("would change with --set ").unwrap().1;
     let setting = setting.split_whitespace().next().unwrap();
-    let pixel = run.stdout.split_once("pixel ").unwrap().1.split_whitespace().next().unwrap();
+    let pixel = run.stdout.split_once(": pixel ").unwrap().1.split_whitespace().next().unwrap();
     // The first that is said is why it is an object at all.
-    assert!(run.stdout.contains("\nobject 1\n") && run.stdout.contains("Is it an object?\n  yes: "));
+    assert!(run.stdout.starts_with("This pixel belongs to object 1: "), "{}", run.stdout);
+    assert!(run.stdout.contains("Is it an object?\n  yes: "));
     let other = folder.run(&format!("explain {STACKED} --at {pixel} --set {setting}"), 0);
     assert!(other.stdout.contains("Is it an object?\n  no: "), "{setting}: {}", other.stdout);
 }
@@ -136,7 +137,7 @@ fn questions_that_cannot_be_answered_are_refused() {
         folder.refuses(&format!("explain a.pcd --at {at}"), "give a column and a row");
     }
     folder.refuses("explain a.pcd --object 3", "the objects of this frame are 1 to 2");
-    folder.refuses("explain a.pcd --object 0", "1..=65535");
+    folder.refuses("explain a.pcd --object 0", "give a whole number from 1 to 65535");
     folder.refuses("explain a.pcd", "--at <X,Y>");
     folder.refuses("explain a.pcd --at 1,1 --object 1", "cannot be used with");
     folder.refuses("explain a.pcd b.pcd --at 1,1", "2 frames are named");

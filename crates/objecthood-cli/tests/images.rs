@@ -31,6 +31,26 @@ fn labels(bytes: &[u8]) -> Vec<u16> {
     }
 }
 
+/// Nothing was found and nothing was said.
+#[test]
+fn a_depth_scale_against_that_of_the_camera_file_is_pointed_out() {
+    let folder = stills();
+    let [fx, fy, cx, cy] = [0, 1, 2, 3].map(|k| camera().split(',').nth(k).unwrap().to_owned());
+    let json = format!(r#"{{"fx": {fx}, "fy": {fy}, "cx": {cx}, "cy": {cy}, "depth_scale": 10000}}"#);
+    folder.write("camera.json", json.as_bytes());
+    let said = |scale: &str| {
+        let run = format!("segment --depth in/1-depth.png --camera camera.json {scale} --out out");
+        folder.run(&run, 0).stderr
+    };
+    let note = said("--depth-scale 5000");
+    assert!(
+        note.starts_with("note: --depth-scale 5000 replaces the depth scale 10000 of camera.json"),
+        "{note}"
+    );
+    assert!(note.contains("2 times as far away"), "{note}");
+    assert!(!said("--depth-scale 10000").contains("replaces") && !said("").contains("replaces"));
+}
+
 /// What stdout says of every frame.
 fn counts(run: &Run) -> Vec<(&str, &str)> {
     let lines = run.stdout.lines().filter(|line| line.contains(" objects -> "));

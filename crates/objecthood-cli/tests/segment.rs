@@ -92,6 +92,39 @@ fn a_single_pixel_and_a_scene_without_a_plane_are_no_errors() {
     assert_eq!(labels(&folder.files("out")["pixel.labels.png"]).into_raw(), [0]);
 }
 
+/// A camera of so few pixels across that one pixel is no less than an object has.
+#[test]
+fn a_single_point_is_no_object_of_size_0() {
+    let folder = Folder::new();
+    let pixel = Cloud { width: 1, height: 1, points: vec![Cloud::two_boxes(0.0).points[200 * 320 + 160]] };
+    folder.write("pixel.pcd", &pixel.to_pcd());
+    for method in ["context", "paper"] {
+        let run = folder.run(&format!("segment pixel.pcd --camera 10,10,0,0 --out out --method {method}"), 0);
+        assert!(run.stdout.starts_with("pixel.pcd: 0 objects\n"), "{}", run.stdout);
+    }
+}
+
+/// Label images look black in every viewer.
+#[test]
+fn an_overlay_is_the_picture_with_outlines_and_numbers() {
+    let folder = Folder::new();
+    folder.write("a.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
+    let run = folder.run("segment a.pcd --out out --write overlay,labels", 0);
+    assert!(run.stdout.ends_with("out/a.labels.png\nout/a.overlay.png\n"), "{}", run.stdout);
+    let files = folder.files("out");
+    let overlay = image::load_from_memory(&files["a.overlay.png"]).unwrap().into_rgb8();
+    let labels = labels(&files["a.labels.png"]);
+    assert_eq!(overlay.dimensions(), labels.dimensions());
+    let changed = |object: u16| {
+        let own = labels.enumerate_pixels().filter(|(.., label)| label.0[0] == object);
+        // The boxes of the scene are of one colour each, the table is grey.
+        let colors: std::collections::BTreeSet<_> = own.map(|(u, v, _)| overlay.get_pixel(u, v).0).collect();
+        colors.len()
+    };
+    assert!(changed(1) > 2 && changed(2) > 2, "outline, number and box: {} {}", changed(1), changed(2));
+    assert!(changed(0) < 20, "only what the labels leave out of the boxes, and digits: {}", changed(0));
+}
+
 #[test]
 fn results_are_the_same_for_any_number_of_threads_and_from_run_to_run() {
     let folder = scenes();
@@ -114,7 +147,7 @@ fn folders_are_searched_below_and_results_come_in_natural_order() {
     let cloud = Cloud::two_boxes(0.0);
     folder.write("in/deeper/still/Last.PCD", &cloud.to_pcd());
     folder.write("in/notes.txt", b"no point cloud");
-    let run = folder.run("segment in/scene3.pcd in ./in/../in/scene3.pcd --out out --threads 3", 0);
+    let run = folder.run("segment in/scene3.pcd in ./in/../in/scene3.pcd --out out", 0);
     let frames: Vec<&str> = run.stdout.lines().map(|line| line.split(": ").next().unwrap()).collect();
     let order =
         ["in/scene3.pcd", "in/deeper/still/Last.PCD", "in/scene1.pcd", "in/scene2.pcd", "in/scene10.pcd"];

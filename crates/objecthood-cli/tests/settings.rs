@@ -77,8 +77,9 @@ fn mistakes_in_settings_are_explained_and_nothing_is_done() {
         ("--set threshold=0.1", &["`curvature.threshold`", "`objectness.threshold`"]),
         ("--set curvatur.threshold=0.1", &["`curvature.threshold`"]),
         ("--set CURVATURE.THRESOLD=0.1", &["`CURVATURE.THRESOLD`", "did you mean `curvature.threshold`?"]),
+        ("--set objectness.foo=1", &["of the group objectness are min_side_m, "]),
         ("--set z=1", &["there is no parameter `z`: `objecthood params` lists all"]),
-        ("--set curvature.threshold", &["stage.parameter=value"]),
+        ("--set curvature.threshold", &["group.parameter=value"]),
         ("--set curvature.threshold=high", &["curvature.threshold = \"high\"", "0 ..= 2"]),
         ("--set curvature.threshold=3", &["curvature.threshold = 3", "0 ..= 2"]),
         ("--set curvature.threshold=nan", &["curvature.threshold", "0 ..= 2"]),
@@ -95,8 +96,9 @@ fn mistakes_in_settings_are_explained_and_nothing_is_done() {
         ("--config range.toml", &["range.toml", "graph.color_weight = 7", "0 ..= 1"]),
         ("--config no_method.toml", &["`magic`", "`paper`", "`context`"]),
         ("--method magic", &["paper"]),
-        ("--threads 0", &["--threads"]),
-        ("--threads many", &["--threads"]),
+        ("--threads 0", &["--threads", "give a whole number from 1 to 1024"]),
+        ("--threads many", &["--threads", "give a whole number from 1 to 1024"]),
+        ("--threads -3", &["'-3' for '--threads", "give a whole number from 1 to 1024"]),
         ("--write labels,pictures", &["panels"]),
         ("--camera 1,2,3", &["--camera"]),
         ("--camera 0,525,319.5,239.5", &["--camera"]),
@@ -108,6 +110,83 @@ fn mistakes_in_settings_are_explained_and_nothing_is_done() {
         }
         assert!(!folder.path().join("out").exists(), "{settings}");
     }
+}
+
+/// The README's own example did nothing and said nothing.
+#[test]
+fn parameters_that_the_method_does_not_read_are_named() {
+    let folder = Folder::new();
+    folder.write("a.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
+    folder.write("c.toml", b"[curvature]\nthreshold = 0.2\n[graph]\ncolor_weight = 0.1\n");
+    folder.write("defaults.toml", folder.run("params --toml", 0).stdout.as_bytes());
+    let one = "note: curvature.threshold has no effect on the method context: only paper reads it (--method paper)\n";
+    let two = "note: curvature.threshold, graph.color_weight have no effect on the method context: only paper reads them \
+               (--method paper)\n";
+    let other = "note: height.min_top_m has no effect on the method paper: only context reads it (--method context)\n";
+    for (settings, said) in [
+        ("--set curvature.threshold=0.2", one),
+        ("--config c.toml --set graph.color_weight=0.3", two),
+        ("--config c.toml", two),
+        ("--config c.toml --method paper", ""),
+        ("--set height.min_top_m=0.02 --method paper", other),
+        ("--set height.min_top_m=0.02", ""),
+        ("--config defaults.toml", ""),
+        ("--all", ""),
+    ] {
+        for command in ["segment a.pcd --out out", "explain a.pcd --at 100,100"] {
+            if command.starts_with("explain") && settings.contains("paper") {
+                continue;
+            }
+            assert_eq!(folder.run(&format!("{command} {settings}"), 0).stderr, said, "{command} {settings}");
+        }
+    }
+    assert_eq!(folder.run("params --config c.toml", 0).stderr, "", "no method runs");
+}
+
+/// clap proposed `-- -3`.
+#[test]
+fn options_explain_themselves_what_is_wrong_with_a_negative_value() {
+    let folder = Folder::new();
+    folder.write("a.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
+    for (arguments, said) in [
+        ("segment a.pcd --out out --threads -3", "give a whole number from 1 to 1024"),
+        ("segment a.pcd --out out --camera -1,2,3,4", "fx -1 fy 2 cx 3 cy 4 is not a camera"),
+        ("segment a.pcd --out out --roi -1,2,3,4", "`-1,2,3,4` is not a region"),
+        ("segment a.pcd --out out --range -1..x", "`-1..x` is not a range"),
+        ("segment a.pcd --out out --max-pixels -1", "give a whole number from 1 to 268435456"),
+        ("segment --out out --depth a.png --depth-scale -5", "give a positive number"),
+        ("segment a.pcd --out out --set -1", "group.parameter=value"),
+        ("explain a.pcd --at -1,2", "give a column and a row"),
+        ("explain a.pcd --object -1", "give a whole number from 1 to 65535"),
+        ("demo --seed -1", "give a whole number from 0 to 4294967295"),
+        ("demo --check --scenes -2", "give a whole number from 1 to 1000000"),
+        ("synth --out out --scenes -2", "give a whole number from 1 to 1000000"),
+        ("synth --out out --scenes 1 --family -1", "tabletop"),
+        ("eval . --composites -1", "give a whole number from 0 to 4294967295"),
+        ("eval --support -1", "give a whole number from 1 to 1000000"),
+    ] {
+        folder.refuses(arguments, said);
+        let stderr = folder.run(arguments, 2).stderr;
+        assert!(!stderr.contains("tip:") && !stderr.contains("digit"), "{arguments}: {stderr}");
+    }
+    // An option that takes a path leaves the next option alone.
+    folder.refuses("segment a.pcd --out --keep-tree", "a value is required for '--out <DIR>'");
+    assert_eq!(folder.names(""), ["a.pcd"]);
+}
+
+/// A frame took a minute.
+#[test]
+fn a_thousand_threads_are_as_many_as_there_are_cores() {
+    let folder = Folder::new();
+    folder.write("a.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
+    let cores = std::thread::available_parallelism().unwrap().get();
+    let run = folder.run("segment a.pcd --out out --threads 1000", 0);
+    assert!(
+        cores >= 1000 || run.stderr.starts_with("note: --threads 1000: this machine has "),
+        "{}",
+        run.stderr
+    );
+    assert_eq!(folder.run("segment a.pcd --out out --threads 1", 0).stderr, "");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Files that appear whole or not at all.
 
+mod stray;
+
 use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -11,7 +13,10 @@ use crate::error::{Error, Result};
 /// Writes `bytes` to the file at `path`, which appears, or is replaced, only when all of them are written.
 ///
 /// They go to a temporary file in the same folder, which then takes the name `path`. If that fails nothing is left
-/// behind and an earlier file keeps its content. The file has the permissions of any file newly made.
+/// behind and an earlier file keeps its content. The file has the permissions of any new file.
+///
+/// A process that is killed leaves its temporary files, `.objecthood-*.part`. The next process that writes to the
+/// folder removes them; it leaves alone what a living process writes, which is locked.
 ///
 /// # Errors
 /// [`Error::Write`] names the path, what the system says and what to do.
@@ -50,9 +55,9 @@ fn try_stage(path: &Path, bytes: &[u8]) -> io::Result<Staged> {
         return Err(io::Error::new(ErrorKind::AlreadyExists, "a folder or device of that name exists"));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // Made as any file is, so that its permissions honour the umask.
-    let make = |part: &Path| fs::File::create_new(part);
-    let mut file = tempfile::Builder::new().prefix(".objecthood-").suffix(".part").make_in(folder, make)?;
+    stray::remove_strays_once(folder);
+    let mut part = tempfile::Builder::new();
+    let mut file = part.prefix(stray::PREFIX).suffix(stray::SUFFIX).make_in(folder, stray::create_locked)?;
     file.as_file_mut().write_all(bytes)?;
     Ok(file)
 }
@@ -92,6 +97,15 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"first");
         write_atomically(&path, b"second").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"second");
+        assert_eq!(names(folder.path()), ["out.json"]);
+    }
+
+    /// They stayed for ever.
+    #[test]
+    fn the_first_file_in_a_folder_removes_what_a_killed_process_left() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join(".objecthood-aB3xYz.part"), b"half").unwrap();
+        write_atomically(&folder.path().join("out.json"), b"whole").unwrap();
         assert_eq!(names(folder.path()), ["out.json"]);
     }
 

@@ -3,7 +3,7 @@
 use image::RgbImage;
 use objecthood::{Frame, Raster};
 
-use crate::grid::tile_size;
+use crate::grid::{sample, tile_size};
 use crate::objects::Objects;
 use crate::panels::Page;
 use crate::tiles::{Tile, numbered};
@@ -29,7 +29,11 @@ pub fn comparison(frame: &Frame, maps: &[(&str, &Raster<u16>)]) -> RgbImage {
     let mut tiles = vec![Tile { title: "colour".to_owned(), image: image.clone(), scale: None }];
     tiles.extend(maps.iter().map(|&(title, labels)| {
         let labels = shrunk(labels, factor, |block| block[block.len() / 2]);
-        Tile { title: title.to_owned(), image: numbered(&Objects::new(&labels), scenery), scale: None }
+        Tile {
+            title: title.to_owned(),
+            image: numbered(&Objects::new(sample(&labels)), scenery),
+            scale: None,
+        }
     }));
     Page::new((size.0 as u32, size.1 as u32), tiles.len(), tiles.len()).compose(&tiles)
 }

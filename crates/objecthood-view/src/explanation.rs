@@ -131,7 +131,7 @@ fn in_words(outcome: Outcome) -> String {
         Outcome::Structure { plane } => format!("structure plane {plane}"),
         Outcome::Background { .. } => "no object: background".to_owned(),
         Outcome::TooSmall => "no object: too small".to_owned(),
-        Outcome::Unlikely => "no object: too little speaks for it".to_owned(),
+        Outcome::Unlikely => "no object: its objectness is too low".to_owned(),
         Outcome::Object { object } => format!("object {object}"),
     }
 }

@@ -1,9 +1,11 @@
 //! Pictures of what objecthood sees in a frame.
 //!
-//! [`Recording`] watches [`objecthood::discover_observed`] and keeps what the picture needs of every stage;
-//! [`panels()`] draws them side by side; [`comparison()`] draws several label images of one frame; [`explanation()`] draws why a
-//! pixel is what it is; [`png`] makes a file of
-//! a picture.
+//! - [`overlay()`] draws the outlines and numbers of the objects on the colour image.
+//! - [`Recording`] watches [`objecthood::discover_observed`] and keeps what a picture needs of every stage; [`panels()`] draws the
+//!   stages side by side.
+//! - [`comparison()`] draws several label images of one frame.
+//! - [`explanation()`] draws why a pixel is what it is.
+//! - [`png`] makes a file of a picture.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -28,6 +30,7 @@ mod explanation;
 mod grid;
 mod labels;
 mod objects;
+mod overlay;
 mod palette;
 mod panels;
 mod recording;
@@ -42,6 +45,7 @@ mod vision;
 
 pub use comparison::comparison;
 pub use explanation::explanation;
+pub use overlay::overlay;
 pub use palette::object_color;
 pub use panels::{panels, png};
 pub use recording::Recording;

@@ -26,10 +26,10 @@ const INK: Rgb<u8> = Rgb([30; 3]);
 /// on nothing but the size of the frame and which stages were recorded. The same input gives the same picture, byte
 /// for byte.
 ///
-/// In the support tree what carries stands below what it carries. Discs are the objects, beside them P(O) and below it
-/// P(S); bars are the regions that are none, beside them P(S), with the letters that they have in the picture of the
-/// objectness. Lines lead to what carries, with the confidence: dark to what something stands on, blue to what it lies in,
-/// orange to what it leans on, dashed where the contact is hidden.
+/// In the support tree a carrier stands below what it carries. Discs are objects, beside them P(O) above P(S); bars are
+/// regions that are no objects, beside them P(S), with the letters that they have in the picture of the objectness. Lines
+/// lead to the carriers, with the confidence: dark to what something stands on, blue to what it lies in, orange to what it
+/// leans on, dashed where the contact is hidden. A legend repeats this.
 pub fn panels(frame: &Frame, recording: &Recording, discovery: &Discovery) -> RgbImage {
     let view = View::new(frame, recording, discovery);
     let mut tiles = vec![tiles::color(&view), tiles::depth(&view)];

@@ -38,13 +38,7 @@ pub(crate) struct Scale {
 
 /// The image with the outlines of the objects.
 pub(crate) fn color(view: &View<'_>) -> Tile {
-    let line_px = view.line_px();
-    let image = view.paint(|u, v| match view.object(u, v) {
-        Some((id, depth)) if depth <= line_px => Some(object_color(id)),
-        // A dark line inside sets the outline off from an object of its own colour.
-        Some((_, depth)) if depth <= line_px + 1 => Some(NOTHING),
-        _ => view.scenery(u, v),
-    });
+    let image = view.paint(|u, v| view.objects.outline(u, v, view.line_px()).or_else(|| view.scenery(u, v)));
     let title = if view.has_color() { "colour" } else { "no colour, shaded" };
     Tile { title: title.to_owned(), image, scale: None }
 }
@@ -75,7 +69,7 @@ pub(crate) fn depth(view: &View<'_>) -> Tile {
 }
 
 /// The depths of which 2 % and 98 % are smaller, rounded down to one that is there.
-fn percentiles(sorted_m: &[f32]) -> Option<(f32, f32)> {
+pub(crate) fn percentiles(sorted_m: &[f32]) -> Option<(f32, f32)> {
     let at = |percent: usize| sorted_m.get(sorted_m.len().saturating_sub(1) * percent / 100).copied();
     at(2).zip(at(98))
 }
@@ -164,9 +158,7 @@ pub(crate) fn numbered(objects: &Objects, scenery: impl Fn(usize, usize) -> Opti
             None => scenery(u, v).map_or(NOTHING, |color| mix(NOTHING, color, 0.4)),
         }
     });
-    let label =
-        |anchor: Anchor| Label { text: anchor.id.to_string(), color: object_color(anchor.id), anchor };
-    labels::write(&mut image, objects.anchors().into_iter().map(label).collect());
+    labels::write(&mut image, objects.numbers());
     image
 }
 

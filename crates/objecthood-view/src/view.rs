@@ -33,7 +33,7 @@ impl<'a> View<'a> {
             size: tile_size(frame.size()),
             color: frame.color().and_then(resize),
             depth_m: sample(frame.depth_m()),
-            objects: Objects::new(&discovery.labels),
+            objects: Objects::new(sample(&discovery.labels)),
             forest: Forest::new(discovery),
             normals: recording.normals.as_ref().map(sample),
             frame,

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::Args;
-use clap::builder::RangedU64ValueParser;
 use objecthood_io::camera_file::{self, CameraFile};
 use objecthood_io::images::{DEFAULT_MAX_PIXELS, open_mask};
 use objecthood_io::scope::{DepthRange, Region, Scope};
 use objecthood_io::{Error, GridCamera};
 
+use super::number::whole;
 use crate::failure::usage;
 
 /// Frames in image files.
@@ -31,7 +31,7 @@ pub(crate) struct ImageArgs {
     pub(crate) depth_scale: Option<f64>,
 
     /// Refuse frames of more pixels; each takes about 200 bytes a pixel while it is looked at.
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_PIXELS, value_parser = RangedU64ValueParser::<usize>::new().range(1..=1 << 28))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_PIXELS, value_parser = whole(1_usize, 1 << 28))]
     pub(crate) max_pixels: usize,
 }
 

@@ -1,17 +1,16 @@
-//! An explanation in words.
+//! An explanation as text.
 
 use std::fmt::Write;
 
-use objecthood::clusters::check::{Bound, Check};
-use objecthood::clusters::history::Rule;
-use objecthood::explain::{
-    BorderReport, Decision, Explanation, Flip, ObjectReport, Outcome, Question, Reason,
-};
+use objecthood::explain::{BorderReport, Decision, Explanation, ObjectReport, Question};
 
-/// So many borders are printed; a table has many.
+use super::verdict::verdict;
+use super::words;
+
+/// Borders that are printed; a table has many more.
 const BORDERS: usize = 16;
 
-/// The whole of it, for a terminal.
+/// All of it, for a terminal.
 pub(super) fn of(input: &str, explanation: &Explanation) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -20,12 +19,13 @@ pub(super) fn of(input: &str, explanation: &Explanation) -> String {
 }
 
 fn write(text: &mut String, input: &str, explanation: &Explanation) -> std::fmt::Result {
+    writeln!(text, "{}", verdict(explanation))?;
     let [u, v] = explanation.pixel;
     write!(text, "{input}: pixel {u},{v}")?;
     if let Some(depth_m) = explanation.depth_m {
         write!(text, " at {depth_m:.3} m")?;
     }
-    writeln!(text, "\n{}", outcome(explanation.outcome))?;
+    writeln!(text)?;
     if let Some(object) = &explanation.object {
         writeln!(text, "{}", of_object(object))?;
     }
@@ -44,33 +44,12 @@ fn write(text: &mut String, input: &str, explanation: &Explanation) -> std::fmt:
         writeln!(text, "\nIs it an object?")?;
         decision(text, kept)?;
     }
-    section(text, "What rules did with it", &explanation.way)?;
-    section(text, "What rules nearly did with it", &explanation.near_misses)?;
+    section(text, "Rules that joined parts to it", &explanation.way)?;
+    section(text, "Rules that nearly joined parts to it", &explanation.near_misses)?;
     if !explanation.borders.is_empty() {
         borders(text, explanation)?;
     }
     Ok(())
-}
-
-fn outcome(outcome: Outcome) -> String {
-    match outcome {
-        Outcome::NoDepth => {
-            "nothing: the sensor measured no depth here, or what it measured is not looked at".to_owned()
-        }
-        Outcome::NoFacet => {
-            "nothing: it was measured, but lies on no surface of merging.min_facet_px pixels, and no \
-                             facet goes on to it without a step"
-                .to_owned()
-        }
-        Outcome::Structure { plane } => {
-            format!("structure plane {plane}: a large plane that carries or encloses things")
-        }
-        Outcome::Background { plane: 0 } => "no object: taken for a part of the background".to_owned(),
-        Outcome::Background { plane } => format!("no object: taken for a part of structure plane {plane}"),
-        Outcome::TooSmall => "no object: too small".to_owned(),
-        Outcome::Unlikely => "no object: too little speaks for it".to_owned(),
-        Outcome::Object { object } => format!("object {object}"),
-    }
 }
 
 fn of_object(object: &ObjectReport) -> String {
@@ -100,88 +79,22 @@ fn decision(text: &mut String, decision: &Decision) -> std::fmt::Result {
     match question {
         Question::OneThing { facets: [a, b] } => {
             let verb = if *yes { "are one" } else { "are two" };
-            writeln!(text, "  facets {a} and {b} {verb}: {}", in_words(*reason))?;
+            writeln!(text, "  facets {a} and {b} {verb}: {}", words::reason(*reason))?;
         }
         Question::Kept { .. } | Question::OfObject { .. } => {
-            writeln!(text, "  {answer}: {}", in_words(*reason))?;
+            writeln!(text, "  {answer}: {}", words::reason(*reason))?;
         }
         Question::Bottom { facet, patch: [u, v] } => {
             let verb = if *yes { "belongs" } else { "does not belong" };
             writeln!(
                 text,
                 "  the patch of the table that begins at {u},{v} {verb} to facet {facet}: {}",
-                in_words(*reason)
+                words::reason(*reason)
             )?;
         }
     }
-    checks.iter().try_for_each(|check| writeln!(text, "    {}", checked(check)))?;
-    writeln!(text, "    {}", flipped(flip))
-}
-
-fn in_words(reason: Reason) -> &'static str {
-    match reason {
-        Reason::Folds => "the folds of their border",
-        Reason::Steps => "the steps of their border",
-        Reason::OtherBorders => "other borders outvote their own",
-        Reason::Size => "too few pixels",
-        Reason::Structure => "it lies on a large plane that carries or encloses things",
-        Reason::Objectness => "too little speaks for it",
-        Reason::Passed => "nothing speaks against it",
-        Reason::Rule(Rule::Fragment) => "a fragment goes to what it touches most",
-        Reason::Rule(Rule::Low) => "what hardly rises above the support is a part of it",
-        Reason::Rule(Rule::VesselInside) => "two pieces of the inside of a vessel",
-        Reason::Rule(Rule::VesselWall) => "the inside of a vessel and the wall before it",
-        Reason::Rule(Rule::VesselRim) => "within the rim of a vessel",
-        Reason::Rule(Rule::VesselRemainder) => "a remainder of a vessel",
-        Reason::Rule(Rule::VesselBottom) => "the bottom of a vessel",
-        Reason::Rule(Rule::Occlusion) => "one surface behind something nearer",
-    }
-}
-
-/// What was measured, as it lies to the limit.
-fn checked(check: &Check) -> String {
-    let sign = match (check.bound, check.holds()) {
-        (Bound::Below, true) | (Bound::AtLeast, false) => "<",
-        (Bound::AtMost, true) | (Bound::Above, false) => "<=",
-        (Bound::Above, true) | (Bound::AtMost, false) => ">",
-        (Bound::AtLeast, true) | (Bound::Below, false) => ">=",
-    };
-    let (what, unit) = (check.what, check.unit);
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    let limit = match check.parameter {
-        Some(parameter) => format!("{} ({parameter})", number(check.limit)),
-        None => number(check.limit),
-    };
-    format!("{what}: {}{unit} {sign} {limit}", number(check.measured))
-}
-
-fn flipped(flip: &Flip) -> String {
-    match flip {
-        Flip::At { parameter, from, to, is_tight } => {
-            // Of nothing there is no share.
-            let change = match 100.0 * (to - from) / from.abs() {
-                percent if percent.is_finite() => format!(", {percent:+.1} %"),
-                _ => String::new(),
-            };
-            let less = if *is_tight { "" } else { "; a smaller change may do" };
-            format!("otherwise with --set {parameter}={to} (now {from}{change}{less})")
-        }
-        Flip::Nowhere { tried } if tried.is_empty() => {
-            "no value of a single parameter is known that might decide otherwise".to_owned()
-        }
-        Flip::Nowhere { tried } => {
-            format!("tried, each alone, and none decides otherwise: {}", tried.join(", "))
-        }
-        Flip::NotSought => {
-            "what would decide otherwise was not looked for to the end: it takes too long".to_owned()
-        }
-    }
-}
-
-/// With four digits, as short as they can be written.
-fn number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    rounded.to_string()
+    checks.iter().try_for_each(|check| writeln!(text, "    {}", words::formula(check)))?;
+    writeln!(text, "    {}", words::flip(flip))
 }
 
 /// With one decimal place and a sign; nothing is +0.0, from whichever side it was rounded.
@@ -213,7 +126,7 @@ fn borders(text: &mut String, explanation: &Explanation) -> std::fmt::Result {
         match &border.decision {
             Some(Decision { yes, reason, flip, .. }) => {
                 let answer = if *yes { "one thing" } else { "two things" };
-                writeln!(text, "\n    {answer}: {}\n    {}", in_words(*reason), flipped(flip))?;
+                writeln!(text, "\n    {answer}: {}\n    {}", words::reason(*reason), words::flip(flip))?;
             }
             None => writeln!(text, "  structure has no vote")?,
         }

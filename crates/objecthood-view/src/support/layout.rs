@@ -17,8 +17,8 @@ pub(super) struct Layout {
 }
 
 /// A node takes at most this share of the smaller side of the drawing.
-const MAX_SHARE: f32 = 1.0 / 28.0;
-/// And so much of its row: the rest is for branches.
+const MAX_SHARE: f32 = 1.0 / 24.0;
+/// And this much of its row: the rest is for branches.
 const OF_ROW: f32 = 0.4;
 /// Nodes are raised when they then are larger by this factor.
 const WORTH_RAISING: f32 = 1.25;

@@ -2,4 +2,5 @@
 
 pub(crate) mod forest;
 mod layout;
+mod legend;
 pub(crate) mod tree;

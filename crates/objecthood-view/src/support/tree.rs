@@ -8,6 +8,7 @@ use crate::drawing::{Point, bar, dashes, disc, line};
 use crate::palette::{ink_on, object_color};
 use crate::support::forest::{Forest, Link};
 use crate::support::layout::{Layout, layout};
+use crate::support::legend;
 use crate::text::Text;
 
 const PAPER: Rgb<u8> = Rgb([245; 3]);
@@ -38,7 +39,8 @@ struct Look {
 /// else carries one as a grey bar with its name and P(S).
 ///
 /// What carries stands below; lines lead to it, by kind in their colours, dashed where the contact is hidden, with their
-/// confidence. Names and numbers for which there is no room are left out.
+/// confidence. Names and numbers for which there is no room are left out; where there are numbers, a legend says what they
+/// mean.
 pub(crate) fn tree(discovery: &Discovery, forest: &Forest, (width, height): (u32, u32)) -> Tree {
     let mut picture = RgbImage::from_pixel(width, height, PAPER);
     if forest.nodes.is_empty() {
@@ -47,53 +49,88 @@ pub(crate) fn tree(discovery: &Discovery, forest: &Forest, (width, height): (u32
         return Tree { picture, has_numbers: false };
     }
 
-    let Layout { centers, radius_px, branch_px, beside_px } = layout(forest, [width as f32, height as f32]);
-    let line_px = (radius_px / 8.0).clamp(0.7, 2.5);
-    let digits_px = (0.7 * radius_px).clamp(LEAST_LETTERS_PX, 16.0);
-    let has_numbers = 0.5 * radius_px + Text::new("0.00", digits_px).width as f32 <= beside_px;
-
+    let above_legend = layout(forest, [width as f32, (height as f32 - legend::height_px(width)).max(1.0)]);
+    let has_numbers = has_room_for_numbers(&above_legend);
+    let layout = if has_numbers { above_legend } else { layout(forest, [width as f32, height as f32]) };
     let mut links: Vec<Link> = forest.links().collect();
     // What is drawn later hides what is below: on, the commonest, the others' common ways.
     links.sort_by_key(|link| (!link.edge.hidden, link.edge.kind == SupportKind::On));
-    for link in &links {
-        let ([lower_x, lower_y], [x, y]) = (centers[link.lower], centers[link.upper]);
-        let branch_y = lower_y - branch_px;
-        let is_parent = forest.nodes[link.upper].parent.is_some_and(|parent| parent.lower == link.lower);
-        let path: &[Point] = if is_parent {
+
+    draw_links(&mut picture, forest, &links, &layout);
+    if has_numbers {
+        legend::draw(&mut picture, INK);
+        write_confidences(&mut picture, forest, &links, &layout);
+    }
+    let names = forest.surface_names(discovery);
+    for ((node, name), &center) in forest.nodes.iter().zip(&names).zip(&layout.centers) {
+        let look = look(discovery, node.node, name);
+        draw_node(&mut picture, &look, center, layout.radius_px);
+        if has_numbers {
+            write_numbers(&mut picture, &look, center, layout.radius_px);
+        }
+    }
+    Tree { picture, has_numbers }
+}
+
+/// Whether the line to a carrier is a branch of the tree; the others go straight across it.
+fn is_branch(forest: &Forest, link: &Link) -> bool {
+    forest.nodes[link.upper].parent.is_some_and(|parent| parent.lower == link.lower)
+}
+
+fn draw_links(picture: &mut RgbImage, forest: &Forest, links: &[Link], layout: &Layout) {
+    let line_px = (layout.radius_px / 8.0).clamp(0.7, 2.5);
+    for link in links {
+        let ([lower_x, lower_y], [x, y]) = (layout.centers[link.lower], layout.centers[link.upper]);
+        let branch_y = lower_y - layout.branch_px;
+        let path: &[Point] = if is_branch(forest, link) {
             &[[lower_x, lower_y], [lower_x, branch_y], [x, branch_y], [x, y]]
         } else {
             &[[lower_x, lower_y], [x, y]]
         };
         match link.edge.hidden {
-            true => dashes(&mut picture, path, line_px, 3.0 * line_px, color(link.edge.kind)),
-            false => line(&mut picture, path, line_px, color(link.edge.kind)),
+            true => dashes(picture, path, line_px, 3.0 * line_px, color(link.edge.kind)),
+            false => line(picture, path, line_px, color(link.edge.kind)),
         }
     }
-    for Link { lower, upper, edge } in links.iter().filter(|_| has_numbers) {
-        let ([lower_x, lower_y], [x, y]) = (centers[*lower], centers[*upper]);
-        let is_parent = forest.nodes[*upper].parent.is_some_and(|parent| parent.lower == *lower);
-        let text = Text::new(&format!("{:.2}", edge.confidence), (0.8 * digits_px).max(LEAST_LETTERS_PX));
-        // Below the upper one, before its way turns.
-        let middle = match is_parent {
-            true => [x + 0.6 * text.width as f32, (y + radius_px + lower_y - branch_px) / 2.0],
+}
+
+/// Writes on every line how sure it is.
+fn write_confidences(picture: &mut RgbImage, forest: &Forest, links: &[Link], layout: &Layout) {
+    let letters_px = (0.8 * digits_px(layout.radius_px)).max(LEAST_LETTERS_PX);
+    for link in links {
+        let ([lower_x, lower_y], [x, y]) = (layout.centers[link.lower], layout.centers[link.upper]);
+        let text = Text::new(&format!("{:.2}", link.edge.confidence), letters_px);
+        // Below the upper node, before the branch turns.
+        let middle = match is_branch(forest, link) {
+            true => {
+                let branch_y = lower_y - layout.branch_px;
+                [x + 0.6 * text.width as f32, (y + layout.radius_px + branch_y) / 2.0]
+            }
             false => [(lower_x + x) / 2.0, (lower_y + y) / 2.0],
         };
-        text.draw_with_halo(&mut picture, centered(&text, middle), color(edge.kind), PAPER, 2);
+        text.draw_with_halo(picture, centered(&text, middle), color(link.edge.kind), PAPER, 2);
     }
+}
 
-    let names = forest.surface_names(discovery);
-    for ((node, name), &[x, y]) in forest.nodes.iter().zip(&names).zip(&centers) {
-        let look = look(discovery, node.node, name);
-        draw_node(&mut picture, &look, [x, y], radius_px);
-        // One above the other, about the height of the middle.
-        let first = 0.5 * (1.0 - look.numbers.len() as f32);
-        for (k, number) in look.numbers.iter().enumerate().filter(|_| has_numbers) {
-            let text = Text::new(&format!("{number:.2}"), digits_px);
-            let middle = [x + 1.2 * radius_px + text.width as f32 / 2.0, y + (first + k as f32) * digits_px];
-            text.draw_with_halo(&mut picture, centered(&text, middle), INK, PAPER, 2);
-        }
+/// Writes the numbers of a node beside it, one above the other, about the height of its middle.
+fn write_numbers(picture: &mut RgbImage, look: &Look, [x, y]: Point, radius_px: f32) {
+    let digits_px = digits_px(radius_px);
+    let first = 0.5 * (1.0 - look.numbers.len() as f32);
+    for (k, number) in look.numbers.iter().enumerate() {
+        let text = Text::new(&format!("{number:.2}"), digits_px);
+        let middle = [x + 1.2 * radius_px + text.width as f32 / 2.0, y + (first + k as f32) * digits_px];
+        text.draw_with_halo(picture, centered(&text, middle), INK, PAPER, 2);
     }
-    Tree { picture, has_numbers }
+}
+
+/// Height of the digits beside nodes of this radius [px].
+fn digits_px(radius_px: f32) -> f32 {
+    (0.7 * radius_px).clamp(LEAST_LETTERS_PX, 16.0)
+}
+
+fn has_room_for_numbers(layout: &Layout) -> bool {
+    let number_px = Text::new("0.00", digits_px(layout.radius_px)).width as f32;
+    0.5 * layout.radius_px + number_px <= layout.beside_px
 }
 
 /// The colour of the line to a carrier.
@@ -162,10 +199,12 @@ mod tests {
         let rows = |color| {
             picture.enumerate_pixels().filter(|(.., p)| **p == color).map(|(_, y, _)| y).collect::<Vec<_>>()
         };
-        // The median, because the grey of a surface is also at the edges of letters. Layers are 160 px high.
+        // The median, because the grey of a surface is also at the edges of letters. The layers share what the legend leaves.
         let heights = [SURFACE, object_color(1), object_color(2)].map(|c| rows(c)[rows(c).len() / 2]);
         let is_near = |(found, expected): (u32, u32)| found.abs_diff(expected) <= 5;
-        assert!(heights.into_iter().zip([400, 240, 80]).all(is_near), "{heights:?}");
+        let layer = ((480.0 - legend::height_px(640)) / 3.0) as u32;
+        let middles = [5, 3, 1].map(|halves| halves * layer / 2);
+        assert!(heights.into_iter().zip(middles).all(is_near), "{heights:?} {middles:?}");
     }
 
     #[test]
@@ -208,6 +247,21 @@ mod tests {
         let discovery = testing::standing(41, &numbers, &edges);
         let Layout { radius_px, .. } = layout(&Forest::new(&discovery), [640.0, 480.0]);
         assert!(radius_px * 1.2 >= LEAST_LETTERS_PX, "{radius_px}");
+    }
+
+    /// Nobody knew what the numbers were.
+    #[test]
+    fn where_there_are_numbers_a_legend_says_what_they_are() {
+        let foot = |objects: u32| {
+            let numbers: Vec<u32> = (1..=objects).collect();
+            let edges: Vec<_> = numbers.iter().map(|&k| (0, k, 1)).collect();
+            let picture = drawn(&testing::standing(objects + 1, &numbers, &edges), (640, 480));
+            let legend =
+                picture.enumerate_pixels().filter(|(_, y, _)| *y as f32 > 480.0 - legend::height_px(640));
+            legend.filter(|(x, _, p)| *x < 200 && **p == INK).count()
+        };
+        assert!(foot(5) > 500, "{}", foot(5));
+        assert_eq!(foot(200), 0, "no numbers, no legend");
     }
 
     #[test]

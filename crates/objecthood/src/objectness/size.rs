@@ -70,9 +70,12 @@ fn sorted(box_m: &OrientedBox) -> [f32; 3] {
 ///
 /// The longest side has the upper limit `max_side_m`, the second-longest the lower limit `min_second_side_m`. Limits are soft: the
 /// rating is 1/2 on them, 1 an octave inside, 0 an octave outside, linear in the logarithm. A thing may be larger than what is
-/// seen of it, so the lower limit counts by the share of the outline that is its own (`visibility`).
+/// seen of it, so the lower limit counts by the share of the outline that is its own (`visibility`). A single point has no size: 0.
 pub fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
     let [_, second_m, longest_m] = sorted(box_m);
+    if longest_m == 0.0 {
+        return 0.0;
+    }
     let within = |excess: f32| 0.5 - 0.5 * libm::log2f(excess).clamp(-1.0, 1.0);
     let thin = 1.0 - within(params.min_second_side_m / second_m);
     (1.0 - visibility * thin).min(within(longest_m / params.max_side_m))
@@ -197,6 +200,8 @@ mod tests {
         };
         let expected = [
             ([0.0, 0.0, 0.0], 1.0, 0.0),
+            // However hidden it is: a cloud of one point was an object.
+            ([0.0, 0.0, 0.0], 0.0, 0.0),
             ([0.0, min_m / 2.0, 0.1], 1.0, 0.0),
             ([min_m, 0.1, 0.0], 1.0, 0.5),
             ([0.0, 2.0 * min_m, 0.2], 1.0, 1.0),

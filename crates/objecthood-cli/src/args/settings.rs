@@ -1,0 +1,92 @@
+//! What every subcommand takes that runs a method.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::number::whole;
+
+/// Parameters, and how the method runs.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Settings")]
+pub(crate) struct Settings {
+    /// Read parameters from a TOML file, such as the one that `objecthood params --toml` prints.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+
+    /// Set one parameter, as in objectness.threshold=0.6; may be repeated. It takes precedence over --config, and the
+    /// last value of a parameter counts.
+    #[arg(long, value_name = "GROUP.PARAMETER=VALUE")]
+    pub(crate) set: Vec<String>,
+
+    /// Keep every hypothesis with its objectness, even where it is too low for an object.
+    #[arg(long)]
+    pub(crate) all: bool,
+
+    #[command(flatten)]
+    pub(crate) threads: Threads,
+
+    /// Log how long every stage takes.
+    #[arg(short, long)]
+    pub(crate) verbose: bool,
+}
+
+impl Settings {
+    /// How many threads to use.
+    pub(crate) fn threads(&self) -> usize {
+        self.threads.count()
+    }
+}
+
+/// How many threads to use.
+#[derive(Debug, Args)]
+pub(crate) struct Threads {
+    /// Number of threads, at most one per core [default: one per core].
+    #[arg(long = "threads", value_name = "N", value_parser = whole(1_usize, 1024))]
+    asked: Option<usize>,
+}
+
+impl Threads {
+    /// As many as were asked for, but no more than there are cores: with a thousand threads on two cores one frame takes
+    /// a minute.
+    pub(crate) fn count(&self) -> usize {
+        self.asked.unwrap_or(usize::MAX).min(cores())
+    }
+
+    /// What to tell a user who asked for more threads than cores.
+    pub(crate) fn note(&self) -> Option<String> {
+        let (asked, cores) = (self.asked.filter(|&asked| asked > cores())?, cores());
+        let there_are = if cores == 1 { "1 core".to_owned() } else { format!("{cores} cores") };
+        Some(format!("--threads {asked}: this machine has {there_are}, so {cores} will do the work"))
+    }
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// The methods by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodName {
+    /// Fits surfaces in disparity, and joins them by their borders and what surrounds them (the default).
+    Context,
+    /// The published method, equation by equation.
+    Paper,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `--threads 1000` took a minute.
+    #[test]
+    fn no_more_threads_are_used_than_there_are_cores() {
+        let threads = |asked| Threads { asked };
+        assert_eq!(threads(None).count(), cores());
+        assert_eq!(threads(Some(1)).count(), 1);
+        assert_eq!(threads(Some(cores() + 1)).count(), cores());
+        assert!(threads(None).note().is_none() && threads(Some(cores())).note().is_none());
+        let note = threads(Some(1024.max(cores() + 1))).note().unwrap();
+        assert!(note.starts_with("--threads ") && note.contains(" core"), "{note}");
+    }
+}

@@ -1,0 +1,152 @@
+//! Reasons, measurements and changes of parameters in words.
+
+use objecthood::clusters::check::{Bound, Check};
+use objecthood::clusters::history::Rule;
+use objecthood::explain::{Flip, Reason};
+
+/// Beyond this share a change is not given in percent: the value has doubled or changed its sign, and is another one
+/// rather than a changed one.
+const MOST_PERCENT: f64 = 100.0;
+
+/// What decided.
+pub(super) fn reason(reason: Reason) -> &'static str {
+    match reason {
+        Reason::Folds => "the folds of their border",
+        Reason::Steps => "the steps of their border",
+        Reason::OtherBorders => "other borders outvote their own",
+        Reason::Size => "it has too few pixels",
+        Reason::Structure => "it lies on a large plane that carries or encloses objects",
+        Reason::Objectness => "its objectness is too low",
+        Reason::Passed => "nothing speaks against it",
+        Reason::Rule(Rule::Fragment) => "a fragment goes to what it touches most",
+        Reason::Rule(Rule::Low) => "what hardly rises above the support is a part of it",
+        Reason::Rule(Rule::VesselInside) => "two pieces of the inside of a vessel",
+        Reason::Rule(Rule::VesselWall) => "the inside of a vessel and the wall before it",
+        Reason::Rule(Rule::VesselRim) => "within the rim of a vessel",
+        Reason::Rule(Rule::VesselRemainder) => "a remainder of a vessel",
+        Reason::Rule(Rule::VesselBottom) => "the bottom of a vessel",
+        Reason::Rule(Rule::Occlusion) => "one surface behind something nearer",
+    }
+}
+
+/// A measurement beside its limit, as a formula: `its pixels: 149 px < 250 (fragments.max_size_px)`.
+pub(super) fn formula(check: &Check) -> String {
+    let sign = match side(check) {
+        Side::Less => "<",
+        Side::AtMost => "<=",
+        Side::More => ">",
+        Side::AtLeast => ">=",
+    };
+    let limit = match check.parameter {
+        Some(parameter) => format!("{} ({parameter})", number(check.limit)),
+        None => number(check.limit),
+    };
+    format!("{}: {} {sign} {limit}", check.what, measured(check))
+}
+
+/// The same as a clause: `its pixels: 149 px, less than fragments.max_size_px = 250`.
+pub(super) fn clause(check: &Check) -> String {
+    let side = match side(check) {
+        Side::Less => "less than",
+        Side::AtMost => "at most",
+        Side::More => "more than",
+        Side::AtLeast => "at least",
+    };
+    let limit = match check.parameter {
+        Some(parameter) => format!("{parameter} = {}", number(check.limit)),
+        None => number(check.limit),
+    };
+    format!("{}: {}, {side} {limit}", check.what, measured(check))
+}
+
+/// On which side of its limit a measurement lies.
+enum Side {
+    Less,
+    AtMost,
+    More,
+    AtLeast,
+}
+
+fn side(check: &Check) -> Side {
+    match (check.bound, check.holds()) {
+        (Bound::Below, true) | (Bound::AtLeast, false) => Side::Less,
+        (Bound::AtMost, true) | (Bound::Above, false) => Side::AtMost,
+        (Bound::Above, true) | (Bound::AtMost, false) => Side::More,
+        (Bound::AtLeast, true) | (Bound::Below, false) => Side::AtLeast,
+    }
+}
+
+fn measured(check: &Check) -> String {
+    let space = if check.unit.is_empty() { "" } else { " " };
+    format!("{}{space}{}", number(check.measured), check.unit)
+}
+
+/// What would change the answer.
+pub(super) fn flip(flip: &Flip) -> String {
+    match flip {
+        Flip::At { parameter, from, to, is_tight } => {
+            let less = if *is_tight { "" } else { "; a smaller change may do" };
+            format!("would change with --set {parameter}={to} (now {from}{}{less})", share(*from, *to))
+        }
+        Flip::Nowhere { tried } if tried.is_empty() => {
+            "would change with no single parameter that is known".to_owned()
+        }
+        Flip::Nowhere { tried } => {
+            format!("would change with no single parameter; tried: {}", tried.join(", "))
+        }
+        Flip::NotSought => "what would change it was not searched to the end: that takes too long".to_owned(),
+    }
+}
+
+/// The change from one value to another in percent of the first, where that says something.
+fn share(from: f64, to: f64) -> String {
+    // From 0 it is not finite, which is beyond every bound.
+    let percent = 100.0 * (to - from) / from.abs();
+    if percent.abs() <= MOST_PERCENT { format!(", {percent:+.1} %") } else { String::new() }
+}
+
+/// With four digits, as short as they can be written.
+fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    rounded.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// It said "-714 %".
+    #[test]
+    fn no_percent_is_given_of_a_value_that_is_another_one() {
+        assert_eq!(share(250.0, 148.0), ", -40.8 %");
+        assert_eq!(share(0.55, 0.825), ", +50.0 %");
+        assert_eq!(share(-12.0, -6.0), ", +50.0 %");
+        assert_eq!(share(2.0, 4.0), ", +100.0 %");
+        for (from, to) in [(12.0, -85.7), (4.0, 15.3), (0.0, 1.0), (0.0, 0.0), (1.0, -0.1)] {
+            assert_eq!(share(from, to), "", "{from} to {to}");
+        }
+    }
+
+    #[test]
+    fn a_measurement_is_said_from_its_own_side_of_the_limit() {
+        let check = |bound, measured| Check {
+            what: "its pixels",
+            unit: "px",
+            measured,
+            bound,
+            limit: 250.0,
+            parameter: Some("fragments.max_size_px"),
+        };
+        for (bound, measured, sign, words) in [
+            (Bound::Below, 149.0, "<", "less than"),
+            (Bound::Below, 250.0, ">=", "at least"),
+            (Bound::AtMost, 251.0, ">", "more than"),
+            (Bound::Above, 250.0, "<=", "at most"),
+        ] {
+            let check = check(bound, measured);
+            let its_pixels = format!("its pixels: {measured} px");
+            assert_eq!(formula(&check), format!("{its_pixels} {sign} 250 (fragments.max_size_px)"));
+            assert_eq!(clause(&check), format!("{its_pixels}, {words} fragments.max_size_px = 250"));
+        }
+    }
+}
