@@ -7,9 +7,11 @@ mod bench;
 mod house;
 mod instructions;
 mod python;
+mod source;
 mod tally;
 mod test;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
@@ -23,6 +25,8 @@ const USAGE: &str = "usage: cargo xtask TASK
                        --rounds: how often everything is measured; --frames: how many frames memory must not grow over
   bench --scaling      how time and memory grow with pixels and things; the same file
   bench --instructions counts instructions anew and writes the file that `test` compares with
+  house [--root FOLDER]
+                       import circles, functions and files that are too long in the core of this checkout, or of the one in FOLDER
   aarch64              builds for aarch64 and compares labels under qemu-user with those of this machine";
 
 fn main() -> ExitCode {
@@ -48,6 +52,8 @@ fn run() -> Result<bool> {
             Some(options) => bench::run(&house, &options),
             None => bail!("{USAGE}"),
         },
+        ["house"] => source::check(&house.root),
+        ["house", "--root", folder] => source::check(Path::new(folder)),
         ["aarch64"] => aarch64::run(&house),
         _ => bail!("{USAGE}"),
     }
