@@ -1,6 +1,7 @@
 //! The sources of a crate as modules, read with `syn`, their tests left out.
 
 mod circles;
+mod constants;
 mod imports;
 mod lengths;
 mod names;
@@ -26,13 +27,15 @@ pub(crate) struct Module {
     pub(crate) lines: usize,
 }
 
-/// Checks that the core is tidy: no import circles, no long functions, no long files. Prints what is wrong.
+/// Checks that the core is tidy: no import circles, no long functions or files, no constant that is
+/// not explained. Prints what is wrong.
 ///
 /// # Errors
 /// When a source file cannot be read or parsed.
 pub(crate) fn check(root: &Path) -> Result<bool> {
     let modules = read_crate(&root.join(CORE))?;
-    let complaints = [imports::complaints(&modules), lengths::complaints(&modules)].concat();
+    let constants = constants::complaints(root, &modules)?;
+    let complaints = [imports::complaints(&modules), lengths::complaints(&modules), constants].concat();
     for complaint in &complaints {
         println!("{complaint}\n");
     }
