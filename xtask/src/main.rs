@@ -8,9 +8,11 @@ mod house;
 mod instructions;
 mod pictures;
 mod python;
+mod source;
 mod tally;
 mod test;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
@@ -24,6 +26,8 @@ const USAGE: &str = "usage: cargo xtask TASK
                        --rounds: how often everything is measured; --frames: how many frames memory must not grow over
   bench --scaling      how time and memory grow with pixels and things; the same file
   bench --instructions counts instructions anew and writes the file that `test` compares with
+  house [--root FOLDER]
+                       import circles, functions and files that are too long in the core of this checkout, or of the one in FOLDER
   aarch64              builds for aarch64 and compares labels under qemu-user with those of this machine
   pictures             draws the pictures of docs/CONTEXT.md anew";
 
@@ -50,6 +54,8 @@ fn run() -> Result<bool> {
             Some(options) => bench::run(&house, &options),
             None => bail!("{USAGE}"),
         },
+        ["house"] => source::check(&house.root),
+        ["house", "--root", folder] => source::check(Path::new(folder)),
         ["aarch64"] => aarch64::run(&house),
         ["pictures"] => pictures::run(&house),
         _ => bail!("{USAGE}"),
