@@ -3,6 +3,7 @@
 #![expect(clippy::print_stdout, reason = "talks to whoever develops, on a terminal or in CI")]
 
 mod aarch64;
+mod api;
 mod bench;
 mod house;
 mod instructions;
@@ -29,9 +30,13 @@ const USAGE: &str = "usage: cargo xtask TASK
   house [--root FOLDER]
                        import circles, functions and files that are too long in the core of this checkout, or of the one in FOLDER
   aarch64              builds for aarch64 and compares labels under qemu-user with those of this machine
+  api                  writes the listing of the core's public API anew, which `test` compares with
   pictures             draws the pictures of docs/CONTEXT.md anew";
 
 fn main() -> ExitCode {
+    if let Some(code) = api::run_as_rustdoc() {
+        return code;
+    }
     match run() {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
@@ -56,6 +61,7 @@ fn run() -> Result<bool> {
         },
         ["house"] => source::check(&house.root),
         ["house", "--root", folder] => source::check(Path::new(folder)),
+        ["api"] => api::bless(&house),
         ["aarch64"] => aarch64::run(&house),
         ["pictures"] => pictures::run(&house),
         _ => bail!("{USAGE}"),

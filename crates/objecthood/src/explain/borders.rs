@@ -11,7 +11,7 @@ impl Explainer {
     pub(super) fn borders(&self, facet: SegmentId) -> Vec<BorderReport> {
         let own = |edge: &&RegionEdge<BorderEvidence>| edge.a == facet || edge.b == facet;
         let mut edges: Vec<&RegionEdge<BorderEvidence>> =
-            self.run.borders.edges().iter().filter(own).collect();
+            self.subject.run.borders.edges().iter().filter(own).collect();
         let length_m = |edge: &RegionEdge<BorderEvidence>| edge.evidence.gaps.length_m;
         edges.sort_by(|a, b| length_m(b).total_cmp(&length_m(a)));
         edges.into_iter().map(|edge| self.border(facet, edge)).collect()
@@ -23,8 +23,8 @@ impl Explainer {
         let fold_m = evidence.fold_m();
         let turn = evidence.folds.iter().map(|fold| fold.angle_deg * fold.length_m).sum::<f64>();
         let gaps = &evidence.gaps;
-        let has_vote = self.run.free(facet).is_some() && self.run.free(other).is_some();
-        let vote_m = has_vote.then(|| evidence.vote_m(&self.params.contraction));
+        let has_vote = self.subject.run.free(facet).is_some() && self.subject.run.free(other).is_some();
+        let vote_m = has_vote.then(|| evidence.vote_m(&self.subject.params.contraction));
         BorderReport {
             facet: other.0,
             structure_plane: self.plane(other),
@@ -41,15 +41,15 @@ impl Explainer {
     /// Whether two facets that share a border are one thing, and why.
     fn vote(&self, a: SegmentId, b: SegmentId, evidence: &BorderEvidence, vote_m: f64) -> Decision {
         let question = Question::OneThing { facets: [a.0, b.0] };
-        let one_shape = self.run.shape(a) == self.run.shape(b);
-        if !one_shape && self.run.one_thing(a, b) {
-            let event = self.run.uniting(a, b).map(|step| &step.event);
+        let one_shape = self.subject.run.shape(a) == self.subject.run.shape(b);
+        if !one_shape && self.subject.run.one_thing(a, b) {
+            let event = self.subject.run.uniting(a, b).map(|step| &step.event);
             // A small hole in a surface is filled without a word.
             let (rule, checks) =
                 event.map_or((Rule::VesselBottom, Vec::new()), |event| (event.rule, event.checks.clone()));
             return self.decision(question, Reason::Rule(rule), checks);
         }
-        let steps_m = self.params.contraction.occlusion_weight * evidence.step_m;
+        let steps_m = self.subject.params.contraction.occlusion_weight * evidence.step_m;
         let reason = match (one_shape, vote_m > 0.0) {
             (true, true) => Reason::Folds,
             (false, false) if evidence.step_m > 0.0 && steps_m >= -(vote_m + steps_m) => Reason::Steps,

@@ -9,8 +9,10 @@
 mod borders;
 mod explanation;
 mod flip;
+mod guess;
 mod run;
 mod steps;
+mod subject;
 mod sweep;
 mod thing;
 
@@ -19,7 +21,7 @@ pub use explanation::{
 };
 
 use std::collections::BTreeSet;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use crate::clusters::check::Check;
 use crate::discovery::Discovery;
@@ -28,25 +30,17 @@ use crate::discovery::parts::ObjectnessParts;
 use crate::error::{Error, Result};
 use crate::explain::flip::Search;
 use crate::explain::run::Run;
-use crate::explain::sweep::Sweep;
+use crate::explain::subject::Subject;
 use crate::frame::Frame;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::params::{Method, Params};
 use crate::pipeline::Pipeline;
 use crate::regions::{SegmentId, Segments};
 use crate::surface::disparity::position;
-use crate::surface::surfaces::Surfaces;
 
 /// A frame that was looked at, ready for questions.
 pub struct Explainer {
-    /// Looked at the frame last; other parameters are tried on clones, which share what these do not reach.
-    pipeline: Pipeline,
-    frame: Frame,
-    params: Params,
-    surfaces: Arc<Surfaces>,
-    run: Run,
-    /// What votes would do with other parameters, once it was asked for.
-    sweep: OnceLock<Sweep>,
+    subject: Subject,
 }
 
 impl Explainer {
@@ -66,17 +60,18 @@ impl Explainer {
             .and_then(|outputs| Some((outputs.surfaces.clone()?, Run::new(outputs)?)));
         let Some((surfaces, run)) = outputs else { return Err(refused) };
         let (frame, params) = (frame.clone(), params.clone());
-        Ok(Self { pipeline, frame, params, surfaces, run, sweep: OnceLock::new() })
+        let sweep = OnceLock::new();
+        Ok(Self { subject: Subject { pipeline, frame, params, surfaces, run, sweep } })
     }
 
     /// What was found in the frame.
     pub fn discovery(&self) -> &Discovery {
-        &self.run.discovery
+        &self.subject.run.discovery
     }
 
     /// The facets, and what was missing between them filled. Those of the structure come first.
     pub fn facets(&self) -> &Segments {
-        &self.run.filled.segments
+        &self.subject.run.filled.segments
     }
 
     /// A pixel (column, row) that stands for an object: of its largest facet that is no structure, or if it has none of its
@@ -87,8 +82,8 @@ impl Explainer {
         self.facets().members().filter(|&(i, _)| labels[i] == id.0).for_each(|(i, f)| pixels[f].push(i));
         // The structure of a plate is its bottom: why that is an object is not what is asked.
         let own = (0..pixels.len()).rev().filter(|&facet| !pixels[facet].is_empty());
-        let largest =
-            &pixels[own.max_by_key(|&facet| (facet >= self.run.filled.structure, pixels[facet].len()))?];
+        let largest = &pixels
+            [own.max_by_key(|&facet| (facet >= self.subject.run.filled.structure, pixels[facet].len()))?];
         let at = |i: usize| position(i, labels.width());
         let middle = [0, 1].map(|k| largest.iter().map(|&i| at(i)[k]).sum::<f64>() / largest.len() as f64);
         let off = |i: usize| [0, 1].map(|k| (at(i)[k] - middle[k]).powi(2)).iter().sum::<f64>();
@@ -117,11 +112,11 @@ impl Explainer {
     /// The answer to a question about facets of this frame. Facets keep their numbers as long as no parameter of the first two stages
     /// changes.
     pub fn answer(&self, question: Question) -> bool {
-        self.run.answer(question)
+        self.subject.run.answer(question)
     }
 
     fn search(&self) -> Search<'_> {
-        Search::new(self)
+        Search::new(&self.subject)
     }
 
     /// As [`Self::explain`], but no flip is looked for: every one is [`Flip::NotSought`]. O(pixels).
@@ -129,12 +124,12 @@ impl Explainer {
     /// # Errors
     /// [`Error::OutsideImage`].
     pub fn describe(&self, [u, v]: [usize; 2]) -> Result<Explanation> {
-        let (width, height) = self.frame.size();
+        let (width, height) = self.subject.frame.size();
         if u >= width || v >= height {
             return Err(Error::OutsideImage { pixel: [u, v], size: (width, height) });
         }
         let i = v * width + u;
-        let depth_m = self.frame.is_valid(i).then(|| self.frame.depth_m()[i]);
+        let depth_m = self.subject.frame.is_valid(i).then(|| self.subject.frame.depth_m()[i]);
         let mut explanation = Explanation {
             pixel: [u, v],
             depth_m,
@@ -150,9 +145,9 @@ impl Explainer {
 
         let report = self.facet(facet, i);
         explanation.facet = Some(report);
-        explanation.object = self.run.hypothesis_at(i).map(|hypothesis| self.object(hypothesis));
+        explanation.object = self.subject.run.hypothesis_at(i).map(|hypothesis| self.object(hypothesis));
         explanation.outcome = self.outcome(facet, i);
-        match self.run.free(facet) {
+        match self.subject.run.free(facet) {
             Some(_) => {
                 explanation.kept = Some(self.kept(facet));
                 explanation.way = self.way(facet);
@@ -168,9 +163,10 @@ impl Explainer {
     }
 
     fn facet(&self, facet: SegmentId, pixel: usize) -> FacetReport {
-        let width = self.surfaces.disparity.width();
-        let model = &self.run.filled.models[facet.index()];
-        let residual = |i: usize| f64::from(self.surfaces.disparity[i]) - model.value(position(i, width));
+        let width = self.subject.surfaces.disparity.width();
+        let model = &self.subject.run.filled.models[facet.index()];
+        let residual =
+            |i: usize| f64::from(self.subject.surfaces.disparity[i]) - model.value(position(i, width));
         let own = self.facets().members().filter(|&(_, f)| f == facet.index());
         let (mut squared, mut size_px) = (0.0, 0);
         for (i, _) in own {
@@ -188,7 +184,7 @@ impl Explainer {
 
     /// The number of a structure plane in the label image of the structure, if the facet is one.
     fn plane(&self, facet: SegmentId) -> Option<u32> {
-        (facet.index() < self.run.filled.structure).then_some(facet.0 + 1)
+        (facet.index() < self.subject.run.filled.structure).then_some(facet.0 + 1)
     }
 
     fn outcome(&self, facet: SegmentId, pixel: usize) -> Outcome {
@@ -196,8 +192,10 @@ impl Explainer {
         let in_structure = self.discovery().structure[pixel];
         match (label, self.plane(facet)) {
             (0, Some(plane)) => Outcome::Structure { plane },
-            (0, None) if self.run.cluster(facet).is_none() => Outcome::Background { plane: in_structure },
-            (0, None) if self.run.hypothesis_at(pixel).is_some() => Outcome::Unlikely,
+            (0, None) if self.subject.run.cluster(facet).is_none() => {
+                Outcome::Background { plane: in_structure }
+            }
+            (0, None) if self.subject.run.hypothesis_at(pixel).is_some() => Outcome::Unlikely,
             (0, None) => Outcome::TooSmall,
             (object, _) => Outcome::Object { object },
         }
@@ -218,7 +216,7 @@ impl Explainer {
 
     /// What was decided, without what it would take to decide otherwise.
     fn decision(&self, question: Question, reason: Reason, checks: Vec<Check>) -> Decision {
-        Decision { question, yes: self.run.answer(question), reason, checks, flip: Flip::NotSought }
+        Decision { question, yes: self.subject.run.answer(question), reason, checks, flip: Flip::NotSought }
     }
 }
 

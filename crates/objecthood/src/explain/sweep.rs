@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::explain::flip::{Guess, info, last_digit, round};
+use crate::explain::guess::{Guess, info, last_digit, round};
 use crate::explain::run::Run;
 use crate::params::{Method, Params};
 use crate::shapes::border::measure_borders;

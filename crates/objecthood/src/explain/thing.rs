@@ -18,29 +18,41 @@ impl Explainer {
     /// Whether the thing that a facet belongs to is an object, and why.
     pub(super) fn kept(&self, facet: SegmentId) -> Decision {
         let question = Question::Kept { facet: facet.0 };
-        let own = self.run.cluster(facet);
+        let own = self.subject.run.cluster(facet);
         let (reason, checks) = match own {
             // The last event of its way gave it to the background.
             None => {
-                let last = self.run.chain(facet).pop().map(|last| &self.run.steps[last].event);
+                let last =
+                    self.subject.run.chain(facet).pop().map(|last| &self.subject.run.steps[last].event);
                 last.map_or((Reason::Passed, Vec::new()), |event| {
                     (Reason::Rule(event.rule), event.checks.clone())
                 })
             }
             Some(cluster) => {
-                let size_px = self.run.size_px(cluster);
-                let fragment = check_small(size_px, &self.surfaces.space, &self.params.fragments);
-                let too_small = check_too_small(size_px, &self.surfaces.space, &self.params.objectness);
+                let size_px = self.subject.run.size_px(cluster);
+                let fragment =
+                    check_small(size_px, &self.subject.surfaces.space, &self.subject.params.fragments);
+                let too_small =
+                    check_too_small(size_px, &self.subject.surfaces.space, &self.subject.params.objectness);
                 let is_low =
                     |near: &&NearStep| near.miss.rule == Rule::Low && near.owners[1] == Some(cluster);
                 // A thing is as high as the highest of what it was made of.
-                let low =
-                    self.run.near_steps.iter().filter(is_low).flat_map(|near| &near.miss.checks).copied();
+                let low = self
+                    .subject
+                    .run
+                    .near_steps
+                    .iter()
+                    .filter(is_low)
+                    .flat_map(|near| &near.miss.checks)
+                    .copied();
                 let low = low.reduce(|a, b| if b.measured > a.measured { b } else { a });
-                let hypothesis =
-                    self.run.hypothesis(cluster).filter(|_| !self.params.objectness.every_hypothesis);
+                let hypothesis = self
+                    .subject
+                    .run
+                    .hypothesis(cluster)
+                    .filter(|_| !self.subject.params.objectness.every_hypothesis);
                 let unlikely =
-                    hypothesis.map(|hypothesis| hypothesis.check_unlikely(&self.params.objectness));
+                    hypothesis.map(|hypothesis| hypothesis.check_unlikely(&self.subject.params.objectness));
                 match unlikely {
                     _ if too_small.holds() => (Reason::Size, vec![too_small]),
                     Some(unlikely) if unlikely.holds() => (Reason::Objectness, vec![unlikely]),
@@ -57,10 +69,10 @@ impl Explainer {
 
     /// Whether a pixel of a structure plane is of an object, and why: it can only be of a bottom.
     pub(super) fn of_structure(&self, pixel: [usize; 2], residual_quanta: f64) -> Decision {
-        let (off, limit) = (residual_quanta.abs(), self.params.structure.tolerance_quanta);
+        let (off, limit) = (residual_quanta.abs(), self.subject.params.structure.tolerance_quanta);
         let near = Check::new("its distance from the plane", "quanta", off, Bound::Below, limit);
         let question = Question::OfObject { pixel };
-        if self.run.answer(question) {
+        if self.subject.run.answer(question) {
             return self.decision(question, Reason::Rule(Rule::VesselBottom), Vec::new());
         }
         // A pixel that is farther has it from its neighbours: by straightened borders, or to fill a hole.
@@ -70,19 +82,24 @@ impl Explainer {
 
     /// Why a cluster that is small enough for a fragment was given to nothing.
     fn spared(&self, cluster: SegmentId) -> Option<Check> {
-        let own = self.run.near_steps.iter().filter(|near| near.owners[1] == Some(cluster));
+        let own = self.subject.run.near_steps.iter().filter(|near| near.owners[1] == Some(cluster));
         let stayed = own.filter(|near| near.miss.rule == Rule::Fragment);
         stayed.flat_map(|near| &near.miss.checks).find(|check| !check.holds()).copied()
     }
 
     /// What rules did with the thing of a facet: first what gave the facet on, then what else came to it.
     pub(super) fn way(&self, facet: SegmentId) -> Vec<Decision> {
-        let own = self.run.chain(facet);
-        let cluster = self.run.cluster(facet);
-        let is_part =
-            |step: &usize| cluster.is_some() && self.run.steps[*step].owner == cluster && !own.contains(step);
-        let parts = (0..self.run.steps.len()).filter(is_part).take(PARTS);
-        own.iter().copied().chain(parts).filter_map(|step| self.joined(&self.run.steps[step])).collect()
+        let own = self.subject.run.chain(facet);
+        let cluster = self.subject.run.cluster(facet);
+        let is_part = |step: &usize| {
+            cluster.is_some() && self.subject.run.steps[*step].owner == cluster && !own.contains(step)
+        };
+        let parts = (0..self.subject.run.steps.len()).filter(is_part).take(PARTS);
+        own.iter()
+            .copied()
+            .chain(parts)
+            .filter_map(|step| self.joined(&self.subject.run.steps[step]))
+            .collect()
     }
 
     /// Why two clusters were made one; `None` of what was given to the background.
@@ -96,7 +113,7 @@ impl Explainer {
         Some(match from {
             Source::Cluster(_) => Question::OneThing { facets: [into?.0, given?.0] },
             Source::Patch(first) => {
-                let (first, width) = (first as usize, self.surfaces.disparity.width());
+                let (first, width) = (first as usize, self.subject.surfaces.disparity.width());
                 Question::Bottom { facet: into?.0, patch: [first % width, first / width] }
             }
         })
@@ -104,13 +121,13 @@ impl Explainer {
 
     /// Why a pixel of the structure is the bottom of an object, if it is.
     pub(super) fn bottom(&self, pixel: usize) -> Vec<Decision> {
-        self.run.bottom_at(pixel).and_then(|step| self.joined(step)).into_iter().collect()
+        self.subject.run.bottom_at(pixel).and_then(|step| self.joined(step)).into_iter().collect()
     }
 
     /// What rules nearly joined to the thing of a facet, if anything: of vessels and of occluded parts the one that failed the
     /// fewest checks, by the least.
     pub(super) fn near_misses(&self, facet: SegmentId) -> Vec<Decision> {
-        let Some(cluster) = self.run.cluster(facet) else { return Vec::new() };
+        let Some(cluster) = self.subject.run.cluster(facet) else { return Vec::new() };
         let mut found = Vec::new();
         for is_kind in [
             |rule| rule == Rule::Occlusion,
@@ -125,11 +142,13 @@ impl Explainer {
                 )
             },
         ] {
-            let own = self.run.near_steps.iter().filter(|NearStep { miss, owners: [into, from], .. }| {
-                let is_own = into != from && into.is_some() && [*into, *from].contains(&Some(cluster));
-                let is_near = |check: &Check| check.holds() || check.distance() <= NEAR;
-                is_kind(miss.rule) && is_own && miss.checks.iter().all(is_near)
-            });
+            let own = self.subject.run.near_steps.iter().filter(
+                |NearStep { miss, owners: [into, from], .. }| {
+                    let is_own = into != from && into.is_some() && [*into, *from].contains(&Some(cluster));
+                    let is_near = |check: &Check| check.holds() || check.distance() <= NEAR;
+                    is_kind(miss.rule) && is_own && miss.checks.iter().all(is_near)
+                },
+            );
             let nearest = own.min_by(|a, b| {
                 let [a, b] = [a, b].map(|near| shortfall(&near.miss.checks));
                 a.0.cmp(&b.0).then_with(|| a.1.total_cmp(&b.1))
