@@ -105,8 +105,7 @@ impl Threads {
 /// Which frames, and what of them is looked at.
 #[derive(Debug, Args)]
 pub(crate) struct FrameArgs {
-    /// Point clouds (.pcd), folders that are searched for them, folders in the layout of TUM (rgb.txt, depth.txt).
-    #[arg(required_unless_present = "depth", conflicts_with = "depth", value_name = "INPUT")]
+    #[arg(required_unless_present = "depth", conflicts_with = "depth", value_name = "INPUT", help = images::inputs_help())]
     pub(crate) inputs: Vec<PathBuf>,
 
     /// Camera of the frames: its numbers in pixels, or a JSON file with fx, fy, cx, cy and perhaps width, height and

@@ -3,6 +3,7 @@
 //! One subcommand a file. Each turns its arguments into one typed plan before anything is done, so that what is wrong
 //! with the command line is said before the first file is written.
 
+mod advice;
 mod args;
 mod completions;
 mod config;
@@ -12,7 +13,6 @@ mod eval;
 mod explain;
 mod failure;
 mod inputs;
-mod natural;
 mod outputs;
 mod params;
 mod segment;

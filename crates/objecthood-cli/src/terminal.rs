@@ -5,6 +5,8 @@ use std::io::{self, IsTerminal, Write};
 use anyhow::{Result, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::advice;
+
 /// Prints results to stdout.
 ///
 /// A reader that has closed the pipe has read enough, which is no error.
@@ -21,9 +23,9 @@ pub(crate) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Prints an error to stderr, on one line.
+/// Prints an error to stderr, on one line, with the option that helps.
 pub(crate) fn error(error: &anyhow::Error) {
-    complain(&format!("error: {error:#}"));
+    complain(&format!("error: {error:#}{}", advice::of(error)));
 }
 
 /// Prints one line to stderr. When even that fails nobody is left to be told.

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::Args;
-use clap::builder::RangedU64ValueParser;
+use objecthood::Raster;
 use objecthood_io::camera_file::{self, CameraFile};
-use objecthood_io::images::{DEFAULT_MAX_PIXELS, open_mask};
+use objecthood_io::images::open_mask;
 use objecthood_io::scope::{DepthRange, Region, Scope};
-use objecthood_io::{Error, GridCamera};
+use objecthood_io::{DEFAULT_MAX_PIXELS, Error, GridCamera, extensions};
 
 use crate::failure::usage;
 
@@ -31,7 +31,7 @@ pub(crate) struct ImageArgs {
     pub(crate) depth_scale: Option<f64>,
 
     /// Refuse frames of more pixels; each takes about 200 bytes a pixel while it is looked at.
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_PIXELS, value_parser = RangedU64ValueParser::<usize>::new().range(1..=1 << 28))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_PIXELS, value_parser = pixels)]
     pub(crate) max_pixels: usize,
 }
 
@@ -105,6 +105,20 @@ impl CameraArg {
             Self::File(path) => camera_file::open(path).map_err(|e| usage(format!("--camera {e}"))),
         }
     }
+}
+
+/// What may be named without an option.
+pub(super) fn inputs_help() -> String {
+    let endings = extensions().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ");
+    format!(
+        "Point clouds ({endings}), folders that are searched for them, folders in the layout of TUM (rgb.txt, depth.txt)"
+    )
+}
+
+/// As many pixels as a frame can have, or fewer. "invalid digit found in string" was no help.
+fn pixels(text: &str) -> Result<usize, String> {
+    let number = text.parse::<usize>().ok().filter(|number| (1..=Raster::<f32>::MAX_PIXELS).contains(number));
+    number.ok_or_else(|| format!("give a whole number of pixels from 1 to {}", Raster::<f32>::MAX_PIXELS))
 }
 
 fn positive(text: &str) -> Result<f64, String> {
