@@ -22,6 +22,7 @@ use crate::house::House;
 
 const USAGE: &str = "usage: cargo xtask TASK
   test                 formatting, lints, documentation, every test, and what else must not change unnoticed
+  test --quick         what a change needs while it is made; prints what it leaves out
   bench [--quick] [--rounds N] [--frames N]
                        times and memory, beside other libraries; writes docs/performance.md (not with --quick)
                        --rounds: how often everything is measured; --frames: how many frames memory must not grow over
@@ -53,6 +54,7 @@ fn run() -> Result<bool> {
     let house = House::find()?;
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test::run(&house),
+        ["test", "--quick"] => test::run_quick(&house),
         ["bench", "--scaling"] => bench::scaling::run(&house),
         ["bench", "--instructions"] => instructions::bless(&house),
         ["bench", ref options @ ..] => match bench::Options::parse(options) {

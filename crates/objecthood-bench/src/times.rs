@@ -34,7 +34,7 @@ pub struct Named {
 /// # Errors
 /// When the file cannot be read.
 pub fn open(file: &Path) -> Result<Named> {
-    let capture = objecthood_io::open(file, None, objecthood_io::images::DEFAULT_MAX_PIXELS)?;
+    let capture = objecthood_io::open_frame(file, &objecthood_io::Given::default())?;
     let name = file.file_stem().context("a file without a name")?.to_string_lossy().into_owned();
     Ok(Named { name, frame: capture.frame })
 }

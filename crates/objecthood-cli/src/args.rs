@@ -101,8 +101,7 @@ impl Command {
 /// Which frames to read, and which part of them to use.
 #[derive(Debug, Args)]
 pub(crate) struct FrameArgs {
-    /// Point clouds (.pcd), folders to search for point clouds, or folders in the layout of TUM (rgb.txt, depth.txt).
-    #[arg(required_unless_present = "depth", conflicts_with = "depth", value_name = "INPUT")]
+    #[arg(required_unless_present = "depth", conflicts_with = "depth", value_name = "INPUT", help = images::inputs_help())]
     pub(crate) inputs: Vec<PathBuf>,
 
     /// Camera of the frames: its numbers in pixels, or a JSON file with fx, fy, cx, cy and optionally width, height and

@@ -10,8 +10,8 @@ use anyhow::Result;
 use objecthood::Params;
 use objecthood_eval::{ImageScore, ObjectScore, Truth, Verdict, VerdictCounts, mosd, score};
 use objecthood_io::camera_file::{self, CameraFile};
-use objecthood_io::images::{DEFAULT_MAX_PIXELS, ImageSetup, decode_images};
-use objecthood_io::{Capture, output};
+use objecthood_io::images::decode_images;
+use objecthood_io::{Capture, Given, output};
 use objecthood_scene::{Family, Sensor, export};
 use objecthood_view::Recording;
 
@@ -58,8 +58,8 @@ impl Shot {
         let made = recipe.make()?;
         let CameraFile { camera, depth_scale } =
             camera_file::parse(export::camera_json(&made.world)?.as_bytes())?;
-        let setup = ImageSetup { camera, depth_scale, max_pixels: DEFAULT_MAX_PIXELS };
-        let capture = decode_images(Some(&made.color_png), &made.depth_png, &setup)?;
+        let given = Given { camera: Some(camera), depth_scale, ..Given::default() };
+        let capture = decode_images(Some(&made.color_png), &made.depth_png, &given)?;
         let truth = mosd::truth_of(&export::mosd_labels(&made.world, &made.rendered, false))?;
         Ok(Self { made, capture, truth })
     }

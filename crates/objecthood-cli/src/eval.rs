@@ -11,7 +11,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use objecthood::params;
-use objecthood_eval::{Report, Split, mosd};
+use objecthood_eval::{Report, SceneRef, Split, mosd};
 use objecthood_io::output;
 use serde::Serialize;
 
@@ -34,7 +34,7 @@ struct Named<'a> {
 ///
 /// # Errors
 /// Of usage; when a scene or label image cannot be read, because figures of the other scenes would not compare with
-/// those of all; when the figures cannot be written.
+/// those of all; when the figures cannot be written. A file without truth is no scene: it is reported and left out.
 pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
     if let Some(path) = &args.json {
         refuse_what_cannot_be_a_file(path)?;
@@ -45,7 +45,11 @@ pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
         refuse_file("--pictures", folder)?;
     }
     let Ok(split) = args.split.parse::<Split>();
-    let scenes = mosd::scenes(root, &split)?;
+    let mut scenes = mosd::scenes(root, &split)?;
+    let unlabelled = mosd::take_unlabelled(&mut scenes);
+    for SceneRef { path, .. } in &unlabelled {
+        terminal::error(&objecthood_eval::Error::NoTruth { path: path.clone() }.into());
+    }
 
     let seeds = u64::from(args.seed)..u64::from(args.seed) + u64::from(args.composites);
     let sensor = subject.params().map_or_else(params::Sensor::default, |params| params.sensor.clone());
@@ -70,7 +74,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
         output::write_atomically(path, json.as_bytes())?;
     }
     terminal::print(&text::of(&reports, subject.comparison(), args.per_scene))?;
-    Ok(Outcome::AllDone)
+    Ok(if unlabelled.is_empty() { Outcome::AllDone } else { Outcome::SomeFailed })
 }
 
 fn refuse_what_cannot_be_a_file(file: &Path) -> Result<()> {

@@ -3,37 +3,27 @@
 mod pairs;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
+use std::fs;
 use std::path::{Component, Path, PathBuf};
-use std::{fs, io};
 
-use anyhow::{Result, anyhow};
-use objecthood_io::camera_file::{self, CameraFile};
-use objecthood_io::images::{self, ImageSetup};
-use objecthood_io::{Capture, GridCamera, tum};
+use anyhow::Result;
+use objecthood_io::camera_file::CameraFile;
+use objecthood_io::images::{ImageError, ImageFiles, source_of};
+use objecthood_io::{Capture, Error, FrameRef, Given, Source};
 
+use crate::advice;
 use crate::args::FrameArgs;
 use crate::failure::usage;
-use crate::natural;
 
 /// One frame to look at.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct Input {
     /// The file, as the user would name it; of images that of the depth.
     pub(crate) path: PathBuf,
     /// Where its outputs go: relative to the folder of outputs, without extension.
     pub(crate) name: PathBuf,
-    /// How it is read.
-    source: Source,
-}
-
-/// How a frame is read.
-#[derive(Clone, Debug, PartialEq)]
-enum Source {
-    /// One file that has everything, but for a camera that may be given.
-    Cloud { camera: Option<GridCamera>, max_pixels: usize },
-    /// A depth image with perhaps a colour image.
-    Images { color: Option<PathBuf>, setup: ImageSetup },
+    frame: FrameRef,
 }
 
 impl Input {
@@ -42,31 +32,22 @@ impl Input {
     /// # Errors
     /// Whatever is wrong with a file, and its path.
     pub(crate) fn open(&self) -> objecthood_io::Result<Capture> {
-        match &self.source {
-            Source::Cloud { camera, max_pixels } => {
-                objecthood_io::open(&self.path, camera.as_ref(), *max_pixels)
-            }
-            Source::Images { color, setup } => images::open_images(color.as_deref(), &self.path, setup),
-        }
+        self.frame.read()
     }
 
     /// The files that it is read from.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        let color = match &self.source {
-            Source::Cloud { .. } => None,
-            Source::Images { color, .. } => color.as_deref(),
-        };
-        color.into_iter().chain([self.path.as_path()])
+        self.frame.files()
     }
 }
 
 /// What was found.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Inputs {
-    /// The frames, each file once, in the order in which they were given; those of a folder in natural order.
+    /// The frames, each once, in the order in which they were given; those of a folder in natural order.
     pub(crate) frames: Vec<Input>,
-    /// Folders that hold no frame or cannot be read, images without a partner; each is reported like a frame that
-    /// failed.
+    /// Files and folders that cannot be read or hold no frame, images without a partner; each is reported like a frame
+    /// that failed.
     pub(crate) unreadable: Vec<anyhow::Error>,
     /// What the user should know of folders that are read.
     pub(crate) notices: Vec<String>,
@@ -74,203 +55,89 @@ pub(crate) struct Inputs {
     pub(crate) cameras: Vec<PathBuf>,
 }
 
-/// A file before its outputs have a name.
-struct Found {
-    path: PathBuf,
-    /// The folder it lies in: absolute, so that one file is one file however it was named.
-    folder: PathBuf,
-    /// What its outputs are called, without extension.
-    stem: OsString,
-    source: Source,
-}
-
 /// Makes the list of frames; `camera` is the one that the command line gives.
 ///
-/// The outputs are named by the stem of the file, or what the names of images of a frame have in common; with
-/// `keep_tree` by its place below the folder that is common to all arguments.
+/// The outputs are named as the frames are: by the stem of the file, or what the names of images of a frame have in
+/// common; with `keep_tree` by its place below the folder that is common to all arguments.
 ///
 /// # Errors
-/// Of usage, when two files would have the same outputs, and when it is not said how depth images are to be read.
+/// Of usage, when two frames would have the same outputs, and when it is not said how depth images are to be read.
 pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraFile>) -> Result<Inputs> {
-    let mut found = Vec::new();
-    let mut unreadable = Vec::new();
-    let mut notices = Vec::new();
-    let mut cameras = Vec::new();
-    let mut tops = Vec::new();
-    if args.images.depth.is_empty() {
-        let cloud =
-            Source::Cloud { camera: camera.map(|file| file.camera), max_pixels: args.images.max_pixels };
-        for argument in &args.inputs {
-            if argument.is_dir() {
-                let top = absolute(argument);
-                let before = (found.len(), unreadable.len());
-                if tum::is_tum(argument) {
-                    cameras.push(argument.join(tum::CAMERA));
-                    match tum_frames(argument, args, camera, &mut notices) {
-                        Ok(frames) => found.extend(frames),
-                        Err(e) => unreadable.push(e),
-                    }
-                } else {
-                    search(argument, &cloud, &mut found, &mut unreadable);
-                }
-                if (found.len(), unreadable.len()) == before {
-                    unreadable.push(anyhow!(
-                        "{}: no point cloud ({}) in this folder or below: name one that holds some, or images by \
-                         --color and --depth",
-                        argument.display(),
-                        extensions()
-                    ));
-                }
-                tops.push(top);
-            } else {
-                found.push(Found::file(argument.clone(), cloud.clone()));
-                tops.push(folder_of(argument));
-            }
-        }
-    } else {
-        let pairs = pairs::find(&args.images.color, &args.images.depth)?;
-        unreadable = pairs.complaints;
-        let setup = image_setup(args, camera, &pairs.pairs)?;
-        for pairs::Pair { color, depth, name } in pairs.pairs {
-            tops.push(folder_of(&depth));
-            let found_pair = Found::file(depth, Source::Images { color, setup });
-            found.push(Found { stem: name.into(), ..found_pair });
-        }
-    }
-    if args.images.depth_scale.is_some() && !found.is_empty() && !found.iter().any(Found::is_image) {
-        return Err(usage("--depth-scale is for depth images but only point clouds are named: leave it out"));
-    }
-    let mut seen = BTreeSet::new();
-    found.retain(|f| seen.insert((f.folder.clone(), f.path.file_name().map(OsStr::to_owned))));
-
-    let root = common_folder(&tops);
-    let frames: Vec<Input> = found
-        .into_iter()
-        .map(|Found { path, folder, stem, source }| {
-            let place = if keep_tree { below(&root, &folder) } else { PathBuf::new() };
-            Input { name: place.join(stem), path, source }
-        })
-        .collect();
-    refuse_equal_names(&frames, keep_tree)?;
-    Ok(Inputs { frames, unreadable, notices, cameras })
-}
-
-impl Found {
-    /// A file whose outputs are called as it is.
-    fn file(path: PathBuf, source: Source) -> Self {
-        let stem = path.file_stem().unwrap_or(path.as_os_str()).to_owned();
-        Self { folder: folder_of(&path), stem, path, source }
-    }
-
-    fn is_image(&self) -> bool {
-        matches!(self.source, Source::Images { .. })
-    }
-}
-
-/// How the images named on the command line are read.
-///
-/// # Errors
-/// Of usage, when camera or unit is missing.
-fn image_setup(args: &FrameArgs, camera: Option<&CameraFile>, pairs: &[pairs::Pair]) -> Result<ImageSetup> {
-    let Some(&CameraFile { camera, depth_scale }) = camera else {
-        return Err(usage(
-            "depth images do not say which camera saw them: give it by --camera fx,fy,cx,cy or --camera camera.json",
-        ));
-    };
-    let depth_scale = args.images.depth_scale.or(depth_scale);
-    // Said once and before anything is done: the numbers of a PNG are always integers.
-    let is_png = |pair: &pairs::Pair| pair.depth.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    if depth_scale.is_none() && pairs.iter().any(is_png) {
-        return Err(usage(format!("--depth-scale is missing: {}", images::ImageError::NoDepthScale)));
-    }
-    Ok(ImageSetup { camera, depth_scale, max_pixels: args.images.max_pixels })
-}
-
-/// The frames of a folder in the layout of TUM. Camera and unit of the command line come before those of its
-/// `camera.json`.
-fn tum_frames(
-    folder: &Path,
-    args: &FrameArgs,
-    camera: Option<&CameraFile>,
-    notices: &mut Vec<String>,
-) -> Result<Vec<Found>> {
-    let path = folder.join(tum::CAMERA);
-    let own = if path.is_file() { Some(camera_file::open(&path)?) } else { None };
-    let Some(CameraFile { camera: grid_camera, .. }) = camera.or(own.as_ref()) else {
-        return Err(anyhow!(
-            "{}: the folder has no camera.json: add one, or give the camera by --camera",
-            folder.display()
-        ));
-    };
-    let scales =
-        [args.images.depth_scale, camera.and_then(|c| c.depth_scale), own.and_then(|c| c.depth_scale)];
-    let setup = ImageSetup {
-        camera: *grid_camera,
-        depth_scale: Some(scales.into_iter().flatten().next().unwrap_or(tum::DEPTH_SCALE)),
+    let given = Given {
+        camera: camera.map(|file| file.camera),
+        depth_scale: args.images.depth_scale.or(camera.and_then(|file| file.depth_scale)),
         max_pixels: args.images.max_pixels,
     };
-    let tum::TumFolder { pairs, color_alone, depth_alone } = tum::open_folder(folder)?;
-    if pairs.is_empty() {
-        return Err(anyhow!(
-            "{}: none of its {color_alone} colour and {depth_alone} depth images were taken within 20 ms of each \
-             other: check the times in rgb.txt and depth.txt",
-            folder.display()
-        ));
-    }
-    if color_alone + depth_alone > 0 {
-        notices.push(format!(
-            "{}: {} frames; {color_alone} colour and {depth_alone} depth images have no partner within 20 ms",
-            folder.display(),
-            pairs.len()
-        ));
-    }
-    let frame = |(color, depth)| Found::file(depth, Source::Images { color: Some(color), setup });
-    Ok(pairs.into_iter().map(frame).collect())
-}
-
-/// Adds the frames of a folder and of those below it. Links to folders are not followed: they may lead in circles.
-fn search(folder: &Path, cloud: &Source, found: &mut Vec<Found>, unreadable: &mut Vec<anyhow::Error>) {
-    let entries = match entries(folder) {
-        Ok(entries) => entries,
-        Err(e) => {
-            unreadable.push(e);
-            return;
-        }
+    let mut inputs = Inputs::default();
+    let (frames, tops) = if args.images.depth.is_empty() {
+        open_all(&args.inputs, &given, &mut inputs)
+    } else {
+        let pairs::Pairs { pairs, complaints } = pairs::find(&args.images.color, &args.images.depth)?;
+        refuse_unknown_camera_or_unit(&given, &pairs)?;
+        inputs.unreadable = complaints;
+        let tops = pairs.iter().map(|pair| folder_of(&pair.depth)).collect();
+        (source_of(pairs, given).filter_map(objecthood_io::Result::ok).collect(), tops)
     };
-    for (entry, is_folder) in entries {
-        let path = folder.join(entry.file_name());
-        if is_folder {
-            search(&path, cloud, found, unreadable);
-        } else if is_frame(&path) {
-            found.push(Found::file(path, cloud.clone()));
+    if args.images.depth_scale.is_some() && !frames.is_empty() && frames.iter().all(FrameRef::is_metric) {
+        return Err(usage("--depth-scale is for depth images but only point clouds are named: leave it out"));
+    }
+
+    let root = common_folder(&tops);
+    let mut seen = BTreeSet::new();
+    for frame in frames {
+        let (path, folder) = (frame.path().to_owned(), folder_of(frame.path()));
+        let place = if keep_tree { below(&root, &folder) } else { PathBuf::new() };
+        let name = place.join(frame.name());
+        // The folder is absolute, so that one file is one file however it was named.
+        if seen.insert((folder, path.file_name().map(OsStr::to_owned), name.clone())) {
+            inputs.frames.push(Input { path, name, frame });
         }
     }
+    refuse_equal_names(&inputs.frames, keep_tree)?;
+    Ok(inputs)
 }
 
-/// What a folder holds, in natural order, and whether each is a folder itself.
-fn entries(folder: &Path) -> Result<Vec<(fs::DirEntry, bool)>> {
-    let read = || -> io::Result<_> {
-        let entries = fs::read_dir(folder)?.map(|entry| {
-            let entry = entry?;
-            let is_folder = entry.file_type()?.is_dir();
-            Ok((entry, is_folder))
-        });
-        entries.collect::<io::Result<Vec<_>>>()
+/// Opens what is named; the frames, and the folder of each argument in absolute form.
+fn open_all(arguments: &[PathBuf], given: &Given, inputs: &mut Inputs) -> (Vec<FrameRef>, Vec<PathBuf>) {
+    let mut frames = Vec::new();
+    let mut tops = Vec::new();
+    for argument in arguments {
+        tops.push(if argument.is_dir() { absolute(argument) } else { folder_of(argument) });
+        match Source::open(argument, given) {
+            Ok(source) => {
+                inputs.notices.extend(source.notices().iter().map(ToString::to_string));
+                inputs.cameras.extend_from_slice(source.shared_files());
+                for frame in source {
+                    match frame {
+                        Ok(frame) => frames.push(frame),
+                        Err(error) => inputs.unreadable.push(error.into()),
+                    }
+                }
+            }
+            Err(error) => inputs.unreadable.push(error.into()),
+        }
+    }
+    (frames, tops)
+}
+
+/// Refuses image files of which nobody says how they are to be read: once, and before anything is done.
+///
+/// # Errors
+/// Of usage.
+fn refuse_unknown_camera_or_unit(given: &Given, pairs: &[ImageFiles]) -> Result<()> {
+    let said = |error: ImageError| {
+        let error = anyhow::Error::from(Error::from(error));
+        usage(format!("{error}{}", advice::of(&error)))
     };
-    let mut entries = read()
-        .map_err(|e| anyhow!("{}: cannot list the folder ({e}): check its permissions", folder.display()))?;
-    entries.sort_by(|(a, _), (b, _)| natural::compare(&a.file_name(), &b.file_name()));
-    Ok(entries)
-}
-
-/// The endings that are looked for, as one reads them: `.pcd`.
-fn extensions() -> String {
-    objecthood_io::EXTENSIONS.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(", ")
-}
-
-fn is_frame(path: &Path) -> bool {
-    let extension = path.extension().unwrap_or_default();
-    objecthood_io::EXTENSIONS.iter().any(|e| extension.eq_ignore_ascii_case(e)) && path.is_file()
+    if given.camera.is_none() {
+        return Err(said(ImageError::NoCamera));
+    }
+    // The numbers of a PNG are always integers.
+    let is_png = |pair: &ImageFiles| pair.depth.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    if given.depth_scale.is_none() && pairs.iter().any(is_png) {
+        return Err(said(ImageError::NoDepthScale));
+    }
+    Ok(())
 }
 
 /// The folder in which a file lies, in absolute form.

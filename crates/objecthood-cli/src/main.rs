@@ -3,6 +3,7 @@
 //! One file per subcommand. Each turns its arguments into one typed plan before it does anything, so that a mistake on the
 //! command line is reported before the first file is written.
 
+mod advice;
 mod args;
 mod completions;
 mod config;
@@ -13,7 +14,6 @@ mod explain;
 mod failure;
 mod inputs;
 mod interrupt;
-mod natural;
 mod outputs;
 mod params;
 mod segment;

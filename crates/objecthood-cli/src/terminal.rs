@@ -7,6 +7,8 @@ use std::time::Duration;
 use anyhow::{Result, anyhow};
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
+use crate::advice;
+
 /// Prints results to stdout.
 ///
 /// A reader that has closed the pipe has read enough, which is no error.
@@ -23,9 +25,9 @@ pub(crate) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Prints an error to stderr, on one line.
+/// Prints an error to stderr, on one line, with the option that helps.
 pub(crate) fn error(error: &anyhow::Error) {
-    complain(&format!("error: {error:#}"));
+    complain(&format!("error: {error:#}{}", advice::of(error)));
 }
 
 /// Prints to stderr what the user should know although it is no error, on one line.

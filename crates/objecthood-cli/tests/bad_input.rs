@@ -226,3 +226,78 @@ fn names_are_told_without_what_would_command_the_terminal() {
     assert!(run.stderr.starts_with("error:  [31mred .pcd: cannot be read"), "{:?}", run.stderr);
     assert!(!run.stderr.replace('\n', "").contains(char::is_control), "{:?}", run.stderr);
 }
+
+/// A bag begins with `#` as a comment of PCD does, and its second line was called a bad PCD header.
+#[test]
+fn a_bag_gets_no_advice_about_pcd() {
+    let folder = Folder::new();
+    for (name, head, kind) in [
+        ("a.bag", &b"#ROSBAG V2.0\nE\0\0\0"[..], "a ROS 1 bag"),
+        ("a.mcap", b"\x89MCAP0\r\n\x01", "an MCAP recording"),
+        ("a.db3", b"SQLite format 3\0", "a ROS 2 bag"),
+        ("a.mkv", b"\x1a\x45\xdf\xa3", "a Matroska video"),
+    ] {
+        folder.write(name, head);
+        let run = folder.run(&format!("segment {name} --out out"), 1);
+        let said = run.errors()[0];
+        assert!(
+            said.starts_with(&format!("error: {name}: not a file that objecthood reads, but {kind}")),
+            "{said}"
+        );
+        assert!(said.contains("save its depth and colour as images"), "{said}");
+        assert!(!said.to_lowercase().contains("pcd"), "{said}");
+    }
+}
+
+/// "which is no F4" and "invalid digit found in string" are the words of programs.
+#[test]
+fn a_word_that_is_no_number_is_said_so() {
+    let folder = Folder::new();
+    let text = String::from_utf8(Cloud::two_boxes(0.0).to_pcd()).unwrap();
+    let (header, data) = text.split_once("DATA ascii\n").unwrap();
+    for (word, field, said) in [
+        ("tree", 2, "z is `tree`, which is no F4 (a number)"),
+        ("-1", 4, "label is `-1`, which is no U4 (a whole number from 0 to 4294967295)"),
+    ] {
+        let mut words: Vec<&str> = data.lines().next().unwrap().split(' ').collect();
+        words[field] = word;
+        let rest = data.split_once('\n').unwrap().1;
+        folder.write("a.pcd", format!("{header}DATA ascii\n{}\n{rest}", words.join(" ")).as_bytes());
+        let run = folder.run("segment a.pcd --out out", 1);
+        assert!(
+            run.errors()[0].contains(&format!("line 12 of the PCD file is no point: {said}")),
+            "{}",
+            run.stderr
+        );
+    }
+}
+
+/// The advice that names an option is the program's, for every error that an option helps against.
+#[test]
+fn what_an_option_helps_against_names_it() {
+    let folder = Folder::new();
+    let cloud = Cloud::two_boxes(0.0);
+    let flat = Cloud { width: 320 * 240, height: 1, points: Cloud::two_boxes(0.0).points };
+    folder.write("good.pcd", &cloud.to_binary_pcd());
+    folder.write("flat.pcd", &flat.to_binary_pcd());
+    folder.write(
+        "bent.pcd",
+        &Cloud::two_boxes(0.0).map(|p| p.xyz_m[0] += p.xyz_m[1].powi(2) * 3.0).to_binary_pcd(),
+    );
+    folder.write("mirrored.pcd", &Cloud::two_boxes(0.0).map(|p| p.xyz_m[0] *= -1.0).to_binary_pcd());
+    for (arguments, advice) in [
+        ("flat.pcd", ": give the camera, --camera fx,fy,cx,cy"),
+        ("flat.pcd --camera 262,262,-500,119", ": write --camera fx,fy,cx,cy,width,height"),
+        ("bent.pcd", ": give the camera, --camera fx,fy,cx,cy"),
+        ("mirrored.pcd", ": convert them to it, or give the camera, --camera"),
+        ("good.pcd --max-pixels 9", ": give a smaller image, or more than --max-pixels 9"),
+        ("good.pcd --range 5..6", ": widen --range, --roi or --mask"),
+    ] {
+        for command in ["segment", "explain --at 1,1"] {
+            let run = folder.run(&format!("{command} {arguments} --out out"), 1);
+            let said = run.errors()[0];
+            assert!(said.contains(advice), "{command} {arguments}: {said}");
+            assert_eq!(said.matches(advice).count(), 1, "{said}");
+        }
+    }
+}

@@ -236,3 +236,28 @@ fn hard_scenes_are_drawn() {
     let picture = image::load_from_memory(&pictures["scene1.png"]).unwrap();
     assert!(picture.width() > 4 * 320 && picture.height() > 240, "four tiles in a row");
 }
+
+/// One file without labels made an evaluation of all the others impossible.
+#[test]
+fn a_scene_without_labels_is_named_and_the_others_are_scored() {
+    let folder = data_set();
+    let whole = folder.run("eval root --per-scene", 0).stdout;
+    let plain =
+        String::from_utf8(Cloud::two_boxes(0.0).to_pcd()).unwrap().replace("rgba label", "rgba other");
+    folder.write("root/left/scene3.pcd", plain.as_bytes());
+    let run = folder.run("eval root --per-scene", 1);
+    assert_eq!(run.stdout, whole);
+    assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+    assert!(run.errors()[0].starts_with("error: root/left/scene3.pcd: no truth: "), "{}", run.stderr);
+
+    let run = folder.run("eval root --split left --composites 1", 1);
+    assert!(run.stdout.contains("\n| composite |"), "{}{}", run.stdout, run.stderr);
+}
+
+#[test]
+fn options_that_help_are_named() {
+    let folder = data_set();
+    folder.write("root/other/scene1.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
+    let run = folder.run("eval root", 1);
+    assert!(run.errors()[0].ends_with("have the same name: evaluate one folder at a time with --split"));
+}

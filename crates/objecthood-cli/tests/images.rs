@@ -406,3 +406,98 @@ fn a_command_line_that_says_too_little_or_too_much() {
         assert!(!folder.path().join("out").exists());
     }
 }
+
+/// `**` was taken for the name of a folder.
+#[test]
+fn two_stars_in_a_pattern_are_any_folders() {
+    let folder = Folder::new();
+    for (k, place) in ["in", "in/deep", "in/deep/er"].iter().enumerate() {
+        folder.write_pair(place, &k.to_string(), &Cloud::two_boxes(0.01));
+    }
+    let run = folder.run(
+        &format!(
+            "segment --color in/**/*-color.png --depth in/**/*-depth.png {} --out out --write labels",
+            how()
+        ),
+        0,
+    );
+    assert_eq!(counts(&run).len(), 3, "{}{}", run.stdout, run.stderr);
+    assert_eq!(folder.names("out"), ["0.labels.png", "1.labels.png", "2.labels.png"]);
+}
+
+/// Two such names were one and the same with replacement characters, and refused.
+#[cfg(target_os = "linux")]
+#[test]
+fn image_names_that_are_not_utf_8() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path().join("in")).unwrap();
+    for (k, letter) in [0xe8_u8, 0xe9].into_iter().enumerate() {
+        let cloud = Cloud::two_boxes(0.01 * k as f64);
+        for (role, image) in [("color", cloud.color()), ("depth", cloud.depth(10_000.0))] {
+            let name = [&[letter], b"-", role.as_bytes(), b".png"].concat();
+            std::fs::write(folder.path().join("in").join(OsStr::from_bytes(&name)), png(&image)).unwrap();
+        }
+    }
+    let run = folder.run(&format!("segment --color in --depth in {} --out out --write labels", how()), 0);
+    assert_eq!(counts(&run).len(), 2, "{}{}", run.stdout, run.stderr);
+    let mut names: Vec<Vec<u8>> = std::fs::read_dir(folder.path().join("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().as_bytes().to_vec())
+        .collect();
+    names.sort();
+    assert_eq!(names, [b"\xe8-depth.labels.png", b"\xe9-depth.labels.png"]);
+    let run = folder.run(&format!("segment --color in/*color* --depth in/*depth* {} --out out2", how()), 0);
+    assert_eq!(counts(&run).len(), 2, "{}{}", run.stdout, run.stderr);
+}
+
+/// A picture of which most is beyond the reach of 16 bits was refused as one in other units.
+#[test]
+fn saturated_depth_is_no_sign_of_a_wrong_scale() {
+    let folder = Folder::new();
+    let cloud = Cloud::two_boxes(0.0);
+    let DynamicImage::ImageLuma16(mut depth) = cloud.depth(1000.0) else { panic!("16 bits") };
+    // The boxes stay; most of what is around them is out of reach.
+    depth.enumerate_pixels_mut().filter(|(u, v, _)| *u < 20 || *v < 60).for_each(|(.., z)| z.0[0] = u16::MAX);
+    depth
+        .enumerate_pixels_mut()
+        .filter(|(u, v, _)| *u > 300 || *v > 130)
+        .for_each(|(.., z)| z.0[0] = u16::MAX);
+    let saturated = depth.pixels().filter(|z| z.0[0] == u16::MAX).count();
+    assert!(2 * saturated > depth.len(), "{saturated}");
+    folder.write("depth.png", &png(&depth.into()));
+    folder.run(&format!("segment --depth depth.png --camera {} --depth-scale 1000 --out out", camera()), 0);
+    assert_eq!(folder.names("out"), ["depth.json", "depth.labels.png"]);
+}
+
+/// The mark that editors of Windows put before UTF-8 made the file none.
+#[test]
+fn a_camera_file_with_a_byte_order_mark() {
+    let folder = stills();
+    let json = r#"{"fx": 262.5, "fy": 262.5, "cx": 159.5, "cy": 119.5, "depth_scale": 10000}"#;
+    folder.write("camera.json", format!("\u{feff}{json}").as_bytes());
+    folder.run("segment --depth in/1-depth.png --camera camera.json --out out", 0);
+}
+
+/// Poses are optional, and other data sets have other columns in a file of that name.
+#[test]
+fn a_tum_folder_with_poses_that_are_none_is_read_with_a_note() {
+    let folder = tum([RGB, DEPTH]);
+    folder.write("tum/groundtruth.txt", b"0.0 1 2 3\n");
+    let run = folder.run(&format!("segment tum --camera {} --out out", camera()), 0);
+    assert_eq!(counts(&run).len(), 3);
+    let note = run.stderr.lines().next().unwrap();
+    assert!(note.starts_with("note: tum/groundtruth.txt: line 1: `0.0 1 2 3` is not a time"), "{note}");
+}
+
+/// "invalid digit found in string" told nobody what to write.
+#[test]
+fn a_number_of_pixels_that_is_none() {
+    let folder = stills();
+    for text in ["many", "0", "-1", "1e6", "999999999999"] {
+        let run = folder.run(&format!("segment in/1.pcd --max-pixels={text} --out out"), 2);
+        assert!(run.stderr.contains("give a whole number of pixels from 1 to 268435456"), "{}", run.stderr);
+    }
+}

@@ -1,4 +1,4 @@
-//! Why something cannot be evaluated; each message says what to do.
+//! Why something cannot be evaluated. Which option of a program helps, the program adds.
 
 use std::path::PathBuf;
 
@@ -39,7 +39,7 @@ pub enum Error {
         folders: Vec<String>,
     },
     /// Two scenes that nothing tells apart in a report or a folder of label images.
-    #[error("{} and {} have the same name: evaluate one folder at a time with --split", first.display(), second.display())]
+    #[error("{} and {} have the same name", first.display(), second.display())]
     SameName {
         /// A scene.
         first: PathBuf,
@@ -110,9 +110,7 @@ pub enum Error {
     #[error("no scene has an object in its truth: there is nothing to measure")]
     NoObjects,
     /// No scene to compose others from.
-    #[error(
-        "no scene has a table with an object on it that is seen whole, so there is nothing to compose: leave out --composites"
-    )]
+    #[error("no scene has a table with an object on it that is seen whole, so there is nothing to compose")]
     NothingToCompose,
     /// Parameters that cannot be changed by name.
     #[error("the parameters cannot be varied ({0}): report this, with the parameters")]

@@ -7,13 +7,14 @@
 //! Source: S. Alexandrov's edition of the Object Segmentation Database (A. Richtsfeld, 2012).
 
 use std::convert::Infallible;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::{fmt, fs, io};
 
 use objecthood::{Camera, Frame, Raster};
-use objecthood_io::GridCamera;
-use objecthood_io::images::DEFAULT_MAX_PIXELS;
+use objecthood_io::formats::pcd;
+use objecthood_io::{Given, GridCamera, open_frame};
 
 use crate::error::{Error, Result};
 use crate::truth::{Roles, Truth};
@@ -109,6 +110,12 @@ pub fn scenes(root: &Path, split: &Split) -> Result<Vec<SceneRef>> {
     Ok(found)
 }
 
+/// Takes the scenes without truth out of a list: files whose header names no labels. What else may be wrong with a file
+/// is found when it is read. Reads the head of every file.
+pub fn take_unlabelled(scenes: &mut Vec<SceneRef>) -> Vec<SceneRef> {
+    scenes.extract_if(.., |scene| scene.has_labels() == Some(false)).collect()
+}
+
 fn is_pcd(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pcd"))
 }
@@ -134,6 +141,14 @@ fn number_in(name: &str) -> (usize, String) {
 }
 
 impl SceneRef {
+    /// Whether the file has labels, if its header tells.
+    fn has_labels(&self) -> Option<bool> {
+        const HEADER_BYTES: u64 = 4096;
+        let mut head = Vec::new();
+        fs::File::open(&self.path).ok()?.take(HEADER_BYTES).read_to_end(&mut head).ok()?;
+        pcd::has_labels(&head)
+    }
+
     /// Reads frame and truth.
     ///
     /// The camera of an organized cloud is fitted from its points, an unorganized one was seen by the data set's own
@@ -142,11 +157,12 @@ impl SceneRef {
     /// # Errors
     /// [`Error::Input`] when the file cannot be read as a frame, [`Error::NoTruth`] when it has no labels.
     pub fn load(&self, camera: Option<&GridCamera>) -> Result<Scene> {
-        let capture = match objecthood_io::open(&self.path, camera, DEFAULT_MAX_PIXELS) {
+        let open = |camera| open_frame(&self.path, &Given { camera, ..Given::default() });
+        let capture = match open(camera.copied()) {
             Err(objecthood_io::Error::At { error, .. })
                 if camera.is_none() && matches!(*error, objecthood_io::Error::Unorganized { .. }) =>
             {
-                objecthood_io::open(&self.path, Some(&CAMERA), DEFAULT_MAX_PIXELS)
+                open(Some(CAMERA))
             }
             capture => capture,
         }?;
@@ -246,6 +262,27 @@ mod tests {
         let error = loaded(&pcd(4, "x y z w"), None).unwrap_err();
         assert!(matches!(error, Error::NoTruth { .. }));
         assert!(error.to_string().contains("a1.pcd: no truth"), "{error}");
+    }
+
+    #[test]
+    fn scenes_without_labels_are_taken_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = |name: &str, content: &str| {
+            let path = folder.path().join(name);
+            fs::write(&path, content).unwrap();
+            SceneRef { name: name.to_owned(), folder: String::new(), path }
+        };
+        let mut scenes = vec![
+            scene("labelled", &pcd(4, "x y z label")),
+            scene("plain", &pcd(4, "x y z w")),
+            scene("cut", &pcd(4, "x y z w")[..60]),
+            scene("noise", "noise"),
+            SceneRef { path: folder.path().join("gone"), ..scene("gone", "") },
+        ];
+        fs::remove_file(folder.path().join("gone")).unwrap();
+        let names = |scenes: &[SceneRef]| scenes.iter().map(|s| s.name.clone()).collect::<Vec<_>>();
+        assert_eq!(names(&take_unlabelled(&mut scenes)), ["plain"]);
+        assert_eq!(names(&scenes), ["labelled", "cut", "noise", "gone"]);
     }
 
     #[test]

@@ -55,8 +55,7 @@ fn after_any_change_of_parameters_labels_of_real_scenes_are_those_of_a_fresh_run
     for scene in (0..=40).step_by(5) {
         let name = format!("learn{scene}");
         let path = data.join("mosd/learn").join(&name).with_extension("pcd");
-        let frame =
-            objecthood_io::open(&path, None, objecthood_io::images::DEFAULT_MAX_PIXELS).unwrap().frame;
+        let frame = objecthood_io::open_frame(&path, &objecthood_io::Given::default()).unwrap().frame;
         check_frame(&name, &frame, Method::Context);
         if scene == 0 {
             check_frame(&name, &frame, Method::Paper);

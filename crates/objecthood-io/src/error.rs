@@ -3,14 +3,15 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::formats::{Unread, extensions};
 use crate::images::ImageError;
 use crate::organize::MAX_RESIDUAL_PX;
-use crate::pcd::PcdError;
 
 /// Result with this crate's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Why something could not be read or written: one line that says what is wrong and what to do.
+/// Why something could not be read or written: one line that says what is wrong, and what to do about the file. What
+/// else may help depends on the program: it reads the fields and adds which of its options that is.
 ///
 /// What caused an error is part of its message, so it is not repeated by [`source`](std::error::Error::source).
 #[derive(Debug, thiserror::Error)]
@@ -33,14 +34,39 @@ pub enum Error {
     /// A file of no bytes.
     #[error("the file is empty: record or copy it again")]
     Empty,
+    /// A folder that the system does not list.
+    #[error("cannot list the folder ({reason}): check its permissions")]
+    List {
+        /// What the system says.
+        reason: io::Error,
+    },
     /// No format on the list.
+    #[error("not a file that objecthood reads{}", looks_like.map(|kind| format!(", but {kind}")).unwrap_or_default())]
+    UnknownFormat {
+        /// What it is, if it is recognised.
+        looks_like: Option<Unread>,
+    },
+    /// A folder without frames.
+    #[error("no point cloud ({}) in this folder or below", endings())]
+    NoFrames,
+    /// A file that breaks its format, such as [`PcdError`](crate::formats::pcd::PcdError).
+    #[error("{0}")]
+    Content(Box<dyn std::error::Error + Send + Sync>),
+    /// Lists of a point cloud that do not belong together.
     #[error(
-        "not a file that objecthood reads: give a point cloud in PCD format, version 0.7, or images by --color and --depth"
+        "the point cloud says {}x{} points but has {points} points, {} colours and {} labels: the file is damaged, or its reader is wrong",
+        size.0, size.1, count(*color), count(*label)
     )]
-    UnknownFormat,
-    /// A PCD file that breaks its format.
-    #[error(transparent)]
-    Pcd(#[from] PcdError),
+    CloudLengths {
+        /// Columns and rows.
+        size: (usize, usize),
+        /// Points.
+        points: usize,
+        /// Colours, if there are any.
+        color: Option<usize>,
+        /// Labels, if there are any.
+        label: Option<usize>,
+    },
     /// An image that cannot be used.
     #[error(transparent)]
     Image(#[from] ImageError),
@@ -77,7 +103,7 @@ pub enum Error {
     },
     /// A camera without a size, whose principal point is not the middle of an image.
     #[error(
-        "a principal point at ({cx_px}, {cy_px}) px is not the middle of an image: give its size too, --camera fx,fy,cx,cy,width,height"
+        "a principal point at ({cx_px}, {cy_px}) px is not the middle of an image, so the size of the image must be given too"
     )]
     NoImageSize {
         /// Column of the principal point (px).
@@ -87,7 +113,7 @@ pub enum Error {
     },
     /// An unorganized cloud without a camera.
     #[error(
-        "the {points} points are not organized in rows and columns (HEIGHT is 1): give the camera that saw them, --camera fx,fy,cx,cy[,width,height]"
+        "the {points} points are not organized in rows and columns, so the camera that saw them must be given"
     )]
     Unorganized {
         /// Points in the cloud.
@@ -95,12 +121,12 @@ pub enum Error {
     },
     /// Columns or rows that do not run the way a camera's do.
     #[error(
-        "the points do not run rightwards with x and downwards with y as a camera sees them: convert them to the camera frame (x right, y down, z forward) or give the camera, --camera fx,fy,cx,cy"
+        "the points do not run rightwards with x and downwards with y, as in the frame of a camera (x right, y down, z forward)"
     )]
     NotPinhole,
     /// The best pinhole camera does not explain the points.
     #[error(
-        "the points miss the pixels of the best pinhole camera by {residual_px:.2} px rms (at most {MAX_RESIDUAL_PX}): give the camera, --camera fx,fy,cx,cy"
+        "the points miss the pixels of the best pinhole camera by {residual_px:.2} px rms (at most {MAX_RESIDUAL_PX})"
     )]
     CameraResidual {
         /// Root mean square distance between projected points and their pixels.
@@ -127,6 +153,34 @@ pub enum Error {
         line: usize,
         /// What it says, or the beginning of it.
         text: String,
+    },
+    /// A line of a TUM list of poses that is none.
+    #[error(
+        "line {line}: `{text}` is not a time in seconds, a position and a unit quaternion, x y z and x y z w"
+    )]
+    BadPoseLine {
+        /// Its number, from 1.
+        line: usize,
+        /// What it says, or the beginning of it.
+        text: String,
+    },
+    /// A TUM folder without a camera.
+    #[error("the folder has no {name}")]
+    NoCameraFile {
+        /// The file that would tell the camera.
+        name: &'static str,
+    },
+    /// A TUM folder without a frame.
+    #[error(
+        "none of its {color} colour and {depth} depth images were taken within {max_apart_ms} ms of each other: check the times in rgb.txt and depth.txt"
+    )]
+    NoPairs {
+        /// Colour images.
+        color: usize,
+        /// Depth images.
+        depth: usize,
+        /// How far apart two images of a frame may be taken (ms).
+        max_apart_ms: i64,
     },
     /// Text that is no [`DepthRange`](crate::scope::DepthRange).
     #[error("`{given}` is not a range of depths: write nearest..farthest in metres, for example 0.3..1.5")]
@@ -166,7 +220,7 @@ pub enum Error {
     },
     /// Limits that leave no pixel with depth.
     #[error(
-        "none of the {valid} pixels with depth, {nearest_m:.2} to {farthest_m:.2} m away, lies within what is to be looked at: widen --range, --roi or --mask"
+        "none of the {valid} pixels with depth, {nearest_m:.2} to {farthest_m:.2} m away, lies within what is to be looked at"
     )]
     NothingInScope {
         /// Pixels with depth.
@@ -221,4 +275,13 @@ impl Error {
     pub fn at(self, path: &Path) -> Self {
         Self::At { path: path.to_owned(), error: Box::new(self) }
     }
+}
+
+/// The endings that are looked for in folders, as one reads them: `.pcd`.
+fn endings() -> String {
+    extensions().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
+}
+
+fn count(length: Option<usize>) -> String {
+    length.map_or_else(|| "no".to_owned(), |length| length.to_string())
 }

@@ -1,125 +1,148 @@
-//! The list of formats. To add one: a module that turns bytes into a [`Capture`], and one line here.
+//! The list of formats. A format is a file beside `pcd.rs` and two lines here: its `mod` and its entry in [`FORMATS`].
+//!
+//! Formats are told apart by content, never by name. Endings only say which files are looked for in a folder.
 
+pub mod pcd;
+pub mod tum;
+mod unread;
+
+use std::error::Error as StdError;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+pub use unread::Unread;
+
+use crate::capture::Capture;
+use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
-use crate::organize::{Capture, GridCamera, organize};
-use crate::pcd;
+use crate::given::Given;
+use crate::organize::organize;
+use crate::source::Source;
 
-/// Endings of the files that are looked for in a folder, in lower case. A file that is named is read whatever its ending.
-pub const EXTENSIONS: &[&str] = &["pcd"];
+/// Every format of frames.
+const FORMATS: &[Format] = &[pcd::FORMAT, tum::FORMAT];
 
-/// A file format.
-struct Format {
-    /// Whether a file that begins like this is one of ours. Need not be sure: reading finds the rest out.
-    is_mine: fn(head: &[u8]) -> bool,
-    /// Reads the whole file.
-    read: fn(bytes: &[u8], camera: Option<&GridCamera>, max_pixels: usize) -> Result<Capture>,
+/// How frames of a format are found and read.
+pub(crate) enum Format {
+    /// A file that holds one point cloud.
+    Cloud(CloudFormat),
+    /// A folder whose files belong together.
+    Folder(FolderFormat),
 }
 
-const FORMATS: &[Format] = &[Format {
-    is_mine: is_pcd,
-    read: |bytes, camera, max_pixels| organize(pcd::parse(bytes)?, camera, max_pixels),
-}];
-
-/// Bytes that are looked at to tell the format.
-const HEAD_BYTES: usize = 512;
-
-/// A PCD file begins with comments and its VERSION.
-fn is_pcd(head: &[u8]) -> bool {
-    let head = head.trim_ascii_start();
-    head.starts_with(b"#") || head.starts_with(b"VERSION")
+/// A file format of point clouds.
+pub(crate) struct CloudFormat {
+    /// Endings of the files that are looked for in a folder, in lower case without the dot.
+    pub(crate) extensions: &'static [&'static str],
+    /// Whether a file that begins with `head`, at most [`HEAD_BYTES`], is of this format. Need not be sure: `parse` finds
+    /// the rest out.
+    pub(crate) is_mine: fn(head: &[u8]) -> bool,
+    /// Reads the whole file. Touches nothing else, and takes memory only in proportion to the bytes that are there. The
+    /// error says on one line what is wrong, where, and what to do.
+    pub(crate) parse: fn(bytes: &[u8]) -> Result<PointCloud, Box<dyn StdError + Send + Sync>>,
 }
 
-/// Opens the file at `path`, whatever format it is of; `camera` overrides the camera that the file implies, and a
-/// frame of more than `max_pixels` is refused.
+/// A layout of folders.
+pub(crate) struct FolderFormat {
+    /// Whether a folder has this layout.
+    pub(crate) is_mine: fn(folder: &Path) -> bool,
+    /// Lists the frames of the folder. No image is read.
+    pub(crate) open: fn(folder: &Path, given: &Given) -> Result<Source>,
+}
+
+/// Bytes that are looked at to tell the format of a file.
+pub(crate) const HEAD_BYTES: usize = 512;
+
+/// The endings of files that are looked for in folders, in lower case without the dot. A file that is named is read
+/// whatever its ending.
+pub fn extensions() -> impl Iterator<Item = &'static str> {
+    clouds().flat_map(|format| format.extensions).copied()
+}
+
+/// Reads the content of a file that holds one frame.
 ///
 /// # Errors
-/// [`Error::At`] the path: whatever is wrong with the file or its content.
-pub fn open(path: &Path, camera: Option<&GridCamera>, max_pixels: usize) -> Result<Capture> {
-    let bytes = read_file(path, |head| probe(head).map(drop));
-    bytes.and_then(|bytes| decode(&bytes, camera, max_pixels)).map_err(|error| error.at(path))
+/// * [`Error::Empty`], [`Error::UnknownFormat`];
+/// * [`Error::Content`]: what breaks the format;
+/// * those of [`organize`].
+pub fn decode(bytes: &[u8], given: &Given) -> Result<Capture> {
+    let format = tell(&bytes[..bytes.len().min(HEAD_BYTES)])?;
+    organize((format.parse)(bytes).map_err(Error::Content)?, given)
 }
 
-/// As [`open`], for the content of a file.
+/// The format of the file that begins with `head`.
 ///
 /// # Errors
-/// [`Error::Empty`], [`Error::UnknownFormat`], or what is wrong with the content.
-pub fn decode(bytes: &[u8], camera: Option<&GridCamera>, max_pixels: usize) -> Result<Capture> {
-    let format = probe(&bytes[..bytes.len().min(HEAD_BYTES)])?;
-    (format.read)(bytes, camera, max_pixels)
-}
-
-fn probe(head: &[u8]) -> Result<&'static Format> {
+/// [`Error::Empty`], [`Error::UnknownFormat`].
+pub(crate) fn tell(head: &[u8]) -> Result<&'static CloudFormat> {
     if head.is_empty() {
         return Err(Error::Empty);
     }
-    FORMATS.iter().find(|format| (format.is_mine)(head)).ok_or(Error::UnknownFormat)
+    let mine = clouds().find(|format| (format.is_mine)(head));
+    mine.ok_or_else(|| Error::UnknownFormat { looks_like: Unread::tell(head) })
 }
 
-/// The bytes of a file. `judge` sees the head first, so that a wrong file (a video, a device without end) is not loaded
-/// whole.
+/// The layout of a folder, if it has one.
+pub(crate) fn tell_folder(folder: &Path) -> Option<&'static FolderFormat> {
+    let folders = FORMATS.iter().filter_map(|format| match format {
+        Format::Folder(format) => Some(format),
+        Format::Cloud(_) => None,
+    });
+    folders.into_iter().find(|format| (format.is_mine)(folder))
+}
+
+fn clouds() -> impl Iterator<Item = &'static CloudFormat> {
+    FORMATS.iter().filter_map(|format| match format {
+        Format::Cloud(format) => Some(format),
+        Format::Folder(_) => None,
+    })
+}
+
+/// The bytes of a file. `judge` sees its head first, so that a wrong file (a video, a device without end) is not loaded.
 pub(crate) fn read_file(path: &Path, judge: impl FnOnce(&[u8]) -> Result<()>) -> Result<Vec<u8>> {
     let io = |reason: io::Error| Error::Read { reason };
     let mut file = File::open(path).map_err(io)?;
-    let mut bytes = Vec::new();
-    file.by_ref().take(HEAD_BYTES as u64).read_to_end(&mut bytes).map_err(io)?;
+    let mut bytes = read_head(&mut file)?;
     judge(&bytes)?;
     file.read_to_end(&mut bytes).map_err(io)?;
     Ok(bytes)
+}
+
+/// The first [`HEAD_BYTES`] of a file, or all of a shorter one.
+pub(crate) fn read_head(file: &mut File) -> Result<Vec<u8>> {
+    let mut head = Vec::new();
+    let read = file.take(HEAD_BYTES as u64).read_to_end(&mut head);
+    read.map_err(|reason| Error::Read { reason })?;
+    Ok(head)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn open(path: &Path, camera: Option<&GridCamera>) -> Result<Capture> {
-        super::open(path, camera, 100)
-    }
-
-    const ONE_POINT: &str =
-        "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n0 0 1\n";
-
+    /// The first line of a ROS bag begins as a comment of PCD does, and the second was called a bad PCD header.
     #[test]
-    fn the_path_is_said_once() {
-        let folder = tempfile::tempdir().unwrap();
-        for (name, content, said) in [
-            ("empty.pcd", &b""[..], "the file is empty"),
-            ("noise.pcd", &[0xff, 0x00, 0x13, 0x37], "not a file that objecthood reads"),
-            ("cut.pcd", b"# .PCD v0.7\nVERSION 0.7\n", "without a DATA line"),
-            ("nan.pcd", ONE_POINT.replace("0 0 1", "0 0 nan").as_bytes(), "no pixel has a valid depth"),
+    fn a_recording_is_recognised_and_gets_no_advice_about_pcd() {
+        for (head, kind) in [
+            (&b"#ROSBAG V2.0\nE\0\0\0"[..], "a ROS 1 bag"),
+            (b"\x89MCAP0\r\n\x01", "an MCAP recording"),
+            (b"SQLite format 3\0", "a ROS 2 bag (SQLite)"),
+            (b"\x1a\x45\xdf\xa3", "a Matroska video"),
+            (b"\x89PNG\r\n\x1a\n", "an image"),
         ] {
-            let path = folder.path().join(name);
-            std::fs::write(&path, content).unwrap();
-            let message = open(&path, None).unwrap_err().to_string();
-            assert!(message.contains(said), "{message}");
-            assert_eq!(message.matches(name).count(), 1, "{message}");
-            assert!(!message.contains('\n'), "{message}");
+            let message = decode(head, &Given::default()).unwrap_err().to_string();
+            assert_eq!(message, format!("not a file that objecthood reads, but {kind}"));
         }
+        let message = decode(b"\x7fELF", &Given::default()).unwrap_err().to_string();
+        assert_eq!(message, "not a file that objecthood reads");
     }
 
+    /// The mark before the header made it no PCD file.
     #[test]
-    fn what_cannot_be_read_is_an_error() {
-        let folder = tempfile::tempdir().unwrap();
-        assert!(open(folder.path(), None).unwrap_err().to_string().contains("cannot be read"));
-        let missing = folder.path().join("missing.pcd");
-        assert!(open(&missing, None).unwrap_err().to_string().contains("cannot be read"));
-    }
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn a_device_without_end_is_not_loaded() {
-        let message = open(Path::new("/dev/zero"), None).unwrap_err().to_string();
-        assert!(message.contains("not a file that objecthood reads"), "{message}");
-    }
-
-    #[test]
-    fn a_file_longer_than_its_head_is_read_whole() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("long.pcd");
-        std::fs::write(&path, format!("# {}\n{ONE_POINT}", "x".repeat(3 * HEAD_BYTES))).unwrap();
-        assert_eq!(open(&path, None).unwrap().frame.depth_m().as_slice(), [1.0]);
+    fn a_point_cloud_with_a_byte_order_mark_is_read() {
+        let file = "\u{feff}# .PCD\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nPOINTS 1\n\
+                    DATA ascii\n0 0 1\n";
+        assert_eq!(decode(file.as_bytes(), &Given::default()).unwrap().frame.depth_m().as_slice(), [1.0]);
     }
 }

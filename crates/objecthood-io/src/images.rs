@@ -8,7 +8,8 @@
 //!
 //! * Depth is z in units of which `depth_scale` make a metre: 1000 for millimetres, 5000 in TUM's data, 10000 in
 //!   YCB-Video. Integer depth has no scale of its own, so none is assumed; float depth is in metres unless a scale is
-//!   given. Zero, negative and not finite = no depth.
+//!   given. No depth is what is zero, negative or not finite, and 65535 in an image of 16 bits: there the sensor or the
+//!   file reached its end.
 //! * Colours of 16 bits are rounded to 8. Alpha is ignored: it says how to paint a pixel, not what was seen. An Exif
 //!   orientation is ignored too, because the depth has none: pixels lie as they are stored.
 //! * Both images have one size and are registered pixel by pixel.
@@ -26,62 +27,91 @@ mod tiff;
 pub use error::ImageError;
 pub use mask::{decode_mask, open_mask};
 
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use objecthood::Frame;
+use objecthood::{Frame, Raster};
 
+use crate::capture::{Capture, Said};
 use crate::error::Result;
 use crate::formats::read_file;
-use crate::organize::{Capture, GridCamera};
+use crate::given::Given;
+use crate::source::{FrameRef, Source};
 
-/// The most pixels that are read unless the caller says otherwise: 2^24, that is 4096x4096.
-///
-/// A frame takes 160 to 180 bytes a pixel while it is looked at: 2.8 GB for one of this size; one of 8192x8192 pixels
-/// would need 11 GB.
-pub const DEFAULT_MAX_PIXELS: usize = 1 << 24;
-
-/// What image files do not say themselves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ImageSetup {
-    /// The camera; its size, where given, must be that of the depth image.
-    pub camera: GridCamera,
-    /// Units of the depth image that make a metre, positive; `None`: float depth is in metres, integer depth refused.
-    pub depth_scale: Option<f64>,
-    /// The most pixels an image may have.
-    pub max_pixels: usize,
+/// The files of a frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ImageFiles {
+    /// Colour image, registered to the depth.
+    pub color: Option<PathBuf>,
+    /// Depth image.
+    pub depth: PathBuf,
+    /// What the frame is called, as in [`Capture::name`].
+    pub name: OsString,
 }
 
-/// Opens a depth image and the colour image registered to it.
+impl ImageFiles {
+    /// The files of a frame that is called as its depth image is, without the ending.
+    pub fn new(color: Option<PathBuf>, depth: PathBuf) -> Self {
+        let name = depth.file_stem().unwrap_or(depth.as_os_str()).to_owned();
+        Self { color, depth, name }
+    }
+}
+
+/// Frames in image files, all read in the same way. No file is opened before its frame is read.
+pub fn source_of(frames: Vec<ImageFiles>, given: Given) -> Source {
+    Source::listed(frames.into_iter().map(|files| frame_of(files, given, Said::default())).collect())
+}
+
+/// A frame in image files; what is `said` holds where nothing is given.
+pub(crate) fn frame_of(files: ImageFiles, given: Given, said: Said) -> FrameRef {
+    let ImageFiles { color, depth, name } = files;
+    let known = Given {
+        camera: given.camera.or(said.camera),
+        depth_scale: given.depth_scale.or(said.depth_scale),
+        max_pixels: given.max_pixels,
+    };
+    let (color_path, depth_path) = (color.clone(), depth.clone());
+    let load = move || {
+        let capture = open_images(color_path.as_deref(), &depth_path, &known)?;
+        Ok(Capture { said, ..capture })
+    };
+    let load = Arc::new(load);
+    FrameRef { path: depth, name, color, stamp_ns: None, pose: None, is_metric: false, load }
+}
+
+/// Reads a depth image and the colour image registered to it.
 ///
 /// # Errors
 /// [`Error::At`](crate::Error::At) the file that is wrong: those of [`decode_images`], or it cannot be read.
-pub fn open_images(color: Option<&Path>, depth: &Path, setup: &ImageSetup) -> Result<Capture> {
+fn open_images(color: Option<&Path>, depth: &Path, given: &Given) -> Result<Capture> {
     let depth_m =
-        read_image(depth).and_then(|bytes| depth::decode(&bytes, setup)).map_err(|e| e.at(depth))?;
+        read_image(depth).and_then(|bytes| depth::decode(&bytes, given)).map_err(|e| e.at(depth))?;
     let color = color.map(|path| {
-        read_image(path).and_then(|bytes| color::decode(&bytes, setup.max_pixels)).map_err(|e| e.at(path))
+        read_image(path).and_then(|bytes| color::decode(&bytes, given.max_pixels)).map_err(|e| e.at(path))
     });
-    capture(color.transpose()?, depth_m, setup).map_err(|e| e.at(depth))
+    capture_of(color.transpose()?, depth_m, given).map_err(|e| e.at(depth))
 }
 
-/// As [`open_images`], for the content of the files.
+/// The frame that the content of a depth and a colour image makes.
 ///
 /// # Errors
-/// [`Error::Image`](crate::Error::Image) tells what is wrong with an image or its unit,
+/// [`Error::Image`](crate::Error::Image) tells what is wrong with an image, its camera or its unit,
 /// [`Error::Frame`](crate::Error::Frame) what keeps them from being a frame: two sizes, no depth anywhere.
-pub fn decode_images(color: Option<&[u8]>, depth: &[u8], setup: &ImageSetup) -> Result<Capture> {
-    let depth_m = depth::decode(depth, setup)?;
-    let color = color.map(|bytes| color::decode(bytes, setup.max_pixels)).transpose()?;
-    capture(color, depth_m, setup)
+pub fn decode_images(color: Option<&[u8]>, depth: &[u8], given: &Given) -> Result<Capture> {
+    let depth_m = depth::decode(depth, given)?;
+    let color = color.map(|bytes| color::decode(bytes, given.max_pixels)).transpose()?;
+    capture_of(color, depth_m, given)
 }
 
-fn capture(
-    color: Option<objecthood::Raster<[u8; 3]>>,
-    depth_m: objecthood::Raster<f32>,
-    setup: &ImageSetup,
-) -> Result<Capture> {
-    let frame = Frame::new(depth_m, color, setup.camera.camera)?;
-    Ok(Capture { frame, truth: None, camera_fit: None, turned: false })
+fn capture_of(color: Option<Raster<[u8; 3]>>, depth_m: Raster<f32>, given: &Given) -> Result<Capture> {
+    let camera = given.camera.ok_or(ImageError::NoCamera)?.camera;
+    Ok(Capture::new(Frame::new(depth_m, color, camera)?))
+}
+
+/// Whether a file that begins with `head` is an image of a format that is read.
+pub(crate) fn is_image(head: &[u8]) -> bool {
+    picture::probe(head).is_ok()
 }
 
 /// The bytes of an image file.

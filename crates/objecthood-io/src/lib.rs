@@ -1,43 +1,56 @@
 //! What goes in and out of objecthood: bytes to [`Frame`](objecthood::Frame), [`Discovery`](objecthood::Discovery) to bytes.
 //!
-//! In: [`open`] probes the list of formats (one so far, [`pcd`]) and yields a [`Capture`]. A point cloud carries no
-//! camera, so [`organize`] fits one to the points or takes the caller's. [`images`] makes a [`Capture`] of a depth and a
-//! colour image with the camera of a [`camera_file`]; [`tum`] lists the pairs of a folder. [`scope`] limits what is
-//! looked at.
+//! In: a [`Source`] opens a file, a folder or several of them and lists their frames; each [`FrameRef`] reads a
+//! [`Capture`]: frame, name, stamp, pose, and what the file says of camera and units. What the caller knows better is
+//! [`Given`]. [`formats`] is the list of formats, one file each. Those of point clouds make a [`PointCloud`], which
+//! [`organize`](mod@organize) puts on the pixel grid with a camera that is given or fitted. [`images`] are frames in depth
+//! and colour images, with the camera of a [`camera_file`]. [`scope`] limits what is looked at.
 //!
 //! Out: [`label_image`] (16-bit PNG), [`scene`] (JSON, with its schema) and [`explanation`] (JSON); [`output`] puts the bytes
 //! on the disk, whole or not at all.
 //!
-//! Only [`output`] and functions called `open..` touch files; everything else goes from bytes to values and back, and
-//! bounds every length that a file claims by the bytes that are there, or for images by a number of pixels.
+//! Only [`output`], [`FrameRef::read`] and functions called `open..` touch files. Everything else goes from bytes to values
+//! and back; every length that a file claims is bounded by the bytes that are there, or for images by a number of pixels.
 //!
 //! ```no_run
-//! use objecthood_io::{label_image, output, scene::SceneFile};
+//! use objecthood_io::{Given, Source, label_image, output, scene::SceneFile};
 //!
-//! let input = std::path::Path::new("learn0.pcd");
-//! let capture = objecthood_io::open(input, None, objecthood_io::images::DEFAULT_MAX_PIXELS)?;
 //! let params = objecthood::Params::default();
-//! let discovery = objecthood::discover(&capture.frame, &params)?;
+//! for frame in Source::open("mosd/learn".as_ref(), &Given::default())? {
+//!     let frame = frame?;
+//!     let capture = frame.read()?;
+//!     let discovery = objecthood::discover(&capture.frame, &params)?;
 //!
-//! let labels = label_image::encode(&discovery.labels)?;
-//! let scene = SceneFile::new("learn0.pcd", &capture, &params, &discovery);
-//! output::write_together(&[("learn0.labels.png".into(), labels), ("learn0.json".into(), scene.to_json()?.into())])?;
+//!     let labels = label_image::encode(&discovery.labels)?;
+//!     let scene = SceneFile::new(&frame.path().to_string_lossy(), &capture, &params, &discovery).to_json()?;
+//!     let name = frame.name().to_string_lossy();
+//!     let files = [(format!("{name}.labels.png").into(), labels), (format!("{name}.json").into(), scene.into())];
+//!     output::write_together(&files)?;
+//! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 pub mod camera_file;
+mod capture;
+mod cloud;
 mod error;
 pub mod explanation;
-mod formats;
+pub mod formats;
+mod given;
 pub mod images;
 pub mod label_image;
+pub mod natural;
 pub mod organize;
 pub mod output;
-pub mod pcd;
 pub mod scene;
 pub mod scope;
-pub mod tum;
+mod source;
+mod text;
 
+pub use capture::{Capture, Pose, Said};
+pub use cloud::PointCloud;
 pub use error::{Error, Result};
-pub use formats::{EXTENSIONS, decode, open};
-pub use organize::{CameraFit, Capture, GridCamera};
+pub use formats::{decode, extensions};
+pub use given::{DEFAULT_MAX_PIXELS, Given};
+pub use organize::{CameraFit, GridCamera};
+pub use source::{FrameRef, Notice, Source, open_frame};

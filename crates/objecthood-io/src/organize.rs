@@ -1,10 +1,10 @@
 //! From a point cloud to a frame: every point to its pixel, and the camera that saw it so.
 //!
-//! * An *organized* cloud (HEIGHT above 1, or a single point) has a point, perhaps a missing one, for every pixel. Its
-//!   camera is fitted to the points ([`fit_camera`]) or given.
+//! * An *organized* cloud has a point, perhaps a missing one, for every pixel. Its camera is fitted to the points
+//!   ([`fit_camera`]) or given.
 //! * An *unorganized* cloud is a list. With the camera given, every point with depth goes to the pixel that sees it,
-//!   u = round(fx·x/z + cx), v = round(fy·y/z + cy); what falls outside is dropped, and of two points in a pixel the
-//!   later one stays. Pixels without a point have no depth, colour 0 and label 0 (METHOD 0).
+//!   u = round(fx·x/z + cx), v = round(fy·y/z + cy); points outside the image are dropped, and of two points in a pixel
+//!   the later one stays. Pixels without a point have no depth, colour 0 and label 0 (METHOD 0).
 //!
 //! A point is missing when a coordinate is not finite or z is not positive; its label becomes 0. Depth is the z of the
 //! point, bit by bit. Only depth and camera are kept, not x and y.
@@ -20,50 +20,40 @@ pub use grid_camera::GridCamera;
 
 use objecthood::{Camera, Frame, Raster};
 
+use crate::capture::Capture;
+use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
+use crate::given::Given;
 use crate::images::check_pixels;
-use crate::pcd::PointCloud;
 
-/// What a file shows: the frame, and what else it says about it.
-#[derive(Clone, Debug)]
-pub struct Capture {
-    /// Depth, colour and camera.
-    pub frame: Frame,
-    /// Label of every pixel as it stands in the file, of the size of the frame; 0 where there is no depth.
-    pub truth: Option<Raster<u32>>,
-    /// How well the camera fits the points; `None` when it was given.
-    pub camera_fit: Option<CameraFit>,
-    /// Whether the cloud was in the frame of computer graphics and was turned by half about x.
-    pub turned: bool,
-}
-
-/// Puts a cloud on the pixel grid. `camera` overrides the fit of organized clouds, which ignore its size unless it
-/// is given and wrong; unorganized ones need it. No grid of more than `max_pixels` is made.
+/// Puts a cloud on the pixel grid. The camera of an organized cloud is fitted unless it is given; its size is then the
+/// cloud's. A list of points needs a given camera. O(points).
 ///
 /// # Errors
 /// * organized: those of [`fit_camera`] without a camera, [`Error::CameraSize`] with one of another size;
-/// * unorganized: [`Error::Unorganized`] without a camera, [`Error::NothingInView`] with a wrong one,
-///   [`Error::NoImageSize`] when its size is neither given nor implied;
-/// * both: [`Error::Image`] with `TooManyPixels`, [`Error::Frame`] with `NoValidDepth` when no point is valid.
-pub fn organize(mut cloud: PointCloud, camera: Option<&GridCamera>, max_pixels: usize) -> Result<Capture> {
+/// * a list: [`Error::Unorganized`] without a camera, [`Error::NothingInView`] with a wrong one, [`Error::NoImageSize`]
+///   when its size is neither given nor implied;
+/// * both: [`Error::CloudLengths`], [`Error::Image`] with `TooManyPixels`, [`Error::Frame`] with `NoValidDepth` when no
+///   point is valid.
+pub fn organize(mut cloud: PointCloud, given: &Given) -> Result<Capture> {
+    cloud.check()?;
     let turned = face_forward(&mut cloud.points_m);
-    let is_organized = cloud.height > 1 || cloud.width == 1;
-    if is_organized {
-        check_pixels((cloud.width, cloud.height), max_pixels)?;
+    if cloud.is_organized() {
+        check_pixels((cloud.width, cloud.height), given.max_pixels)?;
     }
-    let capture = match (is_organized, camera) {
+    let capture = match (cloud.is_organized(), given.camera) {
         (true, None) => {
             let fit = fit_camera(&cloud)?;
             keep_grid(cloud, fit.camera, Some(fit))
         }
-        (true, Some(given)) => match given.size {
+        (true, Some(camera)) => match camera.size {
             Some(size) if size != (cloud.width, cloud.height) => {
                 Err(Error::CameraSize { given: size, cloud: (cloud.width, cloud.height) })
             }
-            _ => keep_grid(cloud, given.camera, None),
+            _ => keep_grid(cloud, camera.camera, None),
         },
         (false, None) => Err(Error::Unorganized { points: cloud.points_m.len() }),
-        (false, Some(given)) => to_grid(&cloud, given, max_pixels),
+        (false, Some(camera)) => to_grid(&cloud, &camera, given.max_pixels),
     }?;
     Ok(Capture { turned, ..capture })
 }
@@ -93,7 +83,7 @@ fn keep_grid(cloud: PointCloud, camera: Camera, camera_fit: Option<CameraFit>) -
         Raster::from_vec(width, height, label)
     });
     let truth = truth.transpose()?;
-    Ok(Capture { frame: Frame::new(depth_m, color, camera)?, truth, camera_fit, turned: false })
+    Ok(Capture { truth, camera_fit, ..Capture::new(Frame::new(depth_m, color, camera)?) })
 }
 
 fn to_grid(cloud: &PointCloud, given: &GridCamera, max_pixels: usize) -> Result<Capture> {
@@ -122,7 +112,7 @@ fn to_grid(cloud: &PointCloud, given: &GridCamera, max_pixels: usize) -> Result<
     if valid > 0 && placed == 0 {
         return Err(Error::NothingInView { points: valid, size: (width, height) });
     }
-    Ok(Capture { frame: Frame::new(depth_m, color, given.camera)?, truth, camera_fit: None, turned: false })
+    Ok(Capture { truth, ..Capture::new(Frame::new(depth_m, color, given.camera)?) })
 }
 
 /// The pixel nearest to `x` of `count`, ties to even; `None` outside and for NaN.
@@ -138,7 +128,7 @@ mod tests {
     const NAN: [f32; 3] = [f32::NAN; 3];
 
     fn organize(cloud: PointCloud, camera: Option<&GridCamera>) -> Result<Capture> {
-        super::organize(cloud, camera, 48)
+        super::organize(cloud, &Given { camera: camera.copied(), max_pixels: 48, ..Given::default() })
     }
 
     fn camera() -> Camera {
@@ -265,7 +255,7 @@ mod tests {
             (PointCloud { width: 7, height: 7, points_m: vec![NAN; 49], color: None, label: None }, None),
         ] {
             let error = organize(cloud, camera).unwrap_err();
-            assert!(error.to_string().starts_with("7x7 pixels are more than --max-pixels 48"), "{error}");
+            assert!(error.to_string().starts_with("7x7 pixels are more than the 48"), "{error}");
         }
     }
 

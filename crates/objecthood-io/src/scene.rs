@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
+use crate::capture::Capture;
 use crate::error::{Error, Result};
-use crate::organize::Capture;
 
 /// Version of the schema that is written. A reader of version 1 can read every file of version 1.
 pub const SCHEMA_VERSION: u32 = 1;

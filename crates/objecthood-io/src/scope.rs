@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use objecthood::{Frame, Raster};
 
+use crate::capture::Capture;
 use crate::error::{Error, Result};
-use crate::organize::Capture;
 
 /// Depths from `nearest_m` to `farthest_m`, both included.
 ///
@@ -50,12 +50,11 @@ impl Scope {
     ///
     /// # Errors
     /// [`Error::RegionOutside`], [`Error::MaskSize`]; [`Error::NothingInScope`] when no depth is left.
-    pub fn limit(&self, capture: Capture) -> Result<Capture> {
+    pub fn limit(&self, mut capture: Capture) -> Result<Capture> {
         if *self == Self::default() {
             return Ok(capture);
         }
-        let Capture { frame, mut truth, camera_fit, turned } = capture;
-        let size @ (width, height) = frame.size();
+        let size @ (width, height) = capture.frame.size();
         if let Some(region) = self.region.filter(|region| !region.lies_in(size)) {
             return Err(Error::RegionOutside { region, size });
         }
@@ -63,23 +62,23 @@ impl Scope {
             return Err(Error::MaskSize { mask: mask.size(), frame: size });
         }
 
-        let mut depth_m = frame.depth_m().clone();
+        let mut depth_m = capture.frame.depth_m().clone();
         for v in 0..height {
             for u in 0..width {
                 let i = v * width + u;
                 if !self.contains(u, v, i, depth_m[i]) {
                     depth_m.as_mut_slice()[i] = f32::NAN;
-                    if let Some(truth) = &mut truth {
+                    if let Some(truth) = &mut capture.truth {
                         truth.as_mut_slice()[i] = 0;
                     }
                 }
             }
         }
         if depth_m.as_slice().iter().all(|z| z.is_nan()) {
-            return Err(nothing_left(&frame));
+            return Err(nothing_left(&capture.frame));
         }
-        let frame = Frame::new(depth_m, frame.color().cloned(), frame.camera())?;
-        Ok(Capture { frame, truth, camera_fit, turned })
+        capture.frame = Frame::new(depth_m, capture.frame.color().cloned(), capture.frame.camera())?;
+        Ok(capture)
     }
 
     /// Whether the pixel (u, v) with index `i` and depth `z_m` is looked at.
@@ -159,8 +158,7 @@ mod tests {
         let depth_m = Raster::from_vec(4, 3, depth_m).unwrap();
         let color = Raster::filled(4, 3, [7; 3]).unwrap();
         let frame = Frame::new(depth_m, Some(color), Camera::new(4.0, 4.0, 2.0, 1.0).unwrap()).unwrap();
-        let truth = Some(Raster::filled(4, 3, 5).unwrap());
-        Capture { frame, truth, camera_fit: None, turned: false }
+        Capture { truth: Some(Raster::filled(4, 3, 5).unwrap()), ..Capture::new(frame) }
     }
 
     /// The depths that are left, whole metres.

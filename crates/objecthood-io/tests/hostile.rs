@@ -4,7 +4,7 @@
 mod common;
 
 use common::{ENCODINGS, decode, small_file};
-use objecthood_io::GridCamera;
+use objecthood_io::{Given, GridCamera, Source, camera_file};
 use pcd_rs::DataKind;
 use proptest::prelude::*;
 
@@ -203,6 +203,20 @@ fn what_follows_the_last_point_is_ignored() {
     }
 }
 
+/// A good file of every format and encoding. A new format adds its own here, and is cut and damaged as the others.
+fn good_files() -> Vec<Vec<u8>> {
+    ENCODINGS.map(small_file).to_vec()
+}
+
+#[test]
+fn every_good_file_is_read_and_cut_anywhere_it_is_sound() {
+    for file in good_files() {
+        let capture = decode(&file, None).unwrap();
+        assert!(capture.frame.size().0 > 1 && capture.camera_fit.is_some());
+        (0..file.len()).for_each(|end| assert_sound(&file[..end]));
+    }
+}
+
 /// A change to a file.
 #[derive(Clone, Debug)]
 enum Damage {
@@ -271,10 +285,9 @@ proptest! {
 
     #[test]
     fn damaged_files(
-        encoding in prop::sample::select(ENCODINGS.to_vec()),
+        mut file in prop::sample::select(good_files()),
         damages in prop::collection::vec(damage(), 1..6),
     ) {
-        let mut file = small_file(encoding);
         damages.iter().for_each(|damage| damage.apply(&mut file));
         assert_sound(&file);
     }
@@ -303,5 +316,59 @@ proptest! {
     ) {
         let header = format!("VERSION 0.7\n{}\nDATA {encoding}\n", lines.join("\n"));
         assert_sound(&[header.as_bytes(), &data].concat());
+    }
+}
+
+const CAMERA: &str =
+    r#"{"fx": 4, "fy": 4, "cx": 1.5, "cy": 1, "width": 4, "height": 3, "depth_scale": 1000}"#;
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn damaged_camera_files(damages in prop::collection::vec(damage(), 1..6)) {
+        let mut file = CAMERA.as_bytes().to_vec();
+        damages.iter().for_each(|damage| damage.apply(&mut file));
+        if let Err(error) = camera_file::parse(&file) {
+            let message = error.to_string();
+            prop_assert!(!message.contains('\n') && message.len() < 400, "{}", message);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever the lists of a folder say: a source whose frames, of which no image is there, are one line each, or one
+    /// line for the folder.
+    #[test]
+    fn damaged_lists_of_a_folder(
+        which in prop::sample::select(vec!["rgb.txt", "depth.txt", "groundtruth.txt"]),
+        damages in prop::collection::vec(damage(), 1..6),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, content) in [
+            ("rgb.txt", "# c\n1.0 rgb/1.png\n2.0 rgb/2.png\n"),
+            ("depth.txt", "# d\n1.01 depth/1.png\n2.01 depth/2.png\n"),
+            ("groundtruth.txt", "# p\n1.0 1 2 3 0 0 0 1\n2.0 1 2 3 0 0.6 0 0.8\n"),
+            ("camera.json", CAMERA),
+        ] {
+            let mut content = content.as_bytes().to_vec();
+            if name == which {
+                damages.iter().for_each(|damage| damage.apply(&mut content));
+            }
+            std::fs::write(folder.path().join(name), content).unwrap();
+        }
+        let messages: Vec<String> = match Source::open(folder.path(), &Given::default()) {
+            Ok(source) => {
+                let notices: Vec<String> = source.notices().iter().map(ToString::to_string).collect();
+                let errors = source.captures().map(|capture| capture.unwrap_err().to_string());
+                notices.into_iter().chain(errors).collect()
+            }
+            Err(error) => vec![error.to_string()],
+        };
+        for message in messages {
+            prop_assert!(!message.contains('\n') && message.len() < 600, "{}", message);
+        }
     }
 }

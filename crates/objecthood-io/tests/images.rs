@@ -4,8 +4,8 @@
 use std::io::Cursor;
 
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb, Rgba};
-use objecthood_io::images::{DEFAULT_MAX_PIXELS, ImageError, ImageSetup, decode_images, decode_mask};
-use objecthood_io::{Capture, Error};
+use objecthood_io::images::{ImageError, decode_images, decode_mask};
+use objecthood_io::{Capture, Error, Given};
 use proptest::prelude::*;
 use tiff::encoder::{TiffEncoder, colortype};
 
@@ -13,8 +13,8 @@ const WIDTH: u32 = 7;
 const HEIGHT: u32 = 5;
 const PIXELS: u32 = WIDTH * HEIGHT;
 
-fn setup(depth_scale: Option<f64>) -> ImageSetup {
-    ImageSetup { camera: "7,7,3,2,7,5".parse().unwrap(), depth_scale, max_pixels: DEFAULT_MAX_PIXELS }
+fn setup(depth_scale: Option<f64>) -> Given {
+    Given { camera: Some("7,7,3,2,7,5".parse().unwrap()), depth_scale, ..Given::default() }
 }
 
 fn encoded(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
@@ -45,7 +45,7 @@ fn depth_png() -> Vec<u8> {
     png(ImageBuffer::<Luma<u16>, _>::from_raw(WIDTH, HEIGHT, millimetres()).unwrap())
 }
 
-fn refused(color: Option<&[u8]>, depth: &[u8], setup: &ImageSetup) -> ImageError {
+fn refused(color: Option<&[u8]>, depth: &[u8], setup: &Given) -> ImageError {
     match decode_images(color, depth, setup).unwrap_err() {
         Error::Image(error) => {
             assert!(!error.to_string().contains('\n'), "{error}");
@@ -180,20 +180,35 @@ fn what_is_no_colour_is_refused() {
 #[test]
 fn unit_and_size_are_checked() {
     assert_eq!(refused(None, &depth_png(), &setup(None)), ImageError::NoDepthScale);
-    let said = refused(None, &depth_png(), &setup(Some(1.0))).to_string();
-    assert!(said.contains("beyond 50 m") && said.contains("--depth-scale 1000"), "{said}");
-    let said = refused(None, &depth_png(), &setup(Some(100_000.0))).to_string();
-    assert!(said.contains("below 0.05 m") && said.contains("--depth-scale 1000"), "{said}");
-    let wrong = ImageSetup { camera: "7,7,3,2,14,10".parse().unwrap(), ..setup(Some(1000.0)) };
+    let no_camera = Given { camera: None, ..setup(Some(1000.0)) };
+    assert_eq!(refused(None, &depth_png(), &no_camera), ImageError::NoCamera);
+    for (scale, said) in [(1.0, "beyond 50 m"), (100_000.0, "below 0.05 m")] {
+        let error = refused(None, &depth_png(), &setup(Some(scale)));
+        assert!(matches!(error, ImageError::UnlikelyUnit { likely: Some(1000.0), .. }), "{error:?}");
+        assert!(error.to_string().contains(said), "{error}");
+    }
+    let wrong = Given { camera: Some("7,7,3,2,14,10".parse().unwrap()), ..setup(Some(1000.0)) };
     let error = refused(None, &depth_png(), &wrong);
     assert_eq!(error, ImageError::CameraSize { given: (14, 10), image: (7, 5) });
-    let small = ImageSetup { max_pixels: 34, ..setup(Some(1000.0)) };
+    let small = Given { max_pixels: 34, ..setup(Some(1000.0)) };
     for depth in [depth_png(), tiff_of::<colortype::Gray16>(&millimetres())] {
         assert!(matches!(refused(None, &depth, &small), ImageError::TooManyPixels { size: (7, 5), .. }));
     }
     let jpeg = encoded(ImageBuffer::from_pixel(70, 50, Rgb([90_u8; 3])), ImageFormat::Jpeg);
-    let error = refused(Some(&jpeg), &depth_png(), &ImageSetup { max_pixels: 35, ..setup(Some(1000.0)) });
+    let error = refused(Some(&jpeg), &depth_png(), &Given { max_pixels: 35, ..setup(Some(1000.0)) });
     assert!(matches!(error, ImageError::TooManyPixels { size: (70, 50), .. }));
+}
+
+/// Most of a picture beyond the reach of 16 bits was taken for a picture in other units.
+#[test]
+fn saturated_depth_is_no_depth_and_tells_nothing_of_the_unit() {
+    let mut saturated = vec![u16::MAX; PIXELS as usize];
+    saturated[..3].copy_from_slice(&[900, 65_534, 0]);
+    let png = png(ImageBuffer::<Luma<u16>, _>::from_raw(WIDTH, HEIGHT, saturated.clone()).unwrap());
+    for file in [png, tiff_of::<colortype::Gray16>(&saturated)] {
+        let capture = decode_images(None, &file, &setup(Some(1000.0))).unwrap();
+        assert_eq!((0..PIXELS as usize).filter(|&i| capture.frame.is_valid(i)).collect::<Vec<_>>(), [0, 1]);
+    }
 }
 
 #[test]
@@ -246,7 +261,7 @@ proptest! {
             let at = at.index(file.len());
             file[at] = value;
         }
-        let small = ImageSetup { max_pixels: 10_000, ..setup(Some(1000.0)) };
+        let small = Given { max_pixels: 10_000, ..setup(Some(1000.0)) };
         let _ = decode_images(None, &file, &small);
         let _ = decode_images(Some(&file), &depth_png(), &small);
         let _ = decode_mask(&file, 10_000);

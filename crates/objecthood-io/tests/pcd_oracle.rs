@@ -4,7 +4,7 @@
 mod common;
 
 use common::{ENCODINGS, data_folder, pcd_file, small_file};
-use objecthood_io::pcd;
+use objecthood_io::formats::pcd;
 use pcd_rs::{DataKind, DynReader, Field, ValueKind};
 use proptest::prelude::*;
 

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 
 use common::{data_folder, decode, open};
 use objecthood::{Frame, Raster};
+use objecthood_io::formats::pcd;
 use objecthood_io::organize::organize;
-use objecthood_io::pcd::{self, PointCloud};
-use objecthood_io::{Capture, GridCamera};
+use objecthood_io::{Capture, Error, Given, GridCamera, PointCloud};
 
 fn learn_scenes(data: &Path) -> Vec<PathBuf> {
     (0..45).map(|k| data.join(format!("mosd/learn/learn{k}.pcd"))).collect()
@@ -24,7 +24,7 @@ fn every_learn_scene_tells_its_camera() {
     let Some(data) = data_folder() else { return };
     let mut worst = 0.0_f64;
     for path in learn_scenes(&data) {
-        let Capture { frame, truth, camera_fit, turned } = open(&path, None).unwrap();
+        let Capture { frame, truth, camera_fit, turned, .. } = open(&path, None).unwrap();
         let fit = camera_fit.unwrap();
         assert_eq!(frame.size(), (640, 480));
         assert!(frame.color().is_some() && !turned);
@@ -69,7 +69,7 @@ fn flattened_scenes_come_back_to_their_grid() {
         let size = b"WIDTH 640\nHEIGHT 480\n";
         let at = file.windows(size.len()).position(|window| window == size).unwrap();
         let list = [&file[..at], b"WIDTH 307200\nHEIGHT 1\n", &file[at + size.len()..]].concat();
-        assert!(decode(&list, None).unwrap_err().to_string().contains("--camera"));
+        assert!(matches!(decode(&list, None), Err(Error::Unorganized { points: 307_200 })));
         assert_same(&grid, &decode(&list, Some(&kinect())).unwrap());
 
         // The list without the missing points.
@@ -84,7 +84,11 @@ fn flattened_scenes_come_back_to_their_grid() {
             label: Some(kept.iter().map(|&i| label[i]).collect()),
         };
         assert!(short.width < 307_200);
-        assert_same(&grid, &organize(short, Some(&kinect()), 640 * 480).unwrap());
+        assert_same(
+            &grid,
+            &organize(short, &Given { camera: Some(kinect()), max_pixels: 640 * 480, ..Given::default() })
+                .unwrap(),
+        );
     }
 }
 

@@ -66,12 +66,13 @@ fn discovery() -> Discovery {
 }
 
 fn capture() -> Capture {
-    Capture { frame: frame(), truth: None, camera_fit: None, turned: false }
+    Capture::new(frame())
 }
 
 fn scene() -> SceneFile {
     let fit = CameraFit { camera: frame().camera(), residual_px: 1e-5, points: 12 };
-    let capture = Capture { camera_fit: Some(fit), turned: true, ..capture() };
+    let mut capture = capture();
+    (capture.camera_fit, capture.turned) = (Some(fit), true);
     SceneFile::new("some/folder/a.pcd", &capture, &Params::default(), &discovery())
 }
 

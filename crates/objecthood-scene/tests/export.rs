@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "what fails is reported so")]
 
 use objecthood_eval::mosd::{self, Split};
-use objecthood_io::{label_image, pcd};
+use objecthood_io::{formats::pcd, label_image};
 use objecthood_scene::{Family, Rendered, Role, Sensor, World, export, generate, render};
 
 fn scene() -> (World, Rendered) {

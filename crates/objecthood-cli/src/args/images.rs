@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use clap::Args;
 use objecthood_io::camera_file::{self, CameraFile};
-use objecthood_io::images::{DEFAULT_MAX_PIXELS, open_mask};
+use objecthood_io::images::open_mask;
 use objecthood_io::scope::{DepthRange, Region, Scope};
-use objecthood_io::{Error, GridCamera};
+use objecthood_io::{DEFAULT_MAX_PIXELS, Error, GridCamera, extensions};
 
 use super::number::whole;
 use crate::failure::usage;
@@ -31,7 +31,7 @@ pub(crate) struct ImageArgs {
     pub(crate) depth_scale: Option<f64>,
 
     /// Refuse frames of more pixels; each takes about 200 bytes a pixel while it is looked at.
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_PIXELS, value_parser = whole(1_usize, 1 << 28))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_PIXELS, value_parser = whole(1_usize, objecthood::Raster::<f32>::MAX_PIXELS))]
     pub(crate) max_pixels: usize,
 }
 
@@ -105,6 +105,14 @@ impl CameraArg {
             Self::File(path) => camera_file::open(path).map_err(|e| usage(format!("--camera {e}"))),
         }
     }
+}
+
+/// What may be named without an option.
+pub(super) fn inputs_help() -> String {
+    let endings = extensions().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ");
+    format!(
+        "Point clouds ({endings}), folders that are searched for them, folders in the layout of TUM (rgb.txt, depth.txt)"
+    )
 }
 
 fn positive(text: &str) -> Result<f64, String> {

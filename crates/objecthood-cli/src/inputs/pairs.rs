@@ -3,18 +3,20 @@
 //! The key of an image is the stem of its name without the word for what it shows and the separators beside: that of
 //! `0001-color.png` and of `depth_0001.png` is `0001`. Without such a word it is the stem.
 
-use std::cmp::Ordering;
-use std::collections::BTreeMap;
+mod pattern;
+
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
 use clap::ValueEnum as _;
+use objecthood_io::images::ImageFiles;
+use objecthood_io::natural;
+use walkdir::WalkDir;
 
-use super::entries;
 use crate::args::OutputKind;
 use crate::failure::usage;
-use crate::natural;
 
 /// What an image shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,20 +25,11 @@ pub(super) enum Role {
     Depth,
 }
 
-/// One frame.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) struct Pair {
-    pub(super) color: Option<PathBuf>,
-    pub(super) depth: PathBuf,
-    /// What names its outputs; never empty.
-    pub(super) name: String,
-}
-
 /// What was found.
 #[derive(Debug, Default)]
 pub(super) struct Pairs {
     /// In the order in which the depth images were given; those of a folder or pattern in natural order.
-    pub(super) pairs: Vec<Pair>,
+    pub(super) pairs: Vec<ImageFiles>,
     /// Images without a partner, arguments without images.
     pub(super) complaints: Vec<anyhow::Error>,
 }
@@ -68,33 +61,29 @@ pub(super) fn find(color: &[PathBuf], depth: &[PathBuf]) -> Result<Pairs> {
             }
         }
         let mut rest: Vec<_> = color_by_key.into_values().collect();
-        rest.sort_by(|a, b| in_natural_order(a, b));
+        rest.sort_by(|a, b| natural::compare(a.as_os_str(), b.as_os_str()));
         complaints.extend(rest.into_iter().map(|color| alone(Role::Color, color)));
     }
     Ok(Pairs { pairs, complaints })
 }
 
-fn pair(color: Option<PathBuf>, depth: PathBuf) -> Pair {
-    let key = key(Role::Depth, &depth);
-    let name = if key.is_empty() { stem(&depth) } else { key };
-    Pair { color, depth, name }
+/// The frame of these images. It is called by its key, or as the depth image is where the key is empty or no text.
+fn pair(color: Option<PathBuf>, depth: PathBuf) -> ImageFiles {
+    let files = ImageFiles::new(color, depth);
+    match String::from_utf8(key(Role::Depth, &files.depth)) {
+        Ok(key) if !key.is_empty() => ImageFiles { name: key.into(), ..files },
+        _ => files,
+    }
 }
 
 /// The files that are meant: named, in a named folder, or of a pattern.
 fn expand(role: Role, arguments: &[PathBuf], complaints: &mut Vec<anyhow::Error>) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = Vec::new();
     for argument in arguments {
-        let pattern = argument.file_name().map(OsStr::to_string_lossy).unwrap_or_default();
         let found = if argument.is_dir() {
             images_in(argument).map(|images| role.pick(images))
-        } else if pattern.contains(['*', '?']) && !argument.exists() {
-            let folder = argument.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-            images_in(folder).map(|mut images| {
-                images.retain(|path| matches(&pattern, &file_name(path)));
-                // As the shell would write it.
-                let folder = argument.parent().unwrap_or(Path::new(""));
-                images.iter().filter_map(|path| Some(folder.join(path.file_name()?))).collect()
-            })
+        } else if pattern::is_pattern(argument) {
+            pattern::expand(argument).map(|files| files.into_iter().filter(|path| is_image(path)).collect())
         } else {
             Ok(vec![argument.clone()])
         };
@@ -109,17 +98,45 @@ fn expand(role: Role, arguments: &[PathBuf], complaints: &mut Vec<anyhow::Error>
             Err(e) => complaints.push(e),
         }
     }
-    let mut seen = std::collections::BTreeSet::new();
+    let mut seen = BTreeSet::new();
     files.retain(|file| seen.insert(file.clone()));
     files
 }
 
-/// The image files of a folder, in natural order, without those that an earlier run wrote there.
+/// The image files of a folder, in natural order.
 fn images_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    Ok(walk(folder, 1)?.into_iter().filter(|path| is_image(path)).collect())
+}
+
+/// Whether a file is an image by its name, and not one that an earlier run wrote.
+fn is_image(path: &Path) -> bool {
     let ours: Vec<&str> = OutputKind::value_variants().iter().map(|kind| kind.suffix()).collect();
-    let is_image = |path: &Path| has_extension(path, Role::Color.extensions()) && !has_extension(path, &ours);
-    let paths = entries(folder)?.into_iter().map(|(entry, _)| folder.join(entry.file_name()));
-    Ok(paths.filter(|path| is_image(path) && path.is_file()).collect())
+    has_extension(path, Role::Color.extensions()) && !has_extension(path, &ours)
+}
+
+/// The files of a folder and of those below it, at most `depth` names down, in natural order. Links to folders are not
+/// followed: they may lead in circles.
+fn walk(folder: &Path, depth: usize) -> Result<Vec<PathBuf>> {
+    let is_here = folder.as_os_str().is_empty();
+    let top = if is_here { Path::new(".") } else { folder };
+    let entries = WalkDir::new(top)
+        .min_depth(1)
+        .max_depth(depth)
+        .sort_by(|a, b| natural::compare(a.file_name(), b.file_name()));
+    let mut files = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(|e| cannot_list(&e, top))?.into_path();
+        if path.is_file() {
+            files.push(if is_here { path.strip_prefix(".").unwrap_or(&path).to_owned() } else { path });
+        }
+    }
+    Ok(files)
+}
+
+fn cannot_list(error: &walkdir::Error, top: &Path) -> anyhow::Error {
+    let reason = error.io_error().map(|e| format!(" ({e})")).unwrap_or_default();
+    let folder = error.path().unwrap_or(top).display();
+    anyhow!("{folder}: cannot list the folder{reason}: check that it is there, and its permissions")
 }
 
 impl Role {
@@ -154,7 +171,7 @@ impl Role {
     /// Of the images of a folder those of this role: those that say so; if none does, those that do not say otherwise.
     fn pick(self, images: Vec<PathBuf>) -> Vec<PathBuf> {
         let says = |role: Self, path: &Path| {
-            has_extension(path, self.extensions()) && role.split(&stem(path)).is_some()
+            has_extension(path, self.extensions()) && role.split(stem(path).as_encoded_bytes()).is_some()
         };
         let own = images.iter().any(|path| says(self, path));
         let keep = |path: &PathBuf| if own { says(self, path) } else { !says(self.other(), path) };
@@ -162,42 +179,45 @@ impl Role {
     }
 
     /// What stands before and after the word for this role in a stem. A word is not part of a longer one.
-    fn split(self, stem: &str) -> Option<(&str, &str)> {
+    fn split(self, stem: &[u8]) -> Option<(&[u8], &[u8])> {
         let lower = stem.to_ascii_lowercase();
         let is_letter = |c: Option<char>| c.is_some_and(char::is_alphabetic);
         self.words().iter().find_map(|word| {
-            lower.match_indices(word).find_map(|(at, _)| {
+            let mut places = (0..=lower.len()).filter(|&at| lower[at..].starts_with(word.as_bytes()));
+            places.find_map(|at| {
                 let (before, after) = (&stem[..at], &stem[at + word.len()..]);
-                let alone = !is_letter(before.chars().next_back()) && !is_letter(after.chars().next());
-                alone.then_some((before, after))
+                let last = String::from_utf8_lossy(before).chars().next_back();
+                let next = String::from_utf8_lossy(after).chars().next();
+                (!is_letter(last) && !is_letter(next)).then_some((before, after))
             })
         })
     }
 }
 
-/// What the names of images of one frame have in common.
-fn key(role: Role, path: &Path) -> String {
-    let stem = stem(path);
-    let Some((before, after)) = role.split(&stem) else { return stem };
-    const SEPARATORS: [char; 4] = ['-', '_', '.', ' '];
-    let (start, end) = (before.trim_end_matches(SEPARATORS), after.trim_start_matches(SEPARATORS));
-    if start.is_empty() || end.is_empty() {
-        return format!("{start}{end}");
-    }
-    // In the middle one of the separators stays.
-    format!("{start}{}{end}", &after[..after.len() - end.len()])
+/// What the names of images of one frame have in common. Bytes, because names need not be text.
+fn key(role: Role, path: &Path) -> Vec<u8> {
+    let stem = stem(path).as_encoded_bytes();
+    let Some((before, after)) = role.split(stem) else { return stem.to_owned() };
+    let is_separator = |byte: &u8| b"-_. ".contains(byte);
+    let start = before.iter().rposition(|byte| !is_separator(byte)).map_or(0, |last| last + 1);
+    let end = after.iter().position(|byte| !is_separator(byte)).unwrap_or(after.len());
+    let (start, separators, end) = (&before[..start], &after[..end], &after[end..]);
+    // In the middle the separators behind the word stay.
+    let between = if start.is_empty() || end.is_empty() { &[][..] } else { separators };
+    [start, between, end].concat()
 }
 
-fn by_key(role: Role, files: &[PathBuf]) -> Result<BTreeMap<String, &PathBuf>> {
+fn by_key(role: Role, files: &[PathBuf]) -> Result<BTreeMap<Vec<u8>, &PathBuf>> {
     let mut keys = BTreeMap::new();
     for file in files {
         let key = key(role, file);
         if let Some(other) = keys.insert(key.clone(), file) {
             return Err(usage(format!(
-                "{} and {} are both the {} image of `{key}`: name the ones that are meant, or rename one of them",
+                "{} and {} are both the {} image of `{}`: name the ones that are meant, or rename one of them",
                 other.display(),
                 file.display(),
-                role.word()
+                role.word(),
+                String::from_utf8_lossy(&key)
             )));
         }
     }
@@ -209,7 +229,7 @@ fn alone(role: Role, path: &Path) -> anyhow::Error {
         "{}: no {} image has the key `{}` as this {} image has: add it, or leave this one out",
         path.display(),
         role.other().word(),
-        key(role, path),
+        String::from_utf8_lossy(&key(role, path)),
         role.word()
     )
 }
@@ -218,39 +238,13 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+fn stem(path: &Path) -> &OsStr {
+    path.file_stem().unwrap_or_default()
 }
 
 fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     let name = file_name(path).to_ascii_lowercase();
     extensions.iter().any(|extension| name.ends_with(extension))
-}
-
-fn in_natural_order(a: &Path, b: &Path) -> Ordering {
-    natural::compare(a.as_os_str(), b.as_os_str())
-}
-
-/// Whether a name is of a pattern: `*` stands for any characters, `?` for one.
-fn matches(pattern: &str, name: &str) -> bool {
-    let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
-    let (mut p, mut n) = (0, 0);
-    // Where the last star stands and how far it reaches so far.
-    let mut star: Option<(usize, usize)> = None;
-    while n < name.len() {
-        if pattern.get(p) == Some(&'*') {
-            star = Some((p, n));
-            p += 1;
-        } else if pattern.get(p).is_some_and(|&c| c == '?' || c == name[n]) {
-            (p, n) = (p + 1, n + 1);
-        } else if let Some((at, reach)) = star {
-            star = Some((at, reach + 1));
-            (p, n) = (at + 1, reach + 1);
-        } else {
-            return false;
-        }
-    }
-    pattern[p..].iter().all(|&c| c == '*')
 }
 
 #[cfg(test)]
@@ -272,24 +266,10 @@ mod tests {
             ("rgbd_1.png", "rgbd_1"),
             ("é-color-é.png", "é-é"),
         ] {
-            assert_eq!(key(Role::Color, Path::new(name)), expected, "{name}");
+            assert_eq!(String::from_utf8(key(Role::Color, Path::new(name))).unwrap(), expected, "{name}");
         }
-        assert_eq!(key(Role::Depth, Path::new("a/0001-depth.tiff")), "0001");
-        assert_eq!(key(Role::Depth, Path::new("0001-color.png")), "0001-color");
-    }
-
-    #[test]
-    fn patterns_match_as_in_a_shell() {
-        for (pattern, name) in
-            [("*", ""), ("*-color.png", "1-color.png"), ("a?c", "abc"), ("*a*b", "xaab"), ("**.p?g", "x.png")]
-        {
-            assert!(matches(pattern, name), "{pattern} {name}");
-        }
-        for (pattern, name) in
-            [("", "a"), ("?", ""), ("*-color.png", "1-depth.png"), ("a*b", "abc"), ("[a]", "a")]
-        {
-            assert!(!matches(pattern, name), "{pattern} {name}");
-        }
+        assert_eq!(key(Role::Depth, Path::new("a/0001-depth.tiff")), b"0001");
+        assert_eq!(key(Role::Depth, Path::new("0001-color.png")), b"0001-color");
     }
 
     #[test]

@@ -2,10 +2,10 @@
 
 use objecthood::Raster;
 
-use super::ImageSetup;
 use super::error::ImageError;
 use super::picture::{self, Format, Picture, Samples};
 use crate::error::Result;
+use crate::given::Given;
 
 /// Scales that are in use: millimetres, TUM, YCB-Video, metres.
 const USUAL_SCALES: [f64; 4] = [1000.0, 5000.0, 10_000.0, 1.0];
@@ -13,38 +13,36 @@ const USUAL_SCALES: [f64; 4] = [1000.0, 5000.0, 10_000.0, 1.0];
 /// Where depth cameras measure: a median outside is one of wrong units.
 const LIKELY_M: std::ops::RangeInclusive<f64> = 0.05..=50.0;
 
-/// The depth of every pixel (m). What is not positive and finite is kept and means none.
-pub(super) fn decode(bytes: &[u8], setup: &ImageSetup) -> Result<Raster<f32>> {
+/// The depth of every pixel (m), from the first channel of the image. What is not positive and finite means none.
+pub(super) fn decode(bytes: &[u8], given: &Given) -> Result<Raster<f32>> {
     if picture::probe(bytes)? == Format::Jpeg {
         return Err(ImageError::DepthIsJpeg.into());
     }
-    let Picture { size, channels, samples } = picture::decode(bytes, setup.max_pixels)?;
+    let Picture { size, channels, samples } = picture::decode(bytes, given.max_pixels)?;
     if channels > 2 {
         return Err(ImageError::DepthIsColor { channels }.into());
     }
-    let (depth_m, scale) = match samples {
+    let (depth_m, scale): (Vec<f32>, f64) = match samples {
         Samples::U8(_) => return Err(ImageError::DepthEightBit.into()),
         Samples::U16(samples) => {
-            let scale = setup.depth_scale.ok_or(ImageError::NoDepthScale)?;
-            (in_metres(&samples, channels, scale), scale)
+            let scale = given.depth_scale.ok_or(ImageError::NoDepthScale)?;
+            // Their greatest value stands for what is farther, or for nothing at all.
+            let metres = |raw: u16| if raw == u16::MAX { f32::NAN } else { (f64::from(raw) / scale) as f32 };
+            (samples.into_iter().step_by(channels).map(metres).collect(), scale)
         }
         Samples::F32(samples) => {
-            let scale = setup.depth_scale.unwrap_or(1.0);
-            (in_metres(&samples, channels, scale), scale)
+            let scale = given.depth_scale.unwrap_or(1.0);
+            let metres = |raw: f32| (f64::from(raw) / scale) as f32;
+            (samples.into_iter().step_by(channels).map(metres).collect(), scale)
         }
     };
-    if let Some(given) = setup.camera.size
-        && given != size
+    if let Some(of_camera) = given.camera.and_then(|camera| camera.size)
+        && of_camera != size
     {
-        return Err(ImageError::CameraSize { given, image: size }.into());
+        return Err(ImageError::CameraSize { given: of_camera, image: size }.into());
     }
     check_unit(&depth_m, scale)?;
     Ok(Raster::from_vec(size.0, size.1, depth_m)?)
-}
-
-/// The first channel of every pixel.
-fn in_metres<T: Copy + Into<f64>>(samples: &[T], channels: usize, scale: f64) -> Vec<f32> {
-    samples.iter().step_by(channels).map(|&raw| (raw.into() / scale) as f32).collect()
 }
 
 /// Refuses depths of which more than half lie where no depth camera measures.

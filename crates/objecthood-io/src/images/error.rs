@@ -1,6 +1,6 @@
 //! What can be wrong with an image file.
 
-/// Why an image cannot be used: one line that says what is wrong and what to do.
+/// Why an image cannot be used: one line that says what is wrong, and what to do about the file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImageError {
@@ -20,7 +20,7 @@ pub enum ImageError {
     },
     /// An image with more pixels than are allowed.
     #[error(
-        "{}x{} pixels are more than --max-pixels {max_pixels}: give a smaller image, or raise it if there is memory (about 200 bytes a pixel for every frame at a time)",
+        "{}x{} pixels are more than the {max_pixels} that may be read",
         size.0, size.1
     )]
     TooManyPixels {
@@ -41,9 +41,7 @@ pub enum ImageError {
         wanted: &'static str,
     },
     /// A colour image that looks like depth.
-    #[error(
-        "{found} is depth rather than colour: are --color and --depth swapped? If it is not, save it with 8 bits"
-    )]
+    #[error("{found} is depth rather than colour")]
     ColorIsDepth {
         /// What the image has.
         found: &'static str,
@@ -65,22 +63,22 @@ pub enum ImageError {
     #[error("a JPEG image holds no depth: give a 16-bit grey PNG or TIFF, or a float TIFF")]
     DepthIsJpeg,
     /// Integers of an unknown unit.
-    #[error(
-        "the unit of integer depth is not known: say how many units are a metre, --depth-scale 1000 for millimetres, 5000 for TUM, 10000 for YCB-Video"
-    )]
+    #[error("the unit of integer depth is not known")]
     NoDepthScale,
+    /// Depth seen by an unknown camera.
+    #[error("depth images do not say which camera saw them")]
+    NoCamera,
     /// Depths at which no depth camera measures.
     #[error(
-        "with {depth_scale} units a metre half of the depths lie {} (median {median_m:.3} m): {}",
-        if *median_m > 1.0 { "beyond 50 m" } else { "below 0.05 m" },
-        advice(*likely)
+        "with {depth_scale} units a metre half of the depths lie {} (median {median_m:.3} m)",
+        if *median_m > 1.0 { "beyond 50 m" } else { "below 0.05 m" }
     )]
     UnlikelyUnit {
         /// Units a metre that were assumed.
         depth_scale: f64,
         /// Median of the valid depths (m).
         median_m: f64,
-        /// The scale in use by anybody with which the median comes nearest to a metre.
+        /// The usual scale with which the median comes nearest to a metre; `None` when none makes sense of it.
         likely: Option<f64>,
     },
     /// A camera of another image size.
@@ -94,11 +92,4 @@ pub enum ImageError {
         /// Columns and rows of the depth image.
         image: (usize, usize),
     },
-}
-
-fn advice(likely: Option<f64>) -> String {
-    match likely {
-        Some(scale) => format!("most likely it is --depth-scale {scale}"),
-        None => "no usual unit fits, check that this is a depth image".to_owned(),
-    }
 }

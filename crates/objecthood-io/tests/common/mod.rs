@@ -5,20 +5,23 @@
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use objecthood_io::images::DEFAULT_MAX_PIXELS;
-use objecthood_io::{Capture, GridCamera, Result};
+use objecthood_io::{Capture, Given, GridCamera, Result};
 use pcd_rs::{DataKind, DynRecord, Field, Schema, ValueKind, WriterInit};
 
 pub(crate) const ENCODINGS: [DataKind; 3] = [DataKind::Ascii, DataKind::Binary, DataKind::BinaryCompressed];
 
-/// As the function of that name, for frames of the usual size.
+/// The frame of a file, seen by a camera if one is given.
 pub(crate) fn open(path: &Path, camera: Option<&GridCamera>) -> Result<Capture> {
-    objecthood_io::open(path, camera, DEFAULT_MAX_PIXELS)
+    objecthood_io::open_frame(path, &given(camera))
 }
 
-/// As the function of that name, for frames of the usual size.
+/// As [`open`], for the content of a file.
 pub(crate) fn decode(bytes: &[u8], camera: Option<&GridCamera>) -> Result<Capture> {
-    objecthood_io::decode(bytes, camera, DEFAULT_MAX_PIXELS)
+    objecthood_io::decode(bytes, &given(camera))
+}
+
+fn given(camera: Option<&GridCamera>) -> Given {
+    Given { camera: camera.copied(), ..Given::default() }
 }
 
 /// A PCD file written by `pcd-rs`.

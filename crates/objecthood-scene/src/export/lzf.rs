@@ -1,4 +1,4 @@
-//! LZF, the byte compression of PCD files, as `objecthood_io::pcd` unpacks it.
+//! LZF, the byte compression of PCD files, as `objecthood_io::formats::pcd` unpacks it.
 
 const HASH_BITS: u32 = 15;
 const MAX_DISTANCE: usize = 1 << 13;

@@ -1,7 +1,8 @@
 //! Points written as text, one a line.
 
-use super::error::{PcdError, preview};
+use super::error::PcdError;
 use super::header::{Field, Header, Kind};
+use crate::text::preview;
 
 /// The records that DATA `binary` would hold. Fields that are not used stay zero, whatever their text.
 pub(super) fn records(
@@ -47,7 +48,8 @@ fn parse_point(line: &[u8], fields: &[(&Field<'_>, bool)], record: &mut [u8]) ->
             if is_used {
                 let value = str::from_utf8(word).ok().and_then(|word| encode(field.kind, word, place));
                 value.ok_or_else(|| {
-                    format!("{} is `{}`, which is no {:?}", field.name, preview(word), field.kind)
+                    let Field { name, kind, .. } = field;
+                    format!("{name} is `{}`, which is no {kind:?} ({})", preview(word), kind.meaning())
                 })?;
             }
         }

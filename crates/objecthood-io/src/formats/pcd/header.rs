@@ -4,7 +4,8 @@ use std::str::FromStr;
 
 use objecthood::Raster;
 
-use super::error::{PcdError, preview};
+use super::error::PcdError;
+use crate::text::preview;
 
 /// The header lines there are; DATA ends the header.
 const KEYWORDS: [&str; 10] =
@@ -40,6 +41,22 @@ impl Kind {
             ("I", 8) => Self::I8,
             _ => return None,
         })
+    }
+
+    /// What a value is, for whoever does not know the types of PCD.
+    pub(super) fn meaning(self) -> String {
+        let whole = |least: i128, most: i128| format!("a whole number from {least} to {most}");
+        match self {
+            Self::F4 | Self::F8 => "a number".to_owned(),
+            Self::U1 => whole(0, u8::MAX.into()),
+            Self::U2 => whole(0, u16::MAX.into()),
+            Self::U4 => whole(0, u32::MAX.into()),
+            Self::U8 => whole(0, u64::MAX.into()),
+            Self::I1 => whole(i8::MIN.into(), i8::MAX.into()),
+            Self::I2 => whole(i16::MIN.into(), i16::MAX.into()),
+            Self::I4 => whole(i32::MIN.into(), i32::MAX.into()),
+            Self::I8 => whole(i64::MIN.into(), i64::MAX.into()),
+        }
     }
 
     /// Bytes of one value.

@@ -30,19 +30,17 @@ pub use error::PcdError;
 use header::{Field, Header};
 use table::Table;
 
-/// The points of a file, in its order: organized clouds row by row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PointCloud {
-    /// Number of columns; number of points when unorganized. Never zero.
-    pub width: usize,
-    /// Number of rows; 1 when unorganized. Never zero.
-    pub height: usize,
-    /// The points (m), `width * height` of them; not finite = none.
-    pub points_m: Vec<[f32; 3]>,
-    /// sRGB colour of every point, if the file has any.
-    pub color: Option<Vec<[u8; 3]>>,
-    /// Label of every point as it stands in the file, if it has any.
-    pub label: Option<Vec<u32>>,
+use super::{CloudFormat, Format};
+use crate::cloud::PointCloud;
+use crate::text::without_byte_order_mark;
+
+pub(super) const FORMAT: Format =
+    Format::Cloud(CloudFormat { extensions: &["pcd"], is_mine: is_pcd, parse: |bytes| Ok(parse(bytes)?) });
+
+/// Whether a file begins with a comment or its VERSION. A ROS 1 bag begins with `#` too.
+fn is_pcd(head: &[u8]) -> bool {
+    let head = without_byte_order_mark(head).trim_ascii_start();
+    head.starts_with(b"VERSION") || (head.starts_with(b"#") && !head.starts_with(b"#ROSBAG"))
 }
 
 /// Reads the content of a PCD file.
@@ -53,7 +51,7 @@ pub struct PointCloud {
 /// # Errors
 /// [`PcdError`]: what breaks the format, where, and what to do.
 pub fn parse(bytes: &[u8]) -> Result<PointCloud, PcdError> {
-    let (header, data) = Header::parse(bytes)?;
+    let (header, data) = Header::parse(without_byte_order_mark(bytes))?;
     let roles = Roles::of(&header.fields)?;
     let table = Table::read(&header, data, |field| roles.uses(field))?;
 
@@ -64,6 +62,12 @@ pub fn parse(bytes: &[u8]) -> Result<PointCloud, PcdError> {
         color: roles.color.map(|field| columns::colors(table.column(field))).transpose()?,
         label: roles.label.map(|field| columns::labels(table.column(field))).transpose()?,
     })
+}
+
+/// Whether the points of a file that begins with `head` have labels; `None` when its header is not whole, or wrong.
+pub fn has_labels(head: &[u8]) -> Option<bool> {
+    let (header, _) = Header::parse(without_byte_order_mark(head)).ok()?;
+    Some(header.fields.iter().any(|field| field.name == "label"))
 }
 
 /// Which fields are used.

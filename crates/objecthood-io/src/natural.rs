@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 
 /// Compares two names with every run of digits taken as one number; names that only differ in leading zeros come in
 /// the order of their bytes.
-pub(crate) fn compare(a: &OsStr, b: &OsStr) -> Ordering {
+pub fn compare(a: &OsStr, b: &OsStr) -> Ordering {
     let (a, b) = (a.as_encoded_bytes(), b.as_encoded_bytes());
     runs(a).map(key).cmp(runs(b).map(key)).then_with(|| a.cmp(b))
 }

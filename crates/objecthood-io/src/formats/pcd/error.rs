@@ -172,10 +172,3 @@ pub enum PcdError {
     #[error("field label holds a value above 4294967295: number the labels anew")]
     LabelTooLarge,
 }
-
-/// The beginning of `bytes` in a form that fits on a line.
-pub(super) fn preview(bytes: &[u8]) -> String {
-    const LONGEST: usize = 40;
-    let shown = bytes.get(..LONGEST).unwrap_or(bytes).escape_ascii();
-    if bytes.len() > LONGEST { format!("{shown}..") } else { shown.to_string() }
-}
