@@ -5,14 +5,15 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use objecthood::objectness::gravity::camera_up;
 use objecthood::oversegment::graph::{PixelGraph, Unmeasured};
+use objecthood::oversegment::links::Links;
 use objecthood::oversegment::smoothing::smooth;
-use objecthood::oversegment::structure::structure;
-use objecthood::oversegment::watershed::{Links, seeds, watershed};
-use objecthood::surface::curvature::curvature;
+use objecthood::oversegment::structure::find_structure;
+use objecthood::oversegment::watershed::{find_seeds, flood};
+use objecthood::surface::curvature::measure_curvature;
 use objecthood::surface::disparity::DisparitySpace;
-use objecthood::surface::normals::normals;
-use objecthood::surface::plane_fit::plane_fits;
-use objecthood::surface::window_choice::orientation;
+use objecthood::surface::normals::measure_normals;
+use objecthood::surface::plane_fit::fit_planes;
+use objecthood::surface::window_choice::choose_windows;
 use objecthood::{Frame, Params, Workspace};
 use objecthood_bench::graph::{color_alone, graph_segmentation};
 use objecthood_scene::{Family, Sensor, generate, render};
@@ -28,12 +29,12 @@ fn paper(c: &mut Criterion) {
     let (frame, params) = (frame(), Params::default());
     let points = frame.points_m();
     let _buffers = Workspace::default();
-    let per_pixel = normals(&points, &params.normals);
+    let per_pixel = measure_normals(&points, &params.normals);
     let mut group = c.benchmark_group("paper");
     group.sample_size(20);
-    group.bench_function("normals", |b| b.iter(|| normals(black_box(&points), &params.normals)));
+    group.bench_function("normals", |b| b.iter(|| measure_normals(black_box(&points), &params.normals)));
     group.bench_function("curvature", |b| {
-        b.iter(|| curvature(black_box(&per_pixel), &params.curvature));
+        b.iter(|| measure_curvature(black_box(&per_pixel), &params.curvature));
     });
     if let Some(color) = frame.color() {
         let smoothed = smooth(color, frame.depth_m(), &params.smoothing);
@@ -58,27 +59,29 @@ fn context(c: &mut Criterion) {
     let (depth_m, disparity) = (frame.depth_m(), space.disparity(frame.depth_m()));
     let radius_px = space.length_px(params.local_fit.radius_px);
     let _buffers = Workspace::default();
-    let fits = plane_fits(&disparity, radius_px);
-    let oriented = orientation(&disparity, &fits, &space, &params.local_fit);
+    let fits = fit_planes(&disparity, radius_px);
+    let oriented = choose_windows(&disparity, &fits, &space, &params.local_fit);
     let up = camera_up(&params.gravity);
-    let planes = structure(&disparity, &fits, &oriented, depth_m, &space, up, &params.structure);
+    let planes = find_structure(&disparity, &fits, &oriented, depth_m, &space, up, &params.structure);
     let links = Links::new(&disparity, &oriented.slope, &planes.labels, &space, &params.watershed);
 
     let mut group = c.benchmark_group("context");
     group.sample_size(20);
     group.bench_function("plane fits", |b| {
-        b.iter(|| plane_fits(black_box(&disparity), radius_px));
+        b.iter(|| fit_planes(black_box(&disparity), radius_px));
     });
     group.bench_function("orientation", |b| {
-        b.iter(|| orientation(black_box(&disparity), &fits, &space, &params.local_fit));
+        b.iter(|| choose_windows(black_box(&disparity), &fits, &space, &params.local_fit));
     });
     group.bench_function("structure", |b| {
-        b.iter(|| structure(black_box(&disparity), &fits, &oriented, depth_m, &space, up, &params.structure));
+        b.iter(|| {
+            find_structure(black_box(&disparity), &fits, &oriented, depth_m, &space, up, &params.structure)
+        });
     });
     group.bench_function("watershed", |b| {
         b.iter(|| {
-            let seeds = seeds(black_box(&fits.residual), &links, &space, &params.watershed);
-            watershed(&fits.residual, &seeds, &links)
+            let seeds = find_seeds(black_box(&fits.residual), &links, &space, &params.watershed);
+            flood(&fits.residual, &seeds, &links)
         });
     });
     group.finish();

@@ -3,7 +3,7 @@
 use crate::discovery::{Discovery, Notice};
 use crate::error::Result;
 use crate::facets::appearance::Appearance;
-use crate::facets::grouping::facets;
+use crate::facets::grouping::group_superpixels;
 use crate::facets::merging::merge_surfaces;
 use crate::facets::refinement::refine;
 use crate::frame::Frame;
@@ -22,22 +22,24 @@ use crate::observe::{LabelMap, Observer, Stage};
 use crate::oversegment::absorb::absorb;
 use crate::oversegment::felzenszwalb::segment;
 use crate::oversegment::graph::{PixelGraph, Unmeasured};
+use crate::oversegment::linked_pairs::count_linked_pairs;
+use crate::oversegment::links::Links;
 use crate::oversegment::smoothing::smooth;
-use crate::oversegment::structure::structure;
-use crate::oversegment::watershed::{Links, linked_pairs, seeds, watershed};
+use crate::oversegment::structure::find_structure;
+use crate::oversegment::watershed::{find_seeds, flood};
 use crate::params::{Channels, Params, UpFrom};
 use crate::raster::Raster;
-use crate::shapes::border::borders;
-use crate::shapes::contact::contacts;
-use crate::shapes::contraction::{contract, votes};
-use crate::shapes::convexity::{convexities, shapes};
-use crate::shapes::descriptor::descriptors;
-use crate::surface::curvature::curvature;
+use crate::shapes::border::measure_borders;
+use crate::shapes::contact::find_contacts;
+use crate::shapes::contraction::{contract, sum_votes};
+use crate::shapes::convexity::{join_shapes, measure_convexities};
+use crate::shapes::descriptor::describe_regions;
+use crate::surface::curvature::measure_curvature;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::moments::Moments;
-use crate::surface::normals::normals;
-use crate::surface::plane_fit::plane_fits;
-use crate::surface::window_choice::orientation;
+use crate::surface::normals::measure_normals;
+use crate::surface::plane_fit::fit_planes;
+use crate::surface::window_choice::choose_windows;
 
 /// The published method: "Unsupervised Object Exploration Using Context" (RO-MAN 2014).
 pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer) -> Result<Discovery> {
@@ -45,9 +47,9 @@ pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer)
     let points = frame.points_m();
 
     // What single pixels tell: normals, and where they bend (eq. 2).
-    let normals = normals(&points, &params.normals);
+    let normals = measure_normals(&points, &params.normals);
     observer.observe(Stage::Normals(&normals));
-    let curvature = curvature(&normals, &params.curvature);
+    let curvature = measure_curvature(&normals, &params.curvature);
     observer.observe(Stage::Curvature(&curvature));
     let borders = high_curvature(frame, &curvature, params);
 
@@ -65,20 +67,20 @@ pub(crate) fn paper(frame: &Frame, params: &Params, observer: &mut dyn Observer)
 
     // 2. Facets: superpixels that look alike (eq. 3).
     let appearance = Appearance::new(&superpixels, frame.color(), &normals, &params.appearance);
-    let facets = facets(&superpixels, &appearance, frame.depth_m(), &params.grouping);
+    let facets = group_superpixels(&superpixels, &appearance, frame.depth_m(), &params.grouping);
     observer.observe(Stage::Facets(&facets));
 
     // 3. Shapes: facets joined across convex edges (eq. 4 and 5).
-    let described = descriptors(&facets, &superpixels.core, &points, &normals);
-    let convexities = convexities(&contacts(&facets, &points, &params.contact), &described);
-    let shapes = shapes(&facets, &described, &convexities);
+    let described = describe_regions(&facets, &superpixels.core, &points, &normals);
+    let convexities = measure_convexities(&find_contacts(&facets, &points, &params.contact), &described);
+    let shapes = join_shapes(&facets, &described, &convexities);
     observer.observe(Stage::Shapes((&shapes).into()));
 
     // 4. Objectness: size, and support against gravity (eq. 6 to 8).
     let plane = dominant_plane(&points, &params.gravity);
     let up = up(plane.as_ref(), &params.gravity);
-    let described = descriptors(&shapes, &superpixels.core, &points, &normals);
-    let touching = contacts(&shapes, &points, &params.contact);
+    let described = describe_regions(&shapes, &superpixels.core, &points, &normals);
+    let touching = find_contacts(&shapes, &points, &params.contact);
     let mut support = support(&shapes, &described, &touching, &points, &up);
     observer.observe(Stage::Support { graph: &support, regions: &shapes });
     let space = &DisparitySpace::new(frame.camera(), &params.sensor);
@@ -118,12 +120,12 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
 
     // What single pixels tell: the plane that fits their surroundings best.
     let disparity = space.disparity(frame.depth_m());
-    let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px));
-    let orientation = orientation(&disparity, &fits, space, &params.local_fit);
+    let fits = fit_planes(&disparity, space.length_px(params.local_fit.radius_px));
+    let orientation = choose_windows(&disparity, &fits, space, &params.local_fit);
     observer.observe(Stage::Normals(&orientation.normal));
 
     // 1. Over-segmentation: large planes, then a watershed of how badly a plane fits.
-    let structure = structure(
+    let structure = find_structure(
         &disparity,
         &fits,
         &orientation,
@@ -134,17 +136,19 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     );
     observer.observe(Stage::Structure(LabelMap::structure(&structure)));
     let links = Links::new(&disparity, &orientation.slope, &structure.labels, space, &params.watershed);
-    let starts = seeds(&fits.residual, &links, space, &params.watershed);
+    let starts = find_seeds(&fits.residual, &links, space, &params.watershed);
     // The flood has one order; beside it there is time for what later stages need.
     let (superpixels, (planes, points)) = rayon::join(
-        || watershed(&fits.residual, &starts, &links),
+        || flood(&fits.residual, &starts, &links),
         || (structure.planes(frame.depth_m(), &frame.camera()), frame.points_m()),
     );
     observer.observe(Stage::Superpixels(LabelMap::superpixels(&structure, &superpixels)));
 
     // 2. Facets: superpixels that lie on one surface.
-    let (joined, moments) =
-        rayon::join(|| linked_pairs(&superpixels, &links), || Moments::of_segments(&superpixels, &disparity));
+    let (joined, moments) = rayon::join(
+        || count_linked_pairs(&superpixels, &links),
+        || Moments::of_segments(&superpixels, &disparity),
+    );
     let facets = merge_surfaces(
         &superpixels,
         &structure.surfaces,
@@ -158,9 +162,9 @@ pub(crate) fn context(frame: &Frame, params: &Params, observer: &mut dyn Observe
     observer.observe(Stage::Facets(&facets.segments));
 
     // 3. Shapes: facets whose borders vote for one shape.
-    let borders = borders(&facets, &disparity, space, &params.border);
+    let borders = measure_borders(&facets, &disparity, space, &params.border);
     observer.observe(Stage::Borders { facets: &facets, evidence: &borders });
-    let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
+    let shapes = contract(&sum_votes(&borders, facets.structure, &params.contraction));
     observer.observe(Stage::Shapes(LabelMap::shapes(&facets, &shapes)));
 
     // 4. Objectness: what the surroundings of a shape tell, and support against gravity.

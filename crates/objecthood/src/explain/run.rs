@@ -9,14 +9,14 @@ use crate::explain::explanation::Question;
 use crate::explain::steps::{Largest, NearStep, Step, steps};
 use crate::facets::Facets;
 use crate::frame::Frame;
+use crate::neighbours::four_neighbours;
 use crate::objectness::history::{Event, Miss, Source};
 use crate::objectness::hypotheses::Hypothesis;
 use crate::observe::{Observer, Stage};
-use crate::oversegment::watershed::neighbours;
 use crate::params::{Method, Params};
 use crate::regions::{RegionGraph, SegmentId};
 use crate::shapes::border::BorderEvidence;
-use crate::shapes::contraction::{Shapes, contract, votes};
+use crate::shapes::contraction::{Shapes, contract, sum_votes};
 
 /// What the observer sees.
 #[derive(Default)]
@@ -79,7 +79,7 @@ impl Run {
         let discovery = crate::discover_observed(frame, params, &mut record)?;
         let Record { borders, filled, events, misses, sizes_px, hypotheses } = record;
         let (Some((facets, borders)), Some(filled)) = (borders, filled) else { return Err(refused()) };
-        let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
+        let shapes = contract(&sum_votes(&borders, facets.structure, &params.contraction));
 
         let mut sizes = vec![0_usize; filled.segments.count()];
         let mut first = vec![None; sizes.len()];
@@ -207,7 +207,7 @@ impl Run {
         let mut patch: BTreeSet<usize> = [pixel].into_iter().filter(|&i| is_bottom(i)).collect();
         let mut open: Vec<usize> = patch.iter().copied().collect();
         while let Some(i) = open.pop() {
-            for (j, _) in neighbours(i, width, height) {
+            for (j, _) in four_neighbours(i, width, height) {
                 if is_bottom(j) && patch.insert(j) {
                     open.push(j);
                 }

@@ -7,8 +7,8 @@ use crate::explain::run::Run;
 use crate::frame::Frame;
 use crate::params::Params;
 use crate::raster::Raster;
-use crate::shapes::border::borders;
-use crate::shapes::contraction::{Shapes, contract, votes};
+use crate::shapes::border::measure_borders;
+use crate::shapes::contraction::{Shapes, contract, sum_votes};
 use crate::surface::disparity::DisparitySpace;
 
 /// The parameters that votes depend on.
@@ -59,10 +59,10 @@ impl Sweep {
         let params = self.params.with_number(parameter, value)?;
         let structure = run.facets.structure;
         Some(if params.border == self.params.border {
-            contract(&votes(&run.borders, structure, &params.contraction))
+            contract(&sum_votes(&run.borders, structure, &params.contraction))
         } else {
-            let evidence = borders(&run.facets, &self.disparity, &self.space, &params.border);
-            contract(&votes(&evidence, structure, &params.contraction))
+            let evidence = measure_borders(&run.facets, &self.disparity, &self.space, &params.border);
+            contract(&sum_votes(&evidence, structure, &params.contraction))
         })
     }
 

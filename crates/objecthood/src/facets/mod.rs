@@ -4,12 +4,13 @@
 //! ([`merging`]) and straightens the borders ([`refinement`]).
 
 pub mod appearance;
+mod bins;
 pub mod grouping;
 pub mod merging;
 pub mod refinement;
 
 use crate::regions::Segments;
-use crate::surface::moments::Model;
+use crate::surface::model::Model;
 
 /// Facets of `context`: surfaces of one model each. Those of the structure come first.
 #[derive(Clone, Debug)]

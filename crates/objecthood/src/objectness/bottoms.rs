@@ -197,8 +197,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::neighbours::four_neighbours;
     use crate::objectness::testing::{Table, single};
-    use crate::oversegment::watershed::neighbours;
     use crate::testing::{raster, small_size};
 
     /// How many pixels of the table each of the facets a, b, .. gets.
@@ -248,7 +248,7 @@ mod tests {
                 while let Some(i) = open.pop() {
                     flood.push(i);
                     border += 4;
-                    for (j, _) in neighbours(i, width, height) {
+                    for (j, _) in four_neighbours(i, width, height) {
                         match owner(j) {
                             Some(Owner::Background) => {
                                 border -= 1;

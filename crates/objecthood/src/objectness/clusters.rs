@@ -8,11 +8,11 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::facets::Facets;
+use crate::neighbours::four_neighbours;
 use crate::objectness::history::{Event, Miss, Source};
 use crate::objectness::join::{Join, JoinedPart};
 use crate::objectness::objects::pixel_box;
 use crate::oversegment::structure::StructureSurface;
-use crate::oversegment::watershed::neighbours;
 use crate::params;
 use crate::quantile::element_at;
 use crate::raster::{Raster, marked};
@@ -117,7 +117,7 @@ pub(crate) fn fill(facets: Facets, disparity: &Raster<f32>, steps: Steps) -> Fac
     let mut open = VecDeque::from(givers(&labels, disparity, steps));
     let slice = labels.as_mut_slice();
     while let Some(i) = open.pop_front() {
-        for (j, _) in neighbours(i, width, height) {
+        for (j, _) in four_neighbours(i, width, height) {
             if slice[j] < 0 && steps.touch(disparity, i, j) {
                 slice[j] = slice[i];
                 open.push_back(j);
@@ -144,7 +144,7 @@ fn givers(labels: &Raster<i32>, disparity: &Raster<f32>, steps: Steps) -> Vec<us
         );
         let mut givers = Vec::new();
         for i in marked(bare).map(|u| row.start + u) {
-            let near = neighbours(i, width, height).map(|(j, _)| j);
+            let near = four_neighbours(i, width, height).map(|(j, _)| j);
             givers.extend(near.filter(|&j| labels[j] >= 0 && steps.touch(disparity, i, j)));
         }
         givers
@@ -612,7 +612,7 @@ mod tests {
             let mut expected = labels.as_slice().to_vec();
             let mut open: VecDeque<usize> = (0..expected.len()).filter(|&i| expected[i] >= 0).collect();
             while let Some(i) = open.pop_front() {
-                for (j, _) in neighbours(i, width, height) {
+                for (j, _) in four_neighbours(i, width, height) {
                     if expected[j] < 0 && (disparity[j] - disparity[i]).abs() <= 3.0 {
                         expected[j] = expected[i];
                         open.push_back(j);
@@ -622,7 +622,7 @@ mod tests {
             prop_assert_eq!(filled.labels().as_slice(), expected);
             for i in 0..labels.len() {
                 let own = filled.labels()[i];
-                let near = neighbours(i, width, height).map(|(j, _)| j);
+                let near = four_neighbours(i, width, height).map(|(j, _)| j);
                 let mut near = near.filter(|&j| (disparity[j] - disparity[i]).abs() <= 3.0);
                 if labels[i] >= 0 {
                     prop_assert_eq!(own, labels[i], "a label stays");

@@ -16,7 +16,7 @@ use crate::objectness::support::{NodeId, NodeKind, SupportEdge, SupportGraph, Su
 use crate::params::{self, Params};
 use crate::raster::Raster;
 use crate::regions::Segments;
-use crate::shapes::contact::touching_pairs;
+use crate::shapes::contact::find_touching_pairs;
 use crate::surface::disparity::DisparitySpace;
 
 /// Fewer pairs of points in contact are chance (METHOD 3.10: 4 touching pixels, each here in up to four directions).
@@ -72,7 +72,7 @@ pub fn forest(
     let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };
     let (bodies, touching) = rayon::join(
         || Bodies::new(regions, points_m, normals, planes, up, space),
-        || touching_pairs(regions, points_m, &contact),
+        || find_touching_pairs(regions, points_m, &contact),
     );
     let (feet, meetings) = rayon::join(
         || feet(regions, points_m, &bodies, &contact),

@@ -127,7 +127,7 @@ mod tests {
     use super::*;
     use crate::objectness::gravity::{StructurePlane, Up, UpSource};
     use crate::params;
-    use crate::shapes::contact::touching_pairs;
+    use crate::shapes::contact::find_touching_pairs;
     use crate::testing::{kinect, raster};
 
     proptest! {
@@ -147,7 +147,7 @@ mod tests {
             let plane = StructurePlane { normal: up.direction, offset_m: 1.0, inlier_share: 1.0 };
             let planes = &[plane; 2][..planes];
             let bodies = Bodies::new(&regions, &points, &normals, planes, &up, &kinect());
-            let touching = touching_pairs(&regions, &points, &params::Contact::default());
+            let touching = find_touching_pairs(&regions, &points, &params::Contact::default());
             let mut expected: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
             for (upper, lower) in touching.iter().flat_map(|&(i, j)| [(i, j), (j, i)]) {
                 let [of_upper, of_lower] = [upper, lower].map(|i| regions.at(i as usize).unwrap().index());

@@ -18,13 +18,13 @@ use self::along::{Along, ROUNDING_DEG};
 use self::pieces::{Piece, pieces};
 use self::sight::{HIDDEN_SHARE, SEEN_THROUGH_SHARE, Seen, look};
 use self::surface::{Surface, joint};
+use crate::linear::length;
 use crate::objectness::check::{Bound, Check};
 use crate::objectness::clusters::Clusters;
 use crate::objectness::history::{Event, Miss, Rule, Source};
 use crate::objectness::join::{Continuation, Join, JoinEvidence};
 use crate::params;
 use crate::regions::SegmentId;
-use crate::surface::moments::length;
 use crate::union_find::UnionFind;
 
 /// Clusters that touch along more pairs (px at 525 px) are neighbours, not parts.

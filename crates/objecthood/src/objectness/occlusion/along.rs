@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::surface::{RIDGE, Surface};
+use crate::linear::{length, solve};
 use crate::objectness::spread::{Sample, Spread, Turned};
 use crate::surface::disparity::DisparitySpace;
-use crate::surface::moments::{length, solve};
 
 /// Facets nearer to each other in the image (px) have no direction between them.
 const LEAST_APART_PX: f64 = 3.0;

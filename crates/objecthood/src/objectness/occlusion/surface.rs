@@ -1,7 +1,7 @@
 //! One surface through two pieces.
 
+use crate::linear::solve;
 use crate::objectness::spread::Sample;
-use crate::surface::moments::solve;
 
 /// Keeps the normal equations solvable, per sample.
 pub(super) const RIDGE: f64 = 1e-6;

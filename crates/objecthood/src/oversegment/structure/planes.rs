@@ -1,4 +1,4 @@
-//! Planes through all that is of a surface.
+//! Planes fitted to all pixels of a surface.
 
 use glam::DVec3;
 
