@@ -4,15 +4,16 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use objecthood::oversegment::graph::{PixelGraph, Unmeasured};
+use objecthood::oversegment::links::Links;
 use objecthood::oversegment::smoothing::smooth;
 use objecthood::oversegment::structure::find_structure;
-use objecthood::oversegment::watershed::{Links, seeds, watershed};
+use objecthood::oversegment::watershed::{find_seeds, flood};
 use objecthood::support::gravity::camera_up;
-use objecthood::surface::curvature::curvature;
-use objecthood::surface::normals::normals;
-use objecthood::surface::plane_fit::plane_fits;
+use objecthood::surface::curvature::measure_curvature;
+use objecthood::surface::normals::measure_normals;
+use objecthood::surface::plane_fit::fit_planes;
 use objecthood::surface::surfaces::{Surfaces, find_surfaces};
-use objecthood::surface::window_choice::orientation;
+use objecthood::surface::window_choice::choose_windows;
 use objecthood::{Frame, Params, Pipeline};
 use objecthood_bench::graph::{color_alone, graph_segmentation};
 use objecthood_scene::{Family, Sensor, generate, render};
@@ -28,12 +29,12 @@ fn paper(c: &mut Criterion) {
     let (frame, params) = (frame(), Params::default());
     let points = frame.points_m();
     let _buffers = Pipeline::default();
-    let per_pixel = normals(&points, &params.normals);
+    let per_pixel = measure_normals(&points, &params.normals);
     let mut group = c.benchmark_group("paper");
     group.sample_size(20);
-    group.bench_function("normals", |b| b.iter(|| normals(black_box(&points), &params.normals)));
+    group.bench_function("normals", |b| b.iter(|| measure_normals(black_box(&points), &params.normals)));
     group.bench_function("curvature", |b| {
-        b.iter(|| curvature(black_box(&per_pixel), &params.curvature));
+        b.iter(|| measure_curvature(black_box(&per_pixel), &params.curvature));
     });
     if let Some(color) = frame.color() {
         let smoothed = smooth(color, frame.depth_m(), &params.smoothing);
@@ -64,18 +65,18 @@ fn context(c: &mut Criterion) {
     let mut group = c.benchmark_group("context");
     group.sample_size(20);
     group.bench_function("plane fits", |b| {
-        b.iter(|| plane_fits(black_box(disparity), radius_px));
+        b.iter(|| fit_planes(black_box(disparity), radius_px));
     });
     group.bench_function("orientation", |b| {
-        b.iter(|| orientation(black_box(disparity), fits, space, &params.local_fit));
+        b.iter(|| choose_windows(black_box(disparity), fits, space, &params.local_fit));
     });
     group.bench_function("structure", |b| {
         b.iter(|| find_structure(black_box(frame.depth_m()), &surfaces, up, &params.structure));
     });
     group.bench_function("watershed", |b| {
         b.iter(|| {
-            let seeds = seeds(black_box(&fits.residual), &links, space, &params.watershed);
-            watershed(&fits.residual, &seeds, &links)
+            let seeds = find_seeds(black_box(&fits.residual), &links, space, &params.watershed);
+            flood(&fits.residual, &seeds, &links)
         });
     });
     group.finish();

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use objecthood::surface::disparity::DisparitySpace;
-use objecthood::surface::normals::normals;
-use objecthood::surface::plane_fit::plane_fits;
-use objecthood::surface::window_choice::orientation;
+use objecthood::surface::normals::measure_normals;
+use objecthood::surface::plane_fit::fit_planes;
+use objecthood::surface::window_choice::choose_windows;
 use objecthood::{Frame, Method, Params, Pipeline, Raster};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use stats_alloc::{Region, StatsAlloc};
@@ -99,12 +99,12 @@ impl<'a> Bench<'a> {
         // Which number of threads comes first takes turns: what comes later finds the caches warm.
         self.pools.reverse();
         let one = &self.one;
-        one.install(|| measure_normals(name, frame, figures));
+        one.install(|| time_normals(name, frame, figures));
         // What every stage that looks at each pixel once must cost at least.
         let (_, spent) = timed(|| frame.depth_m().map(|z| 2.0 * z));
         figures.extend(spent.figures(name, "one pass"));
         if let Some(color) = frame.color() {
-            one.install(|| measure_graph(name, color, figures))?;
+            one.install(|| time_graph(name, color, figures))?;
             if let Some(peer) = &mut self.peer {
                 let said = peer.segment(color)?.into_iter();
                 figures.extend(said.map(|(series, value)| Figure { frame: name.clone(), series, value }));
@@ -153,7 +153,7 @@ fn pool(threads: usize) -> Result<ThreadPool> {
 }
 
 /// The normals of both methods: time, and angle to the table's plane.
-fn measure_normals(name: &str, frame: &Frame, figures: &mut Vec<Figure>) {
+fn time_normals(name: &str, frame: &Frame, figures: &mut Vec<Figure>) {
     let params = Params::default();
     let points = frame.points_m();
     let plane = table(&points);
@@ -167,20 +167,20 @@ fn measure_normals(name: &str, frame: &Frame, figures: &mut Vec<Figure>) {
         }));
     };
 
-    let (integral, spent) = timed(|| normals(&points, &params.normals));
+    let (integral, spent) = timed(|| measure_normals(&points, &params.normals));
     report("integral-image normals", spent, &integral);
 
     let space = DisparitySpace::new(frame.camera(), &params.sensor);
     let (fitted, spent) = timed(|| {
         let disparity = space.disparity(frame.depth_m());
-        let fits = plane_fits(&disparity, space.length_px(params.local_fit.radius_px));
-        orientation(&disparity, &fits, &space, &params.local_fit)
+        let fits = fit_planes(&disparity, space.length_px(params.local_fit.radius_px));
+        choose_windows(&disparity, &fits, &space, &params.local_fit)
     });
     report("plane fits", spent, &fitted.normal);
 }
 
 /// The graph segmentation of the colour image alone: time, and how many segments.
-fn measure_graph(name: &str, color: &Raster<[u8; 3]>, figures: &mut Vec<Figure>) -> Result<()> {
+fn time_graph(name: &str, color: &Raster<[u8; 3]>, figures: &mut Vec<Figure>) -> Result<()> {
     let (frame, params) = (flat_frame(color)?, color_alone());
     let borders = color.map(|_| false);
     let (components, spent) = timed(|| graph_segmentation(&frame, &borders, &params));

@@ -16,7 +16,7 @@ use objecthood::objectness::hypotheses::find_cluster_hypotheses;
 use objecthood::oversegment::linked::LinkedSuperpixels;
 use objecthood::oversegment::structure::find_structure;
 use objecthood::shapes::border::measure_borders;
-use objecthood::shapes::contraction::{contract, votes};
+use objecthood::shapes::contraction::{contract, sum_votes};
 use objecthood::support::gravity::camera_up;
 use objecthood::support::standing::find_standing;
 use objecthood::surface::surfaces::find_surfaces;
@@ -45,7 +45,7 @@ fn discover_with(labels: &Raster<i32>, frame: &Frame, params: &Params) -> object
     let facets = find_facets(&surfaces, &structure, &superpixels, &params.merging, &params.refinement);
     // 3. Shapes.
     let borders = measure_borders(&facets, &surfaces.disparity, &surfaces.space, &params.border);
-    let shapes = contract(&votes(&borders, facets.structure, &params.contraction));
+    let shapes = contract(&sum_votes(&borders, facets.structure, &params.contraction));
     // 4. Objectness.
     let steps = StepLimits::of(&params.watershed);
     let filled = fill_facets(&facets, &surfaces.disparity, steps);

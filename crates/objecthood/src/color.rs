@@ -23,21 +23,21 @@ pub(crate) fn linear(rgb: [u8; 3]) -> [f32; 3] {
     rgb.map(|value| linear[usize::from(value)])
 }
 
-/// As [`lab`] of what has this `linear` light, but for [`NEARLY_LAB_ERROR`], and many times faster: without a branch, so that
-/// many pixels are converted at once.
+/// As [`lab`] of a colour with this [`linear`] light, to within [`NEARLY_LAB_ERROR`]. Many times faster: it has no branch, so vector
+/// units convert many pixels at once.
 #[inline(always)]
 pub(crate) fn nearly_lab(linear: [f32; 3]) -> [f32; 3] {
     lab_by(linear, nearly_cube_root)
 }
 
-/// No value of [`nearly_lab`] is farther than this from that of [`lab`]: cube roots err by less than 1e-6, and a is 500 times the
-/// difference of two of them.
+/// Bound on the difference between [`nearly_lab`] and [`lab`]: cube roots err by less than 1e-6, and a is 500 times the difference of
+/// two.
 pub(crate) const NEARLY_LAB_ERROR: f32 = 0.002;
 
-/// The cube root, but for a few units in the last place.
+/// The cube root to within a few units in the last place.
 #[inline(always)]
 fn nearly_cube_root(t: f32) -> f32 {
-    // A third of the exponent is right but for 4 %; each step of Halley's leaves less than the cube of that.
+    // A third of the exponent errs by 4 % at most; each step of Halley's method leaves less than the cube of the error.
     let mut root = f32::from_bits(t.to_bits() / 3 + 0x2a51_19f2);
     for _ in 0..2 {
         let cube = root * root * root;
@@ -46,6 +46,7 @@ fn nearly_cube_root(t: f32) -> f32 {
     root
 }
 
+/// L\*a\*b\* of linear light by a cube root.
 #[inline(always)]
 fn lab_by([r, g, b]: [f32; 3], cube_root: impl Fn(f32) -> f32) -> [f32; 3] {
     // The function f of CIE 15: a cube root, straight near zero.

@@ -10,13 +10,13 @@ use crate::error::{Error, Result};
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
-/// Coordinates beyond this (m) are no measurements, and their squares would not be finite.
+/// Coordinates beyond this (m) count as missing: their squares would not be finite.
 const FARTHEST_M: f64 = 1e15;
 
 /// One registered RGB-D image.
 ///
-/// * depth: metres along the optical axis (z, not range); `NaN` where there is none. Whatever is not positive on
-///   input, or so far that the point would not be finite, counts as missing and is stored as `NaN`.
+/// * depth: metres along the optical axis (z, not range); `NaN` where there is none. Depths that are not positive, or so large that
+///   the point would not be finite, count as missing and are stored as `NaN`.
 /// * colour: sRGB, 8 bits a channel, registered to the depth pixel by pixel; may be absent altogether.
 /// * points are not stored: they follow from depth and camera ([`Frame::points_m`]).
 ///
@@ -43,7 +43,7 @@ impl Frame {
             return Err(Error::SizeMismatch { color: color.size(), depth: depth_m.size() });
         }
         let camera = camera.check()?;
-        // No ray leans farther than one through a corner.
+        // The rays through the corners lean farthest.
         let (right, bottom) = (depth_m.width() as f64, depth_m.height() as f64);
         let corners = [camera.ray(0.0, 0.0), camera.ray(right, bottom)];
         let lean = corners.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));

@@ -47,6 +47,7 @@ pub mod error;
 pub mod explain;
 pub mod facets;
 pub mod frame;
+mod linear;
 mod method;
 mod neighbours;
 pub mod objectness;

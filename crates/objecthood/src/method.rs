@@ -11,7 +11,7 @@ use crate::discovery::Discovery;
 use crate::error::Result;
 use crate::facets::appearance::Appearance;
 use crate::facets::find_facets;
-use crate::facets::grouping::facets;
+use crate::facets::grouping::group_superpixels;
 use crate::frame::Frame;
 use crate::objectness::conclusion::{conclude_context, conclude_paper};
 use crate::objectness::hypotheses::{Evidence, find_cluster_hypotheses, find_hypotheses};
@@ -22,16 +22,16 @@ use crate::oversegment::paper::segment_graph;
 use crate::oversegment::structure::find_structure;
 use crate::params::{Channels, Params};
 use crate::shapes::border::measure_borders;
-use crate::shapes::contact::contacts;
-use crate::shapes::contraction::{contract, votes};
-use crate::shapes::convexity::{convexities, shapes};
-use crate::shapes::descriptor::descriptors;
+use crate::shapes::contact::find_contacts;
+use crate::shapes::contraction::{contract, sum_votes};
+use crate::shapes::convexity::{join_shapes, measure_convexities};
+use crate::shapes::descriptor::describe_regions;
 use crate::support::by_height::build_by_height;
 use crate::support::gravity::{camera_up, find_ground};
 use crate::support::standing::find_standing;
-use crate::surface::curvature::curvature;
+use crate::surface::curvature::measure_curvature;
 use crate::surface::disparity::DisparitySpace;
-use crate::surface::normals::normals;
+use crate::surface::normals::measure_normals;
 use crate::surface::surfaces::find_surfaces;
 
 /// The published method: "Unsupervised Object Exploration Using Context" (RO-MAN 2014).
@@ -45,9 +45,9 @@ pub(crate) fn paper<'k>(
 
     // What single pixels tell: normals, and where they bend (eq. 2).
     let points_m = recall(&mut kept.points_m, || frame.points_m());
-    let normals = recall(&mut kept.normals, || normals(points_m, &params.normals));
+    let normals = recall(&mut kept.normals, || measure_normals(points_m, &params.normals));
     observer.observe(Output::Normals(normals));
-    let curvature = recall(&mut kept.curvature, || curvature(normals, &params.curvature));
+    let curvature = recall(&mut kept.curvature, || measure_curvature(normals, &params.curvature));
     observer.observe(Output::Curvature(curvature));
 
     // 1. Over-segmentation on colour, depth and curvature (eq. 1).
@@ -57,26 +57,26 @@ pub(crate) fn paper<'k>(
     // 2. Facets: superpixels that look alike (eq. 3).
     let facets = recall(&mut kept.facets, || {
         let appearance = Appearance::new(superpixels, frame.color(), normals, &params.appearance);
-        facets(superpixels, &appearance, frame.depth_m(), &params.grouping)
+        group_superpixels(superpixels, &appearance, frame.depth_m(), &params.grouping)
     });
     observer.observe(Output::Facets(facets));
 
     // 3. Shapes: facets joined across convex edges (eq. 4 and 5).
     let shapes = recall(&mut kept.shapes, || {
-        let described = descriptors(facets, &superpixels.core, points_m, normals);
-        let convexities = convexities(&contacts(facets, points_m, &params.contact), &described);
-        shapes(facets, &described, &convexities)
+        let described = describe_regions(facets, &superpixels.core, points_m, normals);
+        let convexities = measure_convexities(&find_contacts(facets, points_m, &params.contact), &described);
+        join_shapes(facets, &described, &convexities)
     });
     observer.observe(Output::Shapes(shapes.into()));
 
     // 4. Objectness: size, and support against gravity (eq. 6 to 8).
     let ground = recall(&mut kept.ground, || find_ground(points_m, &params.gravity));
     let support = recall(&mut kept.support, || {
-        let described = descriptors(shapes, &superpixels.core, points_m, normals);
+        let described = describe_regions(shapes, &superpixels.core, points_m, normals);
         build_by_height(
             shapes,
             &described,
-            &contacts(shapes, points_m, &params.contact),
+            &find_contacts(shapes, points_m, &params.contact),
             points_m,
             &ground.up,
         )
@@ -128,7 +128,7 @@ pub(crate) fn context<'k>(
     });
     observer.observe(Output::Borders { facets, evidence: borders });
     let shapes =
-        recall(&mut kept.shapes, || contract(&votes(borders, facets.structure, &params.contraction)));
+        recall(&mut kept.shapes, || contract(&sum_votes(borders, facets.structure, &params.contraction)));
     observer.observe(Output::Shapes(LabelMap::shapes(facets, shapes)));
 
     // 4. Objectness: what the surroundings of a shape tell, and support against gravity.

@@ -1,4 +1,4 @@
-//! Neighbouring pixels.
+//! The pixels beside a pixel.
 
 /// The 4-neighbours of a pixel, right, left, down, up, each with the axis along which it lies.
 pub(crate) fn four_neighbours(i: usize, width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> {

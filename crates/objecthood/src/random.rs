@@ -1,11 +1,12 @@
 //! Random numbers that are the same on every machine.
 
-/// A linear congruential generator (Numerical Recipes); its upper 24 bits are used.
+/// A linear congruential generator (Numerical Recipes). Its upper 24 bits are used.
 pub(crate) struct Lcg {
     state: u32,
 }
 
 impl Lcg {
+    /// The numbers that follow from this seed.
     pub(crate) fn new(seed: u32) -> Self {
         Self { state: seed }
     }

@@ -147,7 +147,7 @@ impl PixelBox {
     }
 }
 
-/// The places of the marks that are not 0, in ascending order. Few are: stretches without any are passed over at once.
+/// The places of the marks that are not 0, in ascending order. Fast where few are: stretches of zeros are passed over.
 pub(crate) fn marked(marks: &[i32]) -> impl Iterator<Item = usize> + '_ {
     const STRETCH: usize = 16;
     let stretches = marks.chunks(STRETCH).enumerate();
@@ -155,7 +155,7 @@ pub(crate) fn marked(marks: &[i32]) -> impl Iterator<Item = usize> + '_ {
     busy.flat_map(|(k, stretch)| (k * STRETCH..).zip(stretch).filter(|(_, mark)| **mark != 0).map(|(u, _)| u))
 }
 
-/// `count` values of a row from `u` on; of none, wherever that is.
+/// `count` values of a row from `u` on. Without any values, `u` may lie beyond the row.
 #[inline]
 pub(crate) fn part<T>(row: &[T], u: usize, count: usize) -> &[T] {
     &row[u.min(row.len())..][..count]

@@ -1,17 +1,17 @@
-//! Loops over pixels without branches, compiled for the vector units that the machine has.
+//! Loops over pixels, compiled for the vector units of the machine.
 
-/// Runs `work`, which is compiled once for every width of vectors; which one runs the machine decides.
+/// Runs `work`, which is compiled once for each width of vectors. The machine chooses at run time.
 ///
-/// The result is the same with all of them, and without: Rust neither contracts nor reorders floating-point operations.
-/// What `work` calls has to be inlined into it, else it is compiled for the smallest machine only. With the feature
-/// `scalar` nothing is chosen at run time, so that instructions can be counted and compared between machines.
+/// The result is the same for all of them, to the bit: Rust neither contracts nor reorders floating-point operations. Functions that
+/// `work` calls have to be inlined into it, else they are compiled for the smallest machine only. With the feature `scalar` nothing
+/// is chosen at run time, so that counts of instructions can be compared between machines.
 #[inline(always)]
 pub(crate) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
     if cfg!(feature = "scalar") { work() } else { pulp::Arch::new().dispatch(work) }
 }
 
-/// Adds the marked ones of at most N values in their order, without branches: where none can foresee which they are. Panics when
-/// values come after N marked ones.
+/// Adds the marked values, at most N, in their order. It has no branch, which pays where no processor can predict the marks. Panics
+/// when values come after N marked ones.
 pub(crate) fn extend_where<const N: usize, T: Copy + Default>(
     all: &mut Vec<T>,
     values: impl Iterator<Item = (T, bool)>,

@@ -1,4 +1,4 @@
-//! What the tests of several algorithms of `context` are made of.
+//! Inputs for the tests of several algorithms of `context`.
 
 use proptest::prelude::*;
 use proptest::strategy::BoxedStrategy;
@@ -38,7 +38,7 @@ pub(crate) fn coarse_disparity() -> impl Strategy<Value = f32> + Clone {
     prop_oneof![1 => Just(f32::NAN), 5 => (200_u8..=208).prop_map(f32::from)]
 }
 
-/// These planes.
+/// Plane fits from single planes.
 pub(crate) fn plane_fits(fits: &Raster<PlaneFit>) -> PlaneFits {
     PlaneFits {
         value: fits.map(|fit| fit.value),

@@ -2,8 +2,7 @@
 
 use crate::buffers::Buffer;
 
-/// A forest of parents. Which root survives a union is the caller's decision, because numbering and
-/// statistics follow the surviving root.
+/// A forest of parents. The caller decides which root survives a union, because numbers and statistics follow that root.
 pub(crate) struct UnionFind {
     parent: Buffer<u32>,
 }
@@ -33,7 +32,7 @@ impl UnionFind {
         }
     }
 
-    /// The grandparent of `i`, found without a branch; becomes its parent. A root is its own.
+    /// The grandparent of `i`, which becomes its parent. It has no branch. The grandparent of a root is the root.
     #[inline]
     pub(crate) fn two_up(&mut self, i: usize) -> usize {
         let grandparent = self.parent[self.parent[i] as usize];
@@ -47,7 +46,7 @@ impl UnionFind {
         self.parent[child] = root as u32;
     }
 
-    /// Numbers the sets 0.. in ascending order of their roots: the group of every member, and how many there are.
+    /// Numbers the sets 0.. in ascending order of their roots. Returns the number of every member's set and the number of sets.
     pub(crate) fn groups(mut self) -> (Vec<u32>, usize) {
         let n = self.parent.len();
         let mut number = vec![0; n];

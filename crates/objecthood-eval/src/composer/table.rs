@@ -3,7 +3,8 @@
 use glam::{DVec2, DVec3};
 use objecthood::Raster;
 use objecthood::surface::disparity::DisparitySpace;
-use objecthood::surface::moments::{Basis, Model, Moments};
+use objecthood::surface::model::{Basis, Model};
+use objecthood::surface::moments::Moments;
 use objecthood_scene::random::Rng;
 
 use super::canvas::Canvas;

@@ -19,13 +19,13 @@ use self::along::{Along, ROUNDING_DEG};
 use self::pieces::{Piece, find_pieces};
 use self::sight::{HIDDEN_SHARE, HOPELESS, SEEN_THROUGH_SHARE, Seen, look_into_gap};
 use self::surface::{Surface, fit_jointly};
+use crate::linear::length;
 use crate::clusters::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
 use crate::discovery::join::{Continuation, Join, JoinEvidence};
 use crate::params;
 use crate::regions::SegmentId;
-use crate::surface::moments::length;
 use crate::union_find::UnionFind;
 
 /// Clusters that touch along more pairs (px at 525 px) are neighbours, not parts.

@@ -13,9 +13,10 @@ use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
 use crate::shapes::contraction::Shapes;
 use crate::surface::disparity::{DisparitySpace, position};
-use crate::surface::moments::{Basis, Model, Moments};
-use crate::surface::plane_fit::plane_fits;
-use crate::surface::window_choice::orientation;
+use crate::surface::model::{Basis, Model};
+use crate::surface::moments::Moments;
+use crate::surface::plane_fit::fit_planes;
+use crate::surface::window_choice::choose_windows;
 use crate::testing::space;
 
 /// How far below the camera the table is (m).
@@ -64,8 +65,8 @@ impl Table {
         };
         let points_m = depth_m.with_data((0..width * height).map(point).collect());
         let params = params::LocalFit::default();
-        let fits = plane_fits(&disparity, params.radius_px);
-        let normals = orientation(&disparity, &fits, &space, &params).normal;
+        let fits = fit_planes(&disparity, params.radius_px);
+        let normals = choose_windows(&disparity, &fits, &space, &params).normal;
         let support = StructureSurface { model: table, normal: DVec3::NEG_Z, offset_m: TABLE_M };
         let facets = Facets { segments, models, structure: 1 };
         Self { facets, disparity, color: None, normals, points_m, space, support }

@@ -8,7 +8,7 @@ use crate::explain::guess::{Guess, info, last_digit, round};
 use crate::explain::run::Run;
 use crate::params::{Method, Params};
 use crate::shapes::border::measure_borders;
-use crate::shapes::contraction::{Shapes, contract, votes};
+use crate::shapes::contraction::{Shapes, contract, sum_votes};
 use crate::stage::Stage;
 use crate::surface::surfaces::Surfaces;
 
@@ -57,11 +57,11 @@ impl Sweep {
         let params = self.params.with_number(parameter, value)?;
         let structure = run.facets.structure;
         Some(if looks_at(parameter) == 0 {
-            contract(&votes(&run.borders, structure, &params.contraction))
+            contract(&sum_votes(&run.borders, structure, &params.contraction))
         } else {
             let evidence =
                 measure_borders(&run.facets, &self.surfaces.disparity, &self.surfaces.space, &params.border);
-            contract(&votes(&evidence, structure, &params.contraction))
+            contract(&sum_votes(&evidence, structure, &params.contraction))
         })
     }
 

@@ -2,14 +2,14 @@
 
 use crate::facets::appearance::Appearance;
 use crate::oversegment::Superpixels;
-use crate::oversegment::graph::{STEPS, columns};
+use crate::oversegment::pixel_edge::{STEPS, columns};
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::union_find::UnionFind;
 
-/// Which superpixels touch: the number of 8-neighbour pixel pairs between any two.
-pub fn neighbours(segments: &Segments) -> RegionGraph<u32> {
+/// Counts the pairs of 8-neighbours between any two superpixels. O(pixels + pairs log pairs).
+pub fn count_neighbours(segments: &Segments) -> RegionGraph<u32> {
     let labels = segments.labels();
     let (width, height) = labels.size();
     let row = |v: usize| &labels.as_slice()[v * width..][..width];
@@ -28,20 +28,20 @@ pub fn neighbours(segments: &Segments) -> RegionGraph<u32> {
 /// Joins neighbouring superpixels in ascending order of their difference while it does not exceed the internal
 /// variation of either group; every join averages both variations and the difference.
 ///
-/// Superpixels with depth on at most half of their pixels take no part. Facets are numbered in the order of the
-/// superpixel that stands for them.
+/// Superpixels with depth on at most half of their pixels take no part. Facets are numbered in the order of the superpixels that
+/// stand for them.
 ///
 /// *Differs from the paper:* "the average between the internal variation of the two groups and the edge" is
 /// read as the mean of three. Histograms are not recounted after a join (METHOD 2.4). O(E log E) for E pairs.
-pub fn facets(
+pub fn group_superpixels(
     superpixels: &Superpixels,
     appearance: &Appearance,
     depth_m: &Raster<f32>,
     params: &params::Grouping,
 ) -> Segments {
     let segments = &superpixels.segments;
-    let measured = mostly_measured(segments, depth_m);
-    let differences = neighbours(segments).map(|e| appearance.difference(e.a.index(), e.b.index()));
+    let measured = find_mostly_measured(segments, depth_m);
+    let differences = count_neighbours(segments).map(|e| appearance.difference(e.a.index(), e.b.index()));
     let mut edges: Vec<_> =
         differences.edges().iter().filter(|e| measured[e.a.index()] && measured[e.b.index()]).collect();
     // Stable, so that equal differences stay in the order (a, b).
@@ -60,8 +60,8 @@ pub fn facets(
     segments.grouped(&group_of, count)
 }
 
-/// Which segments have depth on more than half of their pixels.
-fn mostly_measured(segments: &Segments, depth_m: &Raster<f32>) -> Vec<bool> {
+/// Finds the segments with depth on more than half of their pixels.
+fn find_mostly_measured(segments: &Segments, depth_m: &Raster<f32>) -> Vec<bool> {
     let mut balance = vec![0_i64; segments.count()];
     for (i, s) in segments.members() {
         balance[s] += if depth_m[i].is_nan() { -1 } else { 1 };
@@ -93,7 +93,7 @@ mod tests {
                     }
                 }
             }
-            let got: Vec<_> = neighbours(&segments).edges().iter().map(|e| ((e.a, e.b), e.evidence)).collect();
+            let got: Vec<_> = count_neighbours(&segments).edges().iter().map(|e| ((e.a, e.b), e.evidence)).collect();
             prop_assert_eq!(got, expected.into_iter().collect::<Vec<_>>());
         }
     }
@@ -115,7 +115,7 @@ mod tests {
         let (superpixels, appearance, depth) = scene([0, 0, 255, 0]);
         let joined = |c: f64, depth: &Raster<f32>| {
             let params = params::Grouping { initial_variation: c };
-            facets(&superpixels, &appearance, depth, &params).labels().as_slice().to_vec()
+            group_superpixels(&superpixels, &appearance, depth, &params).labels().as_slice().to_vec()
         };
         // Colours that share no bin differ by 0.5; equal ones by 0.
         assert_eq!(joined(0.4, &depth), [0, 0, 0, 0, 1, 1, 2, 2]);
@@ -177,7 +177,7 @@ mod tests {
             }
             groups.sort_by_key(|g| g.0[0]);
             let group = |&s: &i32| groups.iter().position(|g| g.0.contains(&(s as usize))).map_or(-1, |g| g as i32);
-            let found = facets(&superpixels, &appearance, &depth, &params);
+            let found = group_superpixels(&superpixels, &appearance, &depth, &params);
             prop_assert_eq!(found.count(), groups.len());
             prop_assert_eq!(found.labels(), &segments.labels().map(group));
         }

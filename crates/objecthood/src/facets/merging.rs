@@ -12,37 +12,38 @@ use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::disparity::DisparitySpace;
-use crate::surface::moments::{Basis, Fit, Model, Moments};
+use crate::surface::model::{Basis, Fit, Model};
+use crate::surface::moments::Moments;
 use crate::union_find::UnionFind;
 
-/// Superpixels are neighbours when so many linked pixel pairs join them (px at a focal length of 525 px).
+/// Least number of linked pixel pairs that make superpixels neighbours (px at a focal length of 525 px).
 const LEAST_BORDER_PX: u32 = 2;
-/// A region with fewer pixels (at 525 px) has little say: disagreement with it counts less.
+/// Disagreement with a region of fewer pixels (at 525 px) counts less.
 const SMALL_PX: usize = 20;
-/// Share of the disagreement that a region of no pixels would have.
+/// The share of its disagreement that would count for a region of no pixels.
 const LEAST_SAY: f64 = 0.3;
-/// Fewer pixels carry no quadratic while regions are merged ...
+/// While regions are merged, those with fewer pixels get no quadratic.
 const QUADRATIC_TRIAL_PX: f64 = 12.0;
-/// ... nor, afterwards, in the table of facets.
+/// Facets with fewer pixels get no quadratic.
 const QUADRATIC_PX: f64 = 40.0;
 
 /// A region that grows.
 struct Region {
-    /// What hangs together by pairs of neighbours is of one island.
+    /// Regions that are connected by neighbours form an island.
     island: u32,
-    /// The superpixel that stands for it, or for what it is a part of.
+    /// The superpixel that stands for it, or for the region that took it in.
     superpixel: u32,
     moments: Moments,
     squared_error: f64,
     steepness: f64,
     /// Places in the island: ascending, all of them alive.
     neighbours: Vec<u32>,
-    /// After how many merges of its island it was as it is now; none when it is a part of another.
+    /// Number of merges of its island when it last changed; none once another region has taken it in.
     since: Option<u32>,
 }
 
-/// A merge on the heap. One number, so that the order of two is told without a branch: the bits of the cost, which are in its order
-/// because it is not negative; both regions; after how many merges of the island it was thought of.
+/// A merge on the heap, as one number, so that two are compared without a branch. From its highest bits on: the cost, which is not
+/// negative, so that its bits sort as it does; both regions; the number of merges of the island when it was proposed.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Merge(u128);
 
@@ -115,7 +116,7 @@ impl Region {
     }
 }
 
-/// What decides about merges besides the two regions.
+/// What the cost of a merge depends on besides the two regions.
 struct Costs<'a> {
     space: &'a DisparitySpace,
     small_px: f64,
@@ -125,19 +126,19 @@ struct Costs<'a> {
 struct Regions {
     /// Island by island.
     all: Vec<Region>,
-    /// Of each superpixel the place there.
+    /// The place of each superpixel in `all`.
     places: Vec<usize>,
 }
 
-/// The regions that hang together.
+/// Regions that are connected.
 struct Island<'a> {
     regions: &'a mut [Region],
-    /// How many merges there have been.
+    /// Number of merges so far.
     merges: u32,
 }
 
 impl Regions {
-    /// Of superpixels with these moments, each a region. `pairs` of neighbours, each once, sorted.
+    /// One region for each superpixel with these moments. `pairs`: neighbours, each pair once, sorted.
     fn new(moments: &[Moments], pairs: &[[usize; 2]]) -> Self {
         let mut sets = UnionFind::new(moments.len());
         for pair in pairs {
@@ -172,7 +173,7 @@ impl Regions {
         Self { all, places }
     }
 
-    /// Those with something to merge.
+    /// The islands of two regions and more.
     fn islands(&mut self) -> Vec<Island<'_>> {
         let islands = self.all.chunk_by_mut(|a, b| a.island == b.island);
         islands.filter(|regions| regions.len() > 1).map(|regions| Island { regions, merges: 0 }).collect()
@@ -190,7 +191,7 @@ impl Regions {
         for place in self.places {
             let Region { superpixel, moments, since, .. } = &self.all[place];
             facet_of.push(match since {
-                // Of the smaller number, so it is known.
+                // That superpixel has a smaller number, so its facet is known.
                 None => facet_of[*superpixel as usize],
                 Some(_) if moments.count() < min_facet_px as f64 => Segments::NONE,
                 Some(_) => {
@@ -264,8 +265,8 @@ impl Island<'_> {
 }
 
 impl Costs<'_> {
-    /// The disagreement (quanta) that a common surface adds, per degree of freedom of the smaller region: were the
-    /// surface a constant, the offset of one region from the other, whatever their sizes.
+    /// The disagreement (quanta) that a common surface adds, scaled so that for constant surfaces it is the offset of one region from
+    /// the other, whatever their sizes.
     fn cost(&self, x: &Region, y: &Region, basis: Basis) -> f64 {
         let (n, m) = (x.moments.count(), y.moments.count());
         let union = x.moments.fit_with(&y.moments, basis_of(n + m, basis, QUADRATIC_TRIAL_PX));
@@ -281,12 +282,12 @@ impl Costs<'_> {
     }
 }
 
-/// The surface of a region: with fewer than `least_px` pixels a plane.
+/// Fits the surface of a region, a plane if it has fewer than `least_px` pixels.
 fn fit(moments: &Moments, basis: Basis, least_px: f64) -> Fit {
     moments.fit(basis_of(moments.count(), basis, least_px))
 }
 
-/// What fits the surface of `count` pixels: fewer than `least_px` are a plane.
+/// The basis for `count` pixels: a plane for fewer than `least_px`.
 fn basis_of(count: f64, basis: Basis, least_px: f64) -> Basis {
     if count < least_px { Basis::Plane } else { basis }
 }

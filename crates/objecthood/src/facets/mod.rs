@@ -4,6 +4,7 @@
 //! ([`merging`]) and straightens the borders ([`refinement`]).
 
 pub mod appearance;
+mod bins;
 pub mod grouping;
 pub mod merging;
 pub mod refinement;
@@ -14,7 +15,7 @@ use crate::oversegment::linked::LinkedSuperpixels;
 use crate::oversegment::structure::Structure;
 use crate::params;
 use crate::regions::Segments;
-use crate::surface::moments::Model;
+use crate::surface::model::Model;
 use crate::surface::surfaces::Surfaces;
 
 /// Facets of `context`: surfaces of one model each. Those of the structure come first.

@@ -11,34 +11,34 @@ use crate::surface::disparity::position;
 
 /// Passes over the borders.
 const PASSES: usize = 4;
-/// Neighbours in the image that differ by more (quanta) are none in space.
+/// Neighbours in the image whose disparities differ by more (quanta) are no neighbours in space.
 const NEIGHBOUR_QUANTA: f32 = 15.0;
 /// Fewer pixels are not worth another thread.
 const LEAST_PX_A_THREAD: usize = 1024;
-/// Misfit beyond this (quanta) counts as this: an outlier is no worse than another.
+/// Largest misfit that counts (quanta): an outlier is no worse than another.
 const MISFIT_CAP: f64 = 6.0;
-/// What a pixel's present facet is preferred by (quanta).
+/// Preference for a pixel's present facet (quanta).
 const INERTIA: f64 = 0.1;
 
-/// Gives border pixels and those without a facet to the facet of a neighbour that fits their disparity best and
-/// holds most of their neighbours: iterated conditional modes (Besag 1986), synchronous, so that no order of the pixels
-/// matters. The models stay.
+/// Gives each border pixel and each pixel without a facet to the facet of a neighbour, the one that fits its disparity best and
+/// holds most of its neighbours: iterated conditional modes (Besag 1986). All pixels change at the same time, so their order does
+/// not matter. The models stay.
 ///
-/// After the first pass only those are looked at again around which something changed: the others would stay as they are.
-/// O(pixels + border pixels + passes · changes).
+/// After the first pass only pixels beside a change are looked at again: the others would stay as they are. O(pixels + border
+/// pixels + passes · changes); parallel over pixels.
 pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refinement) -> Facets {
     let Facets { segments, models, structure } = facets;
     let count = segments.count();
     let mut labels = segments.into_labels();
     let (width, height) = labels.size();
-    let mut active = open_pixels(&labels, disparity);
-    let mut asked_in = before_all_passes(width, height);
+    let mut active = find_open_pixels(&labels, disparity);
+    let mut asked_in = start_passes(width, height);
     for pass in 1..=PASSES as u8 {
         let change = |&i: &u32| {
             let i = i as usize;
             let at = position(i, width);
             let value = |l: usize| models[l].value(at);
-            let label = best(i, &labels, disparity, value, params.agreement_quanta);
+            let label = find_best(i, &labels, disparity, value, params.agreement_quanta);
             (label != labels[i]).then_some((i, label))
         };
         let changes: Vec<(usize, i32)> =
@@ -57,9 +57,9 @@ pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refineme
     Facets { segments: Segments::from_numbered(labels, count), models, structure }
 }
 
-/// Of every pixel the last pass that asked whether it is open: none yet. At the edge of the image one that never comes, so that
-/// nothing is asked there.
-fn before_all_passes(width: usize, height: usize) -> Vec<u8> {
+/// The last pass that asked whether each pixel is open: none yet. At the edge of the image a pass that never comes, so that nothing is
+/// asked there.
+fn start_passes(width: usize, height: usize) -> Vec<u8> {
     let mut asked_in = vec![0; width * height];
     asked_in[..width].fill(u8::MAX);
     asked_in[(height - 1) * width..].fill(u8::MAX);
@@ -69,8 +69,8 @@ fn before_all_passes(width: usize, height: usize) -> Vec<u8> {
     asked_in
 }
 
-/// The pixels inside the image that are [`is_open`], in scan order. O(pixels); parallel over rows.
-fn open_pixels(labels: &Raster<i32>, disparity: &Raster<f32>) -> Vec<u32> {
+/// Finds the pixels that are open, in scan order ([`is_open`]). O(pixels); parallel over rows.
+fn find_open_pixels(labels: &Raster<i32>, disparity: &Raster<f32>) -> Vec<u32> {
     let (width, height) = labels.size();
     let inner = width.saturating_sub(2);
     let of_row = |marks: &mut Vec<i32>, v: usize| {
@@ -78,8 +78,8 @@ fn open_pixels(labels: &Raster<i32>, disparity: &Raster<f32>) -> Vec<u32> {
         let (left, right) = (part(own, 0, inner), part(own, 2, inner));
         let [above, own, below] = [above, own, below].map(|row| part(row, 1, inner));
         let measured = part(&disparity.as_slice()[v * width..], 1, inner);
-        // Most pixels are of one facet with their neighbours, or have no depth: of slices of one length and without branches,
-        // so that many are told at once.
+        // Most pixels have the facet of their neighbours, or no depth. Slices of one length and no branches, so that vector units
+        // tell many at once.
         vectorized(
             #[inline(always)]
             || {
@@ -98,7 +98,7 @@ fn open_pixels(labels: &Raster<i32>, disparity: &Raster<f32>) -> Vec<u32> {
     rows.flatten_iter().collect()
 }
 
-/// Whether a pixel inside the image is measured and has no facet, or a 4-neighbour of another.
+/// Whether a pixel inside the image is measured and has no facet, or a 4-neighbour of another facet.
 fn is_open(i: usize, labels: &Raster<i32>, disparity: &Raster<f32>) -> bool {
     let width = labels.width();
     let own = labels[i];
@@ -106,8 +106,8 @@ fn is_open(i: usize, labels: &Raster<i32>, disparity: &Raster<f32>) -> bool {
     !disparity[i].is_nan() && (own < 0 || [i + 1, i - 1, i + width, i - width].into_iter().any(differs))
 }
 
-/// The label of least energy among those of the 8 neighbours, the first one on ties; the own without any.
-fn best(
+/// The label of least energy among those of the 8 neighbours, the first one on ties. Without labelled neighbours its own.
+fn find_best(
     i: usize,
     labels: &Raster<i32>,
     disparity: &Raster<f32>,
@@ -133,7 +133,7 @@ fn best(
         let same = left & those(|k| voters[k] == label);
         left &= !same;
         if least.is_none() && left == 0 {
-            // There is nothing to choose from.
+            // All neighbours have one label.
             return label;
         }
         let energy = energy(label, same.count_ones());
@@ -144,7 +144,7 @@ fn best(
     least.map_or(own, |(_, label)| label)
 }
 
-/// A bit for each of eight.
+/// Eight bits, bit k for neighbour k.
 #[inline(always)]
 fn those(is: impl Fn(usize) -> bool) -> u8 {
     (0..8).fold(0, |bits, k| bits | u8::from(is(k)) << k)
@@ -155,7 +155,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::surface::moments::{Basis, Model, Moments};
+    use crate::surface::model::{Basis, Model};
+    use crate::surface::moments::Moments;
     use crate::testing::{coarse_disparity, raster, small_size};
 
     /// A surface of constant disparity.
@@ -239,7 +240,7 @@ mod tests {
         let disparity = (0..width * height).map(|i| 200.0 + (at(i) % 5) as f32).collect();
         let disparity = Raster::from_vec(width, height, disparity).unwrap();
         let labels = disparity.with_data((0..width * height).map(|i| at(i) as i32 % 4 - 1).collect());
-        assert!(open_pixels(&labels, &disparity).len() > 4 * LEAST_PX_A_THREAD);
+        assert!(find_open_pixels(&labels, &disparity).len() > 4 * LEAST_PX_A_THREAD);
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let models = [201.0, 203.0, 204.0].map(level).to_vec();

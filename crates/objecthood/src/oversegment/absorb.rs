@@ -1,29 +1,30 @@
-//! High-curvature pixels go to the region reached over their cheapest path (METHOD 2.3; the paper is silent).
+//! Pixels of high curvature go to the region that they reach over their cheapest path (METHOD 2.3; the paper is silent).
 //!
-//! Left alone they would erode every object by 2 to 6 px; joined by the minimum-size pass they would leak.
+//! Without it every object would lose 2 to 6 px at its borders; joined by the minimum-size pass they would leak.
 
 use crate::buffers::Buffer;
 use crate::oversegment::Superpixels;
 use crate::oversegment::felzenszwalb::Components;
-use crate::oversegment::graph::{PixelEdge, PixelGraph};
+use crate::oversegment::graph::PixelGraph;
+use crate::oversegment::pixel_edge::PixelEdge;
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::depth_change::changes;
 use crate::union_find::UnionFind;
 
-/// Marks a pixel without a label.
+/// The label of a pixel that has none yet.
 const NONE: u32 = u32::MAX;
 
-/// The part that all pixels with a label are.
+/// The part of all pixels with a label.
 const SEED: u32 = PixelGraph::NO_PART - 1;
 
-/// A minimum spanning forest seeded by the components of at least `min_size_px` pixels: each loose pixel, of high
-/// curvature or of a smaller component, takes the label it reaches over its cheapest path. No path crosses
-/// between depth and none, or a step of more than `depth_gate_per_m`·z².
+/// Gives each loose pixel the label that it reaches over its cheapest path: a minimum spanning forest seeded by the components of
+/// at least `min_size_px` pixels. Loose are pixels in `borders`, of high curvature, and those of smaller components. No path crosses
+/// between pixels with and without depth, or a step of more than `depth_gate_per_m`·z² (m).
 ///
-/// What stays out of reach: a pixel of high curvature belongs to no superpixel, another one keeps its component.
-/// Superpixels are numbered in the order of their components' roots. O(edges · log pixels).
+/// Of the pixels that reach no label, those in `borders` belong to no superpixel, the others keep their component. Superpixels
+/// are numbered in the order of their components' roots. O(edges · log pixels).
 pub fn absorb(
     graph: &PixelGraph,
     components: &Components,
@@ -58,11 +59,11 @@ pub fn absorb(
             reached => reached,
         };
     }
-    Superpixels { segments: numbered(&label, borders), core }
+    Superpixels { segments: number(&label, borders), core }
 }
 
 /// Numbers the labels, which are pixel indices, in ascending order.
-fn numbered(label: &[u32], shape: &Raster<bool>) -> Segments {
+fn number(label: &[u32], shape: &Raster<bool>) -> Segments {
     let mut number = Buffer::filled(label.len(), Segments::NONE);
     for &l in label.iter().filter(|&&l| l != NONE) {
         number[l as usize] = 0;

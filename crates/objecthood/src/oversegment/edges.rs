@@ -1,35 +1,42 @@
-//! Edges from the lightest to the heaviest, as far as they lie between two sets.
+//! Edges in the order of their weights, as far as they lie between two sets.
 
 use rayon::prelude::*;
 
 use crate::buffers::Buffer;
-use crate::oversegment::graph::{PixelEdge, STEPS, four};
+use crate::oversegment::pixel_edge::{PixelEdge, STEPS, by_direction};
 use crate::union_find::UnionFind;
 
 /// Edges of a pixel graph, dealt into buckets by the leading bits of their weights.
-///
-/// The key of an edge is the bits of its weight, below them its number. Weights are not negative, so keys sort as weights do,
-/// equal weights in the order of their numbers.
 pub(crate) struct Edges {
-    /// Band by band, the keys of a band bucket by bucket; within one the numbers ascend.
-    keys: Buffer<u64>,
-    /// Places of a band, some of which stay free at its end.
-    band_len: usize,
-    /// Of every band where each bucket ends in it.
-    ends: Buffer<u32>,
-    /// Room for a band that is dealt, later for the largest bucket and, if it suffices, for sorting it.
+    dealt: Dealt,
+    /// Room for a band that is dealt, later for the largest bucket and, if it is enough, for sorting that bucket.
     spare: Buffer<u64>,
-    /// From p to q in each direction.
-    ahead: [u32; 4],
+    directions: Directions,
 }
+
+/// The keys of edges, band by band and in a band bucket by bucket. In a bucket of a band the numbers of the edges ascend.
+///
+/// The key of an edge is the bits of its weight and below them its number. Weights are not negative, so keys sort as weights do,
+/// and equal weights in the order of the numbers.
+struct Dealt {
+    keys: Buffer<u64>,
+    /// Places of a band; some at its end stay free.
+    band_len: usize,
+    /// The end of each bucket in each band.
+    ends: Buffer<u32>,
+}
+
+/// Number of pixels from p to q of an edge in each direction.
+#[derive(Clone, Copy)]
+struct Directions([u32; 4]);
 
 /// What happens at an edge between two sets.
 pub(crate) trait Rule {
-    /// Whether no edge of this weight or a heavier one joins the set of `root`, whatever happens elsewhere. What is no root any
-    /// more refuses nothing.
+    /// Whether no edge of this weight or a heavier one joins the set of `root`, whatever happens elsewhere. `root` may have
+    /// ceased to be one: then nothing is refused.
     fn refuses(&self, root: usize, weight: f32) -> bool;
 
-    /// The edge's turn has come, and its ends have these roots.
+    /// Decides about an edge. Its ends have these roots.
     fn meet(&mut self, sets: &mut UnionFind, edge: PixelEdge, roots: (usize, usize));
 }
 
@@ -51,12 +58,12 @@ const BUCKET_BITS: u32 = 13;
 
 const BUCKETS: usize = 1 << BUCKET_BITS;
 
-/// Pixels whose edges are dealt together. Keys that are dealt go to some three hundred places at a time, which the second nearest
-/// cache has to hold: 0.4 MB and as much that is read and written in order (2 MB on the Intel Xeon where 8 and 32 thousand were no
-/// better).
+/// Pixels whose edges are dealt together. Their keys go to some three hundred places at a time, and the second-level cache has
+/// to hold these: 0.4 MB, and as much again that is read and written in order. (On an Intel Xeon with 2 MB, 8 and 32 thousand
+/// pixels were no faster.)
 const BAND_PX: usize = 1 << 14;
 
-/// Half of the bits of the weight that follow.
+/// Half of the bits of a weight below those of its bucket.
 const DIGIT_BITS: u32 = 9;
 
 /// Buckets with fewer keys are sorted by comparisons.
@@ -74,7 +81,7 @@ impl Edges {
         let mut keys = Buffer::stale(weights.len(), 0);
         // Counts, then where buckets begin, at last where they end.
         let mut ends = Buffer::filled(bands * BUCKETS, 0);
-        // What is dealt in one after the other goes to the same places; two are room for all but the largest buckets.
+        // A thread deals its bands one after the other, in the same room; two rooms hold all but the largest buckets.
         let threads = rayon::current_num_threads().min(bands);
         let room = band_len.min(weights.len());
         let mut spare = Buffer::stale(threads.max(2) * room, 0);
@@ -87,83 +94,122 @@ impl Edges {
                 let open = &open[first..][..keys.len() / STEPS.len()];
                 let weights = &weights[STEPS.len() * first..][..keys.len()];
                 let count = open_keys(weights, open, width, STEPS.len() * first, keys, ends);
-                places(ends);
-                let (keys, dealt) = (&mut keys[..count], &mut spare[..count]);
-                for &key in &*keys {
-                    let place = &mut ends[bucket(key)];
-                    dealt[*place as usize] = key;
-                    *place += 1;
-                }
-                keys.copy_from_slice(dealt);
+                deal(&mut keys[..count], &mut spare[..count], ends);
             }
         });
         let ahead = STEPS.map(|(du, dv)| (dv * width).wrapping_add_signed(du) as u32);
-        Self { keys, band_len, ends, spare, ahead }
+        Self { dealt: Dealt { keys, band_len, ends }, spare, directions: Directions(ahead) }
     }
 
-    /// Hands every edge that lies between two sets when its turn comes to the rule, but for those that it refuses anyway.
+    /// Hands the edges to the rule in the order of their weights, as far as they lie between two sets when their turn comes. Edges
+    /// that the rule refuses are left out.
     ///
-    /// An edge within a set stays within it. So those that have come to lie within one are left out before a bucket is
-    /// sorted, without asking for their order (as in filter-Kruskal: Osipov, Sanders and Singler, ALENEX 2009), and block by
-    /// block once more when it is.
+    /// An edge within a set stays within it. So edges within a set are left out before their bucket is sorted (as in
+    /// filter-Kruskal: Osipov, Sanders and Singler, ALENEX 2009), and once more block by block after that.
     ///
-    /// How far it is to a root, and whether two ends have one already, no processor can guess, and each wrong guess costs
-    /// more than all else that is done for an edge. So both ends are taken two steps up without a branch, the ways of many
-    /// edges at once, and edges whose ends meet are left out, and those that the rule refuses at one of them. What remains
-    /// mostly stands at two roots; which they are by then is asked again, one edge after the other. O(pixels + edges · log pixels).
+    /// A processor cannot predict how far a root is, or whether both ends have the same one, and each wrong prediction costs more
+    /// than everything else that is done for an edge. So both ends move two steps up without a branch, for many edges at once.
+    /// Edges whose ends meet there are left out, and edges that the rule refuses at one of them. The ends of the others mostly
+    /// stand at their roots; edge by edge, the search for the roots is finished. O(pixels + edges · log pixels).
     pub(crate) fn between_sets(mut self, sets: &mut UnionFind, rule: &mut impl Rule) {
-        let ahead = self.ahead;
-        let edge = |key: u64| {
-            let p = key as u32 / ahead.len() as u32;
-            let q = p.wrapping_add(ahead[key as usize % ahead.len()]);
-            PixelEdge { weight: f32::from_bits((key >> u32::BITS) as u32), p, q }
-        };
-        let bands = || self.keys.chunks(self.band_len).zip(self.ends.chunks_exact(BUCKETS));
-        let mut counts = [0; BUCKETS];
-        for (_, ends) in bands() {
-            counts[0] += ends[0];
-            for ((count, start), end) in counts[1..].iter_mut().zip(ends).zip(&ends[1..]) {
-                *count += end - start;
-            }
-        }
+        let counts = self.dealt.count_keys();
         let most = counts.iter().fold(0, |most, &count| most.max(count as usize));
         if self.spare.len() < most {
+            // Given back before it is replaced, so that not both take memory.
             self.spare = Vec::new().into();
             self.spare = Buffer::stale(most, 0);
         }
         let (keys, room) = self.spare.split_at_mut(most);
-        let mut apart = [(edge(0), (0, 0)); BLOCK];
+        let mut apart = [(self.directions.edge(0), (0, 0)); BLOCK];
         for bucket in (0..BUCKETS).filter(|&bucket| counts[bucket] > 0) {
             let mut count = 0;
-            for (band, ends) in bands() {
-                let start = bucket.checked_sub(1).map_or(0, |before| ends[before]);
-                for &key in &band[start as usize..ends[bucket] as usize] {
-                    let PixelEdge { p, q, .. } = edge(key);
+            for of_band in self.dealt.bucket(bucket) {
+                for &key in of_band {
+                    let PixelEdge { p, q, .. } = self.directions.edge(key);
                     keys[count] = key;
                     count += usize::from(sets.two_up(p as usize) != sets.two_up(q as usize));
                 }
             }
             let keys = &mut keys[..count];
             sort(keys, room);
-            for block in keys.chunks(BLOCK) {
-                let mut count = 0;
-                let lightest = edge(block[0]).weight;
-                for &key in block {
-                    let edge = edge(key);
-                    let (p, q) = (sets.two_up(edge.p as usize), sets.two_up(edge.q as usize));
-                    apart[count] = (edge, (p, q));
-                    let is_shut = rule.refuses(p, lightest) | rule.refuses(q, lightest);
-                    count += usize::from((p != q) & !is_shut);
-                }
-                for &(edge, (p, q)) in &apart[..count] {
-                    let (p, q) = (sets.find(p), sets.find(q));
-                    if p != q {
-                        rule.meet(sets, edge, (p, q));
-                    }
-                }
+            keys.chunks(BLOCK).for_each(|block| self.directions.hand_over(block, &mut apart, sets, rule));
+        }
+    }
+}
+
+impl Dealt {
+    fn bands(&self) -> impl Iterator<Item = (&[u64], &[u32])> {
+        self.keys.chunks(self.band_len).zip(self.ends.chunks_exact(BUCKETS))
+    }
+
+    /// The number of keys in each bucket.
+    fn count_keys(&self) -> [u32; BUCKETS] {
+        let mut counts = [0; BUCKETS];
+        for (_, ends) in self.bands() {
+            counts[0] += ends[0];
+            for ((count, start), end) in counts[1..].iter_mut().zip(ends).zip(&ends[1..]) {
+                *count += end - start;
+            }
+        }
+        counts
+    }
+
+    /// The keys of a bucket, band by band.
+    #[inline]
+    fn bucket(&self, bucket: usize) -> impl Iterator<Item = &[u64]> {
+        self.bands().map(move |(keys, ends)| {
+            let start = bucket.checked_sub(1).map_or(0, |before| ends[before]);
+            &keys[start as usize..ends[bucket] as usize]
+        })
+    }
+}
+
+impl Directions {
+    /// The edge with this key.
+    #[inline(always)]
+    fn edge(self, key: u64) -> PixelEdge {
+        let Self(ahead) = self;
+        let p = key as u32 / ahead.len() as u32;
+        let q = p.wrapping_add(ahead[key as usize % ahead.len()]);
+        PixelEdge { weight: f32::from_bits((key >> u32::BITS) as u32), p, q }
+    }
+
+    /// Hands a block of edges in their order to the rule. `apart`: room for those whose ends may be in two sets.
+    #[inline]
+    fn hand_over(
+        self,
+        block: &[u64],
+        apart: &mut [(PixelEdge, (usize, usize)); BLOCK],
+        sets: &mut UnionFind,
+        rule: &mut impl Rule,
+    ) {
+        let mut count = 0;
+        let lightest = self.edge(block[0]).weight;
+        for &key in block {
+            let edge = self.edge(key);
+            let (p, q) = (sets.two_up(edge.p as usize), sets.two_up(edge.q as usize));
+            apart[count] = (edge, (p, q));
+            let is_shut = rule.refuses(p, lightest) | rule.refuses(q, lightest);
+            count += usize::from((p != q) & !is_shut);
+        }
+        for &(edge, (p, q)) in &apart[..count] {
+            let (p, q) = (sets.find(p), sets.find(q));
+            if p != q {
+                rule.meet(sets, edge, (p, q));
             }
         }
     }
+}
+
+/// Deals the keys of a band into buckets by way of `spare`. `counts`: keys of each bucket; afterwards the end of each bucket.
+fn deal(keys: &mut [u64], spare: &mut [u64], counts: &mut [u32]) {
+    places(counts);
+    for &key in &*keys {
+        let place = &mut counts[bucket(key)];
+        spare[*place as usize] = key;
+        *place += 1;
+    }
+    keys.copy_from_slice(spare);
 }
 
 /// The bucket of a key.
@@ -172,8 +218,8 @@ fn bucket(key: u64) -> usize {
     (key >> (u64::BITS - 1 - BUCKET_BITS)) as usize % BUCKETS
 }
 
-/// Writes the keys of the edges that are open, the first pixel's first edge of this `number`, to the start of `keys`, counts them
-/// by their buckets, and says how many they are.
+/// Writes the keys of the open edges to the start of `keys`, counts them bucket by bucket, and returns their number. `number`: that of
+/// the first pixel's first edge.
 fn open_keys(
     weights: &[f32],
     open: &[u8],
@@ -185,7 +231,7 @@ fn open_keys(
     let mut number = number as u64;
     let mut count = 0;
     for (weights, open) in weights.chunks_exact(STEPS.len() * width).zip(open.chunks_exact(width)) {
-        let [right, down, down_right, down_left] = four(weights);
+        let [right, down, down_right, down_left] = by_direction(weights);
         let weights = right.iter().zip(down).zip(down_right.iter().zip(down_left));
         for (&open, ((a, b), (c, d))) in open.iter().zip(weights) {
             if open % (1 << STEPS.len()) != 0 {
@@ -205,8 +251,8 @@ fn open_keys(
 
 /// Sorts the keys of a bucket, whose numbers ascend.
 ///
-/// A radix sort from the lower digit on (Knuth 5.2.5), O(keys), where there is room for as many; where there is not, most weights
-/// of the image are nearly equal: if they all are the keys are in order, else they are compared.
+/// A radix sort from the lower digit on (Knuth 5.2.5), O(keys), if `room` is large enough. If not, most weights of the image are
+/// nearly equal: when all are equal the keys are in order already, else they are sorted by comparisons.
 fn sort(keys: &mut [u64], room: &mut [u64]) {
     let Some(spare) = room.get_mut(..keys.len()).filter(|spare| spare.len() >= FEW) else {
         if !keys.is_sorted() {

@@ -2,8 +2,9 @@
 
 use crate::buffers::Buffer;
 use crate::oversegment::edges::Rule;
-use crate::oversegment::graph::{PixelEdge, PixelGraph};
-use crate::oversegment::settled::{joining, settle};
+use crate::oversegment::graph::PixelGraph;
+use crate::oversegment::pixel_edge::PixelEdge;
+use crate::oversegment::settled::{join_settled, settle};
 use crate::params;
 use crate::raster::Raster;
 use crate::union_find::UnionFind;
@@ -21,21 +22,20 @@ impl Components {
         &self.root
     }
 
-    /// Pixels of the component that each root stands for; 0 of other pixels.
+    /// Number of pixels of the component that each root stands for; 0 at pixels that are no root.
     pub fn size_px(&self) -> &[u32] {
         &self.size_px
     }
 }
 
-/// Joins pixels over ever heavier edges while the edge is not heavier than what holds both components together.
+/// Joins pixels over ever heavier edges, as long as both components tolerate the weight of the edge.
 ///
-/// A component of s pixels whose heaviest joining edge is w tolerates w + k/s (`size_preference_grey`). Pixels in
-/// `borders` are never joined. Afterwards components below `min_size_px` are joined to the neighbour over
-/// the lightest edge.
+/// A component of s pixels whose heaviest joining edge is w tolerates w + k/s, k = `size_preference_grey`. Pixels in
+/// `borders` are never joined. Afterwards each component below `min_size_px` is joined to the neighbour over its lightest edge.
 ///
-/// The result is that of the article's loop over all edges, bit for bit: pairs that nothing comes before are joined first
-/// (`settle`); then edges come in their order, equal weights in that of their numbers, without those that change nothing
-/// (`settle`, `Edges::between_sets`). For the minimum size only edges at small components matter.
+/// The result is that of the article's loop over all edges, bit for bit. Pairs that no other edge comes before are joined first
+/// (`settle`). Then the edges come in the order of their weights, equal weights in that of their numbers, without edges that
+/// change nothing (`Edges::between_sets`). For the minimum size only edges at small components are looked at.
 ///
 /// *Differs from the paper:* it says there is a boundary "if `MInt` is larger than `Dif`"; the cited algorithm, and
 /// sense, join when `Dif` <= `MInt`. O(edges · log pixels), sequential: each decision depends on the ones before.
@@ -48,7 +48,7 @@ pub fn segment(graph: &PixelGraph, borders: &Raster<bool>, params: &params::Grap
     let mut sets = UnionFind::of_pixels(pixels);
     let mut open = graph.without(borders);
     settle(graph, borders, growing.k, &mut open);
-    joining(graph, &open, |edge| growing.pair(&mut sets, edge));
+    join_settled(graph, &open, |edge| growing.pair(&mut sets, edge));
     let edges = graph.edges(&open);
     drop(open);
     edges.between_sets(&mut sets, &mut growing);
@@ -69,15 +69,15 @@ pub fn segment(graph: &PixelGraph, borders: &Raster<bool>, params: &params::Grap
     Components { root, size_px }
 }
 
-/// No edge joins the pixel.
+/// The part of a pixel that no edge joins.
 const SHUT: u32 = PixelGraph::NO_PART;
 
-/// The pixel's component is no smaller than it must be.
+/// The part of all pixels whose component is large enough.
 const LARGE: u32 = SHUT - 1;
 
-/// Components as they grow, which join while both tolerate the edge. What is said of one stands at its root.
+/// Growing components: they join while both tolerate the edge. Their values stand at their roots.
 struct Growing {
-    /// What a component of one pixel tolerates.
+    /// The weight that a single pixel tolerates.
     k: f32,
     of: Buffer<Component>,
 }
@@ -85,14 +85,14 @@ struct Growing {
 /// A growing component.
 #[derive(Clone, Copy, Debug)]
 struct Component {
-    /// Of what is no root 0.
+    /// Number of pixels; 0 where there is no root.
     size_px: u32,
-    /// The heaviest edge that may still join it; of what is no root any more infinite.
+    /// The heaviest edge that may still join it; infinite where there is no root any more.
     tolerated: f32,
 }
 
 impl Growing {
-    /// Joins two single pixels, as [`join`](Self::join) would, without reading the sizes of both: a line of the cache each.
+    /// Joins two single pixels as [`join`](Self::join) does, without reading their sizes, each of which would cost a line of the cache.
     #[inline]
     fn pair(&mut self, sets: &mut UnionFind, PixelEdge { weight, p, q }: PixelEdge) {
         let (root, child) = (p as usize, q as usize);
@@ -101,7 +101,7 @@ impl Growing {
         self.of[root] = Component { size_px: 2, tolerated: weight + self.k / 2.0 };
     }
 
-    /// Joins two components below the larger one's root; of a tie below p's.
+    /// Joins two components below the root of the larger one, below p's on ties.
     #[inline]
     fn join(&mut self, sets: &mut UnionFind, weight: f32, (p, q): (usize, usize)) {
         let size_px = [p, q].map(|root| self.of[root].size_px);

@@ -7,45 +7,32 @@ use rayon::prelude::*;
 use crate::buffers::Buffer;
 use crate::frame::Frame;
 use crate::oversegment::edges::Edges;
+use crate::oversegment::pixel_edge::{STEPS, columns};
 use crate::params::{self, Channels};
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
-/// Column and row steps to the four neighbours that follow a pixel in the graph: right, down, down-right, down-left.
-pub(crate) const STEPS: [(isize, usize); 4] = [(1, 0), (0, 1), (1, 1), (-1, 1)];
-
-/// Weight of an edge that only the minimum-size pass may cross: heavier than any colour or disparity difference.
+/// Weight of an edge that only the minimum-size pass may cross: above any difference of colour or disparity.
 const APART: f32 = f32::INFINITY;
 
-/// Rows that are worked on together.
+/// Rows of a band, the share of one thread.
 pub(crate) const BAND_ROWS: usize = 64;
 
 /// How pixels without depth enter the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unmeasured {
-    /// Apart from everything with depth and one among themselves, so that their colour changes nothing elsewhere.
+    /// Apart from everything with depth, and equal among themselves: their colour changes nothing elsewhere.
     Apart,
     /// By colour alone (METHOD 2.3), for the paper's comparison without curvature.
     ByColor,
 }
 
-/// An edge between two 8-neighbours.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PixelEdge {
-    /// Dissimilarity, eq. 1.
-    pub(crate) weight: f32,
-    /// Index of the pixel that comes first in scan order.
-    pub(crate) p: u32,
-    /// Index of the other pixel.
-    pub(crate) q: u32,
-}
-
-/// The graph over all pixels. Its edges are implicit: number 4·p + d is the edge from pixel p in direction d of right,
-/// down, down-right, down-left; only the weights are stored.
+/// The graph over all pixels. Only the weights of its edges are stored: edge number 4·p + d leads from pixel p in direction d of
+/// right, down, down-right, down-left.
 #[derive(Clone, Debug)]
 pub struct PixelGraph {
     width: usize,
-    /// Row by row; of each row first all weights to the right, then all downwards, down-right, down-left.
+    /// Row by row, and in a row direction by direction: right, down, down-right, down-left.
     weights: Buffer<f32>,
 }
 
@@ -69,11 +56,10 @@ impl PixelGraph {
     ///
     /// Between two pixels with depth the weight is eq. 1: α·‖ΔRGB‖ + (1 - α)·|ΔD|, with the colours of `smoothed`
     /// (grey levels 0..255, [`super::smoothing::smooth`]) and D = disparity in quanta of the sensor. Where a pixel
-    /// has no depth, `unmeasured` decides. Without colour give [`Channels::Depth`].
+    /// has no depth, `unmeasured` decides. Without colour, `params.channels` has to be [`Channels::Depth`].
     ///
-    /// *Differs from the paper:* eq. 1 says depth, its text disparity; in metres the term would vanish against
-    /// colours, so it is disparity, in units of what the sensor resolves.
-    /// O(pixels).
+    /// *Differs from the paper:* eq. 1 says depth, its text disparity. In metres the term would vanish beside colours, so it is
+    /// disparity, counted in the steps that the sensor resolves. O(pixels); parallel over bands of rows.
     pub fn new(
         frame: &Frame,
         smoothed: Option<&[Raster<f32>; 3]>,
@@ -82,7 +68,7 @@ impl PixelGraph {
         params: &params::Graph,
     ) -> Self {
         let (width, height) = frame.size();
-        let weigh = Weigh {
+        let weighing = Weighing {
             alpha: match params.channels {
                 Channels::Color => 1.0,
                 Channels::Depth => 0.0,
@@ -95,7 +81,7 @@ impl PixelGraph {
         weights.par_chunks_mut(BAND_ROWS * STEPS.len() * width).enumerate().for_each(|(band, weights)| {
             vectorized(
                 #[inline(always)]
-                || weigh.band(frame, smoothed, band * BAND_ROWS, weights),
+                || weighing.weigh_band(frame, smoothed, band * BAND_ROWS, weights),
             );
         });
         Self { width, weights }
@@ -106,18 +92,18 @@ impl PixelGraph {
         self.edges(&self.between(part))
     }
 
-    /// Of every pixel, which of its four edges lie between different parts, without those of pixels whose part is
-    /// [`Self::NO_PART`]: bit d for direction d. O(pixels).
+    /// Finds the edges between different parts, without those of pixels whose part is [`Self::NO_PART`]. Bit d of a pixel stands for
+    /// its edge in direction d. O(pixels).
     pub(crate) fn between(&self, part: &[u32]) -> Buffer<u8> {
         self.open(part, |p, q| (p != q) & (p != Self::NO_PART) & (q != Self::NO_PART))
     }
 
-    /// Of every pixel, which of its four edges lead from what is not shut to what is not: bit d for direction d. O(pixels).
+    /// Finds the edges between pixels that are not `shut`. Bit d of a pixel stands for its edge in direction d. O(pixels).
     pub(crate) fn without(&self, shut: &Raster<bool>) -> Buffer<u8> {
         self.open(shut.as_slice(), |p, q| !p & !q)
     }
 
-    /// Bit d of every pixel: whether its edge in direction d is open, by what is said `of` both its pixels.
+    /// Finds the edges that are open by the values of both their pixels.
     fn open<T: Copy + Sync>(&self, of: &[T], is_open: impl Fn(T, T) -> bool + Sync) -> Buffer<u8> {
         let width = self.width;
         let mut open = Buffer::stale(of.len(), 0);
@@ -142,46 +128,35 @@ impl PixelGraph {
 
     /// The edges whose bits are set in `open`; bits from 4 on mean nothing.
     ///
-    /// Only what is asked for is dealt and sorted, so that a stage that needs few edges pays for few. O(pixels + edges found).
+    /// Only these are dealt and sorted, so that a stage that needs few edges pays for few. O(pixels + edges found).
     pub(crate) fn edges(&self, open: &[u8]) -> Edges {
         Edges::new(&self.weights, open, self.width)
     }
 
-    /// Marks a pixel whose edges are not asked for.
+    /// The part of a pixel none of whose edges is wanted.
     pub(crate) const NO_PART: u32 = u32::MAX;
-}
-
-/// The weights of a row in each direction.
-pub(crate) fn four(row: &[f32]) -> [&[f32]; 4] {
-    let (level, below) = row.split_at(row.len() / 2);
-    let ((right, down), (down_right, down_left)) =
-        (level.split_at(level.len() / 2), below.split_at(below.len() / 2));
-    [right, down, down_right, down_left]
-}
-
-/// The columns from which a step of `du` stays in the image, and those to which it leads.
-pub(crate) fn columns(du: isize, width: usize) -> (Range<usize>, Range<usize>) {
-    match du {
-        1 => (0..width - 1, 1..width),
-        -1 => (1..width, 0..width - 1),
-        _ => (0..width, 0..width),
-    }
 }
 
 /// Red, green, blue and disparity of pixels that stand in one row. Disparities are in quanta; `NaN` = none.
 type Part<'a> = ([&'a [f32]; 3], &'a [f32]);
 
 /// How edges are weighed, see [`PixelGraph::new`].
-struct Weigh {
+struct Weighing {
     alpha: f32,
     by_color: bool,
     quantum_per_m: f64,
 }
 
-impl Weigh {
-    /// The weights of the rows from `top` on.
+impl Weighing {
+    /// Weighs the edges of the rows from `top` on.
     #[inline(always)]
-    fn band(&self, frame: &Frame, smoothed: Option<&[Raster<f32>; 3]>, top: usize, weights: &mut [f32]) {
+    fn weigh_band(
+        &self,
+        frame: &Frame,
+        smoothed: Option<&[Raster<f32>; 3]>,
+        top: usize,
+        weights: &mut [f32],
+    ) {
         let (width, height) = frame.size();
         let no_color = vec![0.0; width];
         let color = |v: usize, columns: Range<usize>| match smoothed {
@@ -200,25 +175,30 @@ impl Weigh {
                     let (from, to) = columns(du, width);
                     let other = if dv == 0 { &here } else { &below };
                     let (p, q) = (color(v, from.clone()), color(v + dv, to.clone()));
-                    self.row((p, &here[from.clone()]), (q, &other[to]), &mut weights[from]);
+                    self.weigh_row((p, &here[from.clone()]), (q, &other[to]), &mut weights[from]);
                 }
             }
         }
     }
 
-    /// The disparities of a row.
+    /// Computes the disparities of a row.
     #[inline(always)]
     fn read(&self, disparity: &mut [f32], depth_m: &[f32]) {
         for (disparity, &z) in disparity.iter_mut().zip(depth_m) {
-            // No difference of finite disparities is NaN.
+            // Finite, so that no difference of two is NaN.
             let finite = (1.0 / (f64::from(z) * self.quantum_per_m)).min(f64::from(f32::MAX));
             *disparity = if z.is_nan() { f32::NAN } else { finite as f32 };
         }
     }
 
-    /// The weights between the pixels of `p` and those of `q`.
+    /// Weighs the edges between the pixels of `p` and those of `q`.
     #[inline(always)]
-    fn row(&self, ([r_p, g_p, b_p], d_p): Part<'_>, ([r_q, g_q, b_q], d_q): Part<'_>, weights: &mut [f32]) {
+    fn weigh_row(
+        &self,
+        ([r_p, g_p, b_p], d_p): Part<'_>,
+        ([r_q, g_q, b_q], d_q): Part<'_>,
+        weights: &mut [f32],
+    ) {
         let n = weights.len();
         let (r_p, g_p, b_p, d_p) = (&r_p[..n], &g_p[..n], &b_p[..n], &d_p[..n]);
         let (r_q, g_q, b_q, d_q) = (&r_q[..n], &g_q[..n], &b_q[..n], &d_q[..n]);
@@ -236,6 +216,7 @@ impl Weigh {
 #[cfg(test)]
 pub(crate) mod testing {
     use super::*;
+    use crate::oversegment::pixel_edge::PixelEdge;
     use crate::union_find::UnionFind;
 
     /// A graph whose pixels' edges have these weights, in the order of their directions.
@@ -291,6 +272,7 @@ mod tests {
     use super::testing::{in_order, naive_edges, of_weights};
     use super::*;
     use crate::camera::Camera;
+    use crate::oversegment::pixel_edge::PixelEdge;
 
     /// Three columns: two with depth, one without.
     fn frame() -> Frame {

@@ -2,7 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::oversegment::structure::Structure;
-use crate::oversegment::watershed::{Links, linked_pairs, seeds, watershed};
+use crate::oversegment::linked_pairs::count_linked_pairs;
+use crate::oversegment::links::Links;
+use crate::oversegment::watershed::{find_seeds, flood};
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
@@ -28,8 +30,8 @@ pub fn flood_superpixels(
 ) -> LinkedSuperpixels {
     let Surfaces { space, disparity, fits, orientation, .. } = surfaces;
     let links = Links::new(disparity, &orientation.slope, &structure.labels, space, params);
-    let starts = seeds(&fits.residual, &links, space, params);
-    let segments = watershed(&fits.residual, &starts, &links);
+    let starts = find_seeds(&fits.residual, &links, space, params);
+    let segments = flood(&fits.residual, &starts, &links);
     LinkedSuperpixels::new(segments, &links, surfaces)
 }
 
@@ -58,7 +60,7 @@ impl LinkedSuperpixels {
 
     fn new(segments: Segments, links: &Links, surfaces: &Surfaces) -> Self {
         let (linked_pairs, moments) = rayon::join(
-            || linked_pairs(&segments, links),
+            || count_linked_pairs(&segments, links),
             || Moments::of_segments(&segments, &surfaces.disparity),
         );
         Self { segments, linked_pairs, moments }

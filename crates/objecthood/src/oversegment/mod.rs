@@ -1,7 +1,7 @@
 //! Stage 1: over-segmentation of the image into superpixels.
 //!
 //! `paper`: on colour, depth and curvature (III-A): [`smoothing`], [`graph`], [`felzenszwalb`], [`absorb`].
-//! `context`: large planes apart ([`structure`]), then a watershed of how badly a plane fits ([`watershed`]).
+//! `context`: large planes are taken out ([`structure`]); a watershed of the fit residual ([`watershed`]) grows superpixels over [`links`].
 
 pub mod absorb;
 mod edges;
@@ -9,6 +9,9 @@ pub mod felzenszwalb;
 pub mod graph;
 pub mod linked;
 pub mod paper;
+pub mod linked_pairs;
+pub mod links;
+pub(crate) mod pixel_edge;
 mod settled;
 pub mod smoothing;
 pub mod structure;
@@ -17,11 +20,11 @@ pub mod watershed;
 use crate::raster::Raster;
 use crate::regions::Segments;
 
-/// Superpixels, and which of their pixels speak for them.
+/// Superpixels, and the pixels from which their statistics are taken.
 #[derive(Clone, Debug)]
 pub struct Superpixels {
     /// The label map.
     pub segments: Segments,
-    /// Pixels away from high curvature: they carry the statistics of all later stages.
+    /// Pixels away from high curvature, from which later stages take statistics.
     pub core: Raster<bool>,
 }

@@ -1,21 +1,22 @@
-//! What is settled about the edges of a pixel graph before any of them is sorted.
+//! Edges of the pixel graph that can be decided before any edge is sorted.
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::oversegment::graph::{BAND_ROWS, PixelEdge, PixelGraph, STEPS, columns, four};
+use crate::oversegment::graph::{BAND_ROWS, PixelGraph};
+use crate::oversegment::pixel_edge::{PixelEdge, STEPS, by_direction, columns};
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
-/// Settles some of the `open` edges of pixels that tolerate `tolerated` each and do not join when they are `shut`. Of every
-/// pixel bit d stays when its edge in direction d is open still; bit 4 + d says that the edge joins its pixels.
+/// Settles some of the `open` edges. Single pixels tolerate the weight `tolerated`; `shut` pixels join nothing. Afterwards bit d of
+/// a pixel says that its edge in direction d is still open, bit 4 + d that this edge joins its pixels.
 ///
-/// An edge lighter than all others at both its pixels comes before any of them has been joined, and so it joins them if a
-/// single pixel tolerates its weight (the step of Borůvka's algorithm, of pairs). The two others of a triangle with it then
-/// lead from one set to one pixel. The lighter one decides: if it is refused, one side tolerates less than its weight and
-/// will never tolerate more, so that the heavier one is refused too. The heavier one changes nothing, and is open no more.
-/// O(pixels); parallel over bands of rows.
+/// An edge lighter than all others at both its pixels comes before either of them is joined to anything. So it joins them if a
+/// single pixel tolerates its weight (one step of Borůvka's algorithm, for pairs). In a triangle with it, the two other edges then
+/// lead from one set to one pixel. The lighter of them decides: if it is refused, one side tolerates less than its weight and never
+/// will tolerate more, so the heavier one would be refused too. The heavier one changes nothing and is closed. O(pixels); parallel
+/// over bands of rows.
 pub(crate) fn settle(graph: &PixelGraph, shut: &Raster<bool>, tolerated: f32, open: &mut [u8]) {
     let width = graph.width();
     open.par_chunks_mut(BAND_ROWS * width).enumerate().for_each(|(band, open)| {
@@ -27,8 +28,8 @@ pub(crate) fn settle(graph: &PixelGraph, shut: &Raster<bool>, tolerated: f32, op
     });
 }
 
-/// Calls `join` with the edges that join their pixels, no two of them the same one, in scan order. O(pixels).
-pub(crate) fn joining(graph: &PixelGraph, settled: &[u8], mut join: impl FnMut(PixelEdge)) {
+/// Calls `join` with the edges that join their pixels, in scan order. No pixel has two of them. O(pixels).
+pub(crate) fn join_settled(graph: &PixelGraph, settled: &[u8], mut join: impl FnMut(PixelEdge)) {
     let width = graph.width();
     let mut found = vec![0; width];
     for (v, settled) in settled.chunks_exact(width).enumerate() {
@@ -46,12 +47,14 @@ pub(crate) fn joining(graph: &PixelGraph, settled: &[u8], mut join: impl FnMut(P
     }
 }
 
+/// As [`settle`], for some rows. Row after row passes through four states: its weights are read, its lightest edges are known, its joining
+/// edges are known, its idle edges are known.
 #[inline(always)]
 fn settle_rows(graph: &PixelGraph, shut: &Raster<bool>, tolerated: f32, rows: Range<usize>, open: &mut [u8]) {
     let (width, height) = shut.size();
     let first = rows.start.saturating_sub(1);
     let [mut above, mut own, mut below, mut last] = [(); 4].map(|()| Row::new(width));
-    // Of row v the lightest edges become known, of the one before it what they join, of the one before that what is idle.
+    // In row v the lightest edges become known, in row v - 1 the joining ones, in row v - 2 the idle ones.
     for v in first..rows.end + 2 {
         if v < height {
             let shut = &shut.as_slice()[v * width..][..width];
@@ -75,16 +78,16 @@ fn settle_rows(graph: &PixelGraph, shut: &Raster<bool>, tolerated: f32, rows: Ra
     }
 }
 
-/// A row of pixels, and of blocks of two by two of which they are the upper ones: a and b, below them c and d.
+/// A row of pixels. They are the upper pixels of blocks of two by two: a and b, below them c and d.
 struct Row {
-    /// The weight of a pixel's lightest edge; `NaN` when there are several, or it joins nothing.
+    /// The weight of each pixel's lightest edge; `NaN` when it is not the only one, or joins nothing.
     lightest: Vec<f32>,
-    /// The second lightest.
+    /// The weight of the second lightest edge.
     second: Vec<f32>,
     /// Bit d: the edge in direction d joins its pixels.
     joined: Vec<u32>,
-    /// The edges that change nothing of the block whose a is one column to the left: bit d from a, bit `OF_B` + d from b, bit
-    /// `OF_C` + d from c. At both ends there is none.
+    /// The idle edges, which change nothing, of the block whose a is one column to the left: bit d of a, bit `OF_B` + d of b, bit
+    /// `OF_C` + d of c. Both ends stand for no block.
     idle: Vec<u32>,
 }
 
@@ -114,13 +117,14 @@ impl Row {
                 *second = if heavier < *second { heavier } else { *second };
             }
         };
-        for ((du, _), weights) in STEPS.into_iter().zip(four(own)) {
+        for ((du, _), weights) in STEPS.into_iter().zip(by_direction(own)) {
             let (from, _) = columns(du, width);
             look(from.clone(), &weights[from]);
         }
-        let [right, ..] = four(own);
+        let [right, ..] = by_direction(own);
         look(1..width, right);
-        for ((du, _), weights) in STEPS.into_iter().zip(above.map(four).into_iter().flatten()).skip(1) {
+        for ((du, _), weights) in STEPS.into_iter().zip(above.map(by_direction).into_iter().flatten()).skip(1)
+        {
             let (from, to) = columns(du, width);
             look(to, &weights[from]);
         }
@@ -133,7 +137,7 @@ impl Row {
     #[inline(always)]
     fn find_joined(&mut self, own: &[f32], below: Option<&Vec<f32>>) {
         self.joined.fill(0);
-        for (d, ((du, dv), weights)) in STEPS.into_iter().zip(four(own)).enumerate() {
+        for (d, ((du, dv), weights)) in STEPS.into_iter().zip(by_direction(own)).enumerate() {
             let Some(others) = (if dv == 0 { Some(&self.lightest) } else { below }) else { continue };
             let (from, to) = columns(du, self.joined.len());
             let ends = self.lightest[from.clone()].iter().zip(&others[to]);
@@ -149,7 +153,7 @@ impl Row {
     fn find_idle(&mut self, own: &[f32], below: Option<(&[f32], &[u32])>) {
         self.idle.fill(0);
         let Some((below, joined_below)) = below else { return };
-        let ([right, down, down_right, down_left], [bottom, ..]) = (four(own), four(below));
+        let ([right, down, down_right, down_left], [bottom, ..]) = (by_direction(own), by_direction(below));
         let blocks = right.len() - 1;
         let (ab, ac, ad) = (&right[..blocks], &down[..blocks], &down_right[..blocks]);
         let (bd, bc, cd) = (&down[1..][..blocks], &down_left[1..][..blocks], &bottom[..blocks]);
@@ -159,7 +163,7 @@ impl Row {
         for i in 0..blocks {
             let (ab, ac, ad, bd, bc, cd) = (ab[i], ac[i], ad[i], bd[i], bc[i], cd[i]);
             let joined = of_a[i] | of_b[i] << OF_B | of_c[i] << OF_C;
-            // Each triangle's edges in the order of their numbers.
+            // The edges of each triangle in the order of their numbers.
             idle[i] = heaviest([(ab, AB), (ac, AC), (bc, BC)], joined)
                 | heaviest([(ab, AB), (ad, AD), (bd, BD)], joined)
                 | heaviest([(ac, AC), (ad, AD), (cd, CD)], joined)
@@ -175,7 +179,7 @@ const BD: u32 = 1 << (OF_B + 1);
 const BC: u32 = 1 << (OF_B + 3);
 const CD: u32 = 1 << OF_C;
 
-/// The bit of the heaviest edge of a triangle, of equal ones the last, if one of its edges has joined.
+/// The bit of the heaviest edge of a triangle, the last one on ties, if one of its edges joins.
 #[inline(always)]
 fn heaviest([(first, a), (middle, b), (last, c)]: [(f32, u32); 3], joined: u32) -> u32 {
     let is_last = (last >= first) & (last >= middle);
@@ -214,7 +218,7 @@ mod tests {
             let mut settled = graph.between(&part);
             settle(&graph, &shut, tolerated, &mut settled);
             let mut joined = Vec::new();
-            joining(&graph, &settled, |edge| joined.push(edge));
+            join_settled(&graph, &settled, |edge| joined.push(edge));
 
             // In the order of their turns.
             let edges = naive_edges(&graph);

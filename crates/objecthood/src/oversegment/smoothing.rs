@@ -9,24 +9,24 @@ use crate::params;
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
-/// Rows and columns that are smoothed together.
+/// Rows and columns of a tile (px).
 const TILE_PX: usize = 64;
 
-/// Red, green and blue of the colour image in grey levels 0..255, smoothed by a separable Gaussian; not rounded.
+/// Smooths the colour image by a separable Gaussian: red, green and blue in grey levels 0..255, not rounded.
 ///
-/// Pixels with depth and pixels without are smoothed each among themselves, the weights normalised over those
-/// in the window (normalised convolution, Knutsson and Westin 1993): the colour of what was not measured
-/// does not bleed into what was. The kernel reaches 4σ, rounded up (5 taps at the default); the border is
-/// mirrored without repeating the edge pixel. Tile by tile, so that a kind of pixels costs nothing where there are none.
-/// O(pixels · taps).
+/// Pixels with depth and pixels without are smoothed each among themselves, the weights normalised over those in the window
+/// (normalised convolution, Knutsson and Westin 1993): the colour of what was not measured does not bleed into what was. The kernel
+/// reaches 4σ, rounded up (5 taps at the default); the border is mirrored without repeating the edge pixel. Where all pixels of a
+/// tile are of one kind, the other kind costs nothing. O(pixels · taps); parallel over bands of rows.
 pub fn smooth(
     color: &Raster<[u8; 3]>,
     depth_m: &Raster<f32>,
     params: &params::Smoothing,
 ) -> [Raster<f32>; 3] {
     let kernel = kernel(params.sigma_px);
+    let image = Image { color, depth_m, kernel: &kernel };
     let (width, height) = color.size();
-    // Every pixel is of one kind or the other.
+    // Every pixel is of one kind or the other, so every value is written.
     let mut smoothed = [(); 3].map(|()| Buffer::stale(color.len(), 0.0));
     let bands = smoothed.each_mut().map(|plane| plane.par_chunks_mut(TILE_PX * width));
     let [red, green, blue] = bands;
@@ -40,13 +40,31 @@ pub fn smooth(
                 #[inline(always)]
                 || {
                     for measured in [true, false] {
-                        tile.smooth(color, depth_m, measured, &kernel, place.clone(), &mut smoothed);
+                        tile.smooth(&image, measured, place.clone(), &mut smoothed);
                     }
                 },
             );
         }
     });
     smoothed.map(|plane| color.with_data(plane))
+}
+
+/// The image to be smoothed, and how.
+struct Image<'a> {
+    color: &'a Raster<[u8; 3]>,
+    depth_m: &'a Raster<f32>,
+    /// The right half of the kernel, the middle tap first.
+    kernel: &'a [f32],
+}
+
+impl Image<'_> {
+    /// Counts the pixels of the other kind than `measured`.
+    #[inline(always)]
+    fn count_others(&self, measured: bool, rows: Range<usize>, columns: &Range<usize>) -> usize {
+        let width = self.depth_m.width();
+        let row = |v: usize| &self.depth_m.as_slice()[v * width..][columns.clone()];
+        rows.map(|v| row(v).iter().filter(|z| z.is_nan() == measured).count()).sum()
+    }
 }
 
 /// Red, green, blue and one, a row each.
@@ -57,13 +75,13 @@ struct Tile {
     reach: usize,
     /// The columns of the tile and its surroundings, mirrored into the image.
     columns: Vec<usize>,
-    /// Which of them are not mirrored.
+    /// Places in `columns` of those that are not mirrored.
     inside: Range<usize>,
-    /// One row of the source and its surroundings; zero where pixels are of the other kind.
+    /// One row of the image and its surroundings; zero where pixels are of the other kind.
     source: [Vec<f32>; 4],
-    /// How many of the planes are smoothed: where no pixel is of the other kind the ones need not be, all become the same.
+    /// Number of planes that are smoothed. Without pixels of the other kind the ones need not be: their sum is known.
     planes: usize,
-    /// The rows around the present one, smoothed along themselves; row v stands at v modulo their number.
+    /// The rows around the present one, smoothed along themselves; row v has place v modulo their number.
     along: Vec<Planes>,
 }
 
@@ -79,93 +97,66 @@ impl Tile {
         }
     }
 
-    /// Smooths the pixels of the tile that are measured or not, into their places in `smoothed`, the rows of the band.
+    /// Smooths the pixels of the tile that are measured, or those that are not, into their places in `smoothed`: the rows of the
+    /// band.
     #[inline(always)]
     fn smooth(
         &mut self,
-        color: &Raster<[u8; 3]>,
-        depth_m: &Raster<f32>,
+        image: &Image<'_>,
         measured: bool,
-        kernel: &[f32],
         (columns, rows): (Range<usize>, Range<usize>),
         smoothed: &mut [&mut [f32]; 3],
     ) {
-        let width = color.width();
-        let others = |rows: Range<usize>, columns: Range<usize>| {
-            let row = |v: usize| &depth_m.as_slice()[v * width..][columns.clone()];
-            rows.map(|v| row(v).iter().filter(|z| z.is_nan() == measured).count()).sum::<usize>()
-        };
-        if others(rows.clone(), columns.clone()) == rows.len() * columns.len() {
+        if image.count_others(measured, rows.clone(), &columns) == rows.len() * columns.len() {
             return;
         }
-        let reach = self.reach;
+        let (width, height) = image.color.size();
         let near = |range: &Range<usize>, size: usize| {
-            range.start.saturating_sub(reach)..size.min(range.end + reach)
+            range.start.saturating_sub(self.reach)..size.min(range.end + self.reach)
         };
-        let is_alone = others(near(&rows, color.height()), near(&columns, width)) == 0;
+        let is_alone = image.count_others(measured, near(&rows, height), &near(&columns, width)) == 0;
         self.planes = if is_alone { 3 } else { 4 };
-        let row_of = |v: usize| v * width + columns.start..v * width + columns.end;
-        let reach = reach as isize;
-        let left = columns.start as isize - reach;
+        self.move_to(&columns, width);
+        let reach = self.reach as isize;
+        let one = filtered_alike(image.kernel, filtered_alike(image.kernel, 1.0));
+        let mut sums = [[one; TILE_PX]; 4];
+        for v in rows.start as isize - reach..rows.end as isize + reach {
+            self.smooth_along(image, measured, v);
+            // The row whose surroundings are complete.
+            let v = v - reach;
+            if v >= rows.start as isize {
+                self.smooth_down(image.kernel, v, &mut sums);
+                let pixels = v as usize * width + columns.start..v as usize * width + columns.end;
+                let place = pixels.start - rows.start * width..pixels.end - rows.start * width;
+                let depths = &image.depth_m.as_slice()[pixels];
+                let others = (!is_alone).then_some((depths, measured));
+                normalise(&sums, others, smoothed.each_mut().map(|plane| &mut plane[place.clone()]));
+            }
+        }
+    }
+
+    /// Finds the columns of the image that the tile and its surroundings have.
+    #[inline(always)]
+    fn move_to(&mut self, columns: &Range<usize>, width: usize) {
+        let left = columns.start as isize - self.reach as isize;
         for (u, at) in (left..).zip(&mut self.columns) {
             *at = mirror(u, width);
         }
         let at = |u: usize| (u as isize - left).clamp(0, self.columns.len() as isize) as usize;
         self.inside = at(0)..at(width);
-        let ring = self.along.len() as isize;
-        let mut sums = [[filtered_alike(kernel, filtered_alike(kernel, 1.0)); TILE_PX]; 4];
-        for v in rows.start as isize - reach..rows.end as isize + reach {
-            self.smooth_along(
-                color,
-                depth_m,
-                measured,
-                mirror(v, color.height()),
-                kernel,
-                v.rem_euclid(ring) as usize,
-            );
-            // The row whose surroundings are complete.
-            let v = v - reach;
-            if v < rows.start as isize {
-                continue;
-            }
-            let at = |t: isize| &self.along[(v + t).rem_euclid(ring) as usize];
-            for (c, sums) in sums[..self.planes].iter_mut().enumerate() {
-                filtered(sums, kernel, |t| (&at(-(t as isize))[c], &at(t as isize)[c]));
-            }
-            let [colors @ .., one] = &sums;
-            let row = row_of(v as usize);
-            let out = row.start - rows.start * width..row.end - rows.start * width;
-            for (out, sums) in smoothed.iter_mut().map(|plane| &mut plane[out.clone()]).zip(colors) {
-                let sums = sums.iter().zip(one);
-                if is_alone {
-                    out.iter_mut().zip(sums).for_each(|(out, (sum, one))| *out = sum / one);
-                } else {
-                    let depths = &depth_m.as_slice()[row.clone()];
-                    for ((out, z), (sum, one)) in out.iter_mut().zip(depths).zip(sums) {
-                        *out = if z.is_nan() == measured { *out } else { sum / one };
-                    }
-                }
-            }
-        }
     }
 
-    /// Smooths row `v` along itself.
+    /// Smooths row `v` along itself; beyond the image it is mirrored.
     #[inline(always)]
-    fn smooth_along(
-        &mut self,
-        color: &Raster<[u8; 3]>,
-        depth_m: &Raster<f32>,
-        measured: bool,
-        v: usize,
-        kernel: &[f32],
-        place: usize,
-    ) {
-        let reach = self.reach;
+    fn smooth_along(&mut self, image: &Image<'_>, measured: bool, v: isize) {
+        let (width, height) = image.color.size();
+        let row = mirror(v, height) * width;
+        let place = v.rem_euclid(self.along.len() as isize) as usize;
         let [r, g, b, one] = &mut self.source;
-        let row = v * color.width();
         let mut read = |places: Range<usize>, first: usize| {
             let pixels = row + first..row + first + places.len();
-            let (colors, depths) = (&color.as_slice()[pixels.clone()], &depth_m.as_slice()[pixels]);
+            let (colors, depths) =
+                (&image.color.as_slice()[pixels.clone()], &image.depth_m.as_slice()[pixels]);
             let source = r[places.clone()].iter_mut().zip(&mut g[places.clone()]);
             let source = source.zip(b[places.clone()].iter_mut().zip(&mut one[places]));
             for (((r, g), (b, one)), ([red, green, blue], z)) in source.zip(colors.iter().zip(depths)) {
@@ -173,22 +164,49 @@ impl Tile {
                 (*r, *g, *b) = (*one * f32::from(*red), *one * f32::from(*green), *one * f32::from(*blue));
             }
         };
-        // All but what is mirrored stands side by side.
-        let columns = &self.columns;
-        let inside = self.inside.clone();
+        // The columns that are not mirrored lie side by side.
+        let (columns, inside) = (&self.columns, self.inside.clone());
         read(inside.clone(), columns[inside.start]);
         for place in (0..inside.start).chain(inside.end..columns.len()) {
             read(place..place + 1, columns[place]);
         }
+        let reach = self.reach;
         for (sums, source) in self.along[place][..self.planes].iter_mut().zip(&self.source) {
-            filtered(sums, kernel, |t| (&source[reach - t..], &source[reach + t..]));
+            filter(sums, image.kernel, |t| (&source[reach - t..], &source[reach + t..]));
+        }
+    }
+
+    /// Smooths row `v` across the rows around it.
+    #[inline(always)]
+    fn smooth_down(&self, kernel: &[f32], v: isize, sums: &mut Planes) {
+        let at = |t: isize| &self.along[(v + t).rem_euclid(self.along.len() as isize) as usize];
+        for (c, sums) in sums[..self.planes].iter_mut().enumerate() {
+            filter(sums, kernel, |t| (&at(-(t as isize))[c], &at(t as isize)[c]));
         }
     }
 }
 
-/// Sums up the middle values and the pairs at every distance from them, each weighted by its tap.
+/// Divides the sums of colours by the sums of weights and writes them to a row of the tile. `others`: the row's depths and the kind
+/// that is written, where pixels of the other kind have to stay as they are.
 #[inline(always)]
-fn filtered<'a>(sums: &mut [f32; TILE_PX], kernel: &[f32], pair: impl Fn(usize) -> (&'a [f32], &'a [f32])) {
+fn normalise(sums: &Planes, others: Option<(&[f32], bool)>, smoothed: [&mut [f32]; 3]) {
+    let [colors @ .., one] = sums;
+    for (smoothed, sums) in smoothed.into_iter().zip(colors) {
+        let sums = sums.iter().zip(one);
+        match others {
+            None => smoothed.iter_mut().zip(sums).for_each(|(smoothed, (sum, one))| *smoothed = sum / one),
+            Some((depths, measured)) => {
+                for ((smoothed, z), (sum, one)) in smoothed.iter_mut().zip(depths).zip(sums) {
+                    *smoothed = if z.is_nan() == measured { *smoothed } else { sum / one };
+                }
+            }
+        }
+    }
+}
+
+/// Sums the middle values and the pairs at every distance from them, each weighted by its tap.
+#[inline(always)]
+fn filter<'a>(sums: &mut [f32; TILE_PX], kernel: &[f32], pair: impl Fn(usize) -> (&'a [f32], &'a [f32])) {
     for (sum, middle) in sums.iter_mut().zip(pair(0).0) {
         *sum = kernel[0] * middle;
     }
@@ -200,7 +218,7 @@ fn filtered<'a>(sums: &mut [f32; TILE_PX], kernel: &[f32], pair: impl Fn(usize) 
     }
 }
 
-/// What [`filtered`] makes of values that are all the same.
+/// The sum that [`filter`] makes of equal values.
 fn filtered_alike(kernel: &[f32], value: f32) -> f32 {
     kernel[1..].iter().fold(kernel[0] * value, |sum, weight| sum + weight * (value + value))
 }

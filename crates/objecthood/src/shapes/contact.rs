@@ -7,76 +7,97 @@ use crate::raster::{Raster, marked, part};
 use crate::regions::{RegionGraph, Segments};
 
 /// Right, down, down-right and down-left.
-const WAYS: usize = 4;
+const DIRECTIONS: usize = 4;
 
-/// The number of point pairs in contact between any two regions.
+/// Counts the point pairs in contact between any two regions.
 ///
-/// From every pixel with depth the four directions right, down, down-right and down-left are walked for at most
-/// `reach_px`, across pixels without depth or region and of the same region, to the first pixel of another region;
-/// the pair counts when its points are nearer than `distance_m`. O(pixels + pairs log pairs).
-pub fn contacts(
+/// From every pixel with depth a walk goes right, down, down-right and down-left for at most `reach_px`, across pixels without
+/// depth or region and of the same region, to the first pixel of another region. The pair counts when its points are nearer than
+/// `distance_m`. O(pixels + pairs log pairs).
+pub fn find_contacts(
     segments: &Segments,
     points_m: &Raster<[f32; 3]>,
     params: &params::Contact,
 ) -> RegionGraph<u32> {
-    let pairs = touching_pairs(segments, points_m, params).into_iter();
+    let pairs = find_touching_pairs(segments, points_m, params).into_iter();
     let regions = pairs.filter_map(|(p, q)| Some((segments.at(p as usize)?, segments.at(q as usize)?)));
     RegionGraph::from_pairs(segments.count(), regions)
 }
 
-/// The pairs that [`contacts`] counts, change by change: those with one second pixel and one way to it follow each other.
+/// Finds the pairs that [`find_contacts`] counts. Pairs with one second pixel and one direction follow each other.
 ///
-/// Where a walk meets another region the label changes, so only changes are looked at: what lies ahead of one is what the pixels
-/// of the same label before it meet. O(pixels + changes · `reach_px`).
-pub(crate) fn touching_pairs(
+/// Where a walk meets another region the label changes, so walks start at changes only: the pixels of the same label before a
+/// change meet the same pixel. O(pixels + changes · `reach_px`).
+pub(crate) fn find_touching_pairs(
     segments: &Segments,
     points_m: &Raster<[f32; 3]>,
     params: &params::Contact,
 ) -> Vec<(u32, u32)> {
-    let labels = segments.labels().as_slice();
     let (width, height) = segments.labels().size();
-    let &params::Contact { reach_px, distance_m } = params;
     let mut pairs = Vec::new();
-    for (u, v) in changes(segments) {
-        let i = v * width + u;
-        let own = labels[i];
+    for (u, v) in find_changes(segments) {
         let (right, down, left) = (width - 1 - u, height - 1 - v, u);
-        let ways: [_; WAYS] = [
-            (1, right, left),
-            (width, down, v),
-            (width + 1, down.min(right), v.min(left)),
-            (width - 1, down.min(left), v.min(right)),
+        let walks: [_; DIRECTIONS] = [
+            Walk { step: 1, ahead: right, behind: left },
+            Walk { step: width, ahead: down, behind: v },
+            Walk { step: width + 1, ahead: down.min(right), behind: v.min(left) },
+            Walk { step: width - 1, ahead: down.min(left), behind: v.min(right) },
         ];
-        for (step, ahead, behind) in ways {
-            if ahead == 0 || labels[i + step] == own {
-                continue;
-            }
-            let other = |t: &usize| {
-                let label = labels[i + t * step];
-                label >= 0 && label != own && !points_m[i + t * step][2].is_nan()
-            };
-            let Some(t) = (1..=ahead.min(reach_px)).find(other) else { continue };
-            let q = i + t * step;
-            let met = Vec3::from(points_m[q]);
-            for k in 0..=behind.min(reach_px - t) {
-                let p = i - k * step;
-                if labels[p] != own {
-                    break;
-                }
-                let point = Vec3::from(points_m[p]);
-                // Most are too deep already; what is not measured is not near.
-                if (point.z - met.z).abs() < distance_m && point.distance(met) < distance_m {
-                    pairs.push((p as u32, q as u32));
-                }
-            }
+        for walk in walks {
+            walk.find_pairs(v * width + u, segments.labels().as_slice(), points_m, params, &mut pairs);
         }
     }
     pairs
 }
 
-/// The pixels of a region next to which, to the right or below, is something else, and those at the edge of the image, as
-/// column and row in scan order. O(pixels).
-fn changes(segments: &Segments) -> Vec<(usize, usize)> {
+/// A walk in one direction.
+struct Walk {
+    /// From one pixel index to the next.
+    step: usize,
+    /// Number of pixels to the edge of the image, forwards and backwards.
+    ahead: usize,
+    behind: usize,
+}
+
+impl Walk {
+    /// Adds the pairs of which the second pixel is the first one of another region after pixel `i`, and the first pixel is `i` or one of
+    /// the same label before it.
+    fn find_pairs(
+        &self,
+        i: usize,
+        labels: &[i32],
+        points_m: &Raster<[f32; 3]>,
+        &params::Contact { reach_px, distance_m }: &params::Contact,
+        pairs: &mut Vec<(u32, u32)>,
+    ) {
+        let own = labels[i];
+        if self.ahead == 0 || labels[i + self.step] == own {
+            return;
+        }
+        let is_other = |t: &usize| {
+            let label = labels[i + t * self.step];
+            label >= 0 && label != own && !points_m[i + t * self.step][2].is_nan()
+        };
+        let Some(t) = (1..=self.ahead.min(reach_px)).find(is_other) else { return };
+        let q = i + t * self.step;
+        let met = Vec3::from(points_m[q]);
+        for k in 0..=self.behind.min(reach_px - t) {
+            let p = i - k * self.step;
+            if labels[p] != own {
+                break;
+            }
+            let point = Vec3::from(points_m[p]);
+            // Most differ too much in depth alone. NaN is not near.
+            if (point.z - met.z).abs() < distance_m && point.distance(met) < distance_m {
+                pairs.push((p as u32, q as u32));
+            }
+        }
+    }
+}
+
+/// Finds the pixels of regions with another label to the right or below, and those at the edge of the image: column and row in scan
+/// order. O(pixels).
+fn find_changes(segments: &Segments) -> Vec<(usize, usize)> {
     let width = segments.labels().width();
     let mut rows = segments.labels().as_slice().chunks_exact(width).enumerate().peekable();
     let mut changes = Vec::new();
@@ -88,7 +109,7 @@ fn changes(segments: &Segments) -> Vec<(usize, usize)> {
         let (label, right) = (part(own, 1, inner), part(own, 2, inner));
         let below = [0, 1, 2].map(|u| part(below, u, inner));
         let marks_inner = &mut marks[1.min(width)..][..inner];
-        // Of slices of one length and without branches, so that many are told at once.
+        // Slices of one length and no branches, so that vector units compare many at once.
         for k in 0..inner {
             let own = label[k];
             let differs =
@@ -144,7 +165,7 @@ mod tests {
                     }
                 }
             }
-            let graph = contacts(&segments, &points, &params);
+            let graph = find_contacts(&segments, &points, &params);
             let got: Vec<_> = graph.edges().iter().map(|e| ((e.a, e.b), e.evidence)).collect();
             prop_assert_eq!(got, expected.into_iter().collect::<Vec<_>>());
         }

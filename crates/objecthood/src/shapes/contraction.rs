@@ -35,7 +35,7 @@ impl PartialOrd for Contraction {
 pub struct Shapes {
     /// The shape of each facet that is no structure, numbered in the order of their first facets.
     pub of_facet: Vec<u32>,
-    /// How many there are.
+    /// Number of shapes.
     pub count: usize,
 }
 
@@ -48,8 +48,8 @@ impl Shapes {
     }
 }
 
-/// The votes of the borders between facets that are no structure; a facet keeps its number less those of the structure.
-pub fn votes(
+/// Sums the votes (m) of the borders between facets outside the structure. Facets are numbered from the first one outside. O(E log E).
+pub fn sum_votes(
     borders: &RegionGraph<BorderEvidence>,
     structure: usize,
     params: &params::Contraction,
@@ -60,8 +60,8 @@ pub fn votes(
     RegionGraph::gather(borders.regions() - structure, votes, |sum: &mut f64, vote| *sum += vote)
 }
 
-/// Groups regions so that what is joined agrees and what is parted disagrees: greedy additive edge contraction (Keuper et
-/// al., ICCV 2015). The edge of greatest weight is contracted, parallel edges add up, until no weight is above 0.
+/// Groups regions so that those that agree are together and those that disagree are apart: greedy additive edge contraction
+/// (Keuper et al., ICCV 2015). The edge of greatest weight is contracted and parallel edges add up, until no weight is above 0.
 ///
 /// The weights are metres of border, so a long valley outvotes a short ridge. O(E log E), as long as no region has very many
 /// neighbours.
@@ -78,7 +78,7 @@ pub fn contract(weights: &RegionGraph<f64>) -> Shapes {
     }
     let mut sets = UnionFind::new(weights.regions());
     while let Some(Contraction { weight, a, b }) = heap.pop() {
-        // Out of date when either was merged or the weight has changed since.
+        // Out of date when one of them was merged or the weight has changed since.
         if neighbours[a as usize].get(&b) != Some(&weight) {
             continue;
         }
@@ -201,7 +201,7 @@ mod tests {
         let pairs = [(0, 2, 90.0), (1, 3, 90.0), (2, 3, 90.0), (3, 4, -90.0)];
         let pairs = pairs.map(|(a, b, angle)| (SegmentId(a), SegmentId(b), fold(angle)));
         let borders = RegionGraph::gather(5, pairs, |evidence: &mut BorderEvidence, next| *evidence = next);
-        let votes = votes(&borders, 2, &params::Contraction::default());
+        let votes = sum_votes(&borders, 2, &params::Contraction::default());
         let got: Vec<_> = votes.edges().iter().map(|e| (e.a.0, e.b.0, e.evidence)).collect();
         assert_eq!((votes.regions(), got), (3, vec![(0, 1, 0.1), (1, 2, -0.1)]));
     }

@@ -18,14 +18,18 @@ pub fn convexity_m(a: &Descriptor, b: &Descriptor) -> f64 {
     rise_of_a.max(rise_of_b)
 }
 
-/// Attaches to every contact how convex it is ([`convexity_m`]).
-pub fn convexities(contacts: &RegionGraph<u32>, facets: &[Descriptor]) -> RegionGraph<f64> {
+/// Measures the convexity of every contact (m), see [`convexity_m`]. O(E).
+pub fn measure_convexities(contacts: &RegionGraph<u32>, facets: &[Descriptor]) -> RegionGraph<f64> {
     contacts.map(|e| convexity_m(&facets[e.a.index()], &facets[e.b.index()]))
 }
 
-/// Shapes: connected components of the facets over convex edges between facets that both have a core pixel
-/// with a normal. Numbered in the order of the facet that stands for each. O(E).
-pub fn shapes(facets: &Segments, descriptors: &[Descriptor], convexities: &RegionGraph<f64>) -> Segments {
+/// Joins facets to shapes: connected components over convex edges between facets that both have a core pixel with a normal.
+/// Shapes are numbered in the order of the facets that stand for them. O(E).
+pub fn join_shapes(
+    facets: &Segments,
+    descriptors: &[Descriptor],
+    convexities: &RegionGraph<f64>,
+) -> Segments {
     let mut sets = UnionFind::new(facets.count());
     for edge in convexities.edges() {
         let (a, b) = (edge.a.index(), edge.b.index());
@@ -74,7 +78,7 @@ mod tests {
         let mut weights = [-0.01, 0.0, -0.02].into_iter();
         let convexities = contacts.map(|_| weights.next().unwrap());
         let mut described = vec![facet([0.0; 3], [0.0, 0.0, -1.0]); 4];
-        let labels_of = |d: &[Descriptor]| shapes(&facets, d, &convexities).labels().as_slice().to_vec();
+        let labels_of = |d: &[Descriptor]| join_shapes(&facets, d, &convexities).labels().as_slice().to_vec();
         assert_eq!(labels_of(&described), [0, 0, 1, 1, -1]);
         described[3].core_normals = 0;
         assert_eq!(labels_of(&described), [0, 0, 1, 2, -1]);
@@ -120,7 +124,7 @@ mod tests {
                     }
                 }
             }
-            let found = shapes(&facets, &described, &graph);
+            let found = join_shapes(&facets, &described, &graph);
             let labels = found.labels().as_slice();
             let first: Vec<_> = labels.iter().map(|l| labels.iter().position(|m| m == l)).collect();
             prop_assert_eq!(first, flooded);

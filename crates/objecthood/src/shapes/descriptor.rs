@@ -21,10 +21,10 @@ pub struct Descriptor {
     pub core_normals: u32,
 }
 
-/// Describes every region by its core pixels with depth; with fewer than ten of them by all pixels with depth.
+/// Describes every region by its core pixels with depth; a region with fewer than ten by all its pixels with depth.
 ///
 /// Sums are f64 in scan order. O(pixels).
-pub fn descriptors(
+pub fn describe_regions(
     segments: &Segments,
     core: &Raster<bool>,
     points_m: &Raster<[f32; 3]>,
@@ -38,7 +38,7 @@ pub fn descriptors(
     for (run, s) in segments.runs() {
         core_points[s] += pixels(run).map(|(core, [.., z], _)| u32::from(core & !z.is_nan())).sum::<u32>();
     }
-    let mut sums = vec![Sums::default(); segments.count()];
+    let mut sums = vec![RegionSums::default(); segments.count()];
     for (run, s) in segments.runs() {
         let is_core_enough = core_points[s] >= MIN_CORE_POINTS;
         let measured = pixels(run).filter(|(_, [.., z], _)| !z.is_nan());
@@ -48,7 +48,7 @@ pub fn descriptors(
         }
         sums[s] = own;
     }
-    let described = |sums: Sums| Descriptor {
+    let described = |sums: RegionSums| Descriptor {
         centroid_m: (sums.point / f64::from(sums.points.max(1))).to_array(),
         normal: (sums.normal / f64::from(sums.normals.max(1))).to_array(),
         core_normals: sums.core_normals,
@@ -57,7 +57,8 @@ pub fn descriptors(
 }
 
 #[derive(Clone, Copy, Default)]
-struct Sums {
+/// Sums over the pixels of a region.
+struct RegionSums {
     point: DVec3,
     normal: DVec3,
     points: u32,
@@ -65,7 +66,7 @@ struct Sums {
     core_normals: u32,
 }
 
-impl Sums {
+impl RegionSums {
     /// Adds one more point; a normal that is zero changes nothing.
     #[inline]
     fn add(&mut self, core: bool, point: [f32; 3], normal: [f32; 3]) {
@@ -93,9 +94,9 @@ mod tests {
             labels.with_data((0..16).map(|i| if i % 2 == 0 { [0.0, 0.0, -1.0] } else { [0.0; 3] }).collect());
         let core = |count: usize| labels.with_data((0..16).map(|i| i < count).collect());
 
-        let many = descriptors(&segments, &core(12), &points, &normals)[0];
+        let many = describe_regions(&segments, &core(12), &points, &normals)[0];
         assert_eq!((many.centroid_m, many.core_normals), ([0.0, 0.0, 1.0], 6));
-        let few = descriptors(&segments, &core(9), &points, &normals)[0];
+        let few = describe_regions(&segments, &core(9), &points, &normals)[0];
         assert_eq!((few.centroid_m, few.core_normals), ([0.25, 0.0, 1.0], 5));
         assert_eq!(few.normal, [0.0, 0.0, -1.0], "the mean is over the normals that there are");
     }
@@ -108,7 +109,7 @@ mod tests {
         let normals = labels.map(|_| [0.0, 0.0, -1.0]);
         let x_of = |core: usize| {
             let core = labels.with_data((0..20).map(|i| i < core).collect());
-            descriptors(&Segments::from_labels(&labels), &core, &points, &normals)[0].centroid_m[0]
+            describe_regions(&Segments::from_labels(&labels), &core, &points, &normals)[0].centroid_m[0]
         };
         assert_eq!((x_of(9), x_of(10)), (0.5, 0.0));
     }

@@ -11,7 +11,7 @@ use glam::Vec3;
 use crate::discovery::ids::NodeId;
 use crate::discovery::support_graph::{NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode};
 use crate::params::{self, Params};
-use crate::shapes::contact::touching_pairs;
+use crate::shapes::contact::find_touching_pairs;
 use crate::support::acyclic::Acyclic;
 use crate::support::body::{Bodies, Body, SECTORS};
 use crate::support::feet::{Foot, find_feet};
@@ -62,7 +62,7 @@ pub fn build_forest(scene: &SupportScene<'_>, params: &Params) -> SupportGraph {
     let &SupportScene { regions, points_m, space, .. } = scene;
     let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };
     let (bodies, touching) =
-        rayon::join(|| Bodies::new(scene), || touching_pairs(regions, points_m, &contact));
+        rayon::join(|| Bodies::new(scene), || find_touching_pairs(regions, points_m, &contact));
     let (feet, meetings) = rayon::join(
         || find_feet(regions, points_m, &bodies, &contact),
         || find_meetings(&touching, regions, points_m, &bodies),

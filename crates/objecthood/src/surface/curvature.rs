@@ -10,16 +10,16 @@ use crate::simd::vectorized;
 /// Curvature of a pixel around which no pair of normals is usable: beyond every threshold.
 pub const UNKNOWN: f32 = f32::INFINITY;
 
-/// One minus the mean cosine between the normals of opposite neighbours at `offset_px`, over the horizontal,
-/// the vertical and the two diagonal pairs: 0 = flat, 2 = folded back, [`UNKNOWN`] without a usable pair.
+/// Measures the curvature of every pixel: one minus the mean cosine between the normals of opposite neighbours at `offset_px`,
+/// over the horizontal, the vertical and the two diagonal pairs. 0 = flat, 2 = folded back, [`UNKNOWN`] without a usable pair.
 ///
 /// *Differs from the paper:* printed is 1/(4σ) with a bracket missing; here the mean is over the usable pairs
 /// and divided by σ = `scale`. A straight crease bends only three of the four pairs, so it counts from 35.6° at
-/// the default threshold. O(pixels): the pairs of one direction are looked at for a whole row at a time.
-pub fn curvature(normals: &Raster<[f32; 3]>, params: &params::Curvature) -> Raster<f32> {
+/// the default threshold. O(pixels); parallel over rows.
+pub fn measure_curvature(normals: &Raster<[f32; 3]>, params: &params::Curvature) -> Raster<f32> {
     let (width, height) = normals.size();
     let offset = params.offset_px;
-    // Of no pixels beside the image.
+    // Empty above and below the image.
     let row = |v: Option<usize>| {
         v.filter(|v| *v < height).map_or(&[][..], |v| &normals.as_slice()[v * width..][..width])
     };
@@ -47,15 +47,15 @@ pub fn curvature(normals: &Raster<[f32; 3]>, params: &params::Curvature) -> Rast
     normals.with_data(curvature)
 }
 
-/// The usable pairs around a pixel: those of which both have a normal.
+/// The usable pairs around a pixel: both pixels have a normal.
 #[derive(Clone, Copy, Default)]
 struct Pairs {
     cosines: f32,
     count: f32,
 }
 
-/// Adds to every pixel of a row the pair that is so many `columns` beside it, one in a row to the `right` and one in a row to the
-/// `left`.
+/// Adds one pair to every pixel of a row: the pixel this many `columns` to the right in the row `right`, and the one as far to the
+/// left in the row `left`.
 #[inline(always)]
 fn add_pairs(pairs: &mut [Pairs], columns: usize, right: &[[f32; 3]], left: &[[f32; 3]]) {
     let count = right.len().min(left.len()).saturating_sub(2 * columns);
@@ -79,7 +79,7 @@ mod tests {
         let turned = degrees.to_radians();
         let normal = |i: usize| if i % 9 < 4 { [0.0, 0.0, -1.0] } else { [turned.sin(), 0.0, -turned.cos()] };
         let normals = Raster::from_vec(9, 9, (0..81).map(normal).collect()).unwrap();
-        curvature(&normals, &params::Curvature::default())
+        measure_curvature(&normals, &params::Curvature::default())
     }
 
     #[test]
@@ -95,11 +95,13 @@ mod tests {
     fn only_usable_pairs_count_and_none_is_unknown() {
         let mut normals = Raster::filled(9, 9, [0.0, 0.0, -1.0]).unwrap();
         normals.as_mut_slice()[40 - 2] = [0.0; 3];
-        let c = curvature(&normals, &params::Curvature::default());
+        let c = measure_curvature(&normals, &params::Curvature::default());
         assert_eq!(c[40], 0.0);
         assert_eq!(c[0], UNKNOWN, "a corner has no opposite neighbours");
         let none = Raster::filled(9, 9, [0.0; 3]).unwrap();
-        assert!(curvature(&none, &params::Curvature::default()).as_slice().iter().all(|&c| c == UNKNOWN));
+        assert!(
+            measure_curvature(&none, &params::Curvature::default()).as_slice().iter().all(|&c| c == UNKNOWN)
+        );
     }
 
     proptest! {
@@ -117,7 +119,7 @@ mod tests {
                 if *kind == 0 { [0.0; 3] } else { Vec3::from(*n).normalize_or_zero().to_array() }
             };
             let normals = Raster::from_vec(width, height, normals.iter().map(unit).collect()).unwrap();
-            let got = curvature(&normals, &params::Curvature { offset_px, scale, ..Default::default() });
+            let got = measure_curvature(&normals, &params::Curvature { offset_px, scale, ..Default::default() });
             for i in 0..normals.len() {
                 // All pairs of pixels whose middle is pixel i and that lie on the ring of eight around it.
                 let ring = |d: usize| d == 0 || d == offset_px;

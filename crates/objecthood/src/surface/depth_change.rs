@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::buffers::Buffer;
 use crate::raster::Raster;
 
-/// A neighbour at less than this share of the other's depth is on another surface, whatever the sensor's noise.
+/// Depths that differ by more than this share of the greater one are on two surfaces, whatever the sensor's noise.
 const GREATEST_STEP: f32 = 0.5;
 
 /// Whether depth changes between two neighbours: exactly one is missing, or they differ by more than
@@ -27,45 +27,22 @@ pub fn changes(z_p: f32, z_q: f32, change_per_m: f32) -> bool {
     }
 }
 
-/// The farthest that [`squared_distance`] looks: its square and that of one more fit 16 bits.
+/// The farthest that distances are measured (px): the square of one more fits 16 bits.
 const FARTHEST_REACH_PX: usize = 180;
 
-/// Squared distance (px²) of every pixel to the nearest pixel beside a depth change, at most `reach_px`² + 1; `reach_px`
-/// is at most 180.
+/// Measures the squared distance (px²) of every pixel from the nearest pixel beside a depth change, at most `reach_px`² + 1. A
+/// `reach_px` beyond 180 counts as 180.
 ///
-/// A pixel is beside a change when it differs from its right, left, lower or upper neighbour ([`changes`]).
-/// Two passes, columns then rows, exact in integers of 16 bits: eight pixels at once. O(pixels · `reach_px`).
-pub fn squared_distance(depth_m: &Raster<f32>, change_per_m: f32, reach_px: usize) -> Raster<i16> {
-    let (width, height) = depth_m.size();
+/// A pixel is beside a change when it differs from its right, left, lower or upper neighbour ([`changes`]). Two passes, columns
+/// then rows, exact in integers of 16 bits. O(pixels · `reach_px`); the second pass is parallel over rows.
+pub fn measure_squared_distances(depth_m: &Raster<f32>, change_per_m: f32, reach_px: usize) -> Raster<i16> {
+    let width = depth_m.width();
     let reach_px = reach_px.min(FARTHEST_REACH_PX);
-    let z = depth_m.as_slice();
-    let far = (reach_px + 1) as i16;
-    // Distance along the column, first downwards, then upwards.
-    let mut column = Buffer::filled(z.len(), far);
-    let mut change = vec![false; width];
-    for v in 0..height {
-        let (row, below) = z[v * width..].split_at(width);
-        let (here, next) = column[v * width..].split_at_mut(width);
-        mark(&mut change, &row[..width - 1], &row[1..], change_per_m);
-        bring_near(&mut here[..width - 1], &change);
-        bring_near(&mut here[1..], &change);
-        if v + 1 < height {
-            mark(&mut change, row, &below[..width], change_per_m);
-            bring_near(here, &change);
-            bring_near(&mut next[..width], &change);
-        }
-    }
-    for v in 1..height {
-        let (above, below) = column.split_at_mut(v * width);
-        one_farther(&mut below[..width], &above[(v - 1) * width..]);
-    }
-    for v in (1..height).rev() {
-        let (above, below) = column.split_at_mut(v * width);
-        one_farther(&mut above[(v - 1) * width..], &below[..width]);
-    }
+    let mut column = Buffer::filled(depth_m.len(), (reach_px + 1) as i16);
+    mark_changes(depth_m, change_per_m, &mut column);
+    spread_along_columns(&mut column, width);
     // Then the best column within reach.
-    let cap = (reach_px * reach_px + 1) as i16;
-    let mut squared = Buffer::filled(z.len(), cap);
+    let mut squared = Buffer::filled(depth_m.len(), (reach_px * reach_px + 1) as i16);
     squared.par_chunks_mut(width).zip(column.par_chunks_mut(width)).for_each(|(squared, column)| {
         column.iter_mut().for_each(|rows| *rows *= *rows);
         for columns in 0..=reach_px.min(width - 1) {
@@ -75,6 +52,38 @@ pub fn squared_distance(depth_m: &Raster<f32>, change_per_m: f32, reach_px: usiz
         }
     });
     depth_m.with_data(squared)
+}
+
+/// Sets the distance of pixels beside a depth change to 0.
+fn mark_changes(depth_m: &Raster<f32>, change_per_m: f32, distance: &mut [i16]) {
+    let (width, height) = depth_m.size();
+    let z = depth_m.as_slice();
+    let mut change = vec![false; width];
+    for v in 0..height {
+        let (row, below) = z[v * width..].split_at(width);
+        let (here, next) = distance[v * width..].split_at_mut(width);
+        mark(&mut change, &row[..width - 1], &row[1..], change_per_m);
+        bring_near(&mut here[..width - 1], &change);
+        bring_near(&mut here[1..], &change);
+        if v + 1 < height {
+            mark(&mut change, row, &below[..width], change_per_m);
+            bring_near(here, &change);
+            bring_near(&mut next[..width], &change);
+        }
+    }
+}
+
+/// Turns marks into distances along the columns, first downwards, then upwards.
+fn spread_along_columns(distance: &mut [i16], width: usize) {
+    let height = distance.len() / width;
+    for v in 1..height {
+        let (above, below) = distance.split_at_mut(v * width);
+        one_farther(&mut below[..width], &above[(v - 1) * width..]);
+    }
+    for v in (1..height).rev() {
+        let (above, below) = distance.split_at_mut(v * width);
+        one_farther(&mut above[(v - 1) * width..], &below[..width]);
+    }
 }
 
 /// Marks where depth changes between two rows of pixels.
@@ -98,6 +107,7 @@ fn one_farther(distance: &mut [i16], neighbour: &[i16]) {
     }
 }
 
+/// Lowers squared distances to those by way of another column, `columns_squared` away.
 fn nearest(squared: &mut [i16], rows_squared: &[i16], columns_squared: i16) {
     for (squared, &rows) in squared.iter_mut().zip(rows_squared) {
         *squared = (*squared).min(rows.saturating_add(columns_squared));
@@ -128,7 +138,7 @@ mod tests {
                 .iter()
                 .any(|(du, dv)| at(u + du, v + dv).is_some_and(|z| changes(at(u, v).unwrap(), z, 0.02)))
         };
-        let squared = squared_distance(&depth, 0.02, reach);
+        let squared = measure_squared_distances(&depth, 0.02, reach);
         for v in 0..height as i32 {
             for u in 0..width as i32 {
                 let mut best = (reach * reach + 1) as i32;

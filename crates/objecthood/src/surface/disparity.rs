@@ -1,7 +1,7 @@
 //! Disparity space: where the sensor's noise is constant and planes are affine (METHOD 0).
 //!
-//! A pixel (u, v) with inverse depth d = 1/(z Q), counted in *quanta* Q of the sensor. One tolerance in quanta serves near
-//! and far alike, and a plane in space is exactly d = value + slope · (u, v).
+//! The disparity of a pixel is its inverse depth d = 1/(z Q), counted in *quanta* Q of the sensor. One tolerance in quanta serves
+//! near and far alike, and a plane in space is exactly d = value + slope · (u, v).
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,13 +12,13 @@ use crate::params;
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
-/// Depths (m) outside this range are no measurements for the method `context`.
+/// Range of depths (m) that `context` takes for measured.
 const RANGE_M: std::ops::Range<f32> = 0.1..20.0;
 
-/// The focal length (px) at which parameters in pixels hold; they scale with it.
+/// Parameters in pixels hold at this focal length (px) and scale with it.
 const REFERENCE_FOCAL_PX: f64 = 525.0;
 
-/// The camera and the sensor's noise: what takes pixels and disparities to space and back.
+/// The camera and the sensor's noise: converts pixels with disparity to points in space and back.
 #[derive(Clone, Copy, Debug)]
 pub struct DisparitySpace {
     camera: Camera,
@@ -99,8 +99,8 @@ impl DisparitySpace {
         quanta * self.quantum_per_m * z_m * z_m
     }
 
-    /// How often larger the noise of a surface is than that of one seen face-on: noise also moves points sideways, and
-    /// on a slope (quanta/px) that looks like noise of disparity.
+    /// The noise of a surface with this slope (quanta/px), as a multiple of that of a surface seen face-on. Noise also moves points
+    /// sideways, which on a slope looks like noise of disparity.
     #[inline]
     pub fn slope_noise(&self, slope: f64) -> f64 {
         let sideways = self.lateral_noise_px * slope;
@@ -132,7 +132,7 @@ impl DisparitySpace {
     }
 }
 
-/// Pixels that are worked on together.
+/// Pixels that one thread converts at a time.
 const BAND_PX: usize = 1 << 14;
 
 /// Column and row of the pixel with row-major index `i`.

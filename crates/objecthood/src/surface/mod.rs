@@ -10,6 +10,7 @@
 pub mod curvature;
 pub mod depth_change;
 pub mod disparity;
+pub mod model;
 pub mod moments;
 pub mod normals;
 pub mod plane_fit;

@@ -13,77 +13,104 @@ use crate::buffers::Buffer;
 use crate::params;
 use crate::raster::Raster;
 use crate::simd::vectorized;
-use crate::surface::depth_change::squared_distance;
+use crate::surface::depth_change::measure_squared_distances;
 
 /// Rows whose sums along columns begin together. Fixed, so that rounding does not depend on the number of threads.
 const BAND_ROWS: usize = 32;
 
-/// The unit normal of every pixel, towards the camera (n · X < 0); zero where there is none: no depth, or a
+/// Measures the unit normal of every pixel, towards the camera (n · X < 0). It is zero where there is none: no depth, or a
 /// depth change so near that no window fits.
 ///
-/// No window holds a depth change, so its tangents form chains of neighbours and their sums telescope: what is left of those
-/// along a row are its last and first point. The points are summed along rows and columns, in f64, and four sums give
-/// the average of a direction. Where the window stays the same from pixel to pixel the sums of a whole stretch lie side by side.
+/// No window holds a depth change, so its tangents form chains of neighbours, and the sum of a chain is its last point less its
+/// first (a telescoping sum). The end points are summed along rows and columns in f64; four sums give the average tangent of a
+/// direction. Where the window stays the same from pixel to pixel, the sums of a whole stretch lie side by side in memory.
 ///
-/// `points_m`: camera frame, `NaN` = none. O(pixels · window) for the distances, else O(pixels).
-pub fn normals(points_m: &Raster<[f32; 3]>, params: &params::Normals) -> Raster<[f32; 3]> {
-    let (width, height) = points_m.size();
-    let half_limit = (params.window_px / 2.0) as usize;
-    // A square of half size h reaches sqrt(2) h at its corners.
-    let reach = half_limit * 3 / 2 + 1;
-    let z = points_m.with_data(points_m.as_slice().iter().map(|p| p[2]).collect());
-    let distance = squared_distance(&z, params.depth_change_per_m, reach);
-    let half: Vec<u16> = (0..=reach * reach + 1).map(|d| half_window(d, half_limit) as u16).collect();
-
+/// `points_m`: camera frame (m), `NaN` = none. O(pixels · window) for the distances, else O(pixels); parallel over bands of rows.
+pub fn measure_normals(points_m: &Raster<[f32; 3]>, params: &params::Normals) -> Raster<[f32; 3]> {
+    let windows = Windows::choose(points_m, params);
+    let width = points_m.width();
     let mut normals = Buffer::stale(points_m.len(), [0.0; 3]);
     normals.par_chunks_mut(BAND_ROWS * width).enumerate().for_each_init(
-        || (Sums::default(), Tangents::of_width(width)),
+        || (LineSums::default(), Tangents::of_width(width)),
         |(sums, tangents), (band, normals)| {
-            let rows = band * BAND_ROWS..height.min((band + 1) * BAND_ROWS);
-            let first = rows.start.saturating_sub(half_limit);
             vectorized(
                 #[inline(always)]
-                || {
-                    sums.clear(width, half_limit, first);
-                    let mut next = first;
-                    for (v, normals) in rows.zip(normals.chunks_exact_mut(width)) {
-                        // The tangents of the largest window end in this row.
-                        while next < height.min(v + half_limit + 2) {
-                            sums.add(next, &points_m.as_slice()[next * width..][..width]);
-                            next += 1;
-                        }
-                        let row = v * width..(v + 1) * width;
-                        let points = &points_m.as_slice()[row.clone()];
-                        for (own, (point, distance)) in
-                            tangents.half.iter_mut().zip(points.iter().zip(&distance.as_slice()[row]))
-                        {
-                            *own = if point[2].is_nan() { 0 } else { half[*distance as usize] };
-                        }
-                        tangents.take(sums, v, height);
-                        tangents.normals(points, normals);
-                    }
-                },
+                || windows.measure_band(band, sums, tangents, normals),
             );
         },
     );
     points_m.with_data(normals)
 }
 
-/// Sums of points along rows and along columns, x, y and z in lists of their own, as far as windows of one row need them.
+/// The window of every pixel: as large as the nearest depth change allows.
+struct Windows<'a> {
+    points_m: &'a Raster<[f32; 3]>,
+    /// Largest half size (px).
+    half_limit: usize,
+    /// Squared distance (px^2) of every pixel from a depth change.
+    squared_distance: Raster<i16>,
+    /// The half size (px) that each squared distance allows.
+    half: Vec<u16>,
+}
+
+impl<'a> Windows<'a> {
+    fn choose(points_m: &'a Raster<[f32; 3]>, params: &params::Normals) -> Self {
+        let half_limit = (params.window_px / 2.0) as usize;
+        // A square of half size h reaches sqrt(2) h at its corners.
+        let reach = half_limit * 3 / 2 + 1;
+        let z = points_m.with_data(points_m.as_slice().iter().map(|p| p[2]).collect());
+        let squared_distance = measure_squared_distances(&z, params.depth_change_per_m, reach);
+        let half = (0..=reach * reach + 1).map(|d| half_window(d, half_limit) as u16).collect();
+        Self { points_m, half_limit, squared_distance, half }
+    }
+
+    /// Measures the normals of a band of rows.
+    #[inline(always)]
+    fn measure_band(
+        &self,
+        band: usize,
+        sums: &mut LineSums,
+        tangents: &mut Tangents,
+        normals: &mut [[f32; 3]],
+    ) {
+        let (width, height) = self.points_m.size();
+        let rows = band * BAND_ROWS..height.min((band + 1) * BAND_ROWS);
+        let first = rows.start.saturating_sub(self.half_limit);
+        sums.clear(width, self.half_limit, first);
+        let mut next = first;
+        for (v, normals) in rows.zip(normals.chunks_exact_mut(width)) {
+            // The tangents of the largest window end in this row.
+            while next < height.min(v + self.half_limit + 2) {
+                sums.add(next, &self.points_m.as_slice()[next * width..][..width]);
+                next += 1;
+            }
+            let row = v * width..(v + 1) * width;
+            let points = &self.points_m.as_slice()[row.clone()];
+            let distances = &self.squared_distance.as_slice()[row];
+            for (half, (point, distance)) in tangents.half.iter_mut().zip(points.iter().zip(distances)) {
+                *half = if point[2].is_nan() { 0 } else { self.half[*distance as usize] };
+            }
+            tangents.take(sums, v, height);
+            tangents.normals(points, normals);
+        }
+    }
+}
+
+/// Sums of points along rows and along columns, for the rows that the windows of one row need. x, y and z have lists of their own.
 #[derive(Default)]
-struct Sums {
+struct LineSums {
     width: usize,
-    /// So many rows are held; row v has place v % `held`.
+    /// Number of rows that are held; row v has place v % `held`.
     held: usize,
     /// The points of one row; zero where there is none.
     row: [Vec<f64>; 3],
-    /// Of each pixel, and of the place behind every row: the sum over its row before it.
+    /// The sum over the row before each pixel, and one more: over the whole row.
     before: [Vec<f64>; 3],
-    /// Of each pixel, and of the row below the last: the sum over its column above it.
+    /// The sum over the column above each pixel, and one row more: over the whole columns.
     above: [Vec<f64>; 3],
 }
 
-impl Sums {
+impl LineSums {
     /// Begins anew at row `first`, for windows of half size up to `half_limit`.
     #[inline(always)]
     fn clear(&mut self, width: usize, half_limit: usize, first: usize) {
@@ -110,7 +137,7 @@ impl Sums {
             above.copy_within(own * width..(own + 1) * width, next * width);
             above[next * width..].iter_mut().zip(row).for_each(|(above, x)| *above += x);
         }
-        // One after the other, but the three axes side by side.
+        // One pixel after the other, but the three axes side by side.
         let before = self.before.each_mut().map(|before| &mut before[own * (width + 1)..][..=width]);
         let mut sum = DVec3::ZERO;
         for u in 0..width {
@@ -147,14 +174,14 @@ impl Tangents {
         Self { half: vec![0; width], along_u: empty(), along_v: empty() }
     }
 
-    /// Takes them from the sums, stretch by stretch of one size of window.
+    /// Takes the tangents from the sums. Pixels side by side with windows of one size are taken together.
     #[inline(always)]
-    fn take(&mut self, sums: &Sums, v: usize, height: usize) {
+    fn take(&mut self, sums: &LineSums, v: usize, height: usize) {
         let width = sums.width;
         let mut next = 0;
         while let Some(&half) = self.half.get(next) {
             let (u, h) = (next, usize::from(half));
-            // Windows and tangents of a stretch lie in the image, or it is a single pixel.
+            // The windows and tangents of a stretch lie in the image; beside its edge a stretch is a single pixel.
             let inner = h..width.saturating_sub(h + 1);
             let end = if inner.contains(&u) { inner.end } else { u + 1 };
             let pixels = self.half[u..end].iter().take_while(|other| **other == half).count();
@@ -164,20 +191,20 @@ impl Tangents {
             }
             let (us, ue) = (u.saturating_sub(h), (u + h + 1).min(width));
             let (vs, ve) = (v.saturating_sub(h), (v + h + 1).min(height));
-            // The tangents end one pixel farther, but for those that would leave the image.
+            // Tangents end one pixel farther, unless that lies outside the image.
             let (last_u, last_v) = (ue.min(width - 1), ve.min(height - 1));
             for k in 0..3 {
                 let above = |u: usize, v: usize| sums.above(k, u, v, pixels);
                 let ends = [[above(last_u, ve), above(last_u, vs)], [above(us, ve), above(us, vs)]];
-                telescoped(&mut self.along_u[k][u..u + pixels], ends);
+                telescope(&mut self.along_u[k][u..u + pixels], ends);
                 let before = |u: usize, v: usize| sums.before(k, u, v, pixels);
                 let ends = [[before(ue, last_v), before(us, last_v)], [before(ue, vs), before(us, vs)]];
-                telescoped(&mut self.along_v[k][u..u + pixels], ends);
+                telescope(&mut self.along_v[k][u..u + pixels], ends);
             }
         }
     }
 
-    /// Their unit normals, towards the camera; zero where there is no window.
+    /// The unit normals of the pixels, towards the camera; zero where there is no window.
     #[inline(always)]
     fn normals(&self, points_m: &[[f32; 3]], normals: &mut [[f32; 3]]) {
         let Self { half, along_u: [ux, uy, uz], along_v: [vx, vy, vz] } = self;
@@ -193,16 +220,16 @@ impl Tangents {
     }
 }
 
-/// The sums of the last points of windows less those of the first, each the difference of two sums.
+/// The sums over the last points of windows less those over the first points. Each is the difference of two line sums.
 #[inline(always)]
-fn telescoped(along: &mut [f64], [[last, before_last], [first, before_first]]: [[&[f64]; 2]; 2]) {
+fn telescope(along: &mut [f64], [[last, before_last], [first, before_first]]: [[&[f64]; 2]; 2]) {
     let ends = last.iter().zip(before_last).zip(first.iter().zip(before_first));
     for (along, ((last, before_last), (first, before_first))) in along.iter_mut().zip(ends) {
         *along = (last - before_last) - (first - before_first);
     }
 }
 
-/// The greatest h up to `limit` such that a square of half size h stays nearer than the depth change.
+/// The largest half size h up to `limit` (px) whose square stays nearer than the depth change.
 #[inline]
 fn half_window(squared_distance: usize, limit: usize) -> usize {
     let mut half = 0;
@@ -237,7 +264,7 @@ mod tests {
             -1.0 / n.dot(ray)
         });
         let params = params::Normals { depth_change_per_m: 1.0, ..Default::default() };
-        let normals = normals(&points, &params);
+        let normals = measure_normals(&points, &params);
         for (i, &got) in normals.as_slice().iter().enumerate() {
             assert!(Vec3::from(got).dot(n) > 0.99999, "at {} {}: {got:?}", i % 60, i / 60);
         }
@@ -247,7 +274,7 @@ mod tests {
     fn no_window_reaches_across_a_depth_change() {
         // Two walls that face the camera, 0.5 m apart: no normal may be bent by the step.
         let points = points(|u, _| if u < 30 { 1.0 } else { 1.5 });
-        let normals = normals(&points, &params::Normals::default());
+        let normals = measure_normals(&points, &params::Normals::default());
         for (i, &got) in normals.as_slice().iter().enumerate() {
             let near_step = (28..32).contains(&(i % 60));
             assert!(
@@ -311,7 +338,7 @@ mod tests {
     proptest! {
         #[test]
         fn normals_are_the_naive_ones(
-            // Also such as are higher than a band.
+            // Small images, and some that are higher than a band.
             (width, pixels) in prop_oneof![
                 3 => (1_usize..15, 1_usize..15),
                 1 => (1_usize..9, BAND_ROWS - 2..2 * BAND_ROWS),
@@ -332,7 +359,7 @@ mod tests {
             let camera = Camera::new(60.0, 60.0, 6.0, 7.0).unwrap();
             let points = Frame::new(z, None, camera).unwrap().points_m();
             let params = params::Normals { window_px, ..Default::default() };
-            let got = normals(&points, &params);
+            let got = measure_normals(&points, &params);
             for i in 0..points.len() {
                 let expected = naive(&points, i, &params);
                 prop_assert!(Vec3::from(got[i]).distance(expected) < 1e-4, "{}: {:?} {}", i, got[i], expected);

@@ -4,8 +4,8 @@ use crate::frame::Frame;
 use crate::params;
 use crate::raster::Raster;
 use crate::surface::disparity::DisparitySpace;
-use crate::surface::plane_fit::{PlaneFits, plane_fits};
-use crate::surface::window_choice::{Orientation, orientation};
+use crate::surface::plane_fit::{PlaneFits, fit_planes};
+use crate::surface::window_choice::{Orientation, choose_windows};
 
 /// The surface at every pixel.
 #[derive(Clone, Debug)]
@@ -24,7 +24,7 @@ pub struct Surfaces {
 pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::LocalFit) -> Surfaces {
     let space = DisparitySpace::new(frame.camera(), sensor);
     let disparity = space.disparity(frame.depth_m());
-    let fits = plane_fits(&disparity, space.length_px(params.radius_px));
-    let orientation = orientation(&disparity, &fits, &space, params);
+    let fits = fit_planes(&disparity, space.length_px(params.radius_px));
+    let orientation = choose_windows(&disparity, &fits, &space, params);
     Surfaces { space, disparity, fits, orientation }
 }

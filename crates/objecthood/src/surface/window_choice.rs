@@ -1,4 +1,6 @@
-//! Which window speaks for a pixel: near an edge not the one around it, which mixes two surfaces (METHOD 3.2).
+//! Chooses the window that speaks for a pixel (METHOD 3.2).
+//!
+//! Near an edge the window around a pixel mixes two surfaces. Another window that contains the pixel may lie on one of them.
 
 use rayon::prelude::*;
 
@@ -18,104 +20,115 @@ pub struct Orientation {
     pub normal: Raster<[f32; 3]>,
 }
 
-/// Weight of how far the pixel lies from a window's plane, against the window's residual.
+/// Weight of the distance between a pixel and a window's plane, against the window's residual.
 const MISFIT_WEIGHT: f32 = 0.5;
-/// The pixel's own window is preferred to another whose score is this much less.
+/// The score of a pixel's own window counts as this share: near-ties go to it.
 const OWN_PREFERENCE: f32 = 0.8;
 
-/// The orientation of every pixel from the best of nine windows that contain it (Kuwahara et al. 1976).
+/// Chooses the best of nine windows that contain each pixel and takes its orientation (Kuwahara et al. 1976).
 ///
-/// A pixel whose own window has a residual below `own_window_residual_quanta` keeps it; otherwise the window of least
-/// residual and misfit wins. Without the choice normals bend round at edges. O(9 pixels).
-pub fn orientation(
+/// The nine windows lie around the pixel and `local_fit.radius_px` - 1 to its sides and corners. A pixel keeps its own window
+/// when that has a residual below `own_window_residual_quanta`; otherwise the window of least residual and misfit wins, the
+/// first one on ties. Without the choice normals bend round at edges. O(9 pixels); parallel over rows.
+pub fn choose_windows(
     disparity: &Raster<f32>,
     fits: &PlaneFits,
     space: &DisparitySpace,
     params: &params::LocalFit,
 ) -> Orientation {
-    let width = disparity.width();
     let reach = space.length_px(params.radius_px) as isize - 1;
-    let limit = params.own_window_residual_quanta;
+    let choice = Choice { disparity, fits, space, reach, limit: params.own_window_residual_quanta };
+    let width = disparity.width();
     let mut slope = Buffer::stale(disparity.len(), [0.0; 2]);
     let mut normal = Buffer::stale(disparity.len(), [0.0; 3]);
-    slope.par_chunks_mut(width).zip(normal.par_chunks_mut(width)).enumerate().for_each(
-        |(v, (slope, normal))| {
-            let measured = &disparity.as_slice()[v * width..(v + 1) * width];
-            let own = &fits.residual.as_slice()[v * width..(v + 1) * width];
-            vectorized(
-                #[inline(always)]
-                || speak_for_themselves(space, v, measured, fits, limit, slope, normal),
-            );
-            for (left, (measured, own)) in
-                (0..).step_by(STRETCH).zip(measured.chunks(STRETCH).zip(own.chunks(STRETCH)))
-            {
-                let is_open = |(d, residual): (&f32, &f32)| !d.is_nan() & (*residual >= limit);
-                if !measured.iter().zip(own).fold(false, |any, pixel| any | is_open(pixel)) {
-                    continue;
-                }
-                let windows = vectorized(
-                    #[inline(always)]
-                    || Windows::best([left, v], measured, fits, reach),
-                );
-                for (lane, pixel) in measured.iter().zip(own).enumerate() {
-                    if is_open(pixel) && windows.score[lane].is_finite() {
-                        let j = windows.middle[lane] as usize;
-                        (slope[left + lane], normal[left + lane]) =
-                            turned(space, [j % width, j / width], &fits.at(j));
-                    }
-                }
-            }
-        },
-    );
+    let rows = slope.par_chunks_mut(width).zip(normal.par_chunks_mut(width)).enumerate();
+    rows.for_each(|(v, (slope, normal))| {
+        vectorized(
+            #[inline(always)]
+            || choice.take_own(v, slope, normal),
+        );
+        choice.take_best(v, slope, normal);
+    });
     Orientation { slope: disparity.with_data(slope), normal: disparity.with_data(normal) }
 }
 
-/// Row `v` as the pixels' own windows have it, zero where they do not speak.
-#[inline(always)]
-fn speak_for_themselves(
-    space: &DisparitySpace,
-    v: usize,
-    measured: &[f32],
-    fits: &PlaneFits,
+/// What the choice looks at.
+struct Choice<'a> {
+    disparity: &'a Raster<f32>,
+    fits: &'a PlaneFits,
+    space: &'a DisparitySpace,
+    /// Distance (px) of the other windows' middles along u and v.
+    reach: isize,
+    /// Residual (quanta) below which a pixel keeps its own window.
     limit: f32,
-    slope: &mut [[f32; 2]],
-    normal: &mut [[f32; 3]],
-) {
-    let row = v * measured.len()..(v + 1) * measured.len();
-    let [value, a, b, residual] = fits.images().map(|image| &image.as_slice()[row.clone()]);
-    let own = measured.iter().zip(residual).zip(value.iter().zip(a).zip(b));
-    let turns = slope.iter_mut().zip(normal);
-    for (u, (((d, residual), ((value, a), b)), (slope, normal))) in own.zip(turns).enumerate() {
-        let own = PlaneFit { value: *value, slope: [*a, *b], residual: *residual };
-        let (own_slope, own_normal) = turned(space, [u, v], &own);
-        let speaks = (own.residual < limit) & !d.is_nan();
-        *slope = own_slope.map(|x| if speaks { x } else { 0.0 });
-        *normal = own_normal.map(|x| if speaks { x } else { 0.0 });
+}
+
+impl Choice<'_> {
+    /// Gives the pixels of row `v` that keep their own windows the orientation of these; the others get 0.
+    #[inline(always)]
+    fn take_own(&self, v: usize, slope: &mut [[f32; 2]], normal: &mut [[f32; 3]]) {
+        let row = v * slope.len()..(v + 1) * slope.len();
+        let measured = &self.disparity.as_slice()[row.clone()];
+        let [value, a, b, residual] = self.fits.images().map(|image| &image.as_slice()[row.clone()]);
+        let own = measured.iter().zip(residual).zip(value.iter().zip(a).zip(b));
+        let orientation = slope.iter_mut().zip(normal);
+        for (u, (((d, residual), ((value, a), b)), (slope, normal))) in own.zip(orientation).enumerate() {
+            let own = PlaneFit { value: *value, slope: [*a, *b], residual: *residual };
+            let (own_slope, own_normal) = orient(self.space, [u, v], &own);
+            let is_kept = (own.residual < self.limit) & !d.is_nan();
+            *slope = own_slope.map(|x| if is_kept { x } else { 0.0 });
+            *normal = own_normal.map(|x| if is_kept { x } else { 0.0 });
+        }
+    }
+
+    /// Gives the other measured pixels of row `v` the orientation of their best windows.
+    fn take_best(&self, v: usize, slope: &mut [[f32; 2]], normal: &mut [[f32; 3]]) {
+        let width = slope.len();
+        let measured = &self.disparity.as_slice()[v * width..(v + 1) * width];
+        let own = &self.fits.residual.as_slice()[v * width..(v + 1) * width];
+        let stretches = measured.chunks(STRETCH).zip(own.chunks(STRETCH));
+        for (left, (measured, own)) in (0..).step_by(STRETCH).zip(stretches) {
+            let is_open = |(d, residual): (&f32, &f32)| !d.is_nan() & (*residual >= self.limit);
+            if !measured.iter().zip(own).fold(false, |any, pixel| any | is_open(pixel)) {
+                continue;
+            }
+            let best = vectorized(
+                #[inline(always)]
+                || BestWindows::find([left, v], measured, self.fits, self.reach),
+            );
+            for (lane, pixel) in measured.iter().zip(own).enumerate() {
+                if is_open(pixel) && best.score[lane].is_finite() {
+                    let j = best.middle[lane] as usize;
+                    (slope[left + lane], normal[left + lane]) =
+                        orient(self.space, [j % width, j / width], &self.fits.at(j));
+                }
+            }
+        }
     }
 }
 
 /// Slope and unit normal of the plane fitted around the pixel in this column and row.
 #[inline(always)]
-fn turned(space: &DisparitySpace, [u, v]: [usize; 2], fit: &PlaneFit) -> ([f32; 2], [f32; 3]) {
+fn orient(space: &DisparitySpace, [u, v]: [usize; 2], fit: &PlaneFit) -> ([f32; 2], [f32; 3]) {
     let normal = space.normal([u as f64, v as f64], f64::from(fit.value), fit.slope.map(f64::from));
     (fit.slope, normal.as_vec3().to_array())
 }
 
-/// Pixels of a row that are looked at side by side.
+/// Pixels of a row whose windows are compared side by side.
 const STRETCH: usize = 32;
 
-/// Of pixels side by side the windows whose planes pass nearest to them and fit best; the first ones on ties.
-struct Windows {
-    /// How badly they suit (quanta); infinite when there is none.
+/// The window of least score for each of some pixels side by side; the first one on ties.
+struct BestWindows {
+    /// Its score (quanta), from its residual and the misfit of the pixel; infinite when there is no window.
     score: [f32; STRETCH],
-    /// The pixels in their middles.
+    /// The pixel in its middle.
     middle: [i32; STRETCH],
 }
 
-impl Windows {
-    /// For pixels with these disparities, the first of which is at (u, v).
+impl BestWindows {
+    /// Compares the windows of pixels with these disparities. (u, v): the first pixel.
     #[inline(always)]
-    fn best([u, v]: [usize; 2], disparity: &[f32], fits: &PlaneFits, reach: isize) -> Self {
+    fn find([u, v]: [usize; 2], disparity: &[f32], fits: &PlaneFits, reach: isize) -> Self {
         let (width, height) = fits.residual.size();
         let mut best = Self { score: [f32::INFINITY; STRETCH], middle: [0; STRETCH] };
         for dv in [-reach, 0, reach] {
@@ -133,8 +146,8 @@ impl Windows {
         best
     }
 
-    /// Prefers the windows around the pixels from `first` on where they suit better; they are that far away from the
-    /// pixels with these disparities, which stand from `lane` on.
+    /// Replaces the best windows so far by those around the pixels from `first` on, where these have a lower score. They belong
+    /// to the pixels with these disparities, which stand from `lane` on, and lie (du, dv) away from them.
     #[inline(always)]
     fn prefer(
         &mut self,
@@ -182,7 +195,7 @@ mod tests {
         prop_oneof![1 => Just(PlaneFit::NONE), 4 => some]
     }
 
-    /// Small images, and such as are wider than what is looked at together.
+    /// Small images, and some that are wider than a stretch.
     fn size() -> impl Strategy<Value = (usize, usize)> {
         prop_oneof![4 => small_size(), 1 => (STRETCH - 3..STRETCH + 9, 1_usize..5)]
     }
@@ -196,7 +209,7 @@ mod tests {
         ) {
             let (space, width) = (kinect(), disparity.width());
             let params = params::LocalFit { radius_px, own_window_residual_quanta: 0.8 };
-            let got = orientation(&disparity, &plane_fits(&fits), &space, &params);
+            let got = choose_windows(&disparity, &plane_fits(&fits), &space, &params);
             for i in 0..disparity.len() {
                 // All windows whose middle lies at one of the nine places, in scan order.
                 let place = |d: usize| d == 0 || d == radius_px - 1;

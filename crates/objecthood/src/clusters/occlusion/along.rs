@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::spread::{Sample, Spread, Turned};
 use super::surface::{RIDGE, Surface};
+use crate::linear::{length, solve};
 use crate::surface::disparity::DisparitySpace;
-use crate::surface::moments::{length, solve};
 
 /// Facets nearer to each other in the image (px) have no clear direction between them.
 const LEAST_APART_PX: f64 = 3.0;

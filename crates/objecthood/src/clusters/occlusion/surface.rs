@@ -1,7 +1,7 @@
 //! One surface through two pieces.
 
 use super::spread::Sample;
-use crate::surface::moments::solve;
+use crate::linear::solve;
 
 /// Added per sample to the diagonal of the normal equations, so that they can always be solved.
 pub(super) const RIDGE: f64 = 1e-6;

@@ -1,9 +1,9 @@
-//! Which pixels are of which surface.
+//! Labels the pixels of each surface.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::StructureSurface;
+use super::surface::StructureSurface;
 use super::tilt::{Alike, Tilt, squared_between};
 use crate::buffers::Buffer;
 use crate::raster::{Raster, marked};
@@ -11,12 +11,12 @@ use crate::regions::Segments;
 use crate::simd::vectorized;
 use crate::surface::window_choice::Orientation;
 
-/// Pixels of a row of which is asked first whether any lies near a surface.
+/// Pixels of a row that are passed over together when none lies near a surface.
 const STRETCH: usize = 64;
 
-/// Of every pixel the first surface that lies within `tolerance_quanta` of it and is turned as it is, or that has no normal to
-/// compare; -1 = none. O(pixels · surfaces); parallel over rows.
-pub(super) fn labelled(
+/// Labels every pixel with the first surface within `tolerance_quanta` of it that has the same tilt; -1 = none. A pixel without a
+/// normal has any tilt. O(pixels · surfaces); parallel over rows.
+pub(super) fn label_pixels(
     surfaces: &[StructureSurface],
     disparity: &Raster<f32>,
     orientation: &Orientation,
@@ -60,7 +60,7 @@ pub(super) fn labelled(
 }
 
 impl StructureSurface {
-    /// Marks the pixels, of which the first is at (u, v), that are of no surface yet and lie near this one.
+    /// Marks the pixels near this surface that belong to none yet. (u, v): the first pixel.
     #[inline(always)]
     fn mark_near(
         &self,
@@ -76,7 +76,7 @@ impl StructureSurface {
         }
     }
 
-    /// Labels those of the marked pixels whose slope is that of this surface, but for so much, and takes their mark.
+    /// Labels the marked pixels whose slope is that of this surface, and removes their marks. `slope_squared`: the tolerance.
     #[inline(always)]
     fn claim(
         &self,
@@ -102,7 +102,8 @@ mod tests {
 
     use super::*;
     use crate::surface::disparity::position;
-    use crate::surface::moments::{Basis, Moments};
+    use crate::surface::model::Basis;
+    use crate::surface::moments::Moments;
     use crate::testing::raster;
 
     proptest! {
@@ -129,7 +130,7 @@ mod tests {
             };
             let surfaces = [surface(100.0, [0.0, 0.0, -1.0]), surface(103.0, [0.0, -0.6, -0.8])];
             let alike = Alike { least_cosine: 0.9, slope_squared };
-            let labels = labelled(&surfaces, &disparity, &orientation, &alike, 2.0);
+            let labels = label_pixels(&surfaces, &disparity, &orientation, &alike, 2.0);
             let width = disparity.width();
             for i in 0..disparity.len() {
                 let at = position(i, width);

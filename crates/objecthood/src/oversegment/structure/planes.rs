@@ -1,8 +1,8 @@
-//! Planes through all that is of a surface.
+//! Planes fitted to all pixels of a surface.
 
 use glam::DVec3;
 
-use super::StructureSurface;
+use super::surface::StructureSurface;
 use crate::camera::Camera;
 use crate::planes::{PointSums, StructurePlane};
 use crate::raster::Raster;

@@ -1,10 +1,10 @@
-//! How surfaces are turned, and what passes for the same.
+//! How surfaces are tilted, and which tilts count as the same.
 
 use glam::{DVec3, Vec3};
 
 use crate::surface::window_choice::Orientation;
 
-/// How a surface is turned at a pixel.
+/// How a surface is tilted at a pixel.
 pub(super) struct Tilt {
     /// Unit normal, towards the camera; zero where it is not known.
     pub(super) normal: DVec3,
@@ -19,13 +19,14 @@ impl Tilt {
     }
 }
 
-/// What passes for the same tilt.
+/// Two tilts count as the same when their normals or their slopes differ little.
 ///
-/// The normal tells sides of low objects from the table they stand on. Where depth is coarse noise turns it at will, and a
-/// wall 2 m away came to pieces; but not the slope of the disparity, whose noise is the same at any distance.
+/// The normal tells the sides of low objects from the table they stand on. Where depth is coarse, noise turns normals by any angle:
+/// with them alone a wall 2 m away fell to pieces. The noise of slopes in disparity is the same at any distance.
 pub(super) struct Alike {
+    /// Least cosine of the angle between the normals.
     pub(super) least_cosine: f64,
-    /// The square of the slope between them is below this.
+    /// The squared difference of the slopes is below this ((quanta/px)^2).
     pub(super) slope_squared: f64,
 }
 
@@ -42,7 +43,8 @@ pub(super) fn squared_between(a: [f64; 2], b: [f64; 2]) -> f64 {
     x * x + y * y
 }
 
-/// The least number whose root is not below `length`, so that squares can be compared where lengths are meant.
+/// The least number whose square root is not below `length`. Comparing squares with it gives the same as comparing lengths with
+/// `length`.
 pub(super) fn least_square(length: f64) -> f64 {
     let mut square = length * length;
     while square.next_down().sqrt() >= length {

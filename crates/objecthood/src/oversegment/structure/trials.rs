@@ -5,24 +5,25 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use rayon::prelude::*;
 
-use super::Sample;
+use super::sample::Sample;
 use crate::random::Lcg;
 use crate::simd::vectorized;
 use crate::surface::disparity::DisparitySpace;
 
 /// Planes tried in a round.
 const TRIALS: usize = 300;
-/// Twice the area of the triangle of a trial (px^2 at 525 px) is at least this.
+/// Least area of the triangle of a trial, doubled (px^2 at 525 px).
 const LEAST_TRIANGLE_PX: usize = 400;
-/// A trial counts the pixels nearer than this (quanta).
+/// A sample nearer than this (quanta) votes for a plane.
 const TRIAL_QUANTA: f64 = 2.0;
-/// The best trial has at least so many.
+/// Least number of votes of a plane.
 const LEAST_VOTES: usize = 100;
 
-/// The plane a u + b v + c through three samples that passes near most of them; `None` when it is near to few.
+/// Finds the plane a u + b v + c through three random samples that passes near most samples; `None` when none is near a hundred.
 ///
-/// All planes are drawn first, and voted for in parallel: the first one with the most votes wins, whichever is counted first.
-pub(super) fn best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpace) -> Option<[f64; 3]> {
+/// All planes are drawn first, and their votes are counted in parallel. The first one with the most votes wins, whichever is
+/// counted first.
+pub(super) fn find_best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpace) -> Option<[f64; 3]> {
     let least_triangle = space.area_px(LEAST_TRIANGLE_PX) as f64;
     let mut trial = |_| {
         let [p, q, r] = std::array::from_fn(|_| &pool[random.below(pool.len())]);
@@ -41,7 +42,7 @@ pub(super) fn best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpa
     let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
     let most = AtomicUsize::new(LEAST_VOTES);
     let count = |&plane: &[f64; 3]| {
-        let votes = votes(&voters, pool.len(), plane, most.load(Relaxed))?;
+        let votes = count_votes(&voters, pool.len(), plane, most.load(Relaxed))?;
         most.fetch_max(votes, Relaxed);
         Some((votes, plane))
     };
@@ -50,8 +51,8 @@ pub(super) fn best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpa
     counted.into_iter().flatten().reduce(first_best).map(|(_, plane)| plane)
 }
 
-/// How many samples lie near a plane, if they are at least so many; given up when they cannot be any more.
-fn votes(voters: &[Voters], mut left: usize, plane: [f64; 3], least: usize) -> Option<usize> {
+/// Counts the samples near a plane. `None` if they are fewer than `least`: the count ends when it cannot reach that any more.
+fn count_votes(voters: &[Voters], mut left: usize, plane: [f64; 3], least: usize) -> Option<usize> {
     let mut votes = 0;
     for voters in voters {
         if votes + left < least {
@@ -59,7 +60,7 @@ fn votes(voters: &[Voters], mut left: usize, plane: [f64; 3], least: usize) -> O
         }
         votes += vectorized(
             #[inline(always)]
-            || voters.near(plane),
+            || voters.count_near(plane),
         );
         left = left.saturating_sub(VOTERS);
     }
@@ -69,7 +70,7 @@ fn votes(voters: &[Voters], mut left: usize, plane: [f64; 3], least: usize) -> O
 /// Samples that are counted together.
 const VOTERS: usize = 256;
 
-/// Column, row and disparity of samples, each in a list of its own; those that are missing vote for nothing.
+/// Column, row and disparity of a block of samples, each in a list of its own. Places that stay free vote for nothing.
 struct Voters {
     u: [f64; VOTERS],
     v: [f64; VOTERS],
@@ -85,9 +86,9 @@ impl Voters {
         voters
     }
 
-    /// How many lie near a plane.
+    /// Counts the samples near a plane.
     #[inline(always)]
-    fn near(&self, [a, b, c]: [f64; 3]) -> usize {
+    fn count_near(&self, [a, b, c]: [f64; 3]) -> usize {
         let Self { u, v, disparity } = self;
         (0..VOTERS)
             .map(|k| u64::from((disparity[k] - (a * u[k] + b * v[k] + c)).abs() < TRIAL_QUANTA))
@@ -111,9 +112,9 @@ mod tests {
                 (s.disparity - (plane[0] * u + plane[1] * v + plane[2])).abs() < TRIAL_QUANTA
             };
             let all = pool.iter().filter(near).count();
-            assert_eq!(votes(&voters, pool.len(), plane, all), Some(all), "as many as the best so far");
-            assert_eq!(votes(&voters, pool.len(), plane, 0), Some(all));
-            assert_eq!(votes(&voters, pool.len(), plane, all + 1), None);
+            assert_eq!(count_votes(&voters, pool.len(), plane, all), Some(all), "as many as the best so far");
+            assert_eq!(count_votes(&voters, pool.len(), plane, 0), Some(all));
+            assert_eq!(count_votes(&voters, pool.len(), plane, all + 1), None);
         }
     }
 }

@@ -1,42 +1,45 @@
-//! How large a surface is, to tell structure from faces of things.
+//! The size of a surface, which tells structure from faces of things.
 
 use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 
-use super::{Candidate, Sample, Seen};
+use super::candidates::{Candidate, View};
+use super::sample::Sample;
 use crate::quantile::element_at;
 use crate::tangents::tangents;
 
-/// Samples hang together when they are at most so many places of the grid apart.
+/// Samples are connected when they are at most this many places of the grid apart.
 const PIECE_GAP: usize = 2;
-/// A pixel seen more glancingly than this cosine counts as if it were seen so.
+/// The least cosine between normal and ray: pixels seen at a smaller one count as if seen at this.
 const LEAST_COSINE: f64 = 0.15;
 
 /// Bits of a word.
 const WORD: usize = u64::BITS as usize;
 
-/// How large a surface is.
-pub(super) struct Extent {
+/// The size of a surface.
+pub(super) struct SurfaceSize {
     pub(super) area_m2: f64,
+    /// Its longer side.
     pub(super) longest_m: f64,
 }
 
-impl Extent {
-    /// Of the largest connected piece of its samples: tops of boxes that happen to be as high as a shelf are no surface.
-    pub(super) fn of(Candidate { surface, inliers }: &Candidate, seen: &Seen<'_>) -> Self {
-        let width = seen.disparity.width();
-        let camera = seen.space.camera();
+impl SurfaceSize {
+    /// Measures the largest connected piece of the samples. Tops of boxes that happen to be equally high are no surface together.
+    pub(super) fn measure(Candidate { surface, inliers }: &Candidate, view: &View<'_>) -> Self {
+        let width = view.disparity.width();
+        let camera = view.space.camera();
         let point_m = |s: &Sample| {
-            let point = camera.back_project(s.pixel % width, s.pixel / width, seen.depth_m[s.pixel]);
+            let point = camera.back_project(s.pixel % width, s.pixel / width, view.depth_m[s.pixel]);
             Vec3::from(point).as_dvec3()
         };
-        let cell = |s: &Sample| s.at.map(|x| (x / seen.grid as f64) as usize);
+        let cell = |s: &Sample| s.at.map(|x| (x / view.grid as f64) as usize);
         let cells: Vec<[usize; 2]> = inliers.iter().map(cell).collect();
-        let points_m: Vec<DVec3> = largest_piece(&cells).into_iter().map(|k| point_m(&inliers[k])).collect();
+        let points_m: Vec<DVec3> =
+            find_largest_piece(&cells).into_iter().map(|k| point_m(&inliers[k])).collect();
         let area_m2 = points_m.iter().map(|p| {
             let cosine = (-surface.normal.dot(*p) / p.length()).max(LEAST_COSINE);
-            (seen.grid * seen.grid) as f64 * p.z * p.z / (camera.fx_px * camera.fy_px) / cosine
+            (view.grid * view.grid) as f64 * p.z * p.z / (camera.fx_px * camera.fy_px) / cosine
         });
         let width_m = |axis: DVec3| {
             let mut along: Vec<f64> = points_m.iter().map(|p| p.dot(axis)).collect();
@@ -47,9 +50,9 @@ impl Extent {
     }
 }
 
-/// Which of these places of a grid, column and row, are the largest connected piece; of several as large the one whose first place,
-/// column by column, comes first. No two are the same place. O(columns · rows).
-fn largest_piece(places: &[[usize; 2]]) -> Vec<usize> {
+/// Finds the largest connected piece among places of a grid (column, row) and returns the indices of its places. Of pieces of equal
+/// size, that with the first place column by column. No place comes twice. O(columns · rows).
+fn find_largest_piece(places: &[[usize; 2]]) -> Vec<usize> {
     let [columns, rows] = [0, 1].map(|k| places.iter().map(|place| place[k] + 1).max().unwrap_or(0));
     let mut open = Open::new(columns, rows);
     let mut numbers = vec![0_usize; columns * rows];
@@ -79,9 +82,9 @@ fn largest_piece(places: &[[usize; 2]]) -> Vec<usize> {
     largest
 }
 
-/// Places of a grid, a bit each, column by column, so that a word of them is asked for at once.
+/// Places of a grid, one bit each, column by column: one word answers for many.
 struct Open {
-    /// `words_a_column` of each; the last of them is empty, so that there are always two to read.
+    /// `words_a_column` words of each column. The last one is empty, so that two words can always be read.
     words: Vec<u64>,
     words_a_column: usize,
 }
@@ -96,7 +99,7 @@ impl Open {
         self.words[column * self.words_a_column + row / WORD] |= 1 << (row % WORD);
     }
 
-    /// Takes out the first place of a column. Before word `from` there is none, nor before what it becomes.
+    /// Takes out the first place of a column. There is none before word `from`, which moves on to the word of the place.
     fn take_first(&mut self, column: usize, from: &mut usize) -> Option<usize> {
         let words = &mut self.words[column * self.words_a_column..][..self.words_a_column];
         *from += words[*from..].iter().position(|&word| word != 0)?;
@@ -106,7 +109,7 @@ impl Open {
         Some(*from * WORD + row)
     }
 
-    /// Takes out those of these rows of a column that there are, fewer than 64 rows of which the first is one of the grid.
+    /// Takes out the places in these rows of a column. `rows`: fewer than 64, the first one in the grid.
     fn take(&mut self, column: usize, rows: Range<usize>) -> impl Iterator<Item = usize> + use<> {
         let words = &mut self.words[column * self.words_a_column + rows.start / WORD..][..2];
         let (both, shift) = (u128::from(words[0]) | u128::from(words[1]) << WORD, rows.start % WORD);
@@ -161,7 +164,7 @@ mod tests {
             if backwards {
                 places.reverse();
             }
-            let mut got: Vec<[usize; 2]> = largest_piece(&places).into_iter().map(|k| places[k]).collect();
+            let mut got: Vec<[usize; 2]> = find_largest_piece(&places).into_iter().map(|k| places[k]).collect();
             got.sort_unstable();
             expected.sort_unstable();
             prop_assert_eq!(got, expected);

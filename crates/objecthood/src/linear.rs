@@ -1,0 +1,70 @@
+//! Linear algebra of a few numbers, with the same bits on every platform.
+
+/// Length of a vector of the plane. `hypot` would differ between platforms.
+#[inline]
+pub(crate) fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+/// Solves `matrix` · x = `right` by Gaussian elimination with partial pivoting. An unknown that no equation determines is 0.
+/// O(K^3).
+pub(crate) fn solve<const K: usize>(mut matrix: [[f64; K]; K], mut right: [f64; K]) -> [f64; K] {
+    for k in 0..K {
+        let mut pivot = k;
+        for row in k + 1..K {
+            if matrix[row][k].abs() > matrix[pivot][k].abs() {
+                pivot = row;
+            }
+        }
+        matrix.swap(k, pivot);
+        right.swap(k, pivot);
+        if matrix[k][k] == 0.0 {
+            continue;
+        }
+        for row in k + 1..K {
+            let factor = matrix[row][k] / matrix[k][k];
+            for column in k..K {
+                matrix[row][column] -= factor * matrix[k][column];
+            }
+            right[row] -= factor * right[k];
+        }
+    }
+    let mut x = [0.0; K];
+    for k in (0..K).rev() {
+        if matrix[k][k] != 0.0 {
+            let known: f64 = (k + 1..K).map(|column| matrix[k][column] * x[column]).sum();
+            x[k] = (right[k] - known) / matrix[k][k];
+        }
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn the_solution_of_a_system_solves_it(
+            // A heavy diagonal, so that every unknown is determined; rows shuffled, so that pivots are sought.
+            entries in prop::array::uniform4(prop::array::uniform4(-1.0_f64..1.0)),
+            expected in prop::array::uniform4(-5.0_f64..5.0),
+            order in Just([0, 1, 2, 3]).prop_shuffle(),
+        ) {
+            let row = |r: usize| std::array::from_fn(|c| entries[r][c] + if r == c { 6.0 } else { 0.0 });
+            let matrix: [[f64; 4]; 4] = order.map(row);
+            let right = matrix.map(|row| row.iter().zip(&expected).map(|(a, x)| a * x).sum());
+            let got = solve(matrix, right);
+            for (got, expected) in got.iter().zip(&expected) {
+                prop_assert!((got - expected).abs() < 1e-9, "{} {}", got, expected);
+            }
+        }
+    }
+
+    #[test]
+    fn an_unknown_that_nothing_determines_is_0() {
+        assert_eq!(solve([[2.0, 0.0], [0.0, 0.0]], [6.0, 0.0]), [3.0, 0.0]);
+    }
+}

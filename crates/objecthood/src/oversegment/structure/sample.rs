@@ -1,0 +1,11 @@
+//! The pixels among which surfaces are sought.
+
+/// A pixel of the grid.
+pub(super) struct Sample {
+    /// Its row-major index.
+    pub(super) pixel: usize,
+    /// Column and row.
+    pub(super) at: [f64; 2],
+    /// Disparity (quanta).
+    pub(super) disparity: f64,
+}

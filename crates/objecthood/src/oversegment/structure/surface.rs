@@ -1,0 +1,32 @@
+//! A surface of the structure.
+
+use glam::DVec3;
+
+use crate::surface::disparity::DisparitySpace;
+use crate::surface::model::Model;
+
+/// The height (m) of everything before a surface that is behind its horizon there.
+pub(super) const BEYOND_M: f64 = 10.0;
+
+/// A large surface: almost a plane.
+#[derive(Clone, Debug)]
+pub struct StructureSurface {
+    /// Its disparity. It is quadratic, because the sensor's own distortion bends a table by more than its noise.
+    pub model: Model,
+    /// Unit normal of the plane it started from, towards the camera.
+    pub normal: DVec3,
+    /// Distance of the camera from that plane (m).
+    pub offset_m: f64,
+}
+
+impl StructureSurface {
+    /// Height (m) of a pixel with this disparity (quanta) above the surface, along its normal.
+    pub fn height_m(&self, at: [f64; 2], disparity: f64, space: &DisparitySpace) -> f64 {
+        let below = self.model.value(at);
+        if below < 1.0 {
+            return BEYOND_M;
+        }
+        let ray = DVec3::from(space.camera().ray(at[0], at[1]));
+        (space.depth_m(below) - space.depth_m(disparity)) * self.normal.dot(ray).abs()
+    }
+}

@@ -1,0 +1,160 @@
+use glam::DVec3;
+
+use super::surface::BEYOND_M;
+use super::*;
+use crate::random::Lcg;
+use crate::surface::disparity::{DisparitySpace, position};
+use crate::surface::plane_fit::fit_planes;
+use crate::surface::window_choice::choose_windows;
+use crate::testing::space;
+
+const SIZE: (usize, usize) = (320, 240);
+
+/// A camera at half the resolution of a Kinect.
+fn half() -> DisparitySpace {
+    space([262.5, 262.5], [159.5, 119.5])
+}
+
+/// The structure of what is seen at these depths (m), in whole quanta as a Kinect sees it.
+fn seen(depth_m: impl Fn(usize) -> f64) -> Structure {
+    seen_with(&params::Structure::default(), depth_m)
+}
+
+fn seen_with(params: &params::Structure, depth_m: impl Fn(usize) -> f64) -> Structure {
+    let space = half();
+    let quantised = |i: usize| {
+        let depth = Raster::filled(1, 1, depth_m(i) as f32).unwrap();
+        space.depth_m(f64::from(space.disparity(&depth)[0]).round()) as f32
+    };
+    let depth = Raster::from_vec(SIZE.0, SIZE.1, (0..SIZE.0 * SIZE.1).map(quantised).collect()).unwrap();
+    let disparity = space.disparity(&depth);
+    let fits = fit_planes(&disparity, 2);
+    let orientation = choose_windows(&disparity, &fits, &space, &params::LocalFit::default());
+    let surfaces = Surfaces { space, disparity, fits, orientation };
+    find_structure(&depth, &surfaces, [0.0, -1.0, 0.0], params)
+}
+
+/// The depth of the plane normal · X = -offset along the ray of a pixel.
+fn plane(i: usize, normal: DVec3, offset_m: f64) -> f64 {
+    let [u, v] = position(i, SIZE.0);
+    -offset_m / normal.dot(DVec3::from(half().camera().ray(u, v)))
+}
+
+/// A table 0.6 m below a camera that looks down by 37 degrees, and a wall behind it.
+fn table_normal() -> DVec3 {
+    DVec3::new(0.0, -0.8, -0.6)
+}
+
+const WALL: DVec3 = DVec3::new(0.0, 0.6, -0.8);
+
+fn table_and_wall(i: usize) -> f64 {
+    let positive = |z: f64| if z > 0.0 { z } else { f64::INFINITY };
+    positive(plane(i, table_normal(), 0.6)).min(positive(plane(i, WALL, 1.0)))
+}
+
+#[test]
+fn a_table_and_a_wall_are_found() {
+    let found = seen(table_and_wall);
+    let [first, second] = &found.surfaces[..] else { panic!("two surfaces: {:?}", found.surfaces) };
+    let is_table = |s: &StructureSurface| s.normal.dot(table_normal()) > 0.9;
+    let (table, wall) = if is_table(first) { (first, second) } else { (second, first) };
+    assert!(table.normal.dot(table_normal()) > 0.999 && (table.offset_m - 0.6).abs() < 0.01, "{table:?}");
+    assert!(wall.normal.dot(WALL) > 0.999 && (wall.offset_m - 1.0).abs() < 0.02, "{wall:?}");
+    assert_eq!(found.support, Some(usize::from(!is_table(first))), "the table faces up");
+    let labelled = found.labels.as_slice().iter().filter(|&&label| label >= 0).count();
+    assert!(labelled as f64 > 0.97 * found.labels.len() as f64, "{labelled}");
+    let top = found.labels[SIZE.0 / 2];
+    assert!(std::ptr::eq(&found.surfaces[top as usize], wall), "the wall is above the table");
+}
+
+/// A wall 3 m away, of which noise as wide as a window makes waves of 12 mm, came to pieces.
+#[test]
+fn a_far_wall_is_one_surface() {
+    let quantum_per_m = params::Sensor::default().disparity_quantum_per_m;
+    let waves = |i: usize| {
+        let [u, v] = position(i, SIZE.0);
+        1.0 / (1.0 / 3.0 + 0.5 * quantum_per_m * (libm::sin(0.9 * u) + libm::cos(0.8 * v)))
+    };
+    let share_on_it = |params| {
+        let found = seen_with(&params, waves);
+        let on_it = found.labels.as_slice().iter().filter(|&&label| label == 0).count();
+        on_it as f64 / found.labels.len() as f64
+    };
+    let by_normals_alone = params::Structure { slope_quanta_per_px: 0.0, ..Default::default() };
+    let (with_slopes, without) = (share_on_it(params::Structure::default()), share_on_it(by_normals_alone));
+    assert!(with_slopes > 0.95 && without < 0.8, "{with_slopes} {without}");
+}
+
+/// Tops of boxes as high as a shelf passed for one large plane, and were lost.
+#[test]
+fn what_does_not_hang_together_is_no_surface() {
+    let [floor_m, tops_m] = [2.0, 1.7];
+    let columns = |i: usize, least: usize| (i % SIZE.0 % 80) >= least && (60..180).contains(&(i / SIZE.0));
+    let level = |least: usize| move |i: usize| if columns(i, least) { tops_m } else { floor_m };
+    let apart = seen(level(50));
+    let touching = seen(level(0));
+    let on_top = |found: &Structure| found.labels.as_slice().iter().filter(|&&label| label == 1).count();
+    assert_eq!(apart.surfaces.len(), 1, "four tops of 0.19 m by 0.78 m: {:?}", apart.surfaces);
+    assert_eq!((touching.surfaces.len(), on_top(&touching) > 30_000), (2, true), "one shelf");
+}
+
+#[test]
+fn heights_are_above_the_surface_it_is_supported_by() {
+    let found = seen(|i| plane(i, table_normal(), 0.6));
+    let (space, table) = (half(), &found.surfaces[found.support.unwrap()]);
+    for i in [20_000, 40_000, 60_000] {
+        for height_m in [0.0, 0.02, 0.1] {
+            let z = plane(i, table_normal(), 0.6 - height_m);
+            let d = 1.0 / (z * params::Sensor::default().disparity_quantum_per_m);
+            let got = table.height_m(position(i, SIZE.0), d, &space);
+            assert!((got - height_m).abs() < 0.003, "{got} {height_m}");
+        }
+    }
+    let horizon = [160.0, -1e4];
+    assert_eq!(table.height_m(horizon, 300.0, &space), BEYOND_M);
+}
+
+#[test]
+fn nothing_is_found_in_nothing_and_in_noise() {
+    let nothing = seen(|_| f64::NAN);
+    assert!(nothing.surfaces.is_empty() && nothing.support.is_none());
+    assert!(nothing.labels.as_slice().iter().all(|&label| label == -1));
+    let mut random = Lcg::new(5);
+    let noise: Vec<f64> = (0..SIZE.0 * SIZE.1).map(|_| 0.5 + random.below(1000) as f64 / 500.0).collect();
+    let found = seen(|i| noise[i]);
+    assert!(found.surfaces.is_empty(), "{:?}", found.surfaces);
+    // A plate of 10 cm is no structure of anything larger.
+    let plate = |i: usize| (i % SIZE.0).abs_diff(160) < 15 && (i / SIZE.0).abs_diff(120) < 15;
+    assert!(seen(|i| if plate(i) { 1.0 } else { noise[i] }).surfaces.is_empty());
+}
+
+#[test]
+fn a_pixel_without_a_normal_may_lie_on_a_surface() {
+    // Alone in a hole of 9 x 9 pixels, which no window spans.
+    let far = |i: usize| (i % SIZE.0).abs_diff(100).max((i / SIZE.0).abs_diff(100));
+    let found = seen(|i| if (1..5).contains(&far(i)) { f64::NAN } else { plane(i, table_normal(), 0.6) });
+    assert_eq!([100, 101].map(|u| found.labels[100 * SIZE.0 + u]), [0, -1]);
+}
+
+#[test]
+fn a_small_plane_is_structure_when_it_holds_most_of_what_is_seen() {
+    let plate = |half_px: usize| {
+        move |i: usize| {
+            let is_plate = (i % SIZE.0).abs_diff(160) < half_px && (i / SIZE.0).abs_diff(120) < half_px;
+            if is_plate { 1.0 } else { f64::NAN }
+        }
+    };
+    // At 1 m 60 pixels are 23 cm: 0.052 m^2; 40 pixels 15 cm: 0.023 m^2.
+    assert_eq!(seen(plate(30)).surfaces.len(), 1);
+    assert_eq!(seen(plate(20)).surfaces.len(), 0);
+}
+
+#[test]
+fn the_structure_is_the_same_on_any_number_of_threads() {
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let found = pool.install(|| seen(table_and_wall));
+        (found.labels.clone(), format!("{:?} {:?}", found.surfaces, found.support))
+    };
+    assert!([2, 8].into_iter().all(|threads| on(threads) == on(1)));
+}

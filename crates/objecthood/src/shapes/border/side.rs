@@ -1,0 +1,209 @@
+//! The surfaces to both sides of a place on a border.
+
+use crate::facets::Facets;
+use crate::raster::Raster;
+use crate::regions::SegmentId;
+use crate::simd::vectorized;
+use crate::surface::disparity::DisparitySpace;
+use crate::surface::model::Model;
+
+/// A side with fewer pixels in the window (at a focal length of 525 px) shows nothing.
+const LEAST_SIDE_PX: usize = 15;
+/// Pulls the slope of a narrow side to that of its facet (px^2).
+const RIDGE_PX2: f64 = 1.0;
+
+/// The facets around a place on a border.
+#[derive(Clone, Copy)]
+pub(super) struct Surroundings<'a> {
+    pub(super) facets: &'a Facets,
+    pub(super) disparity: &'a Raster<f32>,
+    pub(super) space: &'a DisparitySpace,
+    /// Half size of the window (px).
+    pub(super) radius: usize,
+}
+
+/// The plane of one side.
+pub(super) struct SidePlane {
+    /// Disparity at the place (quanta).
+    pub(super) value: f64,
+    /// Change of disparity along u and v (quanta/px).
+    pub(super) slope: [f64; 2],
+    /// Mean position of its pixels, counted from the place (px).
+    pub(super) mean: [f64; 2],
+    /// Mean disparity of its pixels (quanta).
+    pub(super) mean_disparity: f64,
+}
+
+/// Number and sums of x, y, d, xx, xy, yy, xd and yd of some pixels.
+#[derive(Clone, Copy, Default)]
+struct SideSums {
+    n: usize,
+    terms: [f64; 8],
+}
+
+/// Columns of a window that are summed side by side.
+const LANES: usize = 16;
+
+/// Number and sums of y, yy, d and yd of each column.
+#[derive(Clone, Copy, Default)]
+struct Columns {
+    n: [f64; LANES],
+    y: [f64; LANES],
+    yy: [f64; LANES],
+    d: [f64; LANES],
+    yd: [f64; LANES],
+}
+
+impl Columns {
+    /// Adds the pixels of a row that belong to the facet.
+    #[inline(always)]
+    fn add_row(&mut self, y: f64, is_own: &[bool; LANES], disparity: &[f32; LANES]) {
+        for k in 0..LANES {
+            let (own, d) = if is_own[k] { (1.0, f64::from(disparity[k])) } else { (0.0, 0.0) };
+            self.n[k] += own;
+            self.y[k] += own * y;
+            self.yy[k] += own * (y * y);
+            self.d[k] += d;
+            self.yd[k] += y * d;
+        }
+    }
+}
+
+impl SideSums {
+    /// Adds columns, the first one at x.
+    #[inline(always)]
+    fn add(&mut self, x: f64, Columns { n, y, yy, d, yd }: &Columns) {
+        let x: [f64; LANES] = std::array::from_fn(|k| x + k as f64);
+        let times = |a: &[f64; LANES], b: &[f64; LANES]| std::array::from_fn(|k| a[k] * b[k]);
+        let xn = times(&x, n);
+        let terms = [&xn, y, d, &times(&x, &xn), &times(&x, y), yy, &times(&x, d), yd].map(total);
+        self.n += total(n) as usize;
+        self.terms.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+    }
+}
+
+/// The sum of all values, half by half.
+#[inline(always)]
+fn total(values: &[f64; LANES]) -> f64 {
+    let mut sums = *values;
+    let mut half = LANES / 2;
+    while half > 0 {
+        for k in 0..half {
+            sums[k] += sums[k + half];
+        }
+        half /= 2;
+    }
+    sums[0]
+}
+
+/// The first values of a row, padded if the row is shorter.
+#[inline(always)]
+fn first<T: Copy + Default>(row: &[T]) -> [T; LANES] {
+    row.first_chunk().copied().unwrap_or_else(|| {
+        let mut padded = [T::default(); LANES];
+        padded[..row.len()].copy_from_slice(row);
+        padded
+    })
+}
+
+impl Surroundings<'_> {
+    /// Fits a plane to the pixels of each facet around `middle`; `None` when one has few.
+    pub(super) fn fit_sides(&self, facets: [SegmentId; 2], middle: [f64; 2]) -> Option<[SidePlane; 2]> {
+        let [sums_a, sums_b] = self.sum_sides(facets, middle);
+        let [a, b] = facets;
+        Some([self.fit_side(a, middle, &sums_a)?, self.fit_side(b, middle, &sums_b)?])
+    }
+
+    /// Sums over the pixels of two facets around `middle`, many columns side by side. The order changes no bit: places are whole
+    /// numbers, and disparities have 24 bits and differ by less than a factor of 200, so in windows of up to 100 px to either side
+    /// nothing is rounded.
+    fn sum_sides(&self, facets: [SegmentId; 2], middle: [f64; 2]) -> [SideSums; 2] {
+        let (width, height) = self.disparity.size();
+        let [u, v] = middle.map(|x| x as usize);
+        let rows = v.saturating_sub(self.radius)..(v + self.radius + 1).min(height);
+        let end = (u + self.radius + 1).min(width);
+        let (labels, disparity) = (self.facets.segments.labels().as_slice(), self.disparity.as_slice());
+        let mut sums = [SideSums::default(); 2];
+        vectorized(
+            #[inline(always)]
+            || {
+                for start in (u.saturating_sub(self.radius)..end).step_by(LANES) {
+                    let inside: [bool; LANES] = std::array::from_fn(|k| start + k < end);
+                    let mut columns = [Columns::default(); 2];
+                    for v_row in rows.clone() {
+                        // Pixels beyond the row are not inside.
+                        let i = v_row * width + start;
+                        let (labels, disparity) = (first(&labels[i..]), first(&disparity[i..]));
+                        for (columns, facet) in columns.iter_mut().zip(facets) {
+                            let is_own = |k| inside[k] & (labels[k] == facet.0 as i32);
+                            let is_own = std::array::from_fn(is_own);
+                            columns.add_row(v_row as f64 - v as f64, &is_own, &disparity);
+                        }
+                    }
+                    let x = start as f64 - u as f64;
+                    sums.iter_mut().zip(&columns).for_each(|(sums, columns)| sums.add(x, columns));
+                }
+            },
+        );
+        sums
+    }
+
+    /// Fits the plane of one side; `None` when it has few pixels.
+    fn fit_side(&self, facet: SegmentId, middle: [f64; 2], sums: &SideSums) -> Option<SidePlane> {
+        let &SideSums { n, terms: sums } = sums;
+        if n < self.space.area_px(LEAST_SIDE_PX).max(1) {
+            return None;
+        }
+        let [mx, my, md, xx, xy, yy, xd, yd] = sums.map(|sum| sum / n as f64);
+        let model: &Model = &self.facets.models[facet.index()];
+        let [gx, gy] = model.slope([middle[0] + mx, middle[1] + my]);
+        let (xx, xy, yy) = (xx - mx * mx + RIDGE_PX2, xy - mx * my, yy - my * my + RIDGE_PX2);
+        let (xd, yd) = (xd - mx * md + RIDGE_PX2 * gx, yd - my * md + RIDGE_PX2 * gy);
+        let determinant = xx * yy - xy * xy;
+        let slope = [(xd * yy - yd * xy) / determinant, (yd * xx - xd * xy) / determinant];
+        let value = md - slope[0] * mx - slope[1] * my;
+        Some(SidePlane { value, slope, mean: [mx, my], mean_disparity: md })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::regions::Segments;
+    use crate::surface::disparity::position;
+    use crate::testing::{kinect, raster};
+
+    proptest! {
+        /// Pixel by pixel, term by term.
+        #[test]
+        fn sums_of_both_sides_are_the_naive_ones(
+            (labels, disparity) in (1_usize..20, 1_usize..20)
+                .prop_flat_map(|size| (raster(size, -1_i32..3), raster(size, 17.0_f32..3500.0))),
+            at in 0_usize..400,
+            radius in 0_usize..8,
+        ) {
+            let space = kinect();
+            let facets = Facets { segments: Segments::from_numbered(labels.clone(), 3), models: Vec::new(), structure: 0 };
+            let surroundings = Surroundings { facets: &facets, disparity: &disparity, space: &space, radius };
+            let width = labels.width();
+            let middle = position(at % labels.len(), width);
+            let got = surroundings.sum_sides([SegmentId(0), SegmentId(2)], middle);
+            for (label, got) in [0, 2].into_iter().zip(got) {
+                let mut expected = SideSums::default();
+                for i in (0..labels.len()).filter(|&i| labels[i] == label) {
+                    let [x, y] = [0, 1].map(|k| position(i, width)[k] - middle[k]);
+                    if x.abs().max(y.abs()) > radius as f64 {
+                        continue;
+                    }
+                    let d = f64::from(disparity[i]);
+                    let terms = [x, y, d, x * x, x * y, y * y, x * d, y * d];
+                    expected.terms.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+                    expected.n += 1;
+                }
+                prop_assert_eq!((got.n, got.terms), (expected.n, expected.terms));
+            }
+        }
+    }
+}

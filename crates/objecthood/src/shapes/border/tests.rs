@@ -1,0 +1,136 @@
+use super::*;
+use crate::regions::Segments;
+use crate::surface::model::Basis;
+use crate::surface::moments::Moments;
+use crate::testing::space;
+
+const WIDTH: usize = 80;
+const HEIGHT: usize = 60;
+
+/// Two walls that meet at the upright line through the principal point, each turned by half of `fold_deg`; the right
+/// one stands `step_m` farther back. `scale`: the focal length over 525 px.
+struct Walls {
+    facets: Facets,
+    disparity: Raster<f32>,
+    space: DisparitySpace,
+}
+
+impl Walls {
+    fn new(fold_deg: f64, step_m: f64, scale: usize) -> Self {
+        let (width, height) = (WIDTH * scale, HEIGHT * scale);
+        let f = 525.0 * scale as f64;
+        let space = space([f, f], [width as f64 / 2.0 - 0.5, height as f64 / 2.0 - 0.5]);
+        let (sin, cos) = libm::sincos((fold_deg / 2.0).to_radians());
+        let is_right = |i: usize| i % width >= width / 2;
+        let depth_m = |i: usize| {
+            let side = if is_right(i) { 1.0 } else { -1.0 };
+            let ray = DVec3::from(space.camera().ray((i % width) as f64, (i / width) as f64));
+            // Through (0, 0, 1 + step), its normal leaning to its own side when the fold is a ridge.
+            let normal = DVec3::new(side * sin, 0.0, -cos);
+            let foot_m = 1.0 + if is_right(i) { step_m } else { 0.0 };
+            (normal.z * foot_m / normal.dot(ray)) as f32
+        };
+        let depth_m = Raster::from_vec(width, height, (0..width * height).map(depth_m).collect()).unwrap();
+        let disparity = space.disparity(&depth_m);
+        let of =
+            |right: bool| (0..(width * height) as u32).filter(|&i| is_right(i as usize) == right).collect();
+        let pixels: [Vec<u32>; 2] = [of(false), of(true)];
+        let models = pixels.map(|pixels| Moments::of(&pixels, &disparity).fit(Basis::Quadratic).model);
+        let labels = depth_m.with_data((0..width * height).map(|i| i32::from(is_right(i))).collect());
+        let facets =
+            Facets { segments: Segments::from_numbered(labels, 2), models: models.to_vec(), structure: 0 };
+        Self { facets, disparity, space }
+    }
+
+    fn seen(&self, step_depth_m: f64) -> BorderEvidence {
+        let params = params::Border { step_depth_m, ..Default::default() };
+        let graph = measure_borders(&self.facets, &self.disparity, &self.space, &params);
+        let [edge] = graph.edges() else { panic!("one border: {graph:?}") };
+        edge.evidence.clone()
+    }
+}
+
+/// The length of the border (m).
+fn border_m(evidence: &BorderEvidence) -> f64 {
+    evidence.folds.iter().map(|fold| fold.length_m).sum()
+}
+
+/// The true length of the border at 1 m (m).
+const TRUE_M: f64 = HEIGHT as f64 / 525.0;
+
+#[test]
+fn the_angle_and_the_length_of_a_fold_are_measured() {
+    for scale in [1, 2] {
+        for fold_deg in [90.0, 40.0, 5.0, 0.0, -5.0, -40.0, -90.0] {
+            let evidence = Walls::new(fold_deg, 0.0, scale).seen(0.013);
+            assert_eq!(evidence.step_m, 0.0, "{fold_deg}");
+            for fold in &evidence.folds {
+                // The ridge draws the slopes of a narrow side to the facet's own, which here are the same.
+                assert!((fold.angle_deg - fold_deg).abs() < 1.0, "{fold_deg} at {scale}: {fold:?}");
+            }
+            let length_m = border_m(&evidence);
+            assert!((length_m / TRUE_M - 1.0).abs() < 0.05, "{fold_deg} at {scale}: {length_m}");
+        }
+    }
+}
+
+#[test]
+fn a_deep_step_hides_something() {
+    for fold_deg in [0.0, 60.0] {
+        let evidence = Walls::new(fold_deg, 0.05, 1).seen(0.013);
+        assert!(evidence.folds.is_empty(), "{fold_deg}: {evidence:?}");
+        assert!((evidence.step_m / TRUE_M - 1.0).abs() < 0.08, "{fold_deg}: {}", evidence.step_m);
+    }
+}
+
+#[test]
+fn a_small_step_at_a_ridge_is_a_torn_ridge() {
+    // 16 mm are 5.6 quanta: a step, but here not one that hides anything.
+    let torn = Walls::new(60.0, 0.016, 1).seen(0.02);
+    assert!(torn.step_m == 0.0 && (border_m(&torn) / TRUE_M - 0.5).abs() < 0.05, "{torn:?}");
+    assert!(torn.folds.iter().all(|fold| fold.angle_deg > 50.0), "{torn:?}");
+    for fold_deg in [0.0, -60.0] {
+        let step = Walls::new(fold_deg, 0.016, 1).seen(0.02);
+        assert!(step.folds.is_empty() && (step.step_m / TRUE_M - 1.0).abs() < 0.05, "{fold_deg}: {step:?}");
+    }
+}
+
+#[test]
+fn what_noise_explains_is_no_step() {
+    // 6 mm are 2.1 quanta: within the noise, even where such a step would hide something.
+    let level = Walls::new(60.0, 0.006, 1).seen(0.001);
+    assert!(level.step_m == 0.0 && (border_m(&level) / TRUE_M - 1.0).abs() < 0.05, "{level:?}");
+    // 13 mm are 4.6 quanta: a step, unless the surfaces turn so much that sideways noise makes it.
+    assert!(Walls::new(0.0, 0.013, 1).seen(0.02).folds.is_empty());
+    let folded = Walls::new(60.0, 0.013, 1).seen(0.02);
+    assert!(folded.step_m == 0.0 && (border_m(&folded) / TRUE_M - 1.0).abs() < 0.05, "{folded:?}");
+}
+
+#[test]
+fn two_surfaces_of_the_structure_have_no_border() {
+    let mut walls = Walls::new(90.0, 0.0, 1);
+    let count = |walls: &Walls| {
+        let params = params::Border::default();
+        measure_borders(&walls.facets, &walls.disparity, &walls.space, &params).edges().len()
+    };
+    walls.facets.structure = 1;
+    assert_eq!(count(&walls), 1, "one surface of the structure and a facet have one");
+    walls.facets.structure = 2;
+    assert_eq!(count(&walls), 0);
+}
+
+#[test]
+fn a_vote_is_in_metres_of_border() {
+    let params = params::Contraction { reflex_offset_deg: 12.0, full_vote_deg: 15.0, occlusion_weight: 0.15 };
+    let vote = |folds: &[(f64, f64)], step_m: f64| {
+        let folds = folds.iter().map(|&(angle_deg, length_m)| Fold { angle_deg, length_m }).collect();
+        BorderEvidence { folds, step_m, ..Default::default() }.vote_m(&params)
+    };
+    for (angle_deg, share) in
+        [(90.0, 1.0), (3.0, 1.0), (0.0, 0.8), (-12.0, 0.0), (-19.5, -0.5), (-90.0, -1.0)]
+    {
+        assert!((vote(&[(angle_deg, 0.2)], 0.0) - 0.2 * share).abs() < 1e-12, "{angle_deg}");
+    }
+    assert!((vote(&[(90.0, 0.1), (-90.0, 0.3)], 0.2) - (0.1 - 0.3 - 0.03)).abs() < 1e-12);
+    assert_eq!(vote(&[], 0.0), 0.0);
+}

@@ -1,0 +1,57 @@
+//! A surface in disparity: a plane or a quadratic (METHOD 3.5).
+
+use crate::linear::length;
+
+/// Exponents of x and y of the six terms of a quadratic; a plane uses the first three.
+pub(super) const TERMS: [(usize, usize); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
+
+/// The terms of which the disparity of a surface is a sum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Basis {
+    /// 1, x, y.
+    Plane,
+    /// 1, x, y, xx, xy, yy.
+    Quadratic,
+}
+
+/// A surface: disparity (quanta) as a polynomial of the pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Model {
+    /// Column and row (px) from which x and y are counted.
+    pub(super) center: [f64; 2],
+    /// Factors of [`TERMS`], with x and y counted from the centre.
+    pub(super) weights: [f64; 6],
+}
+
+/// A surface and how well it fits.
+#[derive(Clone, Copy, Debug)]
+pub struct Fit {
+    /// The surface.
+    pub model: Model,
+    /// Sum of the squared residuals (quanta^2).
+    pub squared_error: f64,
+}
+
+impl Model {
+    /// Its disparity at a pixel (quanta).
+    #[inline]
+    pub fn value(&self, [u, v]: [f64; 2]) -> f64 {
+        let (x, y) = (u - self.center[0], v - self.center[1]);
+        let [c, cx, cy, cxx, cxy, cyy] = self.weights;
+        c + cx * x + cy * y + cxx * x * x + cxy * x * y + cyy * y * y
+    }
+
+    /// Its slope along u and v at a pixel (quanta/px).
+    #[inline]
+    pub fn slope(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let (x, y) = (u - self.center[0], v - self.center[1]);
+        let [_, cx, cy, cxx, cxy, cyy] = self.weights;
+        [cx + 2.0 * cxx * x + cxy * y, cy + cxy * x + 2.0 * cyy * y]
+    }
+
+    /// How steep it is in the middle of its region (quanta/px).
+    #[inline]
+    pub fn steepness(&self) -> f64 {
+        length([self.weights[1], self.weights[2]])
+    }
+}

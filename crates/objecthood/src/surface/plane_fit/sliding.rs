@@ -1,0 +1,200 @@
+//! Sums over windows that slide down an image, and the planes fitted from them.
+
+/// Value, slope along u and along v, residual of a window without a fit.
+pub(super) const NO_PLANE: [f32; 4] = [0.0, 0.0, 0.0, f32::INFINITY];
+
+/// Width and height (px) of the tiles that are fitted one by one: their sums stay in the first cache. Fixed, so that rounding
+/// does not depend on the number of threads.
+pub(super) const TILE: usize = 64;
+/// A window with a smaller share of measured pixels has no fit.
+pub(super) const LEAST_FILL: f64 = 0.4;
+/// A window whose pixels lie almost in a line has no fit: least determinant of their second moments (px^4).
+const LEAST_SPREAD: f64 = 1e-3;
+
+/// Windows that are fitted side by side.
+const LANES: usize = 16;
+/// A sum of disparities times whole numbers for each of these windows.
+type Sum = [f64; LANES];
+/// A sum of whole numbers for each of these windows.
+type Count = [i32; LANES];
+
+/// The sums over the windows around the pixels of one row of a tile.
+///
+/// All sums but dd are exact, and so do not depend on the order, at radii up to 80 px: the disparities of a frame differ by a
+/// factor of 200 at most, so they are whole multiples below 2^32 of one number, and no sum is 2^21 times as large.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SlidingWindows {
+    radius: usize,
+    /// The sums in blocks of windows. x and y are counted from the middle of each window.
+    sums: [WindowSums; TILE / LANES],
+    /// The sums over each of the last 2 radius + 1 rows.
+    rows: Vec<[RowSums; TILE / LANES]>,
+    /// The row that enters, from the start of the first window to the end of the last: 1 where it is measured, else 0.
+    measured: Vec<i32>,
+    /// Its disparity where it is measured, else 0.
+    disparity: Vec<f64>,
+}
+
+/// Sums over a block of windows.
+#[derive(Clone, Debug, Default)]
+struct WindowSums {
+    /// 1, x, y, xx, xy, yy.
+    counts: [Count; 6],
+    /// d, dx, dy, dd.
+    disparities: [Sum; 4],
+}
+
+/// Sums over the parts of one row that lie in a block of windows.
+#[derive(Clone, Copy, Debug, Default)]
+struct RowSums {
+    /// 1, x, xx.
+    counts: [Count; 3],
+    /// d, dx, dd.
+    disparities: [Sum; 3],
+}
+
+impl SlidingWindows {
+    /// Makes the windows empty.
+    #[inline(always)]
+    pub(super) fn clear(&mut self, radius: usize) {
+        self.radius = radius;
+        self.sums = Default::default();
+        self.rows.clear();
+        self.rows.resize(2 * radius + 1, Default::default());
+        self.measured.resize(TILE + 2 * radius, 0);
+        self.disparity.resize(TILE + 2 * radius, 0.0);
+    }
+
+    /// Moves the windows down until row `v` is their last; below the image it is empty.
+    #[inline(always)]
+    pub(super) fn slide_down(&mut self, v: usize, row: &[f32], left: usize) {
+        self.read(row, left);
+        let side = 2 * self.radius + 1;
+        for (b, (sums, last)) in self.sums.iter_mut().zip(&mut self.rows[v % side]).enumerate() {
+            let part = b * LANES..b * LANES + LANES - 1 + side;
+            let entering = RowSums::of(&self.measured[part.clone()], &self.disparity[part], self.radius);
+            sums.slide_down(last, &entering, self.radius);
+            *last = entering;
+        }
+    }
+
+    /// Reads the part of a row that lies in windows of the tile. Beside the image nothing is measured.
+    #[inline(always)]
+    fn read(&mut self, row: &[f32], left: usize) {
+        let first = left.saturating_sub(self.radius).min(row.len());
+        let row = &row[first..row.len().min(left + TILE + self.radius)];
+        let inside = (first + self.radius).saturating_sub(left)..;
+        self.measured.fill(0);
+        self.disparity.fill(0.0);
+        let read = self.measured[inside.clone()].iter_mut().zip(&mut self.disparity[inside]);
+        for ((measured, disparity), d) in read.zip(row) {
+            (*measured, *disparity) = if d.is_nan() { (0, 0.0) } else { (1, f64::from(*d)) };
+        }
+    }
+
+    /// Fits the windows around the measured pixels of a row of the tile.
+    #[inline(always)]
+    pub(super) fn fit(&self, disparity: &[f32], mut fits: [&mut [f32]; 4]) {
+        let side = (2 * self.radius + 1) as f64;
+        for (block, (sums, disparity)) in self.sums.iter().zip(disparity.chunks(LANES)).enumerate() {
+            let planes = sums.planes(LEAST_FILL * side * side);
+            for ((image, plane), none) in fits.iter_mut().zip(&planes).zip(NO_PLANE) {
+                let image = &mut image[block * LANES..];
+                for ((fit, plane), d) in image.iter_mut().zip(plane).zip(disparity) {
+                    *fit = if d.is_nan() { none } else { *plane };
+                }
+            }
+        }
+    }
+}
+
+impl RowSums {
+    /// Sums over parts of a row that start one pixel after the other.
+    ///
+    /// Added from the last pixel to the first, sums of sums are moments about the pixel before the first.
+    #[inline(always)]
+    fn of(measured: &[i32], disparity: &[f64], radius: usize) -> Self {
+        let mut row = Self::default();
+        let Self { counts: [n, x, xx], disparities: [d, dx, dd] } = &mut row;
+        for (measured, disparity) in measured.windows(LANES).zip(disparity.windows(LANES)).rev() {
+            for lane in 0..LANES {
+                n[lane] += measured[lane];
+                x[lane] += n[lane];
+                xx[lane] += x[lane];
+            }
+            for lane in 0..LANES {
+                d[lane] += disparity[lane];
+                dx[lane] += d[lane];
+                dd[lane] += disparity[lane] * disparity[lane];
+            }
+        }
+        let middle = radius as i32 + 1;
+        for lane in 0..LANES {
+            // So far a pixel at x counts x (x + 1) / 2.
+            xx[lane] = 2 * xx[lane] - (2 * middle + 1) * x[lane] + middle * middle * n[lane];
+            x[lane] -= middle * n[lane];
+            dx[lane] -= f64::from(middle) * d[lane];
+        }
+        row
+    }
+}
+
+impl WindowSums {
+    /// Moves the windows down by one row.
+    #[inline(always)]
+    fn slide_down(&mut self, leaving: &RowSums, entering: &RowSums, radius: usize) {
+        let [ns, xs, ys, xxs, xys, yys] = &mut self.counts;
+        let [[n, x, xx], [n_in, x_in, xx_in]] = [&leaving.counts, &entering.counts];
+        let (y, y_in) = (-(radius as i32) - 1, radius as i32);
+        for lane in 0..LANES {
+            // Everything in the windows is one row higher now.
+            yys[lane] += ns[lane] - 2 * ys[lane] + n_in[lane] * (y_in * y_in) - n[lane] * (y * y);
+            ys[lane] += n_in[lane] * y_in - n[lane] * y - ns[lane];
+            xys[lane] += x_in[lane] * y_in - x[lane] * y - xs[lane];
+            ns[lane] += n_in[lane] - n[lane];
+            xs[lane] += x_in[lane] - x[lane];
+            xxs[lane] += xx_in[lane] - xx[lane];
+        }
+        let [ds, dxs, dys, dds] = &mut self.disparities;
+        let [[d, dx, dd], [d_in, dx_in, dd_in]] = [&leaving.disparities, &entering.disparities];
+        let (y, y_in) = (f64::from(y), f64::from(y_in));
+        for lane in 0..LANES {
+            dys[lane] += d_in[lane] * y_in - d[lane] * y - ds[lane];
+            ds[lane] += d_in[lane] - d[lane];
+            dxs[lane] += dx_in[lane] - dx[lane];
+            dds[lane] += dd_in[lane] - dd[lane];
+        }
+    }
+
+    /// The least-squares planes of the windows with at least `least` pixels: value in the middle, slope along u and v,
+    /// residual.
+    ///
+    /// From n times the moments about the mean, so that one division serves all four numbers.
+    #[inline(always)]
+    fn planes(&self, least: f64) -> [[f32; LANES]; 4] {
+        let mut planes = [[0.0; LANES]; 4];
+        let [ns, xs, ys, xxs, xys, yys] = &self.counts;
+        let [ds, dxs, dys, dds] = &self.disparities;
+        for lane in 0..LANES {
+            let [n, x, y] = [ns[lane], xs[lane], ys[lane]].map(f64::from);
+            let [xx, xy, yy] = [xxs[lane], xys[lane], yys[lane]].map(f64::from);
+            let [d, dx, dy, dd] = [ds[lane], dxs[lane], dys[lane], dds[lane]];
+            let [xx, xy, yy] = [n * xx - x * x, n * xy - x * y, n * yy - y * y];
+            let [dx, dy, dd] = [n * dx - d * x, n * dy - d * y, n * dd - d * d];
+            let spread = xx * yy - xy * xy;
+            let freedom = n * (n - 3.0);
+            let inverse = 1.0 / (spread * freedom);
+            let a = (dx * yy - dy * xy) * (freedom * inverse);
+            let b = (dy * xx - dx * xy) * (freedom * inverse);
+            let value = (d - a * x - b * y) * (spread * (n - 3.0) * inverse);
+            let variance = (dd - a * dx - b * dy).max(0.0) * (spread * inverse);
+            let is_fit = (n >= least) & (spread >= LEAST_SPREAD * (n * n) * (n * n)) & (n > 3.0);
+            let or = |some: f64, none: f32| if is_fit { some as f32 } else { none };
+            planes[0][lane] = or(value, NO_PLANE[0]);
+            planes[1][lane] = or(a, NO_PLANE[1]);
+            planes[2][lane] = or(b, NO_PLANE[2]);
+            planes[3][lane] = or(variance, NO_PLANE[3]).sqrt();
+        }
+        planes
+    }
+}
