@@ -107,7 +107,7 @@ impl<'a> Plan<'a> {
             source: &input.path.display().to_string(),
             capture,
             params: &self.params,
-            discovery: &discovery,
+            discovery,
             recording: recording.as_ref(),
         };
         let files = found.files(&self.kinds, &self.args.out.join(&input.name))?;
