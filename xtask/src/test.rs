@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 
 use crate::house::House;
 use crate::tally::Tally;
-use crate::{aarch64, api, instructions, python, source};
+use crate::{aarch64, api, instructions, python};
 
 /// One thing that was checked.
 struct Step {
@@ -22,7 +22,7 @@ struct Step {
 const LEFT_OUT: &str = "left out by --quick: tests of whole programs and on real data, documentation with its examples, the listing of \
      the public API, the build for aarch64, instruction counts";
 
-/// What a change needs while it is made: formatting, lints, the layout of the core, unit tests and the golden maps. Under 4
+/// What a change needs while it is made: formatting, lints, unit tests and the golden maps. Under 4
 /// minutes on two cores when the dependencies are built.
 ///
 /// # Errors
@@ -31,7 +31,6 @@ pub(crate) fn run_quick(house: &House) -> Result<bool> {
     let mut tally = Tally::default();
     let mut steps = vec![
         timed("formatting", || succeeds(&mut house.cargo("fmt --all --check")))?,
-        timed("the core's layout", || source::check(&house.root))?,
         timed("lints", || {
             succeeds(&mut house.cargo("clippy --workspace --all-targets --locked -- -D warnings"))
         })?,
@@ -55,7 +54,7 @@ fn succeeds(command: &mut Command) -> Result<bool> {
 /// When `cargo` itself cannot be run.
 pub(crate) fn run(house: &House) -> Result<bool> {
     let cargo = |arguments: &str| house.cargo(arguments);
-    let mut steps = vec![timed("the core's layout", || source::check(&house.root))?];
+    let mut steps = Vec::new();
     let mut tally = Tally::default();
 
     let mut quiet = |name, command: &mut Command| -> Result<()> {

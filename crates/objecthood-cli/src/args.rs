@@ -1,4 +1,4 @@
-//! What can be said on the command line, and nothing of what is done with it.
+//! The command line: its subcommands and options. What they do is elsewhere.
 
 mod eval;
 mod images;
@@ -105,7 +105,7 @@ pub(crate) struct FrameArgs {
     pub(crate) inputs: Vec<PathBuf>,
 
     /// Camera of the frames: its numbers in pixels, or a JSON file with fx, fy, cx, cy and optionally width, height and
-    /// depth_scale. Needed for depth images and unorganized clouds; optional for organized clouds and TUM folders.
+    /// `depth_scale`. Needed for depth images and unorganized clouds; optional for organized clouds and TUM folders.
     #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]|FILE", value_parser = CameraArg::parse)]
     pub(crate) camera: Option<CameraArg>,
 
@@ -117,7 +117,7 @@ pub(crate) struct FrameArgs {
 }
 
 impl FrameArgs {
-    /// What to tell a user whose `--depth-scale` contradicts the camera file; `camera` is what that file says.
+    /// A note for a user whose `--depth-scale` contradicts the camera file; `camera` is the content of that file.
     pub(crate) fn scale_note(&self, camera: Option<&CameraFile>) -> Option<String> {
         let (asked, said) = (self.images.depth_scale?, camera?.depth_scale?);
         let file = self.camera.as_ref().and_then(CameraArg::file)?;

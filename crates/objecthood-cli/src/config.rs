@@ -50,7 +50,7 @@ pub(crate) fn values(settings: &Settings, method: Option<MethodName>) -> Result<
     Ok(params)
 }
 
-/// What to tell a user who changed parameters that the method does not read, and so changed nothing.
+/// A note for a user who changed parameters that the method does not read.
 fn unread(params: &Params) -> Result<Option<String>> {
     let rows = crate::params::rows(params)?;
     let unread = rows.iter().filter(|row| row.is_changed() && row.info.first_stage(params.method).is_none());
@@ -133,9 +133,9 @@ impl Given {
             group.to_owned(),
             Table::from_iter([(name.to_owned(), value.clone())]).into(),
         )]);
-        let params: Params = alone.try_into().map_err(|e: toml::de::Error| {
-            format!("{key} = {value} does not fit: {}: it takes {}", e.message(), info.range)
-        })?;
+        let params: Params = alone
+            .try_into()
+            .map_err(|_| format!("{key} = {value} does not fit: it takes {}", expected(info)))?;
         params.validate().map_err(|e| e.to_string())?;
 
         let group = self.groups.entry(group).or_insert_with(|| Table::new().into());
@@ -144,6 +144,14 @@ impl Given {
         }
         Ok(())
     }
+}
+
+/// The values that a parameter takes, in words.
+fn expected(info: &ParameterInfo) -> String {
+    let Some((least, _)) = info.limits() else { return format!("one of {}", info.range) };
+    let takes = |number: f64| Params::default().with_number(&info.name, number).is_some();
+    let is_whole = takes(least + 1.0) && !takes(least + 0.5);
+    format!("a {}number in {}", if is_whole { "whole " } else { "" }, info.range)
 }
 
 /// A mistake in the file's syntax, with the line it is on.

@@ -1,4 +1,4 @@
-//! Many frames at once on a given number of threads.
+//! Many items at once on a given number of threads.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -35,7 +35,7 @@ pub(crate) fn in_order<T: Sync, Tool: Default + Send, R: Send>(
     let take = || if interrupt::is_asked() { None } else { take(items, &next) };
     let (sender, results) = mpsc::channel();
     thread::scope(|scope| {
-        // Owned here, so that the workers stop as soon as nobody listens.
+        // Owned here, so that the workers stop when this scope ends early.
         let results = results;
         for pool in &pools {
             let (sender, take, work) = (sender.clone(), &take, &work);
@@ -146,7 +146,7 @@ pub(crate) fn pool(threads: usize) -> Result<ThreadPool> {
         .map_err(|e| anyhow!("cannot start {threads} threads ({e}): give fewer with --threads"))
 }
 
-/// The next item that nobody has taken, with its number.
+/// The next item that no thread has taken, with its number.
 fn take<'a, T>(items: &'a [T], next: &AtomicUsize) -> Option<(usize, &'a T)> {
     let k = next.fetch_add(1, Ordering::Relaxed);
     items.get(k).map(|item| (k, item))

@@ -1,4 +1,4 @@
-//! `objecthood demo`: a synthetic scene, what is found in it, and how that compares with what is there.
+//! `objecthood demo`: makes a synthetic scene, finds its objects, and compares them with the truth.
 
 mod check;
 
@@ -23,11 +23,11 @@ use crate::synthetic::{Made, Recipe, camera_file, camera_path, color_path, depth
 use crate::watch::{Laps, Watch};
 use crate::{config, crew, terminal};
 
-/// The scenes that are shown: things of all kinds, seldom hidden.
+/// The family of the scene: objects of all kinds, seldom hidden.
 const FAMILY: Family = Family::Tabletop;
-/// The first that anyone sees.
+/// The default scene.
 const SEED: u32 = 34;
-/// The camera that sees them.
+/// The camera that takes the picture.
 const SENSOR: Sensor = Sensor::Kinect;
 
 /// Shows one scene, or scores many.
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     Ok(Outcome::AllDone)
 }
 
-/// A synthetic scene as anyone sees it who has its files, and the truth about it.
+/// A synthetic scene as it is read back from its files, and the truth about it.
 struct Shot {
     made: Made,
     capture: Capture,
@@ -65,7 +65,7 @@ impl Shot {
     }
 }
 
-/// Makes a scene, finds its objects and writes everything to `folder`; what is to be said of it.
+/// Makes a scene, finds its objects and writes all files to `folder`. Returns the text to print.
 fn show(recipe: Recipe, params: &Params, folder: &Path) -> Result<String> {
     let Shot { made, capture, truth } = Shot::of(recipe)?;
     let mut laps = Laps::start();
@@ -98,7 +98,7 @@ fn show(recipe: Recipe, params: &Params, folder: &Path) -> Result<String> {
     ))
 }
 
-/// What became of each object.
+/// A table with one line per object: how well it was found.
 fn table(made: &Made, score: &ImageScore) -> String {
     let counts: VerdictCounts = score.objects.iter().map(|object| object.verdict).collect();
     let mut text = format!("{} of {} objects correct", counts.correct, counts.total());
@@ -108,7 +108,7 @@ fn table(made: &Made, score: &ImageScore) -> String {
         more => writeln!(text, ", {more} found where there is none"),
     };
     text.push_str("  object  pixels  visible   IoU  verdict\n");
-    // Truth labels ascend as instances do; what has no pixel with depth has no label.
+    // Truth labels ascend with the instances; an instance without a pixel with depth has no label.
     let seen = made.rendered.truth.instance.as_slice().iter().copied().collect::<BTreeSet<u16>>();
     let objects = made.world.objects().filter(|instance| seen.contains(instance));
     for (instance, ObjectScore { pixels, iou, verdict, .. }) in objects.zip(&score.objects) {

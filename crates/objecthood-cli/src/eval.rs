@@ -30,14 +30,14 @@ struct Named<'a> {
     report: &'a Report,
 }
 
-/// Scores what the command line names and prints the figures.
+/// Scores the method or the label images and prints the figures.
 ///
 /// # Errors
 /// Of usage; when a scene or label image cannot be read, because figures of the other scenes would not compare with
 /// those of all; when the figures cannot be written. A file without truth is no scene: it is reported and left out.
 pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
     if let Some(path) = &args.json {
-        refuse_what_cannot_be_a_file(path)?;
+        refuse_unusable_file(path)?;
     }
     let (Some(root), None) = (&args.root, args.support) else { return support::run(args) };
     let subject = Subject::new(args)?;
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
     Ok(if unlabelled.is_empty() { Outcome::AllDone } else { Outcome::SomeFailed })
 }
 
-fn refuse_what_cannot_be_a_file(file: &Path) -> Result<()> {
+fn refuse_unusable_file(file: &Path) -> Result<()> {
     match file.parent() {
         _ if file.is_dir() => Err(usage(format!("--json {} is a folder: name a file", file.display()))),
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(usage(format!(

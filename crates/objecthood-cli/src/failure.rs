@@ -1,4 +1,4 @@
-//! How a command ends when it does not go well.
+//! How a command ends: outcomes, errors of usage, exit codes.
 
 use std::fmt;
 

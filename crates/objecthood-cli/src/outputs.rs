@@ -26,7 +26,7 @@ pub(crate) struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// The files of the frame, none of them written yet: `stem` with a suffix each.
+    /// The names and contents of the files of the frame: each name is `stem` and a suffix.
     ///
     /// # Errors
     /// When the frame has no such form.
@@ -57,7 +57,7 @@ pub(crate) fn path_of(stem: &Path, kind: OutputKind) -> PathBuf {
     with_suffix(stem, kind.suffix())
 }
 
-/// A stem with what follows it: `a.b` -> `a.b.json`; `Path::with_extension` would make `a.json` of it.
+/// A stem and a suffix: `a.b` -> `a.b.json`, which `Path::with_extension` would make `a.json`.
 pub(crate) fn with_suffix(stem: &Path, suffix: &str) -> PathBuf {
     let mut name = OsString::from(stem);
     name.push(suffix);

@@ -74,7 +74,7 @@ impl<'a> Plan<'a> {
         Ok(plan)
     }
 
-    /// Finds the objects in one frame and writes what was asked for: all of it or nothing.
+    /// Finds the objects in one frame and writes its files: all of them or none.
     fn segment(&self, pipeline: &mut Pipeline, input: &Input) -> Result<Done> {
         let mut laps = Laps::start();
         let capture = self.read(input)?;
@@ -84,7 +84,7 @@ impl<'a> Plan<'a> {
         done.with_context(|| input.path.display().to_string())
     }
 
-    /// What of a frame is to be looked at.
+    /// Reads a frame, without the pixels that the scope excludes.
     fn read(&self, input: &Input) -> Result<Capture> {
         let capture = input.open()?;
         self.scope.limit(capture).with_context(|| input.path.display().to_string())
@@ -98,8 +98,8 @@ impl<'a> Plan<'a> {
         laps: &mut Laps,
     ) -> Result<Done> {
         let mut recording = self.kinds.contains(&OutputKind::Panels).then(Recording::default);
-        let mut nobody = ();
-        let next = recording.as_mut().map_or(&mut nobody as &mut dyn Observer, |recording| recording);
+        let mut none = ();
+        let next = recording.as_mut().map_or(&mut none as &mut dyn Observer, |recording| recording);
         let mut watch = Watch { laps, next };
         let discovery = pipeline.discover_observed(&capture.frame, &self.params, &mut watch)?;
 
@@ -107,7 +107,7 @@ impl<'a> Plan<'a> {
             source: &input.path.display().to_string(),
             capture,
             params: &self.params,
-            discovery: &discovery,
+            discovery,
             recording: recording.as_ref(),
         };
         let files = found.files(&self.kinds, &self.args.out.join(&input.name))?;
@@ -119,7 +119,7 @@ impl<'a> Plan<'a> {
         Ok(Done { notices: notices(capture, discovery), objects: discovery.objects.clone(), files })
     }
 
-    /// Refuses outputs in the place of files that are read: `camera.json` is the scene file of `camera-depth.png`.
+    /// Refuses to write over files that are read: the scene file of `camera-depth.png` would be `camera.json`.
     fn refuse_replacing_what_is_read(&self) -> Result<()> {
         let Inputs { frames, cameras, .. } = &self.inputs;
         let camera = self.args.frames.camera.as_ref().and_then(CameraArg::file);
@@ -142,7 +142,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// The result of the only frame: a table of its objects, and where the files are.
+/// The text for a single frame: a table of its objects, and the files.
 fn in_full(input: &Input, done: &Done) -> String {
     let mut text = format!("{}: {}\n", input.path.display(), count(done.objects.len()));
     if !done.objects.is_empty() {
@@ -164,7 +164,7 @@ fn in_full(input: &Input, done: &Done) -> String {
     text
 }
 
-/// The result of one frame of many, on one line.
+/// The text for one frame of many: one line.
 fn in_short(input: &Input, done: &Done) -> String {
     let files: Vec<String> = done.files.iter().map(|f| f.display().to_string()).collect();
     format!("{}: {} -> {}\n", input.path.display(), count(done.objects.len()), files.join(" "))

@@ -11,7 +11,7 @@ use crate::advice;
 
 /// Prints results to stdout.
 ///
-/// A reader that has closed the pipe has read enough, which is no error.
+/// A reader that closed the pipe has read enough; that is no error.
 ///
 /// # Errors
 /// When stdout cannot be written for any other reason.
@@ -35,7 +35,7 @@ pub(crate) fn note(text: &str) {
     complain(&format!("note: {text}"));
 }
 
-/// Prints one line to stderr. When even that fails nobody is left to be told.
+/// Prints one line to stderr. If that fails there is no way left to report it.
 pub(crate) fn complain(message: &str) {
     // File names and file contents may hold anything, even line ends and commands to the terminal.
     let _ = writeln!(io::stderr(), "{}", message.replace(char::is_control, " "));
@@ -70,7 +70,7 @@ pub(crate) fn progress_bar(total: usize, verbose: bool) -> ProgressBar {
     }
 }
 
-/// How long the rest takes, in words: nothing before the first item is done, when nobody knows it.
+/// How long the rest takes, in words. Empty before the first item is done: until then it is unknown.
 fn left(done: u64, eta: Duration) -> String {
     match eta.as_secs_f64().round() {
         seconds if done > 0 && seconds > 0.0 => format!(", {} left", HumanDuration(eta)),

@@ -1,23 +1,23 @@
-//! How long the stages of a frame take.
+//! How long each stage of a frame takes.
 
 use std::fmt;
 use std::time::{Duration, Instant};
 
 use objecthood::{Observer, Output};
 
-/// The times of what is done one after the other.
+/// The durations of consecutive steps.
 pub(crate) struct Laps {
     start: Instant,
     laps: Vec<(&'static str, Duration)>,
 }
 
 impl Laps {
-    /// Begins the first lap.
+    /// Starts the clock.
     pub(crate) fn start() -> Self {
         Self { start: Instant::now(), laps: Vec::new() }
     }
 
-    /// Ends a lap: what was done since the last one is `name`.
+    /// Ends a step: the time since the last one ended belongs to `name`.
     pub(crate) fn end(&mut self, name: &'static str) {
         self.laps.push((name, self.start.elapsed()));
         self.start = Instant::now();
@@ -34,11 +34,11 @@ impl fmt::Display for Laps {
     }
 }
 
-/// Takes the time of every stage and passes the stage on.
+/// Measures the time of every stage, then hands the stage on.
 pub(crate) struct Watch<'a> {
-    /// Where the times go.
+    /// Collects the durations.
     pub(crate) laps: &'a mut Laps,
-    /// Who sees the stages next; what that takes is nobody's time.
+    /// Sees the stages next; its own time is not counted.
     pub(crate) next: &'a mut dyn Observer,
 }
 

@@ -387,7 +387,10 @@ fn a_command_line_that_says_too_little_or_too_much() {
     let camera = format!("--camera {}", camera());
     for (arguments, said) in [
         (depth.to_owned(), "--camera"),
-        (format!("{depth} {camera}"), "--depth-scale is missing"),
+        (
+            format!("{depth} {camera}"),
+            "the unit of integer depth is not known: say how many units are a metre, --depth-scale",
+        ),
         (format!("{depth} {camera} --depth-scale 0"), "positive number"),
         (format!("{depth} {camera} --depth-scale mm"), "positive number"),
         (format!("{depth} --camera broken.json --depth-scale 1"), "--camera broken.json: not a camera file"),
@@ -498,6 +501,6 @@ fn a_number_of_pixels_that_is_none() {
     let folder = stills();
     for text in ["many", "0", "-1", "1e6", "999999999999"] {
         let run = folder.run(&format!("segment in/1.pcd --max-pixels={text} --out out"), 2);
-        assert!(run.stderr.contains("give a whole number of pixels from 1 to 268435456"), "{}", run.stderr);
+        assert!(run.stderr.contains("give a whole number from 1 to 268435456"), "{}", run.stderr);
     }
 }

@@ -1,4 +1,4 @@
-//! Ctrl-C in the middle of many frames.
+//! Ctrl-C, and an end by a signal that cannot be caught, in the middle of the work.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "in a test, an unwrap that fails is the failure report")]
@@ -45,4 +45,22 @@ fn ctrl_c_finishes_what_is_under_way_and_says_how_much_is_done() {
     // Every scene that is done is whole, and none is begun.
     assert_eq!(folder.names("out").len(), 1 + 6 * done, "{:?}", folder.names("out"));
     assert!(folder.names("out").iter().all(|name| !name.contains(".part")));
+}
+
+/// Half of a file stayed in the folder for ever.
+#[test]
+fn what_a_killed_process_left_is_removed_by_the_next() {
+    let folder = Folder::new();
+    // The system kills a process that writes more than 20 blocks to a file; an image is longer.
+    let program = env!("CARGO_BIN_EXE_objecthood");
+    let killed = Command::new("sh")
+        .current_dir(folder.path())
+        .args(["-c", &format!("ulimit -f 20; exec '{program}' synth --out out --scenes 1")])
+        .output()
+        .unwrap();
+    assert_eq!(killed.status.code(), None, "ended by a signal");
+    let strays = || folder.names("out").iter().filter(|name| name.ends_with(".part")).count();
+    assert_eq!((strays(), folder.names("out").len()), (1, 2), "half a file beside the camera");
+    folder.run("synth --out out --scenes 1", 0);
+    assert_eq!((strays(), folder.names("out").len()), (0, 7));
 }

@@ -80,13 +80,19 @@ fn mistakes_in_settings_are_explained_and_nothing_is_done() {
         ("--set objectness.foo=1", &["of the group objectness are min_side_m, "]),
         ("--set z=1", &["there is no parameter `z`: `objecthood params` lists all"]),
         ("--set curvature.threshold", &["group.parameter=value"]),
-        ("--set curvature.threshold=high", &["curvature.threshold = \"high\"", "0 ..= 2"]),
+        (
+            "--set curvature.threshold=high",
+            &["curvature.threshold = \"high\"", "it takes a number in 0 ..= 2"],
+        ),
         ("--set curvature.threshold=3", &["curvature.threshold = 3", "0 ..= 2"]),
         ("--set curvature.threshold=nan", &["curvature.threshold", "0 ..= 2"]),
         ("--set curvature.threshold=[0.1]", &["curvature.threshold", "0 ..= 2"]),
-        ("--set curvature.enabled=yes", &["true | false"]),
+        ("--set curvature.enabled=yes", &["it takes one of true | false"]),
         ("--set graph.channels=infrared", &["color | depth | both"]),
-        ("--set graph.min_size_px=1.5", &["graph.min_size_px", "0 ..= 1000000"]),
+        (
+            "--set graph.min_size_px=1.5",
+            &["graph.min_size_px = 1.5", "it takes a whole number in 0 ..= 1000000"],
+        ),
         ("--set graph.min_size_px=-1", &["graph.min_size_px", "0 ..= 1000000"]),
         ("--set method=paper", &["--method"]),
         ("--config missing.toml", &["missing.toml"]),
@@ -107,6 +113,9 @@ fn mistakes_in_settings_are_explained_and_nothing_is_done() {
         assert!(run.stderr.starts_with("error: "), "{}", run.stderr);
         for words in said {
             assert!(run.stderr.contains(words), "{settings}: no {words} in\n{}", run.stderr);
+        }
+        for parser_word in ["f32", "f64", "u32", "usize", "invalid type", "digit"] {
+            assert!(!run.stderr.contains(parser_word), "{settings}: {parser_word} in\n{}", run.stderr);
         }
         assert!(!folder.path().join("out").exists(), "{settings}");
     }

@@ -23,14 +23,14 @@ fn labels(bytes: &[u8]) -> Vec<u16> {
 /// The commands that the program proposes, without its name.
 fn next(stdout: &str) -> Vec<&str> {
     let (_, next) = stdout.split_once("next:\n").unwrap();
-    next.lines().map(|line| line.trim().strip_prefix("objecthood ").unwrap()).collect()
+    next.lines().map(|line| line.split_once("objecthood ").unwrap().1).collect()
 }
 
 #[test]
 fn every_scene_has_all_its_files_and_they_agree() {
     let folder = Folder::new();
     let run = folder.run("synth --out out --scenes 7 --seed 3", 0);
-    assert_eq!(run.stderr, "");
+    assert_eq!(run.stderr, "7 of 7 scenes done\n");
     let files = folder.files("out");
     let families = ["single", "tabletop", "stacked", "occluded", "vessels", "clutter", "single"];
     for (family, seed) in families.iter().zip(3..) {
@@ -108,7 +108,7 @@ fn commands_for_a_folder_with_a_strange_name_are_quoted() {
         .unwrap();
     let stdout = String::from_utf8(output.stdout).unwrap();
     let last = stdout.lines().last().unwrap().trim();
-    assert_eq!(last, r"objecthood eval 'it'\''s mine'");
+    assert!(last.ends_with(r"objecthood eval 'it'\''s mine'"), "{last}");
 }
 
 #[test]
@@ -137,8 +137,8 @@ fn mistakes_are_explained_and_nothing_is_done() {
     let folder = Folder::new();
     folder.write("file", b"content");
     for (arguments, said) in [
-        ("--out out --scenes 0", "1..=1000000"),
-        ("--out out --scenes many", "invalid"),
+        ("--out out --scenes 0", "give a whole number from 1 to 1000000"),
+        ("--out out --scenes many", "give a whole number from 1 to 1000000"),
         ("--out out", "--scenes"),
         ("--scenes 1", "--out"),
         (

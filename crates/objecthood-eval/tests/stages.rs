@@ -1,5 +1,6 @@
 //! A pipeline that looks at a frame again after a change of parameters says what a fresh one says, and each parameter names the
 //! first stage that reads it.
+#![allow(clippy::unwrap_used, reason = "what fails is reported so")]
 
 mod common;
 

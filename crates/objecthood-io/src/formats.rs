@@ -1,4 +1,4 @@
-//! The list of formats. A format is a file beside `pcd.rs` and two lines here: its `mod` and its entry in [`FORMATS`].
+//! The list of formats. A format is a file beside `pcd.rs` and two lines here: its `mod` and its entry in `FORMATS`.
 //!
 //! Formats are told apart by content, never by name. Endings only say which files are looked for in a folder.
 
@@ -31,6 +31,9 @@ pub(crate) enum Format {
     Folder(FolderFormat),
 }
 
+/// What a format says of bytes that it cannot read.
+type FormatError = Box<dyn StdError + Send + Sync>;
+
 /// A file format of point clouds.
 pub(crate) struct CloudFormat {
     /// Endings of the files that are looked for in a folder, in lower case without the dot.
@@ -40,7 +43,7 @@ pub(crate) struct CloudFormat {
     pub(crate) is_mine: fn(head: &[u8]) -> bool,
     /// Reads the whole file. Touches nothing else, and takes memory only in proportion to the bytes that are there. The
     /// error says on one line what is wrong, where, and what to do.
-    pub(crate) parse: fn(bytes: &[u8]) -> Result<PointCloud, Box<dyn StdError + Send + Sync>>,
+    pub(crate) parse: fn(bytes: &[u8]) -> Result<PointCloud, FormatError>,
 }
 
 /// A layout of folders.

@@ -35,7 +35,7 @@ pub(crate) fn line(picture: &mut RgbImage, points: &[Point], width_px: f32, colo
 
 /// A line along `points` in dashes as long as the gaps between them, of which there is one at least a piece.
 pub(crate) fn dashes(picture: &mut RgbImage, points: &[Point], width_px: f32, dash_px: f32, color: Rgb<u8>) {
-    // So many that a line across any picture still has some, and that one to nowhere comes to an end.
+    // Enough for a line across any picture, and an end to a line of infinite length.
     const MOST: usize = 1000;
     for ends in points.windows(2) {
         let way = minus(ends[1], ends[0]);

@@ -1,4 +1,4 @@
-//! The picture of an explanation: the facet in question, the votes along its borders, and whom they join it with.
+//! The picture of an explanation: the facet in question, the votes along its borders, and the facets that they join to it.
 
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
@@ -28,9 +28,9 @@ const PAGE: Rgb<u8> = Rgb([255; 3]);
 const GREY: [u8; 3] = [128; 3];
 /// How much of the frame is left where it is dimmed.
 const DIMMED: f32 = 0.4;
-/// What is enlarged keeps this much more room than it needs.
+/// An enlarged part shows this much more than the facets it is about.
 const MARGIN: f32 = 1.15;
-/// Nothing is enlarged more often than this.
+/// The greatest enlargement.
 const MOST_ENLARGED: usize = 6;
 
 /// The frame, dimmed but for the facet of the pixel; the facet's borders in the colours of their votes; the facets beyond them outlined
@@ -188,7 +188,7 @@ impl<'a> Canvas<'a> {
         if is_own { scenery } else { mix(NOTHING, scenery, DIMMED) }
     }
 
-    /// Another facet within so many pixels.
+    /// Another facet within `reach` pixels.
     fn beyond(&self, x: usize, y: usize, reach: usize) -> Option<i32> {
         let facet = *self.facets.get(x, y)?;
         near(&self.facets, x, y, reach).find(|&other| other >= 0 && other != facet)

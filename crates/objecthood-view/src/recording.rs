@@ -14,7 +14,7 @@ pub struct Recording {
     pub(crate) shapes: Option<Segments>,
     /// The regions that are nodes of the support graph.
     pub(crate) supports: Option<Segments>,
-    /// So many regions come first among superpixels and facets that are structure; all of it is the first shape.
+    /// Number of regions that are structure: they come first among superpixels and facets; together they are the first shape.
     pub(crate) structure: usize,
 }
 

@@ -7,7 +7,7 @@ use objecthood::Raster;
 
 use crate::palette::{PALETTE, Swatch};
 
-/// The first so many differ enough for the regions of a stage.
+/// This many colours of the palette differ enough for the regions of a stage.
 const REGION_COLORS: usize = 48;
 /// Regions that touch differ by this much (`OKLab`) for every eye, as long as there is such a colour.
 const NEIGHBOUR_DIFFERENCE: f32 = 0.14;

@@ -68,7 +68,7 @@ pub(crate) fn depth(view: &View<'_>) -> Tile {
     Tile { title: "depth".to_owned(), image, scale }
 }
 
-/// The depths of which 2 % and 98 % are smaller, rounded down to one that is there.
+/// The depths below which 2 % and 98 % of all lie, each rounded down to a depth of the frame.
 pub(crate) fn percentiles(sorted_m: &[f32]) -> Option<(f32, f32)> {
     let at = |percent: usize| sorted_m.get(sorted_m.len().saturating_sub(1) * percent / 100).copied();
     at(2).zip(at(98))
@@ -124,7 +124,7 @@ pub(crate) fn objectness(view: &View<'_>) -> Tile {
     Tile { title: "objectness".to_owned(), image, scale: Some(scale) }
 }
 
-/// Writes the letters of the regions that carry objects, of which region k is node k of the support graph.
+/// Writes the letters of the regions that carry objects; region k is node k of the support graph.
 fn name_carriers(image: &mut RgbImage, view: &View<'_>, regions: &Raster<i32>) {
     let names = view.forest.surface_names(view.discovery);
     let mut name_of = vec![0_u16; view.discovery.support.nodes.len()];

@@ -24,6 +24,7 @@ pub(crate) struct Buffer<T> {
 
 impl<T: Clone + Send + 'static> Buffer<T> {
     /// `len` values: what the memory held before, and `value` where it held nothing. For stages that write every value.
+    #[expect(clippy::needless_pass_by_value, reason = "values are small: a number or a few")]
     pub(crate) fn stale(len: usize, value: T) -> Self {
         // New memory full of zeros costs nothing before it is touched: the system hands it out so.
         let values = take(len).map_or_else(
@@ -277,6 +278,7 @@ mod tests {
     }
 
     /// Leaves buffers of an image's size on the shelf, full of `value`.
+    #[expect(clippy::needless_pass_by_value, reason = "as in the buffer itself")]
     fn soil<T: Clone + Send + 'static>(value: T) {
         for len in [96 * 72, 4 * 96 * 72] {
             let soiled: Vec<_> = (0..MOST_KEPT / 2).map(|_| Buffer::filled(len, value.clone())).collect();

@@ -1,4 +1,5 @@
 //! The numbered examples run.
+#![allow(clippy::duplicate_mod, reason = "each example has the same small world")]
 
 #[allow(dead_code, reason = "the example's own main is called below")]
 #[path = "../examples/01_one_frame.rs"]

@@ -1,4 +1,4 @@
-//! What is said of `objecthood eval`.
+//! The options of `objecthood eval`.
 
 use std::path::PathBuf;
 

@@ -53,7 +53,7 @@ impl Threads {
         self.asked.unwrap_or(usize::MAX).min(cores())
     }
 
-    /// What to tell a user who asked for more threads than cores.
+    /// A note for a user who asked for more threads than there are cores.
     pub(crate) fn note(&self) -> Option<String> {
         let (asked, cores) = (self.asked.filter(|&asked| asked > cores())?, cores());
         let there_are = if cores == 1 { "1 core".to_owned() } else { format!("{cores} cores") };

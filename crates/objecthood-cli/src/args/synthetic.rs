@@ -1,4 +1,4 @@
-//! What is said of `objecthood demo` and `objecthood synth`: which scenes, and what is done with them.
+//! The options of `objecthood demo` and `objecthood synth`.
 
 use std::path::PathBuf;
 

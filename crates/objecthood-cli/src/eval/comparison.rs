@@ -1,4 +1,4 @@
-//! Which settings of a method are compared.
+//! The settings of a method that a comparison scores.
 
 use anyhow::Result;
 use objecthood::{Method, Params};
@@ -20,17 +20,17 @@ pub(crate) enum Comparison {
 }
 
 impl Comparison {
-    /// What the command line asks for, if it asks for a comparison.
+    /// The comparison that the command line asks for, if any.
     pub(crate) fn asked(args: ComparisonArgs) -> Option<Self> {
         let ComparisonArgs { ablation, ladder, sensitivity } = args;
         let all = [(ablation, Self::Ablation), (ladder, Self::Ladder), (sensitivity, Self::Sensitivity)];
         all.into_iter().find_map(|(is_asked, comparison)| is_asked.then_some(comparison))
     }
 
-    /// The settings; `set` is what the user has set by name.
+    /// The settings to score; `set` holds the values of `--set`.
     ///
     /// # Errors
-    /// Of usage, where the method does not read what is to be varied or the user has set it.
+    /// Of usage, when the method does not read the parameters to vary, or the user has set one of them.
     pub(crate) fn settings(self, params: &Params, set: &[String]) -> Result<Vec<Setting>> {
         let names = ABLATED.join(" and ");
         match (self, params.method) {

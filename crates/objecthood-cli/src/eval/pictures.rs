@@ -12,13 +12,13 @@ use rayon::prelude::*;
 use super::stock::Stock;
 use crate::outputs::make_folder;
 
-/// So many scenes are drawn.
+/// Number of scenes that are drawn.
 const HARDEST: usize = 12;
 
-/// Draws the hardest scenes of `report`, which are those of `stock`: colour, what the methods find, truth.
+/// Draws the hardest scenes of `report`, which scores `stock`: colour, the result of each method, truth.
 ///
 /// # Errors
-/// When a scene cannot be read any more or a picture not be written.
+/// When a scene can no longer be read, or a picture cannot be written.
 pub(crate) fn draw(folder: &Path, stock: &Stock, report: &Report, params: &Params) -> Result<()> {
     make_folder(folder)?;
     let draw_one = |&k: &usize| -> Result<(PathBuf, Vec<u8>)> {
@@ -30,7 +30,7 @@ pub(crate) fn draw(folder: &Path, stock: &Stock, report: &Report, params: &Param
     Ok(output::write_together(&files)?)
 }
 
-/// The places of the scenes with most objects that are not correct, of equals those with most objects, hardest first.
+/// The indices of the scenes with most objects that are not correct; of two equal ones, the one with more objects first.
 fn hardest(report: &Report) -> Vec<usize> {
     let mut places: Vec<usize> = (0..report.scenes.len()).collect();
     places.sort_by_key(|&k| {

@@ -1,4 +1,4 @@
-//! `objecthood eval --support`: how right the support forest is, on synthetic scenes.
+//! `objecthood eval --support`: scores the support forest on synthetic scenes.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::failure::{Outcome, usage};
 use crate::synthetic::Recipe;
 use crate::{config, crew, terminal};
 
-/// Scores the forests of as many scenes as are asked for and prints the figures.
+/// Scores the forests of the scenes and prints the figures.
 ///
 /// # Errors
 /// Of usage; when a scene cannot be scored; when the figures cannot be written.

@@ -53,7 +53,7 @@ pub(crate) fn tree(discovery: &Discovery, forest: &Forest, (width, height): (u32
     let has_numbers = has_room_for_numbers(&above_legend);
     let layout = if has_numbers { above_legend } else { layout(forest, [width as f32, height as f32]) };
     let mut links: Vec<Link> = forest.links().collect();
-    // What is drawn later hides what is below: on, the commonest, the others' common ways.
+    // Later lines hide earlier ones where they share a way: `on`, the commonest kind, comes last.
     links.sort_by_key(|link| (!link.edge.hidden, link.edge.kind == SupportKind::On));
 
     draw_links(&mut picture, forest, &links, &layout);

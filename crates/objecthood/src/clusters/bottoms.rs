@@ -151,7 +151,7 @@ struct Sides<'a> {
     scene: &'a Scene<'a>,
     owners: &'a [Owner],
     runs: Vec<Run>,
-    /// The runs of row v are first_of[v]..first_of[v + 1].
+    /// The runs of row v are `first_of[v]..first_of[v + 1]`.
     first_of: Vec<usize>,
     /// Runs of one patch.
     sets: UnionFind,

@@ -405,7 +405,7 @@ mod tests {
             let linked = LinkedSuperpixels {
                 segments: superpixels.clone(),
                 linked_pairs: neighbours.clone(),
-                moments: moments.clone(),
+                moments,
             };
             let facets = merge_surfaces(&linked, &no_structure(&superpixels), &kinect(), &params);
 

@@ -35,7 +35,7 @@ pub fn conclude_paper(
         objects,
         up: ground.up,
         structure: mark_plane(plane, &labels, points_m, &params.gravity),
-        structure_planes: plane.cloned().into_iter().collect(),
+        structure_planes: plane.copied().into_iter().collect(),
         labels,
         notices: notices.into_iter().filter_map(|(holds, notice)| holds.then_some(notice)).collect(),
     })

@@ -105,7 +105,7 @@ mod tests {
     }
 
     /// A 4 x 3 image whose point (u, v) lies at (u, v, 1); every column is a facet.
-    fn found(hypotheses: Vec<Hypothesis>) -> (Vec<Object>, Raster<u16>) {
+    fn found(hypotheses: &[Hypothesis]) -> (Vec<Object>, Raster<u16>) {
         let columns = Raster::from_vec(4, 3, (0..12).map(|i| i % 4).collect()).unwrap();
         let points = columns.with_data((0..12).map(|i| [(i % 4) as f32, (i / 4) as f32, 1.0]).collect());
         let support =
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn an_object_is_described_by_its_pixels() {
-        let (objects, labels) = found(vec![hypothesis(7, &[1, 5, 6, 9], 0.8)]);
+        let (objects, labels) = found(&[hypothesis(7, &[1, 5, 6, 9], 0.8)]);
         let object = &objects[0];
         assert_eq!(labels.as_slice(), [0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0]);
         assert_eq!(object.box_px, PixelBox { u: 1, v: 0, width: 2, height: 3 });
@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn objects_are_ranked_by_objectness_then_size_then_place() {
-        let (objects, labels) = found(vec![
+        let (objects, labels) = found(&[
             hypothesis(0, &[8, 9], 0.8),
             hypothesis(1, &[4, 5], 0.8),
             hypothesis(2, &[0, 1, 2], 0.8),
