@@ -23,8 +23,9 @@ pub(crate) fn solve<const K: usize>(mut matrix: [[f64; K]; K], mut right: [f64; 
         }
         for row in k + 1..K {
             let factor = matrix[row][k] / matrix[k][k];
-            for column in k..K {
-                matrix[row][column] -= factor * matrix[k][column];
+            let pivot_row = matrix[k];
+            for (entry, pivot) in matrix[row][k..].iter_mut().zip(&pivot_row[k..]) {
+                *entry -= factor * pivot;
             }
             right[row] -= factor * right[k];
         }

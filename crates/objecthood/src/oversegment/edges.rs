@@ -120,19 +120,20 @@ impl Edges {
             self.spare = Buffer::stale(most, 0);
         }
         let (keys, room) = self.spare.split_at_mut(most);
-        let mut apart = [(self.directions.edge(0), (0, 0)); BLOCK];
+        let directions = self.directions;
+        let mut apart = [(directions.edge(0), (0, 0)); BLOCK];
         for bucket in (0..BUCKETS).filter(|&bucket| counts[bucket] > 0) {
             let mut count = 0;
             for of_band in self.dealt.bucket(bucket) {
                 for &key in of_band {
-                    let PixelEdge { p, q, .. } = self.directions.edge(key);
+                    let PixelEdge { p, q, .. } = directions.edge(key);
                     keys[count] = key;
                     count += usize::from(sets.two_up(p as usize) != sets.two_up(q as usize));
                 }
             }
             let keys = &mut keys[..count];
             sort(keys, room);
-            keys.chunks(BLOCK).for_each(|block| self.directions.hand_over(block, &mut apart, sets, rule));
+            keys.chunks(BLOCK).for_each(|block| directions.hand_over(block, &mut apart, sets, rule));
         }
     }
 }
