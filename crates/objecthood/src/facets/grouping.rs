@@ -32,7 +32,7 @@ pub fn count_neighbours(segments: &Segments) -> RegionGraph<u32> {
 /// stand for them.
 ///
 /// *Differs from the paper:* "the average between the internal variation of the two groups and the edge" is
-/// read as the mean of three. Histograms are not recounted after a join (METHOD 2.4). O(E log E) for E pairs.
+/// read as the mean of three. Histograms are not recounted after a join (PARITY.md 3). O(E log E) for E pairs.
 pub fn group_superpixels(
     superpixels: &Superpixels,
     appearance: &Appearance,

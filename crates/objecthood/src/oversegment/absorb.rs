@@ -1,4 +1,4 @@
-//! Pixels of high curvature go to the region that they reach over their cheapest path (METHOD 2.3; the paper is silent).
+//! Pixels of high curvature go to the region that they reach over their cheapest path (PARITY.md 2; the paper is silent).
 //!
 //! Without it every object would lose 2 to 6 px at its borders; joined by the minimum-size pass they would leak.
 

@@ -1,4 +1,4 @@
-//! Which neighbouring pixels lie on one surface (METHOD 3.4).
+//! Which neighbouring pixels lie on one surface (docs/CONTEXT.md 1.2).
 
 use std::ops::Range;
 

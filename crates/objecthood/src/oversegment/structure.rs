@@ -1,4 +1,4 @@
-//! Structure planes: large surfaces that carry or enclose the objects (METHOD 3.3).
+//! Structure planes: large surfaces that carry or enclose the objects (docs/CONTEXT.md 1.1).
 //!
 //! They are taken out first: objects stand on them or before them, "up" and "height" follow from them, and every later
 //! stage is cheaper without them.

@@ -1,4 +1,4 @@
-//! Superpixels of `context`: watershed of the fit residual (METHOD 3.4).
+//! Superpixels of `context`: watershed of the fit residual (docs/CONTEXT.md 1.2).
 
 use rayon::prelude::*;
 

@@ -1,4 +1,4 @@
-//! A surface in disparity: a plane or a quadratic (METHOD 3.5).
+//! A surface in disparity: a plane or a quadratic (docs/CONTEXT.md 2.1).
 
 use crate::linear::length;
 

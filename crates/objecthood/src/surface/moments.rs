@@ -1,4 +1,4 @@
-//! Moments of regions, from which surfaces are fitted (METHOD 3.5).
+//! Moments of regions, from which surfaces are fitted (docs/CONTEXT.md 2.1).
 //!
 //! The moments of a union are the sum of the moments of its parts. So the surface of a union and its residual are known
 //! without a look at any pixel.

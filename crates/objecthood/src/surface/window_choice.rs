@@ -1,4 +1,4 @@
-//! Chooses the window that speaks for a pixel (METHOD 3.2).
+//! Chooses the window that speaks for a pixel (docs/CONTEXT.md 0.4).
 //!
 //! Near an edge the window around a pixel mixes two surfaces. Another window that contains the pixel may lie on one of them.
 

@@ -61,7 +61,7 @@ fn around(i: usize, (width, height): (usize, usize)) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// Whether two measured 4-neighbours that are no structure lie on one surface, from the words of METHOD 3.4.
+/// Whether two measured 4-neighbours that are no structure lie on one surface, from the words of docs/CONTEXT.md 1.2.
 fn linked(relief: &Relief, i: usize, j: usize, axis: usize) -> bool {
     let Relief { disparity, slope, structure, .. } = relief;
     let step = if j > i { 1.0 } else { -1.0 };
