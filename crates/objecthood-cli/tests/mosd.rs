@@ -42,7 +42,7 @@ fn labels_do_not_depend_on_threads() {
     }
 }
 
-/// `paper` on learn finds 72 of 112 objects, overlap F 82.7, boundary F 59.4 in the reference (METHOD 4.4).
+/// `paper` on learn finds 72 of 112 objects, overlap F 82.7, boundary F 59.4 in the reference (PARITY.md, The reference).
 #[test]
 fn accuracy_on_learn_does_not_fall() {
     let Some(folder) = folder_with_data() else { return };
@@ -56,7 +56,7 @@ fn accuracy_on_learn_does_not_fall() {
     assert!(figure("bF") >= 0.57, "{}", run.stdout);
 }
 
-/// The paper's comparison, against the figures of the reference (METHOD 4.4).
+/// The paper's comparison, against the figures of the reference (PARITY.md, The reference).
 #[test]
 fn the_ablation_on_learn_is_that_of_the_reference() {
     let Some(folder) = folder_with_data() else { return };

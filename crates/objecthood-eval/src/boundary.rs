@@ -1,4 +1,4 @@
-//! Where regions end, and how many boundary pixels of one region lie near those of another (METHOD 4.2).
+//! Where regions end, and how many boundary pixels of one region lie near those of another (docs/EVALUATION.md, Metrics).
 
 use crate::contingency::Classes;
 

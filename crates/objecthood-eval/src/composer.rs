@@ -1,4 +1,4 @@
-//! Harder scenes with exact truth, composed from the scenes of a data set (METHOD 4.6).
+//! Harder scenes with exact truth, composed from the scenes of a data set (docs/EVALUATION.md, Composed scenes).
 //!
 //! The scenes of mOSD *learn* hold two or three objects each, and `context` finds all of them. Composed scenes hold the
 //! same objects more densely: they test clutter, contact and occlusion, not new shapes.

@@ -10,7 +10,7 @@
 //! 4. [`evaluate()`] does that over many scenes in parallel; [`report`] sums up and prints.
 //! 5. [`settings`] are what is compared, and [`composer`] makes harder scenes to compare on.
 //!
-//! The figures are those of METHOD chapter 4 and agree with the project's independent scorer, `tools/score.py`, to the
+//! The figures are those of docs/EVALUATION.md, Definitions, and agree with the project's independent scorer, `tools/score.py`, to the
 //! last printed digit; tests hold them against it.
 //!
 //! ```no_run

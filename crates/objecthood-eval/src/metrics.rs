@@ -1,4 +1,4 @@
-//! Overlap, boundary and %75 of one image (METHOD 4.2): the protocol of unseen-object segmentation.
+//! Overlap, boundary and %75 of one image (docs/EVALUATION.md, Metrics): the protocol of unseen-object segmentation.
 
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};

@@ -24,7 +24,7 @@ pub struct ImageScore {
 /// Scores `labels` (0 = no object, other values = one object each) against `truth`. O(n log k) for n pixels and k
 /// hypotheses, plus the assignment.
 ///
-/// What is predicted where the truth is to be ignored does not count (METHOD 4.1).
+/// What is predicted where the truth is to be ignored does not count (docs/EVALUATION.md, Preparation).
 ///
 /// # Errors
 /// [`Error::PredictionSize`] when the sizes differ, [`Error::TooManyRegions`] when objects times hypotheses exceed

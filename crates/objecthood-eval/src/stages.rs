@@ -1,4 +1,4 @@
-//! Diagnostics of the stages before there are objects (METHOD 4.5): do superpixels, facets and shapes keep to the
+//! Diagnostics of the stages before there are objects (docs/EVALUATION.md, Stages): do superpixels, facets and shapes keep to the
 //! borders of the truth, and how much of an object does one of them hold?
 
 use std::borrow::Cow;
@@ -276,7 +276,7 @@ mod tests {
 
     const MOSD: Roles = Roles { ignore: Some(0), background: Some(1) };
 
-    /// METHOD 4.5 read literally: every count by a loop over all pixels, `t[v][u]` the truth, `r[v][u]` the region.
+    /// docs/EVALUATION.md, Stages, read literally: every count by a loop over all pixels, `t[v][u]` the truth, `r[v][u]` the region.
     fn by_force(r: &[Vec<i32>], t: &[Vec<u32>], roles: Roles) -> Option<StageMetrics> {
         let (height, width) = (r.len() as i32, r[0].len() as i32);
         let pixels: Vec<(i32, i32)> = (0..height).flat_map(|v| (0..width).map(move |u| (u, v))).collect();

@@ -1,4 +1,4 @@
-//! What became of each object, strictly judged (METHOD 4.3).
+//! What became of each object, strictly judged (docs/EVALUATION.md, Verdicts).
 
 use std::ops::AddAssign;
 

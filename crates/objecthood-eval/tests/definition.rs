@@ -1,4 +1,4 @@
-//! `score` against METHOD 4.1 to 4.3 read literally, pixel by pixel, on small images.
+//! `score` against docs/EVALUATION.md, Definitions, read literally, pixel by pixel, on small images.
 
 use objecthood::Raster;
 use objecthood_eval::{ImageMetrics, Roles, Truth, Verdict, score};

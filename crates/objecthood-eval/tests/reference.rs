@@ -80,7 +80,7 @@ fn the_reference_label_images_score_as_recorded() {
     ] {
         let labels = LabelFolder { path: reference.join("learn"), suffix: format!(".{method}.png") };
         let report = evaluate(&scenes, None, |_, scene| labels.read(scene)).unwrap();
-        assert_eq!(report.total.to_string(), line, "METHOD 4.4 and 4.6");
+        assert_eq!(report.total.to_string(), line, "PARITY.md, The reference");
         assert_reproduced(&report, &scores["methods"][method]);
         if method == "paper" {
             let table = VerdictsTable(&report).to_string();
@@ -92,7 +92,7 @@ fn the_reference_label_images_score_as_recorded() {
                 "| learn: cylindric objects |      26 |      38 |",
                 "| learn                    |      72 |     112 |",
             ];
-            assert_eq!(counts, expected.map(|row| row[..46].to_owned()), "METHOD 4.4");
+            assert_eq!(counts, expected.map(|row| row[..46].to_owned()), "PARITY.md, The reference");
         }
     }
 }
@@ -119,7 +119,7 @@ fn context_gives_the_reference_label_maps_pixel_for_pixel() {
         return;
     }
     let labels = LabelFolder { path: reference, suffix: ".context.png".to_owned() };
-    // What we added to METHOD is off: its run had neither.
+    // What we added to the reference is off: its run had neither.
     let mut params = objecthood::Params { method: objecthood::Method::Context, ..Default::default() };
     params.structure.slope_quanta_per_px = 0.0;
     params.vessels.bottom_contact_share = 2.0;
@@ -138,7 +138,7 @@ fn context_gives_the_reference_label_maps_pixel_for_pixel() {
     }
 }
 
-/// Some rungs of the ladder of METHOD 4.6; the last is the method itself, which is compared pixel for pixel above.
+/// Some rungs of the ladder of the reference (PARITY.md); the last is the method itself, which is compared pixel for pixel above.
 #[test]
 fn the_ladder_climbs_as_that_of_the_reference() {
     let Some(data) = common::data() else {

@@ -4,7 +4,7 @@
 //!   ([`fit_camera`]) or given.
 //! * An *unorganized* cloud is a list. With the camera given, every point with depth goes to the pixel that sees it,
 //!   u = round(fx·x/z + cx), v = round(fy·y/z + cy); points outside the image are dropped, and of two points in a pixel
-//!   the later one stays. Pixels without a point have no depth, colour 0 and label 0 (METHOD 0).
+//!   the later one stays. Pixels without a point have no depth, colour 0 and label 0.
 //!
 //! A point is missing when a coordinate is not finite or z is not positive; its label becomes 0. Depth is the z of the
 //! point, bit by bit. Only depth and camera are kept, not x and y.

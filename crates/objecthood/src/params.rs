@@ -353,9 +353,9 @@ parameters! {
     Sensor sensor, read by [Paper: Superpixels, Context: Normals] {
         /// Step of inverse depth that the sensor resolves: the unit of disparity in eq. 1.
         disparity_quantum_per_m: f64 = 0.00285, 1e-6..=1.0, "1/m",
-            "measured on mOSD learn, a Kinect v1; 1/348 by its disparity law (METHOD 0)";
+            "measured on mOSD learn, a Kinect v1; 1/348 by its disparity law (docs/CONTEXT.md 0.2)";
         /// Sideways noise of points, which looks like noise of disparity on slopes (`context`).
-        lateral_noise_px: f64 = 0.8, 0.0..=100.0, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)", read by [Context: Normals];
+        lateral_noise_px: f64 = 0.8, 0.0..=100.0, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 1.2)", read by [Context: Normals];
     }
 
     /// Gaussian smoothing of the colour image before eq. 1.
@@ -367,9 +367,9 @@ parameters! {
     /// Normals from integral images.
     Normals normals, read by [Paper: Normals] {
         /// Side of the window over which tangents are averaged; it shrinks near depth changes.
-        window_px: f64 = 10.0, 2.0..=200.0, "px", "tuned on mOSD learn (METHOD 2.1)";
+        window_px: f64 = 10.0, 2.0..=200.0, "px", "tuned on mOSD learn (PARITY.md 7)";
         /// Depth changes where neighbours differ by more than this times z^2.
-        depth_change_per_m: f32 = 0.02, 1e-5..=10.0, "1/m", "tuned on mOSD learn (METHOD 2.1)";
+        depth_change_per_m: f32 = 0.02, 1e-5..=10.0, "1/m", "tuned on mOSD learn (PARITY.md 7)";
     }
 
     /// Curvature of the surface, eq. 2.
@@ -381,7 +381,7 @@ parameters! {
         /// Distance of the neighbours whose normals are compared.
         offset_px: usize = 2, 1..=50, "px", "paper, III-A (gamma)";
         /// Divides the sum of cosines: greater = more is curved.
-        scale: f32 = 1.0, 0.1..=10.0, "dimensionless: sigma of eq. 2", "tuned on mOSD learn (METHOD 2.2); the paper gives no formula";
+        scale: f32 = 1.0, 0.1..=10.0, "dimensionless: sigma of eq. 2", "tuned on mOSD learn (PARITY.md 1); the paper gives no formula";
     }
 
     /// Graph over-segmentation on colour, depth and curvature, eq. 1.
@@ -399,7 +399,7 @@ parameters! {
     /// High-curvature pixels go to the region reached over the cheapest path.
     Absorption absorption, read by [Paper: Superpixels] {
         /// No path crosses a step in depth of more than this times z^2.
-        depth_gate_per_m: f32 = 0.02, 0.0..=10.0, "1/m", "tuned on mOSD learn (METHOD 2.1)";
+        depth_gate_per_m: f32 = 0.02, 0.0..=10.0, "1/m", "tuned on mOSD learn (PARITY.md 7)";
     }
 
     /// How superpixels look: histograms of colour and normals, eq. 3.
@@ -407,60 +407,60 @@ parameters! {
         /// Weight of the colour histogram against the histogram of normals (omega).
         color_weight: f64 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-B (omega)";
         /// Bins per axis of the joint Lab histogram.
-        lab_bins: usize = 8, 1..=32, "bins", "tuned on mOSD learn (METHOD 2.1)";
+        lab_bins: usize = 8, 1..=32, "bins", "tuned on mOSD learn (PARITY.md 7)";
         /// Bins of the inclination of the normals, over [0, pi].
-        inclination_bins: usize = 8, 1..=180, "bins", "tuned on mOSD learn (METHOD 2.1)";
+        inclination_bins: usize = 8, 1..=180, "bins", "tuned on mOSD learn (PARITY.md 7)";
         /// Bins of the azimuth of the normals, over [-pi, pi].
-        azimuth_bins: usize = 16, 1..=360, "bins", "tuned on mOSD learn (METHOD 2.1)";
+        azimuth_bins: usize = 16, 1..=360, "bins", "tuned on mOSD learn (PARITY.md 7)";
     }
 
     /// Superpixels that look alike grouped to facets.
     Grouping grouping, read by [Paper: Facets] {
         /// Internal variation of a single superpixel: the difference in appearance it tolerates (c).
-        initial_variation: f64 = 0.4, 0.0..=1.0, "dimensionless: histogram distance", "tuned on mOSD learn (METHOD 2.4)";
+        initial_variation: f64 = 0.4, 0.0..=1.0, "dimensionless: histogram distance", "tuned on mOSD learn (PARITY.md 3)";
     }
 
     /// Which regions are close to each other in space.
     Contact contact, read by [Paper: Shapes, Context: Support] {
         /// How far to look for the neighbour across pixels that belong to no region.
-        reach_px: usize = 4, 1..=100, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)";
+        reach_px: usize = 4, 1..=100, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (PARITY.md 7)";
         /// Points nearer than this are in contact.
-        distance_m: f32 = 0.02, 0.0..=1.0, "m", "tuned on mOSD learn (METHOD 2.1)";
+        distance_m: f32 = 0.02, 0.0..=1.0, "m", "tuned on mOSD learn (PARITY.md 7)";
     }
 
     /// The direction "up".
     Gravity gravity, read by [Paper: Support, Context: Structure] {
         /// Where it comes from.
         up_from: UpFrom = UpFrom::Plane, OneOf("plane | camera"), "dimensionless: switch",
-            "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (METHOD 4.4)";
+            "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (PARITY.md, Equations)";
         /// How far the camera looks down from the horizon.
         tilt_deg: f64 = 0.0, -90.0..=90.0, "degrees", "paper, III-D: the camera is held horizontally";
         /// How far it is turned clockwise about the direction in which it looks.
         roll_deg: f64 = 0.0, -180.0..=180.0, "degrees", "paper, III-D: the camera is held horizontally";
         /// Points nearer to the plane than this belong to it.
-        inlier_distance_m: f64 = 0.008, 1e-4..=1.0, "m", "tuned on mOSD learn (METHOD 2.6)", read by [Paper: Support];
+        inlier_distance_m: f64 = 0.008, 1e-4..=1.0, "m", "tuned on mOSD learn (PARITY.md 5)", read by [Paper: Support];
         /// A plane that holds a smaller share of the valid points is no ground to stand on.
         min_inlier_share: f64 = 0.1, 0.0..=1.0, "dimensionless: share of valid points", "ours, because a scene without a plane has no up to read off", read by [Paper: Support];
         /// Points looked at in the search for the plane.
-        samples: usize = 6000, 3..=1_000_000, "points", "ours, because more changes no plane (METHOD 2.6)", read by [Paper: Support];
+        samples: usize = 6000, 3..=1_000_000, "points", "ours, because more changes no plane (PARITY.md 5)", read by [Paper: Support];
         /// Planes tried.
-        trials: usize = 300, 1..=100_000, "planes", "ours, because more changes no plane (METHOD 2.6)", read by [Paper: Support];
+        trials: usize = 300, 1..=100_000, "planes", "ours, because more changes no plane (PARITY.md 5)", read by [Paper: Support];
     }
 
     /// Planes fitted to the window around every pixel (`context`).
     LocalFit local_fit, read by [Context: Normals] {
         /// Half the side of the window, without its middle; never more than 199 pixels of the image.
-        radius_px: usize = 3, 1..=50, "px at a focal length of 525 px", "METHOD 3.1";
+        radius_px: usize = 3, 1..=50, "px at a focal length of 525 px", "docs/CONTEXT.md 0.3";
         /// A pixel keeps its own window below this residual; above, the best of nine windows speaks for it.
-        own_window_residual_quanta: f32 = 0.8, 0.0..=1000.0, "quanta of disparity", "METHOD 3.2: a short cut that saves time";
+        own_window_residual_quanta: f32 = 0.8, 0.0..=1000.0, "quanta of disparity", "docs/CONTEXT.md 0.4: a short cut that saves time";
     }
 
     /// Large planes that carry or enclose the objects (`context`).
     Structure structure, read by [Context: Structure] {
         /// Pixels nearer than this belong to the surface.
-        tolerance_quanta: f64 = 2.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.3)";
+        tolerance_quanta: f64 = 2.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 1.1)";
         /// Their normals differ by less than this from the surface's.
-        angle_deg: f64 = 30.0, 0.0..=180.0, "degrees", "tuned on mOSD learn (METHOD 3.3)";
+        angle_deg: f64 = 30.0, 0.0..=180.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 1.1)";
         /// Or the slopes of their disparity do, by less than this; 0 = the normals alone decide.
         slope_quanta_per_px: f64 = 0.4, 0.0..=1000.0, "quanta of disparity per px at a focal length of 525 px", "ours, because noise tilts a slope alike at any distance, a normal by more the farther it is; 30 degrees at 1 m";
     }
@@ -468,67 +468,67 @@ parameters! {
     /// Superpixels by watershed of the fit residual (`context`).
     Watershed watershed, read by [Context: Superpixels] {
         /// Side of the blocks with one seed each.
-        seed_block_px: usize = 8, 1..=1000, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.4)";
+        seed_block_px: usize = 8, 1..=1000, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 1.2)";
         /// Largest jump inside a surface, beyond what its slope explains.
-        link_jump_quanta: f32 = 5.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.4)";
+        link_jump_quanta: f32 = 5.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 1.2)";
     }
 
     /// Superpixels that lie on one surface merged to facets (`context`).
     Merging merging, read by [Context: Facets] {
         /// Disagreement up to which planes are merged.
-        plane_tolerance_quanta: f32 = 1.2, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.5)";
+        plane_tolerance_quanta: f32 = 1.2, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 2.1)";
         /// Disagreement up to which quadratics are merged afterwards; 0 = planes only.
-        quadratic_tolerance_quanta: f32 = 1.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.5)";
+        quadratic_tolerance_quanta: f32 = 1.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 2.1)";
         /// Smaller facets are dropped and given to their neighbours.
-        min_facet_px: usize = 25, 0..=1_000_000, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.5)";
+        min_facet_px: usize = 25, 0..=1_000_000, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 2.1)";
     }
 
     /// Borders of facets straightened (`context`).
     Refinement refinement, read by [Context: Facets] {
         /// Misfit that one neighbour of the same facet makes up for.
-        agreement_quanta: f64 = 0.35, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.6)";
+        agreement_quanta: f64 = 0.35, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 2.2)";
     }
 
     /// What the common border of two facets tells (`context`).
     Border border, read by [Context: Borders] {
         /// Half the side of the window in which a plane is fitted to either side, without its middle.
-        radius_px: usize = 7, 1..=100, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.7)";
+        radius_px: usize = 7, 1..=100, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 3.1)";
         /// A larger gap between both sides is a step.
-        gap_quanta: f64 = 4.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.7)";
+        gap_quanta: f64 = 4.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 3.1)";
         /// A deeper step hides something; a smaller one may be a torn ridge.
-        step_depth_m: f64 = 0.013, 0.0..=10.0, "m", "tuned on mOSD learn (METHOD 3.7)";
+        step_depth_m: f64 = 0.013, 0.0..=10.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 3.1)";
     }
 
     /// Facets joined to shapes by the votes of their borders (`context`); and which folds are clear as the border of an object.
     Contraction contraction, read by [Paper: Hypotheses, Context: Shapes] {
         /// Concavity at which a fold votes neither way.
-        reflex_offset_deg: f64 = 12.0, -180.0..=180.0, "degrees", "tuned on mOSD learn (METHOD 3.8)";
+        reflex_offset_deg: f64 = 12.0, -180.0..=180.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 3.2)";
         /// From there to a full vote.
-        full_vote_deg: f64 = 15.0, 1e-3..=360.0, "degrees", "tuned on mOSD learn (METHOD 3.8)";
+        full_vote_deg: f64 = 15.0, 1e-3..=360.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 3.2)";
         /// How much a step speaks against one shape.
-        occlusion_weight: f64 = 0.15, 0.0..=100.0, "dimensionless: vote per metre of step", "tuned on mOSD learn (METHOD 3.8)", read by [Context: Shapes];
+        occlusion_weight: f64 = 0.15, 0.0..=100.0, "dimensionless: vote per metre of step", "tuned on mOSD learn (docs/CONTEXT.md 3.2)", read by [Context: Shapes];
     }
 
     /// Small clusters go to what they touch (`context`).
     Fragments fragments, read by [Context: Clusters] {
         /// Clusters with fewer pixels are given away.
-        max_size_px: usize = 250, 0..=1_000_000, "px at a focal length of 525 px", "tuned on mOSD learn (METHOD 3.10)";
+        max_size_px: usize = 250, 0..=1_000_000, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 4.2)";
     }
 
     /// What hardly rises above the support is a part of it (`context`).
     Height height, read by [Context: Clusters] {
         /// Lowest top of an object.
-        min_top_m: f64 = 0.010, -1.0..=10.0, "m", "tuned on mOSD learn (METHOD 3.11)";
+        min_top_m: f64 = 0.010, -1.0..=10.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 4.3)";
     }
 
     /// Insides and walls of vessels joined (`context`).
     Vessels vessels, read by [Context: Clusters] {
         /// Concavity of a vessel's inside; 0 = vessels are not joined.
-        concavity: f64 = 0.2, 0.0..=2.0, "dimensionless: mean turn of normals towards each other", "tuned on mOSD learn (METHOD 3.12)";
+        concavity: f64 = 0.2, 0.0..=2.0, "dimensionless: mean turn of normals towards each other", "tuned on mOSD learn (docs/CONTEXT.md 4.4)";
         /// Inside and wall have tops of equal height up to this.
-        rim_height_m: f64 = 0.015, 0.0..=1.0, "m", "tuned on mOSD learn (METHOD 3.12)";
+        rim_height_m: f64 = 0.015, 0.0..=1.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 4.4)";
         /// Whether the circle of the rim tells what belongs to a vessel.
-        rim_circle: bool = true, OneOf("true | false"), "dimensionless: switch", "METHOD 3.12";
+        rim_circle: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 4.4.2";
         /// What lies as low as the table is the bottom of the object that encloses it when this share of its border touches; above 1 = never.
         bottom_contact_share: f64 = 0.8, 0.0..=2.0, "dimensionless: share of the border", "ours, because a plate came out as a ring; the far half of a ring's border touches";
     }
@@ -536,29 +536,29 @@ parameters! {
     /// Parts of an object joined behind what hides its middle (`context`).
     Occlusion occlusion, read by [Context: Clusters] {
         /// Whether they are.
-        enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "METHOD 3.13";
+        enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 4.6";
         /// Both parts lie on one surface up to this.
-        disagreement_quanta: f64 = 1.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (METHOD 3.13)";
+        disagreement_quanta: f64 = 1.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 4.6)";
         /// Angle between the surfaces of both parts, at most.
-        angle_deg: f64 = 7.0, 0.0..=180.0, "degrees", "tuned on mOSD learn (METHOD 3.13)";
+        angle_deg: f64 = 7.0, 0.0..=180.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 4.6)";
         /// Overlap of their colour histograms, at least.
-        color_overlap: f64 = 0.08, -1.0..=1.0, "dimensionless: share in common; -1 = colour has no say", "tuned on mOSD learn (METHOD 3.13)";
+        color_overlap: f64 = 0.08, -1.0..=1.0, "dimensionless: share in common; -1 = colour has no say", "tuned on mOSD learn (docs/CONTEXT.md 4.6)";
         /// Distance of the parts, at most.
-        max_distance_m: f64 = 0.35, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 3.13)";
+        max_distance_m: f64 = 0.35, 0.0..=100.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 4.6)";
     }
 
     /// How much speaks for an object, and how much must: eq. 6 to 8, and what the paper leaves open.
     Objectness objectness, read by [Paper: Hypotheses, Context: Hypotheses] {
         /// Least longest side of an object.
-        min_side_m: f32 = 0.02, 0.0..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)", read by [Paper: Objects];
+        min_side_m: f32 = 0.02, 0.0..=100.0, "m", "tuned on mOSD learn (PARITY.md 7)", read by [Paper: Objects];
         /// Least second-longest side of something graspable; in objectness a soft limit.
         min_second_side_m: f32 = 0.02, 1e-3..=100.0, "m", "ours, because what is thinner in two directions is a sliver of something; the paper's 2 cm";
         /// Greatest longest side of an object; in objectness a soft limit.
-        max_side_m: f32 = 0.60, 1e-3..=100.0, "m", "tuned on mOSD learn (METHOD 2.1)", read by [Paper: Hypotheses, Context: Support];
+        max_side_m: f32 = 0.60, 1e-3..=100.0, "m", "tuned on mOSD learn (PARITY.md 7)", read by [Paper: Hypotheses, Context: Support];
         /// Pixels with depth that an object has at least.
-        min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (METHOD 2.1)", read by [Paper: Hypotheses, Context: Support];
+        min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (PARITY.md 7)", read by [Paper: Hypotheses, Context: Support];
         /// P(O) that an object has at least.
-        min_p_o: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (METHOD 2.1)", read by [Paper: Objects];
+        min_p_o: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (PARITY.md 7)", read by [Paper: Objects];
         /// What objectness loses when the size is not graspable.
         size_weight: f32 = 1.0, 0.0..=1.0, "dimensionless: share", "ours, because what is too large cannot be moved, whatever else it is";
         /// What objectness loses when nothing carries it.

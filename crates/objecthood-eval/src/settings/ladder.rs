@@ -1,4 +1,4 @@
-//! The steps of `context` switched on one after the other (METHOD 4.6).
+//! The steps of `context` switched on one after the other (docs/EVALUATION.md, Ladder).
 
 use objecthood::Params;
 
@@ -13,7 +13,7 @@ struct Step {
     switch_off: fn(&mut Params),
 }
 
-/// In the order in which they are switched on: that of METHOD 4.6, then what came later.
+/// In the order in which they are switched on: that of the reference (PARITY.md), then what came later.
 const STEPS: [Step; 13] = [
     Step { name: "occlusion evidence", switch_off: |p| p.contraction.occlusion_weight = 0.0 },
     Step { name: "straight borders", switch_off: |p| p.refinement.agreement_quanta = 0.0 },

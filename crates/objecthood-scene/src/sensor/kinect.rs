@@ -2,7 +2,7 @@
 //!
 //! | effect | model | source |
 //! |---|---|---|
-//! | disparity steps | 1/z in whole steps of 1/348 1/m: raw = 1091.5 - 348/z | METHOD 0; Khoshelham and Elberink 2012 |
+//! | disparity steps | 1/z in whole steps of 1/348 1/m: raw = 1091.5 - 348/z | docs/CONTEXT.md 0.2; Khoshelham and Elberink 2012 |
 //! | projector's and camera's shadow | no depth where the projector, 50 mm to the right of the colour camera, or the infrared camera, 25 mm to its left, does not see the surface (75 mm baseline) | Khoshelham and Elberink 2012; layout of the device |
 //! | window of correlation | no depth where less than half of a 7 x 7 window is seen by both (9 x 9 in the device, at 1280 x 1024) | Konolige and Mihelich 2010 |
 //! | lateral jitter | borders of surfaces wander by 0.8 px, more where the surface is grazed | Nguyen, Izadi and Lovell 2012: 0.8 + 0.035 θ/(π/2 - θ) px |

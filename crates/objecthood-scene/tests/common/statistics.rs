@@ -4,9 +4,9 @@ use std::path::Path;
 
 use objecthood_eval::mosd::{self, ROLES, Split};
 
-/// METHOD 0: what a Kinect v1 resolves.
+/// docs/CONTEXT.md 0.2: what a Kinect v1 resolves.
 const QUANTUM_PER_M: f64 = 0.00285;
-/// METHOD 3.1: half window, share of it that must have depth.
+/// docs/CONTEXT.md 0.3: half window, share of it that must have depth.
 const FIT_RADIUS_PX: usize = 3;
 const MIN_FILL: f64 = 0.4;
 const BORDER_PX: usize = 5;
@@ -14,7 +14,7 @@ const BORDER_PX: usize = 5;
 /// Of one data set.
 #[derive(Debug)]
 pub(crate) struct Statistics {
-    /// Median over the scenes of the median plane-fit residual (quanta), METHOD 3.1.
+    /// Median over the scenes of the median plane-fit residual (quanta), docs/CONTEXT.md 0.3.
     pub(crate) fit_residual: f64,
     /// Median over the scenes of the deviation from the table's plane (quanta).
     pub(crate) table_residual: f64,

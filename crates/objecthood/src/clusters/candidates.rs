@@ -1,4 +1,4 @@
-//! Candidates: the clusters that are large enough for an object, as regions of the support graph (METHOD 3.14).
+//! Candidates: the clusters that are large enough for an object, as regions of the support graph (docs/CONTEXT.md 6.6).
 
 use crate::clusters::check::{Bound, Check};
 use crate::clusters::clustering::{Clustering, FinalCluster};

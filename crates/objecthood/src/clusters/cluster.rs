@@ -1,4 +1,4 @@
-//! Clusters while the rules work on them: pixels, borders, top and convexity (METHOD 3.9).
+//! Clusters while the rules work on them: pixels, borders, top and convexity (docs/CONTEXT.md 4.1).
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;

@@ -1,4 +1,4 @@
-//! Measured pixels without a facet are given to a facet that they touch (METHOD 3.9).
+//! Measured pixels without a facet are given to a facet that they touch (docs/CONTEXT.md 4.1).
 
 use std::collections::VecDeque;
 

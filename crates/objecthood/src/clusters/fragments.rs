@@ -1,4 +1,4 @@
-//! Fragments go to what they touch (METHOD 3.10).
+//! Fragments go to what they touch (docs/CONTEXT.md 4.2).
 //!
 //! Folds, rims and the edges of shadows leave crumbs that belong to the surface beside them.
 

@@ -1,4 +1,4 @@
-//! What hardly rises above the support is a part of it (METHOD 3.11).
+//! What hardly rises above the support is a part of it (docs/CONTEXT.md 4.3).
 
 use rayon::prelude::*;
 

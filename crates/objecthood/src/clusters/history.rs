@@ -10,21 +10,21 @@ use crate::regions::SegmentId;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Rule {
-    /// A small cluster goes to what it touches (METHOD 3.10).
+    /// A small cluster goes to what it touches (docs/CONTEXT.md 4.2).
     Fragment,
-    /// A cluster that hardly rises above the support is a part of it (METHOD 3.11).
+    /// A cluster that hardly rises above the support is a part of it (docs/CONTEXT.md 4.3).
     Low,
-    /// Two pieces of the inside of a vessel are joined (METHOD 3.12 i).
+    /// Two pieces of the inside of a vessel are joined (docs/CONTEXT.md 4.4.1).
     VesselInside,
-    /// The inside of a vessel and the wall in front of it are joined (METHOD 3.12 ii).
+    /// The inside of a vessel and the wall in front of it are joined (docs/CONTEXT.md 4.4.2).
     VesselWall,
-    /// What stands within the circle of a vessel's rim is a part of it (METHOD 3.12 ii).
+    /// What stands within the circle of a vessel's rim is a part of it (docs/CONTEXT.md 4.4.2).
     VesselRim,
-    /// What touches hardly anything but a vessel is a part of it (METHOD 3.12 iii).
+    /// What touches hardly anything but a vessel is a part of it (docs/CONTEXT.md 4.4.3).
     VesselRemainder,
     /// Background that a vessel encloses is its bottom (ours).
     VesselBottom,
-    /// A surface goes on behind something nearer (METHOD 3.13).
+    /// A surface goes on behind something nearer (docs/CONTEXT.md 4.6).
     Occlusion,
 }
 

@@ -1,4 +1,4 @@
-//! Occlusion: a surface cut in two by something nearer goes on behind it (METHOD 3.13).
+//! Occlusion: a surface cut in two by something nearer goes on behind it (docs/CONTEXT.md 4.6).
 //!
 //! 1. [`pieces`]: the large facets of clusters that something is in front of.
 //! 2. [`along`]: for two of them a frame along the gap; pairs whose planes are turned hopelessly apart are dropped.

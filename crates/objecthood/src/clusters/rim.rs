@@ -1,4 +1,4 @@
-//! The circle of a vessel's rim (METHOD 3.12).
+//! The circle of a vessel's rim (docs/CONTEXT.md 4.4.2).
 
 use std::f64::consts::{PI, TAU};
 

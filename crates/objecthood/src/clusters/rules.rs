@@ -1,4 +1,4 @@
-//! The rules in their order (METHOD 3.9 to 3.13).
+//! The rules in their order (docs/CONTEXT.md 4.1 to 3.13).
 
 use crate::clusters::bottoms::join_bottoms;
 use crate::clusters::cluster::Clusters;

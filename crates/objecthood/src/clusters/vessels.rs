@@ -1,4 +1,4 @@
-//! Vessels: the inside and the wall of a cup or bowl become one cluster (METHOD 3.12).
+//! Vessels: the inside and the wall of a cup or bowl become one cluster (docs/CONTEXT.md 4.4).
 //!
 //! A camera sees the far side of a vessel's inside and the near side of its wall. The rim is a step in depth between them, so no
 //! convex border joins the two. Three rules do:

@@ -26,14 +26,14 @@ pub struct JoinedPart {
 /// Evidence that two parts are one object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JoinEvidence {
-    /// A surface that goes on behind something nearer (METHOD 3.13).
+    /// A surface that goes on behind something nearer (docs/CONTEXT.md 4.6).
     Occlusion(Continuation),
-    /// Two pieces of the inside of one vessel (METHOD 3.12 i).
+    /// Two pieces of the inside of one vessel (docs/CONTEXT.md 4.4.1).
     VesselInside {
         /// How far the larger and the smaller piece bend outwards; both are concave, below 0.
         convexity: [f64; 2],
     },
-    /// The inside of a vessel and the wall in front of it (METHOD 3.12 ii).
+    /// The inside of a vessel and the wall in front of it (docs/CONTEXT.md 4.4.2).
     VesselWall {
         /// How far the inside bends outwards; below 0 or hardly above.
         convexity: f64,
@@ -42,7 +42,7 @@ pub enum JoinEvidence {
         /// The circle on which both rims lie, if that decided.
         rim: Option<RimCircle>,
     },
-    /// A part that stands within the circle of a vessel's rim and as high (METHOD 3.12 ii).
+    /// A part that stands within the circle of a vessel's rim and as high (docs/CONTEXT.md 4.4.2).
     VesselRim {
         /// The circle.
         rim: RimCircle,
@@ -52,7 +52,7 @@ pub enum JoinEvidence {
         /// Share of its border that touches, without a step.
         contact_share: f64,
     },
-    /// A small part that touches hardly anything but a vessel (METHOD 3.12 iii).
+    /// A small part that touches hardly anything but a vessel (docs/CONTEXT.md 4.4.3).
     VesselRemainder {
         /// Share of its contacts that are with the vessel.
         contact_share: f64,

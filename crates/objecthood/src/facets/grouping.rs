@@ -32,7 +32,7 @@ pub fn neighbours(segments: &Segments) -> RegionGraph<u32> {
 /// superpixel that stands for them.
 ///
 /// *Differs from the paper:* "the average between the internal variation of the two groups and the edge" is
-/// read as the mean of three. Histograms are not recounted after a join (METHOD 2.4). O(E log E) for E pairs.
+/// read as the mean of three. Histograms are not recounted after a join (PARITY.md 3). O(E log E) for E pairs.
 pub fn facets(
     superpixels: &Superpixels,
     appearance: &Appearance,

@@ -1,4 +1,4 @@
-//! Facets of `context`: greedy merging under a surface model (METHOD 3.5).
+//! Facets of `context`: greedy merging under a surface model (docs/CONTEXT.md 2.1).
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -309,7 +309,7 @@ mod tests {
         moments: Moments,
     }
 
-    /// The cost of METHOD 3.5, of two regions with these moments.
+    /// The cost of docs/CONTEXT.md 2.1, of two regions with these moments.
     fn cost(a: &Moments, b: &Moments, basis: Basis) -> f32 {
         let fit = |m: &Moments| m.fit(if m.count() < 12.0 { Basis::Plane } else { basis });
         let (one, other, union) = (fit(a), fit(b), fit(&a.merged(b)));

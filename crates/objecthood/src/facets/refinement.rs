@@ -1,4 +1,4 @@
-//! The borders of facets, straightened (METHOD 3.6).
+//! The borders of facets, straightened (docs/CONTEXT.md 2.2).
 
 use rayon::prelude::*;
 
@@ -165,7 +165,7 @@ mod tests {
         moments.fit(Basis::Plane).model
     }
 
-    /// One pass, from the words of METHOD 3.6: of each pixel the new label.
+    /// One pass, from the words of docs/CONTEXT.md 2.2: of each pixel the new label.
     fn naive_pass(
         labels: &Raster<i32>,
         disparity: &Raster<f32>,

@@ -12,7 +12,7 @@ use crate::regions::{SegmentId, Segments};
 use crate::shapes::border::{Fold, fold_angle_deg};
 use crate::surface::disparity::DisparitySpace;
 
-/// A larger difference in disparity (quanta) between both sides is a step in depth, as between side by side (METHOD 3.9).
+/// A larger difference in disparity (quanta) between both sides is a step in depth, as between side by side (docs/CONTEXT.md 4.1).
 pub(crate) const STEP_QUANTA: f64 = 6.0;
 /// The surfaces of both sides are looked at this far from the border (px at 525 px): nearer, windows of 7 px hold both.
 const ASIDE_PX: usize = 5;
@@ -66,7 +66,7 @@ struct View<'a> {
 /// Measures the outline of every region from number `first` on; those of the others stay empty.
 ///
 /// A step in depth is clear, whichever side is in front. A fold is as clear as its valley is deep: not at all from `full_vote_deg`
-/// above the neutral valley of `reflex_offset_deg`, wholly from `full_vote_deg` below it, as borders vote (METHOD 3.8). Beyond a
+/// above the neutral valley of `reflex_offset_deg`, wholly from `full_vote_deg` below it, as borders vote (docs/CONTEXT.md 3.2). Beyond a
 /// hole in the depth something is looked for up to 24 px away; a side beyond which nothing is seen does not count.
 /// O(pixels + outline · 24); parallel over rows.
 pub fn measure_outlines(

@@ -1,4 +1,4 @@
-//! Size: an oriented box with one axis along up, and how graspable it is (METHOD 2.7).
+//! Size: an oriented box with one axis along up, and how graspable it is (PARITY.md 6).
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 

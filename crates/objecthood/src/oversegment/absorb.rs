@@ -1,4 +1,4 @@
-//! High-curvature pixels go to the region reached over their cheapest path (METHOD 2.3; the paper is silent).
+//! High-curvature pixels go to the region reached over their cheapest path (PARITY.md 2; the paper is silent).
 //!
 //! Left alone they would erode every object by 2 to 6 px; joined by the minimum-size pass they would leak.
 

@@ -25,7 +25,7 @@ pub(crate) const BAND_ROWS: usize = 64;
 pub enum Unmeasured {
     /// Apart from everything with depth and one among themselves, so that their colour changes nothing elsewhere.
     Apart,
-    /// By colour alone (METHOD 2.3), for the paper's comparison without curvature.
+    /// By colour alone (PARITY.md 2), for the paper's comparison without curvature.
     ByColor,
 }
 

@@ -1,4 +1,4 @@
-//! Stage 1 of `context` after the structure: superpixels by watershed, with what merging them needs (METHOD 3.4).
+//! Stage 1 of `context` after the structure: superpixels by watershed, with what merging them needs (docs/CONTEXT.md 1.2).
 
 use crate::error::{Error, Result};
 use crate::oversegment::structure::Structure;

@@ -1,4 +1,4 @@
-//! Structure planes: large surfaces that carry or enclose the objects (METHOD 3.3).
+//! Structure planes: large surfaces that carry or enclose the objects (docs/CONTEXT.md 1.1).
 //!
 //! They are taken out first: they are support and background, they say what "up" and "height" are, and every later
 //! stage is cheaper without them.

@@ -1,4 +1,4 @@
-//! Superpixels of `context`: watershed of the fit residual (METHOD 3.4).
+//! Superpixels of `context`: watershed of the fit residual (docs/CONTEXT.md 1.2).
 
 use std::ops::Range;
 
@@ -404,7 +404,7 @@ mod tests {
             .collect()
     }
 
-    /// Whether two measured 4-neighbours that are no structure lie on one surface, from the words of METHOD 3.4.
+    /// Whether two measured 4-neighbours that are no structure lie on one surface, from the words of docs/CONTEXT.md 1.2.
     fn linked(relief: &Relief, i: usize, j: usize, axis: usize) -> bool {
         let Relief { disparity, slope, structure, .. } = relief;
         let step = if j > i { 1.0 } else { -1.0 };

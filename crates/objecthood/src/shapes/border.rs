@@ -1,4 +1,4 @@
-//! What the common border of two facets tells: how it folds, and where one hides the other (METHOD 3.7).
+//! What the common border of two facets tells: how it folds, and where one hides the other (docs/CONTEXT.md 3.1).
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Shapes of `context`: a signed graph, contracted greedily (METHOD 3.8).
+//! Shapes of `context`: a signed graph, contracted greedily (docs/CONTEXT.md 3.3).
 
 use std::collections::{BTreeMap, BinaryHeap};
 

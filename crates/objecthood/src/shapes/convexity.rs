@@ -10,7 +10,7 @@ use crate::union_find::UnionFind;
 /// below 0 = ridge, the edge is convex; above 0 = valley.
 ///
 /// *Differs from the paper:* eq. 5 is not symmetric and does not say which facet is "2"; here both views must
-/// be convex (METHOD 2.5: any other reading glues the table to the objects).
+/// be convex (PARITY.md 4: any other reading glues the table to the objects).
 pub fn convexity_m(a: &Descriptor, b: &Descriptor) -> f64 {
     let [center_a, center_b] = [a, b].map(|d| DVec3::from(d.centroid_m));
     let rise_of_a = (center_a - center_b).dot(DVec3::from(b.normal));

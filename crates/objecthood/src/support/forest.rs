@@ -18,7 +18,7 @@ use crate::support::feet::{Foot, find_feet};
 use crate::support::meeting::{Meeting, UNDER_M, find_meetings};
 use crate::support::scene::SupportScene;
 
-/// Fewer pairs of points in contact are chance (METHOD 3.10: 4 touching pixels, each here in up to four directions).
+/// Fewer pairs of points in contact are chance (docs/CONTEXT.md 4.2: 4 touching pixels, each here in up to four directions).
 const LEAST_CONTACTS: u32 = 8;
 /// A carrier has at least this share of the contacts of the foot. At least this share of them is where the carrier goes on below,
 /// or of the foot is over its edge.

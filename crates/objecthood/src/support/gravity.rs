@@ -1,4 +1,4 @@
-//! Gravity: the direction up, from the dominant plane or from the camera (METHOD 2.6).
+//! Gravity: the direction up, from the dominant plane or from the camera (PARITY.md 5, docs/CONTEXT.md 5.1).
 
 use glam::{DVec3, Vec3};
 

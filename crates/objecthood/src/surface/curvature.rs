@@ -87,7 +87,7 @@ mod tests {
         assert_eq!(crease(0.0)[40], 0.0);
         let expected = 0.75 * (1.0 - 30_f32.to_radians().cos());
         assert!((crease(30.0)[40] - expected).abs() < 1e-6);
-        // METHOD 2.2: the default threshold of 0.14 is passed from 35.6 degrees on.
+        // PARITY.md 1: the default threshold of 0.14 is passed from 35.6 degrees on.
         assert!(crease(35.5)[40] < 0.14 && crease(35.7)[40] > 0.14);
     }
 

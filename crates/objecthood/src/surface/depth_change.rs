@@ -1,6 +1,6 @@
 //! Where the depth changes so much that two pixels cannot lie on one surface.
 //!
-//! Source: the smart-depth-change windows of integral-image normals (Holzer et al., IROS 2012), METHOD 2.2.
+//! Source: the smart-depth-change windows of integral-image normals (Holzer et al., IROS 2012), PARITY.md 1.
 //! *Differs:* their windows also grow with depth; ours do not. The distance is exact, not a chamfer approximation.
 
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Disparity space: where the sensor's noise is constant and planes are affine (METHOD 0).
+//! Disparity space: where the sensor's noise is constant and planes are affine (docs/CONTEXT.md 0.2).
 //!
 //! A pixel (u, v) with inverse depth d = 1/(z Q), counted in *quanta* Q of the sensor. One tolerance in quanta serves near
 //! and far alike, and a plane in space is exactly d = value + slope · (u, v).

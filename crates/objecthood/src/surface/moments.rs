@@ -1,4 +1,4 @@
-//! Surfaces of first and second order in disparity, fitted from moments alone (METHOD 3.5).
+//! Surfaces of first and second order in disparity, fitted from moments alone (docs/CONTEXT.md 2.1).
 //!
 //! The moments of two regions add up to those of their union, so that the model of a union and its residual are known
 //! without touching a pixel.

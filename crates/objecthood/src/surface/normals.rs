@@ -1,7 +1,7 @@
 //! Surface normals from sums along rows and columns.
 //!
 //! The tangents ∂X/∂u and ∂X/∂v are averaged over a window that does not reach across a depth change; their
-//! cross product is the normal (Holzer et al., IROS 2012: average 3-D gradient; paper, III-A; METHOD 2.2).
+//! cross product is the normal (Holzer et al., IROS 2012: average 3-D gradient; paper, III-A; PARITY.md 1).
 //!
 //! 1. mark depth changes, 2. distance to the nearest one, 3. window half size from it, 4. sums along rows and columns,
 //!    5. cross product, turned towards the camera.

@@ -1,4 +1,4 @@
-//! A plane fitted in disparity to the window around every pixel (METHOD 3.1).
+//! A plane fitted in disparity to the window around every pixel (docs/CONTEXT.md 0.3).
 
 use rayon::prelude::*;
 

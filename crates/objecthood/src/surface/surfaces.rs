@@ -1,4 +1,4 @@
-//! What single pixels tell in `context`: the plane that fits the surroundings of each best (METHOD 3.1, 3.2).
+//! What single pixels tell in `context`: the plane that fits the surroundings of each best (docs/CONTEXT.md 0.3, 3.2).
 
 use crate::frame::Frame;
 use crate::params;

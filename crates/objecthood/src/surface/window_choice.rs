@@ -1,4 +1,4 @@
-//! Which window speaks for a pixel: near an edge not the one around it, which mixes two surfaces (METHOD 3.2).
+//! Which window speaks for a pixel: near an edge not the one around it, which mixes two surfaces (docs/CONTEXT.md 0.4).
 
 use rayon::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Rule 1: concave pieces that touch are one inside (METHOD 3.12 i).
+//! Rule 1: concave pieces that touch are one inside (docs/CONTEXT.md 4.4.1).
 
 use super::limits::{CONCAVITY, INSIDE_TOUCH_PX, Limits};
 use crate::clusters::check::{Bound, Check};

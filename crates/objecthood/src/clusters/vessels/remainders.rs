@@ -1,4 +1,4 @@
-//! Rule 3: a small cluster that touches hardly anything but a vessel belongs to it (METHOD 3.12 iii).
+//! Rule 3: a small cluster that touches hardly anything but a vessel belongs to it (docs/CONTEXT.md 4.4.3).
 
 use std::collections::BTreeSet;
 

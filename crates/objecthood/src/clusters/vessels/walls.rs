@@ -1,4 +1,4 @@
-//! Rule 2: an inside and the wall in front of it are one vessel (METHOD 3.12 ii).
+//! Rule 2: an inside and the wall in front of it are one vessel (docs/CONTEXT.md 4.4.2).
 //!
 //! Both are equally high. They are joined when their rims lie on one circle, or else when the inside is concave enough. With the
 //! circle comes everything else that stands within it.
