@@ -22,7 +22,7 @@ struct Step {
 const LEFT_OUT: &str = "left out by --quick: tests of whole programs and on real data, documentation with its examples, the listing of \
      the public API, the build for aarch64, instruction counts";
 
-/// What a change needs while it is made: formatting, lints, unit tests and the golden maps. Under 4
+/// What a change needs while it is made: formatting, lints, unit tests and the golden maps. Meant to take four
 /// minutes on two cores when the dependencies are built.
 ///
 /// # Errors
