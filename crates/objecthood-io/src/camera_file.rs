@@ -45,7 +45,7 @@ struct Fields {
 /// # Errors
 /// [`Error::At`] the path: it cannot be read, or those of [`parse`].
 pub fn open(path: &Path) -> Result<CameraFile> {
-    let bytes = read_file(path, |head| check_beginning(head));
+    let bytes = read_file(path, check_beginning);
     bytes.and_then(|bytes| parse(&bytes)).map_err(|error| error.at(path))
 }
 

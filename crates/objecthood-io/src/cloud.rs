@@ -64,7 +64,7 @@ mod tests {
             PointCloud { width: 0, height: 0, points_m: vec![], color: None, label: None },
             PointCloud { width: usize::MAX, height: usize::MAX, ..cloud.clone() },
             PointCloud { color: Some(vec![[0; 3]; 3]), ..cloud.clone() },
-            PointCloud { label: Some(vec![0; 5]), ..cloud.clone() },
+            PointCloud { label: Some(vec![0; 5]), ..cloud },
         ] {
             assert!(matches!(wrong.check(), Err(Error::CloudLengths { .. })), "{wrong:?}");
         }
