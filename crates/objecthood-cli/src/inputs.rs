@@ -127,15 +127,15 @@ fn open_all(arguments: &[PathBuf], given: &Given, inputs: &mut Inputs) -> (Vec<F
 fn refuse_unknown_camera_or_unit(given: &Given, pairs: &[ImageFiles]) -> Result<()> {
     let said = |error: ImageError| {
         let error = anyhow::Error::from(Error::from(error));
-        usage(format!("{error}{}", advice::of(&error)))
+        format!("{error}{}", advice::of(&error))
     };
     if given.camera.is_none() {
-        return Err(said(ImageError::NoCamera));
+        return Err(usage(said(ImageError::NoCamera)));
     }
     // The numbers of a PNG are always integers.
     let is_png = |pair: &ImageFiles| pair.depth.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
     if given.depth_scale.is_none() && pairs.iter().any(is_png) {
-        return Err(said(ImageError::NoDepthScale));
+        return Err(usage(format!("--depth-scale is missing: {}", said(ImageError::NoDepthScale))));
     }
     Ok(())
 }

@@ -159,7 +159,7 @@ fn a_folder_with_nothing_in_it_and_a_folder_with_something() {
 
     let run = folder.run("segment hollow --out other", 1);
     assert_eq!(run.errors().len(), 1);
-    assert!(run.stderr.contains("hollow: no point cloud (.pcd)"), "{}", run.stderr);
+    assert!(run.stderr.contains("hollow: no point cloud (.pcd"), "{}", run.stderr);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::formats::{Unread, extensions};
+use crate::formats::{ContentError, Unread, extensions};
 use crate::images::ImageError;
 use crate::organize::MAX_RESIDUAL_PX;
 
@@ -51,7 +51,7 @@ pub enum Error {
     NoFrames,
     /// A file that breaks its format, such as [`PcdError`](crate::formats::pcd::PcdError).
     #[error("{0}")]
-    Content(Box<dyn std::error::Error + Send + Sync>),
+    Content(ContentError),
     /// Lists of a point cloud that do not belong together.
     #[error(
         "the point cloud says {}x{} points but has {points} points, {} colours and {} labels: the file is damaged, or its reader is wrong",

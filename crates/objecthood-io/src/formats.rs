@@ -1,4 +1,4 @@
-//! The list of formats. A format is a file beside `pcd.rs` and two lines here: its `mod` and its entry in `FORMATS`.
+//! The list of formats. A format is a file in `formats/` and two lines here: its `mod` and its entry in `FORMATS`.
 //!
 //! Formats are told apart by content, never by name. Endings only say which files are looked for in a folder.
 
@@ -20,6 +20,9 @@ use crate::given::Given;
 use crate::organize::organize;
 use crate::source::Source;
 
+/// What is wrong with the content of a file; each format has a type of its own.
+pub(crate) type ContentError = Box<dyn StdError + Send + Sync>;
+
 /// Every format of frames.
 const FORMATS: &[Format] = &[pcd::FORMAT, tum::FORMAT];
 
@@ -31,9 +34,6 @@ pub(crate) enum Format {
     Folder(FolderFormat),
 }
 
-/// What a format says of bytes that it cannot read.
-type FormatError = Box<dyn StdError + Send + Sync>;
-
 /// A file format of point clouds.
 pub(crate) struct CloudFormat {
     /// Endings of the files that are looked for in a folder, in lower case without the dot.
@@ -43,7 +43,7 @@ pub(crate) struct CloudFormat {
     pub(crate) is_mine: fn(head: &[u8]) -> bool,
     /// Reads the whole file. Touches nothing else, and takes memory only in proportion to the bytes that are there. The
     /// error says on one line what is wrong, where, and what to do.
-    pub(crate) parse: fn(bytes: &[u8]) -> Result<PointCloud, FormatError>,
+    pub(crate) parse: fn(bytes: &[u8]) -> Result<PointCloud, ContentError>,
 }
 
 /// A layout of folders.

@@ -214,7 +214,7 @@ mod tests {
     fn what_cannot_be_read_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let message = open_frame(folder.path()).unwrap_err().to_string();
-        assert!(message.ends_with("no point cloud (.pcd) in this folder or below"), "{message}");
+        assert!(message.contains("no point cloud (.pcd"), "{message}");
         let missing = folder.path().join("missing.pcd");
         assert!(open_frame(&missing).unwrap_err().to_string().contains("cannot be read"));
     }
