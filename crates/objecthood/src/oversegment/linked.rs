@@ -1,9 +1,9 @@
 //! Stage 1 of `context` after the structure: superpixels by watershed, with what merging them needs (docs/CONTEXT.md 1.2).
 
 use crate::error::{Error, Result};
-use crate::oversegment::structure::Structure;
 use crate::oversegment::linked_pairs::count_linked_pairs;
 use crate::oversegment::links::Links;
+use crate::oversegment::structure::Structure;
 use crate::oversegment::watershed::{find_seeds, flood};
 use crate::params;
 use crate::raster::Raster;
