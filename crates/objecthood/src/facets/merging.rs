@@ -5,7 +5,6 @@ use std::collections::BinaryHeap;
 
 use rayon::prelude::*;
 
-use crate::facets::Facets;
 use crate::oversegment::linked::LinkedSuperpixels;
 use crate::oversegment::structure::{Structure, StructureSurface};
 use crate::params;
@@ -26,6 +25,17 @@ const LEAST_SAY: f64 = 0.3;
 const QUADRATIC_TRIAL_PX: f64 = 12.0;
 /// Facets with fewer pixels get no quadratic.
 const QUADRATIC_PX: f64 = 40.0;
+
+/// Facets of `context`: surfaces of one model each. Those of the structure come first.
+#[derive(Clone, Debug)]
+pub struct Facets {
+    /// The label map.
+    pub segments: Segments,
+    /// The surface of every facet.
+    pub models: Vec<Model>,
+    /// How many of them are structure.
+    pub structure: usize,
+}
 
 /// A region that grows.
 struct Region {

@@ -9,25 +9,14 @@ pub mod grouping;
 pub mod merging;
 pub mod refinement;
 
+pub use crate::facets::merging::Facets;
+
 use crate::facets::merging::merge_surfaces;
 use crate::facets::refinement::refine;
 use crate::oversegment::linked::LinkedSuperpixels;
 use crate::oversegment::structure::Structure;
 use crate::params;
-use crate::regions::Segments;
-use crate::surface::model::Model;
 use crate::surface::surfaces::Surfaces;
-
-/// Facets of `context`: surfaces of one model each. Those of the structure come first.
-#[derive(Clone, Debug)]
-pub struct Facets {
-    /// The label map.
-    pub segments: Segments,
-    /// The surface of every facet.
-    pub models: Vec<Model>,
-    /// How many of them are structure.
-    pub structure: usize,
-}
 
 /// Stage 2 of `context`: merges superpixels that lie on one surface, and straightens the borders of what comes of it.
 /// As [`merge_surfaces`] and [`refine`].

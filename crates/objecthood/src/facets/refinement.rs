@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::facets::Facets;
+use crate::facets::merging::Facets;
 use crate::params;
 use crate::raster::{Raster, marked, part};
 use crate::regions::Segments;
