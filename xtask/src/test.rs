@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 
 use crate::house::House;
 use crate::tally::Tally;
-use crate::{aarch64, api, instructions, python};
+use crate::{aarch64, api, instructions, python, source};
 
 /// One thing that was checked.
 struct Step {
@@ -35,6 +35,7 @@ pub(crate) fn run_quick(house: &House) -> Result<bool> {
             succeeds(&mut house.cargo("clippy --workspace --all-targets --locked -- -D warnings"))
         })?,
     ];
+    steps.push(timed("order of the house", || Ok(is_tidy(house)))?);
     let arguments = "test --workspace --lib --bins --locked --no-fail-fast -- --show-output";
     steps.push(timed("unit tests", || read_tests(&mut house.cargo(arguments), &mut tally))?);
     let arguments = "test -p objecthood --locked --no-fail-fast --tests -- --show-output";
@@ -42,6 +43,15 @@ pub(crate) fn run_quick(house: &House) -> Result<bool> {
     summarize(&steps, &tally);
     println!("{LEFT_OUT}");
     Ok(steps.iter().all(|step| step.passed))
+}
+
+/// Whether imports, lengths and constants of the core are as they should be. A file that cannot be parsed is a failure of
+/// this step, not the end of the run.
+fn is_tidy(house: &House) -> bool {
+    source::check(&house.root).unwrap_or_else(|error| {
+        println!("{error:#}");
+        false
+    })
 }
 
 fn succeeds(command: &mut Command) -> Result<bool> {
@@ -65,6 +75,7 @@ pub(crate) fn run(house: &House) -> Result<bool> {
     quiet("lints", &mut cargo("clippy --workspace --all-targets --locked -- -D warnings"))?;
     let mut docs = cargo("doc --workspace --no-deps --locked");
     quiet("documentation", docs.env("RUSTDOCFLAGS", "-D warnings"))?;
+    steps.push(timed("order of the house", || Ok(is_tidy(house)))?);
     steps.push(timed("public API", || api::check(house))?);
 
     let python = python_for_tests(house, &mut tally);

@@ -9,9 +9,8 @@ use crate::clusters::scene::Scene;
 use crate::clusters::steps::StepLimits;
 use crate::discovery::Discovery;
 use crate::error::Result;
-use crate::facets::appearance::Appearance;
 use crate::facets::find_facets;
-use crate::facets::grouping::group_superpixels;
+use crate::facets::paper::group_alike;
 use crate::frame::Frame;
 use crate::objectness::conclusion::{conclude_context, conclude_paper};
 use crate::objectness::hypotheses::{Evidence, find_cluster_hypotheses, find_hypotheses};
@@ -22,12 +21,10 @@ use crate::oversegment::paper::segment_graph;
 use crate::oversegment::structure::find_structure;
 use crate::params::{Channels, Params};
 use crate::shapes::border::measure_borders;
-use crate::shapes::contact::find_contacts;
 use crate::shapes::contraction::{contract, sum_votes};
-use crate::shapes::convexity::{join_shapes, measure_convexities};
-use crate::shapes::descriptor::describe_regions;
-use crate::support::by_height::build_by_height;
+use crate::shapes::paper::join_convex;
 use crate::support::gravity::{camera_up, find_ground};
+use crate::support::paper::stack_by_height;
 use crate::support::standing::find_standing;
 use crate::surface::curvature::measure_curvature;
 use crate::surface::disparity::DisparitySpace;
@@ -56,30 +53,19 @@ pub(crate) fn paper<'k>(
 
     // 2. Facets: superpixels that look alike (eq. 3).
     let facets = recall(&mut kept.facets, || {
-        let appearance = Appearance::new(superpixels, frame.color(), normals, &params.appearance);
-        group_superpixels(superpixels, &appearance, frame.depth_m(), &params.grouping)
+        group_alike(frame, superpixels, normals, &params.appearance, &params.grouping)
     });
     observer.observe(Output::Facets(facets));
 
     // 3. Shapes: facets joined across convex edges (eq. 4 and 5).
-    let shapes = recall(&mut kept.shapes, || {
-        let described = describe_regions(facets, &superpixels.core, points_m, normals);
-        let convexities = measure_convexities(&find_contacts(facets, points_m, &params.contact), &described);
-        join_shapes(facets, &described, &convexities)
-    });
+    let shapes =
+        recall(&mut kept.shapes, || join_convex(superpixels, facets, points_m, normals, &params.contact));
     observer.observe(Output::Shapes(shapes.into()));
 
     // 4. Objectness: size, and support against gravity (eq. 6 to 8).
     let ground = recall(&mut kept.ground, || find_ground(points_m, &params.gravity));
     let support = recall(&mut kept.support, || {
-        let described = describe_regions(shapes, &superpixels.core, points_m, normals);
-        build_by_height(
-            shapes,
-            &described,
-            &find_contacts(shapes, points_m, &params.contact),
-            points_m,
-            &ground.up,
-        )
+        stack_by_height(superpixels, shapes, points_m, normals, &params.contact, &ground.up)
     });
     observer.observe(Output::Support { graph: support, regions: shapes });
     let hypotheses = recall(&mut kept.hypotheses, || {

@@ -7,6 +7,7 @@ pub mod appearance;
 mod bins;
 pub mod grouping;
 pub mod merging;
+pub mod paper;
 pub mod refinement;
 
 pub use crate::facets::merging::Facets;

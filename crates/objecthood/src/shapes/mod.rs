@@ -8,3 +8,4 @@ pub mod contact;
 pub mod contraction;
 pub mod convexity;
 pub mod descriptor;
+pub mod paper;

@@ -10,6 +10,7 @@ mod feet;
 pub mod forest;
 pub mod gravity;
 mod meeting;
+pub mod paper;
 mod pixel_block;
 mod plan;
 pub mod scene;

@@ -1,0 +1,57 @@
+//! Parameters that are a choice between names.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// A choice between names that are the same in a file, on the command line and in the table.
+macro_rules! choice {
+    ($(#[$doc:meta])* $Name:ident { $($(#[$variant_doc:meta])* $Variant:ident = $word:literal),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+        pub enum $Name {
+            $($(#[$variant_doc])* #[serde(rename = $word)] $Variant),+
+        }
+
+        impl fmt::Display for $Name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(match self { $(Self::$Variant => $word),+ })
+            }
+        }
+    };
+}
+
+choice! {
+    /// A way of doing the four stages.
+    Method {
+        /// Surfaces fitted in disparity, and what their borders and surroundings tell.
+        #[default]
+        Context = "context",
+        /// The published method, equation by equation.
+        Paper = "paper",
+    }
+}
+
+choice! {
+    /// What the weight of an edge between two pixels is made of (the paper's comparison).
+    Channels {
+        /// Colour difference only.
+        Color = "color",
+        /// Disparity difference only.
+        Depth = "depth",
+        /// Both, as in eq. 1.
+        #[default]
+        Both = "both",
+    }
+}
+
+choice! {
+    /// Where the direction "up" comes from.
+    UpFrom {
+        /// The normal of the dominant plane.
+        #[default]
+        Plane = "plane",
+        /// The camera's own up, by its tilt and roll; held horizontally against its y axis.
+        Camera = "camera",
+    }
+}

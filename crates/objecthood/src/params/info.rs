@@ -1,0 +1,81 @@
+//! What the table of parameters says of each of them.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::params::allowed::{Allowed, OR, TO};
+use crate::params::choices::Method;
+use crate::stage::Stage;
+
+/// One line of the table of parameters.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ParameterInfo {
+    /// `group.name`, as in a configuration file and in `--set`.
+    pub name: String,
+    /// The default value.
+    pub default: String,
+    /// The values allowed.
+    pub range: String,
+    /// The unit, or "dimensionless: meaning".
+    pub unit: &'static str,
+    /// What it does.
+    pub meaning: String,
+    /// Where the default comes from.
+    pub source: &'static str,
+    /// The methods that read it.
+    pub readers: &'static [Reader],
+}
+
+/// A method that reads a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Reader {
+    /// The method.
+    pub method: Method,
+    /// Its first stage that reads the parameter: no earlier stage depends on the value.
+    pub first_stage: Stage,
+}
+
+impl ParameterInfo {
+    /// The methods that read it.
+    pub fn methods(&self) -> impl Iterator<Item = Method> {
+        self.readers.iter().map(|reader| reader.method)
+    }
+
+    /// The first stage of a method that reads it; `None` when the method does not.
+    pub fn first_stage(&self, method: Method) -> Option<Stage> {
+        self.readers.iter().find(|reader| reader.method == method).map(|reader| reader.first_stage)
+    }
+
+    /// The least and the greatest value allowed of a number; `None` of a choice.
+    pub fn limits(&self) -> Option<(f64, f64)> {
+        let (least, greatest) = self.range.split_once(TO)?;
+        Some((least.parse().ok()?, greatest.parse().ok()?))
+    }
+
+    /// The values allowed of a choice; none of a number.
+    pub fn choices(&self) -> Vec<&str> {
+        if self.limits().is_some() { Vec::new() } else { self.range.split(OR).collect() }
+    }
+}
+
+/// The line of a parameter in the table.
+pub(super) fn describe<T: fmt::Display>(
+    name: &str,
+    default: &T,
+    allowed: &impl Allowed<T>,
+    unit: &'static str,
+    meaning: &[&str],
+    source: &'static str,
+    readers: &'static [Reader],
+) -> ParameterInfo {
+    ParameterInfo {
+        name: name.to_owned(),
+        default: default.to_string(),
+        range: allowed.in_words(),
+        unit,
+        meaning: meaning.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" "),
+        source,
+        readers,
+    }
+}
