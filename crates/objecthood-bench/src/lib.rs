@@ -9,5 +9,6 @@ pub mod growth;
 pub mod laps;
 pub mod normals;
 pub mod peer;
+pub mod recomputed;
 pub mod scenes;
 pub mod times;

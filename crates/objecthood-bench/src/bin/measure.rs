@@ -10,7 +10,8 @@ use clap::Parser;
 use objecthood_bench::figure::Figure;
 use objecthood_bench::graph::color_alone;
 use objecthood_bench::peer::Peer;
-use objecthood_bench::times::{Bench, METHODS, alone, open};
+use objecthood_bench::recomputed::recomputed;
+use objecthood_bench::times::{Bench, METHODS, Named, alone, open};
 use objecthood_bench::{growth, scenes};
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
 
@@ -32,6 +33,8 @@ enum Task {
     Alone { files: Vec<PathBuf> },
     /// Memory after 100 and after COUNT frames, for each method.
     Growth { count: usize, files: Vec<PathBuf> },
+    /// What a change of each parameter computes again, as a share of a whole frame, for each method.
+    Recomputed { files: Vec<PathBuf> },
     /// Writes synthetic scenes of growing size and growing number of things to a folder.
     Scenes { folder: PathBuf },
 }
@@ -67,6 +70,15 @@ fn main() -> Result<()> {
                 for (when, value) in [("warm", warm), ("end", end)] {
                     let series = format!("{name}/resident {when}/mb");
                     println!("{}", Figure { frame: "all".into(), series, value });
+                }
+            }
+        }
+        Task::Recomputed { files } => {
+            for file in files {
+                let Named { name, frame } = open(&file)?;
+                for (_, method) in METHODS {
+                    let figures = recomputed(&name, &frame, method)?;
+                    figures.iter().for_each(|figure| println!("{figure}"));
                 }
             }
         }
