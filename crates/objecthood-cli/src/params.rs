@@ -64,7 +64,7 @@ fn as_table(rows: &[Row]) -> String {
     let mut text = String::new();
     let width = rows.iter().map(|row| row.info.name.len()).max().unwrap_or(0);
     for row in rows {
-        let ParameterInfo { name, default, range, unit, meaning, source, readers } = &row.info;
+        let ParameterInfo { name, default, range, unit, meaning, source, readers, .. } = &row.info;
         let value = plain(&row.value);
         let _ = write!(text, "{name:width$}  {value:>8}  {range} [{unit}]");
         if row.is_changed() {
@@ -79,7 +79,7 @@ fn as_toml(params: &Params, rows: &[Row]) -> String {
     let mut text = format!("method = \"{}\"\n", params.method);
     let mut group = "";
     for Row { info, value } in rows {
-        let ParameterInfo { name, default, range, unit, meaning, source, readers } = info;
+        let ParameterInfo { name, default, range, unit, meaning, source, readers, .. } = info;
         let (its_group, name) = name.split_once('.').unwrap_or(("", name));
         if its_group != group {
             group = its_group;

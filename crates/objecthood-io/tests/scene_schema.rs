@@ -23,46 +23,36 @@ fn frame() -> Frame {
 
 fn discovery() -> Discovery {
     let node = |kind, p_o| SupportNode { kind, p_s: 0.5, p_o, height_m: -0.25, size_px: 6 };
-    Discovery {
-        labels: Raster::from_vec(4, 3, vec![0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 0]).unwrap(),
-        objects: vec![Object {
-            id: ObjectId(1),
-            objectness: 0.9,
-            parts: ObjectnessParts {
-                size: 1.0,
-                support: 0.9,
-                compactness: 0.8,
-                separation: 1.0,
-                visibility: 0.7,
-            },
-            top_m: Some(0.1),
-            size_px: 4,
-            box_px: PixelBox { u: 1, v: 0, width: 2, height: 2 },
-            centroid_m: [0.1, -0.2, 1.0],
-            box_m: OrientedBox {
-                center_m: [0.1, -0.2, 1.05],
-                rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
-                extents_m: [0.1, 0.2, 0.3],
-            },
-            facets: 2,
-            node: NodeId(1),
-            parents: vec![NodeId(0)],
-            joins: vec![],
+    let box_m = OrientedBox {
+        center_m: [0.1, -0.2, 1.05],
+        rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
+        extents_m: [0.1, 0.2, 0.3],
+    };
+    let mut object = Object::new(ObjectId(1), PixelBox { u: 1, v: 0, width: 2, height: 2 }, box_m);
+    object.objectness = 0.9;
+    object.parts =
+        ObjectnessParts { size: 1.0, support: 0.9, compactness: 0.8, separation: 1.0, visibility: 0.7 };
+    object.top_m = Some(0.1);
+    object.centroid_m = [0.1, -0.2, 1.0];
+    object.facets = 2;
+    object.node = NodeId(1);
+    object.parents = vec![NodeId(0)];
+    let labels = Raster::from_vec(4, 3, vec![0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 0]).unwrap();
+    let mut discovery = Discovery::new(vec![object], labels);
+    discovery.up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Plane };
+    discovery.structure_planes =
+        vec![StructurePlane { normal: [0.0, -1.0, 0.0], offset_m: 0.5, inlier_share: 0.7 }];
+    discovery.support = SupportGraph {
+        nodes: vec![node(NodeKind::Surface, 0.0), node(NodeKind::Object { object: ObjectId(1) }, 0.9)],
+        edges: vec![SupportEdge {
+            kind: SupportKind::In,
+            confidence: 0.5,
+            hidden: true,
+            ..SupportEdge::seen(NodeId(0), NodeId(1), 12)
         }],
-        up: Up { direction: [0.0, -1.0, 0.0], source: UpSource::Plane },
-        structure: Raster::filled(4, 3, 0).unwrap(),
-        structure_planes: vec![StructurePlane { normal: [0.0, -1.0, 0.0], offset_m: 0.5, inlier_share: 0.7 }],
-        support: SupportGraph {
-            nodes: vec![node(NodeKind::Surface, 0.0), node(NodeKind::Object { object: ObjectId(1) }, 0.9)],
-            edges: vec![SupportEdge {
-                kind: SupportKind::In,
-                confidence: 0.5,
-                hidden: true,
-                ..SupportEdge::seen(NodeId(0), NodeId(1), 12)
-            }],
-        },
-        notices: vec![Notice::NoColor],
-    }
+    };
+    discovery.notices = vec![Notice::NoColor];
+    discovery
 }
 
 fn capture() -> Capture {

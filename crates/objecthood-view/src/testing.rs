@@ -22,44 +22,19 @@ pub(crate) fn frame(depth_m: Raster<f32>, color: Option<Raster<[u8; 3]>>) -> Fra
 /// One object per label above 0; object k has objectness 1 / k.
 pub(crate) fn discovery(labels: Raster<u16>) -> Discovery {
     let objects = labels.as_slice().iter().copied().max().unwrap_or(0);
-    let up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera };
-    let objects = (1..=objects).map(object).collect();
-    Discovery {
-        structure: labels.map(|_| 0),
-        labels,
-        objects,
-        up,
-        structure_planes: vec![],
-        support: SupportGraph::default(),
-        notices: vec![],
-    }
+    Discovery::new((1..=objects).map(object).collect(), labels)
 }
 
 fn object(id: u16) -> Object {
-    Object {
-        id: ObjectId(id),
-        objectness: 1.0 / f32::from(id),
-        parts: ObjectnessParts {
-            size: 1.0,
-            support: 1.0,
-            compactness: 1.0,
-            separation: 1.0,
-            visibility: 1.0,
-        },
-        top_m: None,
-        size_px: 1,
-        box_px: PixelBox { u: 0, v: 0, width: 1, height: 1 },
-        centroid_m: [0.0; 3],
-        box_m: OrientedBox { center_m: [0.0; 3], rotation_xyzw: [0.0, 0.0, 0.0, 1.0], extents_m: [0.1; 3] },
-        facets: 1,
-        node: NodeId(0),
-        parents: vec![],
-        joins: vec![],
-    }
+    let box_px = PixelBox { u: 0, v: 0, width: 1, height: 1 };
+    let box_m = OrientedBox { center_m: [0.0; 3], rotation_xyzw: [0.0, 0.0, 0.0, 1.0], extents_m: [0.1; 3] };
+    let mut object = Object::new(ObjectId(id), box_px, box_m);
+    object.objectness = 1.0 / f32::from(id);
+    object
 }
 
-/// So many nodes, of which those in `objects` are objects 1, 2, .. from right to left in the image, and the edges
-/// (lower, upper, contacts).
+/// A support graph of `nodes` nodes and the edges (lower, upper, contacts). The nodes in `objects` are objects 1, 2, .. from right
+/// to left in the image.
 pub(crate) fn standing(nodes: u32, objects: &[u32], edges: &[(u32, u32, u32)]) -> Discovery {
     let mut discovery = discovery(raster(1, 1, |_| objects.len() as u16));
     let node = |n: u32| SupportNode {

@@ -17,8 +17,9 @@
 //! # Ok::<(), objecthood::Error>(())
 //! ```
 //!
-//! [`discover`] is the one call most users need. Every stage is a public function that can be called
-//! alone, but for the fourth of `context`, whose rules change one set of clusters in turn; the order in which they are called is the file `method.rs`, one screen a method:
+//! [`discover`] is the one call most users need. Every stage is a public function that can be called alone, or replaced: see the
+//! examples of the rooms below and `examples/02_own_superpixels.rs`. A [`Pipeline`] keeps the outputs of the stages and runs only
+//! those again that a change of parameters reaches. The file `method.rs` shows the order of the stages, one screen a method:
 //!
 //! | room | what happens | paper |
 //! |---|---|---|

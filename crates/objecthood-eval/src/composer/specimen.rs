@@ -77,7 +77,7 @@ pub(super) fn specimens(
         .filter_map(|object| {
             let point = |&(_, i): &(u32, usize)| {
                 let at = position(i, disparity.width());
-                table.ground.ground_point(space.point_m(at, f64::from(disparity[i])))
+                table.ground.ground_point(space.point_m(at, f64::from(disparity[i])).into())
             };
             let color = |&(_, i): &(u32, usize)| scene.frame.color().map_or([128; 3], |color| color[i]);
             Specimen::new(object.iter().map(point).collect(), object.iter().map(color).collect(), vessels)

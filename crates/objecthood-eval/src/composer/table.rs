@@ -80,7 +80,7 @@ impl Table {
         let [plane, bent] = [Basis::Plane, Basis::Quadratic].map(|basis| moments.fit(basis).model);
         let at = moments.center;
         let up = space.normal(at, plane.value(at), plane.slope(at));
-        let ground = Ground::new(up, space.distance_m(at, plane.value(at), plane.slope(at)));
+        let ground = Ground::new(up.into(), space.distance_m(at, plane.value(at), plane.slope(at)));
         let seen =
             pixels.iter().filter_map(|&i| on_ground(position(i as usize, width), &plane, &ground, space));
         let outline = Polygon::hull(seen.collect())?;
@@ -138,7 +138,7 @@ impl Table {
 /// Where the ray of a pixel meets the plane, on the ground (m); `None` beyond the horizon.
 fn on_ground(at: [f64; 2], plane: &Model, ground: &Ground, space: &DisparitySpace) -> Option<DVec2> {
     let disparity = plane.value(at);
-    (disparity > 0.0).then(|| ground.ground_point(space.point_m(at, disparity)).truncate())
+    (disparity > 0.0).then(|| ground.ground_point(space.point_m(at, disparity).into()).truncate())
 }
 
 /// Column and row of a pixel.

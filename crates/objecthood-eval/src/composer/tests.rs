@@ -106,7 +106,7 @@ fn assert_sound(composer: &Composer, seed: u64) {
             let point =
                 space.point_m(table::position(i, width), 1.0 / (z * composer.sensor.disparity_quantum_per_m));
             let object = &placed[instance - 2];
-            let own = object.own_point(table.ground.ground_point(point)).as_vec3();
+            let own = object.own_point(table.ground.ground_point(point.into())).as_vec3();
             let nearest =
                 object.specimen.points_m.iter().map(|p| p.distance(own)).fold(f32::INFINITY, f32::min);
             // Half a step of disparity, half a pixel to either side, and one more where a crack was closed.

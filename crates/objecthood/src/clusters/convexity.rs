@@ -38,7 +38,7 @@ fn oriented_samples(scene: &Scene<'_>, pixels: &[u32]) -> Vec<(DVec3, DVec3)> {
     let sampled = pixels.iter().map(|&i| i as usize).skip(step / 2).step_by(step);
     let oriented = |i: usize| {
         let at = position(i, scene.disparity.width());
-        let point = scene.space.point_m(at, f64::from(scene.disparity[i]));
+        let point = DVec3::from(scene.space.point_m(at, f64::from(scene.disparity[i])));
         (point, Vec3::from(scene.normals[i]).as_dvec3())
     };
     sampled.filter(|&i| scene.normals[i] != [0.0; 3]).map(oriented).collect()

@@ -21,6 +21,7 @@ use crate::raster::Raster;
 
 /// Everything found in one frame.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Discovery {
     /// The object of every pixel: 0 = none, else the number of an [`ObjectId`].
     pub labels: Raster<u16>,
@@ -36,6 +37,22 @@ pub struct Discovery {
     pub support: SupportGraph,
     /// What the user should know about how this came about.
     pub notices: Vec<Notice>,
+}
+
+impl Discovery {
+    /// A discovery with these objects and nothing else: no structure, no support, up as the camera is held. For tests of programs
+    /// that read discoveries; the fields can be changed.
+    pub fn new(objects: Vec<Object>, labels: Raster<u16>) -> Self {
+        Self {
+            objects,
+            structure: labels.map(|_| 0),
+            labels,
+            up: Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera },
+            structure_planes: Vec::new(),
+            support: SupportGraph::default(),
+            notices: Vec::new(),
+        }
+    }
 }
 
 /// Something the user should know although the frame was done.

@@ -7,6 +7,7 @@ use crate::raster::PixelBox;
 
 /// One thing that can be grasped and moved.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Object {
     /// Its number in the label image.
     pub id: ObjectId,
@@ -32,6 +33,33 @@ pub struct Object {
     pub node: NodeId,
     /// The nodes that it stands on, lies in or leans against.
     pub parents: Vec<NodeId>,
+}
+
+impl Object {
+    /// An object of which only number, pixels and box are known: sure to be one, with no support and no joins. For tests of
+    /// programs that read discoveries; the fields can be changed.
+    pub fn new(id: ObjectId, box_px: PixelBox, box_m: OrientedBox) -> Self {
+        Self {
+            id,
+            objectness: 1.0,
+            parts: ObjectnessParts {
+                size: 1.0,
+                support: 1.0,
+                compactness: 1.0,
+                separation: 1.0,
+                visibility: 1.0,
+            },
+            top_m: None,
+            size_px: box_px.width * box_px.height,
+            box_px,
+            centroid_m: box_m.center_m,
+            box_m,
+            facets: 1,
+            node: NodeId(0),
+            parents: Vec::new(),
+            joins: Vec::new(),
+        }
+    }
 }
 
 /// A box with any orientation, in the camera frame.

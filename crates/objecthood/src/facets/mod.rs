@@ -2,6 +2,30 @@
 //!
 //! `paper` groups what looks alike ([`appearance`], [`grouping`]); `context` merges what lies on one surface
 //! ([`merging`]) and straightens the borders ([`refinement`]).
+//!
+//! On a box of 10 cm, seen from above:
+//!
+//! ```
+//! # use objecthood::surface::surfaces::find_surfaces;
+//! # use objecthood::oversegment::structure::find_structure;
+//! # use objecthood::support::gravity::camera_up;
+//! # use objecthood::oversegment::linked::flood_superpixels;
+//! use objecthood::facets::find_facets;
+//!
+//! # use objecthood::{Camera, Frame, Params, Raster};
+//! # let seen_m = |i: usize| if (60..100).contains(&(i % 160)) && (40..80).contains(&(i / 160)) { 0.9 } else { 1.0 };
+//! # let depth_m = Raster::from_vec(160, 120, (0..160 * 120).map(seen_m).collect())?;
+//! # let frame = Frame::new(depth_m, None, Camera::new(131.0, 131.0, 79.5, 59.5)?)?;
+//! let params = Params::default();
+//! # let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
+//! # let structure = find_structure(frame.depth_m(), &surfaces, camera_up(&params.gravity), &params.structure);
+//! # let superpixels = flood_superpixels(&surfaces, &structure, &params.watershed);
+//! let facets = find_facets(&surfaces, &structure, &superpixels, &params.merging, &params.refinement);
+//! assert_eq!(facets.structure, 1); // facet 0 is the table
+//! let of_box = facets.segments.at(60 * 160 + 80);
+//! assert_eq!(of_box, facets.segments.at(50 * 160 + 70)); // its top is one facet
+//! # Ok::<(), objecthood::Error>(())
+//! ```
 
 pub mod appearance;
 mod bins;

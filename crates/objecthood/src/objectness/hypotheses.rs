@@ -20,6 +20,7 @@ use crate::surface::disparity::DisparitySpace;
 
 /// A region that may be an object, with its objectness.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Hypothesis {
     /// The region.
     pub region: SegmentId,

@@ -2,6 +2,27 @@
 //!
 //! `paper`: on colour, depth and curvature (III-A): [`smoothing`], [`graph`], [`felzenszwalb`], [`absorb`].
 //! `context`: large planes are taken out ([`structure`]); a watershed of the fit residual ([`watershed`]) grows superpixels over [`links`].
+//!
+//! On a box of 10 cm, seen from above:
+//!
+//! ```
+//! # use objecthood::surface::surfaces::find_surfaces;
+//! # use objecthood::support::gravity::camera_up;
+//! use objecthood::oversegment::linked::flood_superpixels;
+//! use objecthood::oversegment::structure::find_structure;
+//!
+//! # use objecthood::{Camera, Frame, Params, Raster};
+//! # let seen_m = |i: usize| if (60..100).contains(&(i % 160)) && (40..80).contains(&(i / 160)) { 0.9 } else { 1.0 };
+//! # let depth_m = Raster::from_vec(160, 120, (0..160 * 120).map(seen_m).collect())?;
+//! # let frame = Frame::new(depth_m, None, Camera::new(131.0, 131.0, 79.5, 59.5)?)?;
+//! let params = Params::default();
+//! # let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
+//! let structure = find_structure(frame.depth_m(), &surfaces, camera_up(&params.gravity), &params.structure);
+//! assert_eq!(structure.planes.len(), 1); // the table
+//! let superpixels = flood_superpixels(&surfaces, &structure, &params.watershed);
+//! assert!(superpixels.segments.count() > 10);
+//! # Ok::<(), objecthood::Error>(())
+//! ```
 
 pub mod absorb;
 mod edges;

@@ -10,6 +10,7 @@ use crate::stage::Stage;
 
 /// One line of the table of parameters.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct ParameterInfo {
     /// `group.name`, as in a configuration file and in `--set`.
     pub name: String,
@@ -29,6 +30,7 @@ pub struct ParameterInfo {
 
 /// A method that reads a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Reader {
     /// The method.
     pub method: Method,

@@ -196,7 +196,10 @@ impl Borders<'_> {
         let space = self.surroundings.space;
         let [a, b] = sides.each_ref().map(|side| {
             let at = [middle[0] + side.mean[0], middle[1] + side.mean[1]];
-            (space.point_m(at, side.mean_disparity), space.normal(middle, side.value, side.slope))
+            (
+                space.point_m(at, side.mean_disparity).into(),
+                space.normal(middle, side.value, side.slope).into(),
+            )
         });
         fold_angle_deg(a, b)
     }

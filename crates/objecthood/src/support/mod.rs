@@ -1,6 +1,43 @@
 //! Support: the direction up, and what stands on what (paper, III-D, eq. 6 to 8).
 //!
 //! `paper`: [`by_height`]. `context`: the [`forest`], from bodies seen against gravity, their feet and their meetings.
+//!
+//! On a box of 10 cm, seen from above:
+//!
+//! ```
+//! # use objecthood::surface::surfaces::find_surfaces;
+//! # use objecthood::oversegment::structure::find_structure;
+//! # use objecthood::support::gravity::camera_up;
+//! # use objecthood::oversegment::linked::flood_superpixels;
+//! # use objecthood::facets::find_facets;
+//! # use objecthood::shapes::border::measure_borders;
+//! # use objecthood::shapes::contraction::{contract, sum_votes};
+//! # use objecthood::clusters::fill::fill_facets;
+//! # use objecthood::clusters::rules::{Rules, find_clusters};
+//! # use objecthood::clusters::scene::Scene;
+//! # use objecthood::clusters::steps::StepLimits;
+//! use objecthood::support::standing::find_standing;
+//!
+//! # use objecthood::{Camera, Frame, Params, Raster};
+//! # let seen_m = |i: usize| if (60..100).contains(&(i % 160)) && (40..80).contains(&(i / 160)) { 0.9 } else { 1.0 };
+//! # let depth_m = Raster::from_vec(160, 120, (0..160 * 120).map(seen_m).collect())?;
+//! # let frame = Frame::new(depth_m, None, Camera::new(131.0, 131.0, 79.5, 59.5)?)?;
+//! let params = Params::default();
+//! # let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
+//! # let structure = find_structure(frame.depth_m(), &surfaces, camera_up(&params.gravity), &params.structure);
+//! # let superpixels = flood_superpixels(&surfaces, &structure, &params.watershed);
+//! # let facets = find_facets(&surfaces, &structure, &superpixels, &params.merging, &params.refinement);
+//! # let borders = measure_borders(&facets, &surfaces.disparity, &surfaces.space, &params.border);
+//! # let shapes = contract(&sum_votes(&borders, facets.structure, &params.contraction));
+//! # let steps = StepLimits::of(&params.watershed);
+//! # let filled = fill_facets(&facets, &surfaces.disparity, steps);
+//! # let points_m = frame.points_m();
+//! # let scene = Scene::new(&frame, &surfaces, &structure, &filled, &points_m, steps);
+//! # let clusters = find_clusters(&scene, &shapes, Rules::of(&params));
+//! let standing = find_standing(&frame, &scene, &clusters, &structure.planes, &params);
+//! assert_eq!(standing.graph().edges.len(), 1); // the table carries the box
+//! # Ok::<(), objecthood::Error>(())
+//! ```
 
 mod acyclic;
 mod body;

@@ -70,14 +70,14 @@ impl DisparitySpace {
 
     /// The point (m) at pixel (u, v) with this disparity (quanta).
     #[inline]
-    pub fn point_m(&self, [u, v]: [f64; 2], disparity: f64) -> DVec3 {
-        DVec3::from(self.camera.ray(u, v)) * self.depth_m(disparity)
+    pub fn point_m(&self, [u, v]: [f64; 2], disparity: f64) -> [f64; 3] {
+        self.camera.ray(u, v).map(|part| part * self.depth_m(disparity))
     }
 
     /// Unit normal, towards the camera, of the plane with this value (quanta) and slope (quanta/px) at pixel (u, v).
     #[inline]
-    pub fn normal(&self, at: [f64; 2], value: f64, slope: [f64; 2]) -> DVec3 {
-        -self.across(at, value, slope).normalize()
+    pub fn normal(&self, at: [f64; 2], value: f64, slope: [f64; 2]) -> [f64; 3] {
+        (-self.across(at, value, slope).normalize()).to_array()
     }
 
     /// Distance (m) of the camera from that plane.
@@ -176,12 +176,12 @@ mod tests {
             let space = space(focal_px, center_px);
             // Nowhere in the image below 60 quanta: before the camera.
             let value = 700.0;
-            let normal = space.normal(at, value, slope);
+            let normal = DVec3::from(space.normal(at, value, slope));
             let distance_m = space.distance_m(at, value, slope);
             prop_assert!((normal.length() - 1.0).abs() < 1e-12);
             for pixel in pixels {
                 let d = value + slope[0] * (pixel[0] - at[0]) + slope[1] * (pixel[1] - at[1]);
-                let point = space.point_m(pixel, d);
+                let point = DVec3::from(space.point_m(pixel, d));
                 prop_assert!((normal.dot(point) + distance_m).abs() < 1e-9, "{point} {normal} {distance_m}");
                 prop_assert!(normal.dot(point) < 0.0, "the normal points to the camera");
                 let (u, v) = space.camera().project(point.as_vec3().to_array());
@@ -209,7 +209,7 @@ mod tests {
                 prop_assert!((d[i] - (d[0] + slope[0] * u + slope[1] * v)).abs() < 1e-3);
                 prop_assert!((space.depth_m(d[i]) - f64::from(depth_m[i])).abs() < 1e-6);
             }
-            prop_assert!(space.normal([0.0; 2], d[0], slope).dot(normal) > 0.9999);
+            prop_assert!(DVec3::from(space.normal([0.0; 2], d[0], slope)).dot(normal) > 0.9999);
             prop_assert!((space.distance_m([0.0; 2], d[0], slope) / distance_m - 1.0).abs() < 1e-2);
         }
     }

@@ -6,6 +6,26 @@
 //! `context`: in [`disparity`] the noise is constant and planes are affine, so a plane is fitted around every pixel
 //! ([`plane_fit`]) and the best of the windows that contain it speaks for it ([`window_choice`]). Larger surfaces are
 //! fitted from their [`moments`].
+//!
+//! On a box of 10 cm, seen from above:
+//!
+//! ```
+//! use objecthood::surface::curvature::measure_curvature;
+//! use objecthood::surface::normals::measure_normals;
+//! use objecthood::surface::surfaces::find_surfaces;
+//!
+//! # use objecthood::{Camera, Frame, Params, Raster};
+//! # let seen_m = |i: usize| if (60..100).contains(&(i % 160)) && (40..80).contains(&(i / 160)) { 0.9 } else { 1.0 };
+//! # let depth_m = Raster::from_vec(160, 120, (0..160 * 120).map(seen_m).collect())?;
+//! # let frame = Frame::new(depth_m, None, Camera::new(131.0, 131.0, 79.5, 59.5)?)?;
+//! let params = Params::default();
+//! let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
+//! assert_eq!(surfaces.orientation.normal[0], [0.0, 0.0, -1.0]); // towards the camera
+//!
+//! let normals = measure_normals(&frame.points_m(), &params.normals); // of `paper`
+//! assert!(measure_curvature(&normals, &params.curvature)[60 * 160 + 80] < params.curvature.threshold);
+//! # Ok::<(), objecthood::Error>(())
+//! ```
 
 pub mod curvature;
 pub mod depth_change;

@@ -111,7 +111,7 @@ impl Choice<'_> {
 #[inline(always)]
 fn orient(space: &DisparitySpace, [u, v]: [usize; 2], fit: &PlaneFit) -> ([f32; 2], [f32; 3]) {
     let normal = space.normal([u as f64, v as f64], f64::from(fit.value), fit.slope.map(f64::from));
-    (fit.slope, normal.as_vec3().to_array())
+    (fit.slope, normal.map(|part| part as f32))
 }
 
 /// Pixels of a row whose windows are compared side by side.
@@ -232,7 +232,7 @@ mod tests {
                     Some(j) => {
                         let PlaneFit { value, slope, .. } = fits[j];
                         let normal = space.normal(position(j, width), value.into(), slope.map(f64::from));
-                        (slope, normal.as_vec3().to_array())
+                        (slope, normal.map(|part| part as f32))
                     }
                 };
                 prop_assert_eq!((got.slope[i], got.normal[i]), expected, "{}", i);

@@ -69,7 +69,7 @@ impl Along {
 
     /// Normal of a plane, in the middle.
     pub(super) fn normal(&self, plane: &Surface<3>, space: &DisparitySpace) -> DVec3 {
-        space.normal(self.middle, self.origin + plane.weights[0], self.slope(plane))
+        space.normal(self.middle, self.origin + plane.weights[0], self.slope(plane)).into()
     }
 }
 

@@ -56,7 +56,7 @@ impl Piece {
         let colors = scene.color.map(|color| histogram(&pixels, |i| color[i])).unwrap_or_default();
         // A bent surface may reach beyond what can be seen.
         let disparity = scene.facets.models[facet.index()].value(centroid).max(1.0);
-        let middle_m = scene.space.point_m(centroid, disparity);
+        let middle_m = DVec3::from(scene.space.point_m(centroid, disparity));
         Self { facet, cluster, pixels, centroid, middle_m, samples, spread, colors }
     }
 

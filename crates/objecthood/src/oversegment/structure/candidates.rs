@@ -67,7 +67,7 @@ impl View<'_> {
                 break;
             }
             let Some([a, b, c]) = find_best_plane(&pool, &mut random, self.space) else { break };
-            let normal = self.space.normal([0.0; 2], c, [a, b]);
+            let normal = DVec3::from(self.space.normal([0.0; 2], c, [a, b]));
             let Some(model) = self.refit(&pool, [a, b, c], normal) else { continue };
             let offset_m = self.space.distance_m([0.0; 2], c, [a, b]);
             let is_inlier = |s: &mut Sample| (s.disparity - model.value(s.at)).abs() < INLIER_QUANTA;

@@ -14,12 +14,17 @@ pub struct StructureSurface {
     /// Its disparity. It is quadratic, because the sensor's own distortion bends a table by more than its noise.
     pub model: Model,
     /// Unit normal of the plane it started from, towards the camera.
-    pub normal: DVec3,
+    pub(crate) normal: DVec3,
     /// Distance of the camera from that plane (m).
     pub offset_m: f64,
 }
 
 impl StructureSurface {
+    /// Unit normal of the plane it started from, towards the camera.
+    pub fn normal(&self) -> [f64; 3] {
+        self.normal.to_array()
+    }
+
     /// Height (m) of a pixel with this disparity (quanta) above the surface, along its normal.
     pub fn height_m(&self, at: [f64; 2], disparity: f64, space: &DisparitySpace) -> f64 {
         let below = self.model.value(at);
