@@ -10,6 +10,9 @@ pub(crate) const DIRECTIONS: usize = 16;
 /// Sine of the angle (6 degrees) between the line of sight and gravity, or a face, below which directions mean nothing.
 pub(crate) const FORESHORTENED: f64 = 0.1;
 
+/// Sine of 22.5 degrees: a direction with a larger component along an axis of the image is nearer to a step along that axis than to none.
+const OFF_AXIS: f64 = 0.38;
+
 /// Takes points to heights and to places in the plan view.
 pub(crate) struct Plan {
     /// Against gravity.
@@ -54,7 +57,6 @@ impl Plan {
         let [x, y, z] = point_m.map(f64::from);
         let down = DVec2::new(-self.up.x + x / z * self.up.z, -self.up.y + y / z * self.up.z);
         let down = (down.length() > FORESHORTENED).then(|| down.normalize())?;
-        // sin 22.5 degrees: nearer to an axis than to a diagonal.
-        Some(down.to_array().map(|along| if along.abs() > 0.38 { along.signum() as i64 } else { 0 }))
+        Some(down.to_array().map(|along| if along.abs() > OFF_AXIS { along.signum() as i64 } else { 0 }))
     }
 }

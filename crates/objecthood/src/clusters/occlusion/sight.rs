@@ -24,6 +24,8 @@ pub(super) const HIDDEN_SHARE: f64 = 0.5;
 pub(super) const HOPELESS: f64 = 2.0;
 /// Pixels of a line that are looked at together.
 const STRETCH_PX: usize = 64;
+/// Where the random numbers of the lines begin: fixed, so the same frame gives the same lines.
+const SEED: u32 = 777;
 
 /// What lies in the gap between two pieces, as shares of its measured pixels.
 #[derive(Debug, PartialEq)]
@@ -117,7 +119,7 @@ impl<'a> Tally<'a> {
 
 /// Lines from random pixels of one piece to random pixels of the other.
 fn draw_lines(pieces: [&Piece; 2], width: usize) -> [Line; LINES] {
-    let mut random = Lcg::new(777);
+    let mut random = Lcg::new(SEED);
     [(); LINES].map(|()| {
         let ends = pieces.map(|piece| piece.pixels[random.below(piece.pixels.len())] as usize);
         Line::between(ends.map(|i| [i % width, i / width].map(|x| x as i64)))

@@ -26,6 +26,8 @@ const REFIT_QUANTA: [f64; 3] = [3.5, 3.0, 3.0];
 const LEAST_REFIT: usize = 50;
 /// Samples nearer than this to a surface (quanta) are taken out with it.
 const INLIER_QUANTA: f64 = 3.0;
+/// Where the random numbers of the trial planes begin: fixed, so the same frame gives the same planes.
+const SEED: u32 = 12345;
 
 /// A surface that may be structure, and the samples near it.
 pub(super) struct Candidate {
@@ -60,7 +62,7 @@ impl View<'_> {
 
     /// Finds up to eight surfaces, the one near most samples first. Each takes the samples near it out of the pool.
     pub(super) fn find_candidates(&self, mut pool: Vec<Sample>) -> Vec<Candidate> {
-        let mut random = Lcg::new(12345);
+        let mut random = Lcg::new(SEED);
         let mut candidates = Vec::new();
         for _ in 0..ROUNDS {
             if pool.len() <= LEAST_POOL {
