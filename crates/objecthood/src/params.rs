@@ -15,8 +15,7 @@ pub use info::{ParameterInfo, Reader};
 use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
-use crate::params::allowed::{Number, OneOf, check};
-use crate::params::info::describe;
+use crate::params::allowed::{Allowed, Number, OneOf, check};
 use crate::stage::Stage;
 
 parameters! {

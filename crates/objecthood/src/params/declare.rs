@@ -58,11 +58,15 @@ macro_rules! parameters {
 
                 fn table() -> Vec<ParameterInfo> {
                     let defaults = Self::default();
-                    vec![$(describe(
-                        concat!(stringify!($group), ".", stringify!($name)),
-                        &defaults.$name, &$allowed, $unit, &[$($doc),+], $source,
-                        Self::readers(stringify!($name)),
-                    )),+]
+                    vec![$(ParameterInfo {
+                        name: concat!(stringify!($group), ".", stringify!($name)).to_owned(),
+                        default: defaults.$name.to_string(),
+                        range: Allowed::<$ty>::in_words(&$allowed),
+                        unit: $unit,
+                        meaning: [$($doc.trim()),+].join(" "),
+                        source: $source,
+                        readers: Self::readers(stringify!($name)),
+                    }),+]
                 }
 
                 fn readers(name: &str) -> &'static [Reader] {

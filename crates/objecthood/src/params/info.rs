@@ -1,10 +1,8 @@
 //! What the table of parameters says of each of them.
 
-use std::fmt;
-
 use serde::Serialize;
 
-use crate::params::allowed::{Allowed, OR, TO};
+use crate::params::allowed::{OR, TO};
 use crate::params::choices::Method;
 use crate::stage::Stage;
 
@@ -58,26 +56,5 @@ impl ParameterInfo {
     /// The values allowed of a choice; none of a number.
     pub fn choices(&self) -> Vec<&str> {
         if self.limits().is_some() { Vec::new() } else { self.range.split(OR).collect() }
-    }
-}
-
-/// The line of a parameter in the table.
-pub(super) fn describe<T: fmt::Display>(
-    name: &str,
-    default: &T,
-    allowed: &impl Allowed<T>,
-    unit: &'static str,
-    meaning: &[&str],
-    source: &'static str,
-    readers: &'static [Reader],
-) -> ParameterInfo {
-    ParameterInfo {
-        name: name.to_owned(),
-        default: default.to_string(),
-        range: allowed.in_words(),
-        unit,
-        meaning: meaning.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" "),
-        source,
-        readers,
     }
 }
