@@ -25,6 +25,14 @@ pub enum Error {
         /// What there is.
         known: String,
     },
+    /// Not the name of a kind of holes.
+    #[error("`{name}` is no kind of holes: choose {known}")]
+    UnknownHoles {
+        /// What was given.
+        name: String,
+        /// What there is.
+        known: String,
+    },
     /// A camera that is nowhere near the scene.
     #[error("a camera at {origin_m:?} m sees nothing of the scene: put it within 1000 m along every axis")]
     FarAway {

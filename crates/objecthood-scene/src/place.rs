@@ -3,12 +3,16 @@
 //! Certainty comes from supports: two solids are apart when along some direction one ends before the other begins. A
 //! finite set of directions is tried, so a placement may be refused without need but is never wrong.
 
+mod spot;
+
 use glam::DVec3;
 
 use crate::contact::{Contact, ContactKind};
 use crate::pose::Pose;
 use crate::random::Rng;
 use crate::solid::{Cavity, Outline, Solid};
+
+pub(crate) use spot::Spot;
 
 /// Things that do not touch stay this far apart (m).
 const GAP_M: f64 = 0.004;
@@ -38,6 +42,18 @@ impl Layout {
     /// On a table, which stands at index `table` in its room, before whatever lies on it.
     pub(crate) fn new(room: Vec<Solid>, table: usize) -> Self {
         Self { first_object: room.len(), solids: room, contacts: Vec::new(), table }
+    }
+
+    /// Adds a piece of furniture that things are to keep clear of; before the first of them is placed. Its index.
+    pub(crate) fn furnish(&mut self, solid: Solid) -> usize {
+        self.solids.push(solid);
+        self.first_object = self.solids.len();
+        self.first_object - 1
+    }
+
+    /// Index of what things stand on.
+    pub(crate) fn table(&self) -> usize {
+        self.table
     }
 
     /// Indices of what has been placed.

@@ -28,6 +28,13 @@ impl Pose {
         Self { rotation: DMat3::from_cols(right, forward.cross(right), forward), origin }
     }
 
+    /// At `origin_m`, its z axis along a direction; how it is turned about that is of no matter.
+    pub(crate) fn along(origin_m: [f64; 3], direction: [f64; 3]) -> Self {
+        let z = DVec3::from(direction).normalize_or(DVec3::Z);
+        let (x, y) = z.any_orthonormal_pair();
+        Self { rotation: DMat3::from_cols(x, y, z), origin: origin_m.into() }
+    }
+
     /// Turned by the angle about axis 0, 1 or 2 of its own frame (counterclockwise seen against the axis).
     #[must_use]
     pub fn turned(self, axis: usize, angle_deg: f64) -> Self {
@@ -96,6 +103,16 @@ mod tests {
             assert!((forward * way.length() - way).length() < 1e-15);
             assert!(right.z.abs() < 1e-15 && down.z <= 0.0 && (right.cross(down) - forward).length() < 1e-15);
             assert!((pose.rotation.determinant() - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_pose_along_a_direction_is_a_rotation() {
+        for direction in [[0.0, 0.0, 2.0], [0.0, 0.0, -1.0], [0.3, -0.4, 0.1]] {
+            let pose = Pose::along([1.0, 2.0, 3.0], direction);
+            let tip = pose.point(DVec3::Z) - DVec3::new(1.0, 2.0, 3.0);
+            assert!((tip - DVec3::from(direction).normalize()).length() < 1e-12);
+            assert!((pose.rotation.determinant() - 1.0).abs() < 1e-12);
         }
     }
 

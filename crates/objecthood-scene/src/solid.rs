@@ -13,7 +13,7 @@ use crate::texture::Paint;
 pub enum Role {
     /// Walls and floor, and what is fixed to them.
     Room,
-    /// What things stand on.
+    /// What things stand on, and what else nobody is to grasp: chairs, cables, bins, people, machines.
     Furniture,
     /// What can be grasped and moved.
     Object,

@@ -4,7 +4,7 @@ mod angular;
 mod round;
 mod vessel;
 
-pub(crate) use angular::{block, book, brick, package, slab};
+pub(crate) use angular::{block, book, brick, package, parcel, slab};
 pub(crate) use round::{ball, bottle, can, cone};
 pub(crate) use vessel::{bowl, cup, mug, plate};
 

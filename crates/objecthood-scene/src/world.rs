@@ -107,15 +107,32 @@ impl World {
 
     /// The same scene in a quarter of the columns and rows, for a quick look.
     pub(crate) fn at_quarter_size(&self) -> Self {
-        let Viewpoint { camera: c, size_px: (width, height), pose } = self.viewpoint;
-        let center = |c: f64| (c + 0.5) / 4.0 - 0.5;
-        let camera = Camera {
-            fx_px: c.fx_px / 4.0,
-            fy_px: c.fy_px / 4.0,
-            cx_px: center(c.cx_px),
-            cy_px: center(c.cy_px),
-        };
-        Self { viewpoint: Viewpoint { camera, size_px: (width / 4, height / 4), pose }, ..self.clone() }
+        let (width, height) = self.viewpoint.size_px;
+        let size_px = (width / 4, height / 4);
+        Self {
+            viewpoint: Viewpoint { camera: self.camera_of(size_px), size_px, ..self.viewpoint },
+            ..self.clone()
+        }
+    }
+
+    /// The same scene in an image of so many columns and rows, seen by the same camera: its field of view stays.
+    ///
+    /// # Errors
+    /// [`Error::Frame`] when there is no such image.
+    pub fn at_size(&self, size_px: (usize, usize)) -> Result<Self> {
+        self.with_viewpoint(Viewpoint { camera: self.camera_of(size_px), size_px, ..self.viewpoint })
+    }
+
+    /// The intrinsics of the camera for an image of another size.
+    fn camera_of(&self, (width, height): (usize, usize)) -> Camera {
+        let Viewpoint { camera: c, size_px, .. } = self.viewpoint;
+        let (x, y) = (width as f64 / size_px.0 as f64, height as f64 / size_px.1 as f64);
+        Camera {
+            fx_px: c.fx_px * x,
+            fy_px: c.fy_px * y,
+            cx_px: (c.cx_px + 0.5) * x - 0.5,
+            cy_px: (c.cy_px + 0.5) * y - 0.5,
+        }
     }
 
     /// The same scene, seen from anywhere outside its solids, by any pinhole camera.

@@ -6,6 +6,7 @@ use super::DEPTH_SCALE;
 use crate::contact::Contact;
 use crate::error::{Error, Result};
 use crate::family::Family;
+use crate::holes::Holes;
 use crate::pose::Pose;
 use crate::render::Rendered;
 use crate::sensor::Sensor;
@@ -48,6 +49,8 @@ struct SceneTruth<'a> {
     family: Family,
     seed: u64,
     sensor: Sensor,
+    #[serde(skip_serializing_if = "Holes::is_none")]
+    holes: Holes,
     /// Takes the camera frame to the world.
     camera_pose: PoseFile,
     solids: Vec<SolidFile>,
@@ -86,7 +89,7 @@ impl PoseFile {
 
 /// The truth of a scene. World frame: z up, metres.
 ///
-/// * `family`, `seed`, `sensor`: what it was made from; `camera_pose` takes the camera frame to the world.
+/// * `family`, `seed`, `sensor`, and `holes` if there are any: what it was made from; `camera_pose` takes the camera frame to the world.
 /// * `solids`, each with `instance` (its value in the truth image), `kind`, `role`, `pose` and `bounds_m` of its own frame,
 ///   `surfaces` (first and last of its values in the image of surfaces), `mosd_label` (in the point cloud; 1 = no object),
 ///   `size_px` (pixels with depth) and `visible_fraction`.
@@ -122,6 +125,7 @@ pub fn scene_json(family: Family, sensor: Sensor, world: &World, rendered: &Rend
         family,
         seed: world.seed(),
         sensor,
+        holes: rendered.holes,
         camera_pose: PoseFile::new(&world.viewpoint().pose),
         solids,
         contacts: world.contacts(),

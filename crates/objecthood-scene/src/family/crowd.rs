@@ -1,6 +1,7 @@
 //! A table with as many things as one likes: how the time of a frame grows with what is in it.
 
-use super::{kinect_at, lighting, room};
+use super::setting::{self, TABLE_M};
+use super::views::{kinect_at, lighting};
 use crate::place::Region;
 use crate::pose::Pose;
 use crate::random::Rng;
@@ -10,8 +11,8 @@ use crate::world::World;
 /// The part of the table that the camera sees whole.
 const SEEN: Region = Region { center_m: [0.0, 0.0], half_m: [0.42, 0.30] };
 /// Where the camera is and what it looks at (m): high enough that things hide little of each other.
-const EYE_M: [f64; 3] = [0.0, -0.62, room::TABLE_M + 0.82];
-const TARGET_M: [f64; 3] = [0.0, 0.0, room::TABLE_M];
+const EYE_M: [f64; 3] = [0.0, -0.62, TABLE_M + 0.82];
+const TARGET_M: [f64; 3] = [0.0, 0.0, TABLE_M];
 /// Places tried for a thing before another is tried in its stead, and that often for each thing wanted.
 const TRIES_A_THING: usize = 20;
 
@@ -22,7 +23,7 @@ const TRIES_A_THING: usize = 20;
 pub fn crowd(objects: usize, seed: u64) -> World {
     let mut rng = Rng::new(seed, 1_000_000);
     let lighting = lighting(&mut rng);
-    let mut layout = room::with_table(&mut rng, false);
+    let mut layout = setting::with_table(&mut rng, false);
     for _ in 0..objects * TRIES_A_THING {
         if layout.placed().len() == objects {
             break;

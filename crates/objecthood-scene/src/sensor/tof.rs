@@ -5,10 +5,14 @@
 //! | noise | normal in range, white, deviation 0.7 mm at 1 m of a white surface, growing with the square root of the light that does not return: z / sqrt(albedo · cos θ) | Tölgyessy et al. 2021 (Azure Kinect: below 2 mm up to 3.5 m); shot noise |
 //! | wiggling | a periodic error of 1.5 mm over 1.5 m | Lindner et al. 2010; Azure Kinect specification: systematic error below 11 mm + 0.1 % |
 //! | flying pixels | where a pixel's 3 x 3 neighbourhood spans more than 2 cm in range, the mean of what it sees weighted by returned light; a third of these is rejected | Sarbolandi, Lefloch and Kolb 2015 |
+//! | several paths | light that comes by way of one other surface lengthens the depth: mm to cm near concave corners | Fuchs 2010 (*Multipath interference compensation in time-of-flight camera images*); Jiménez et al. 2014; geometry in `tof/multipath.rs` |
 //! | weak return | nothing where albedo · cos θ / z² < 0.02 or beyond 5 m | Azure Kinect specification: low-signal invalidation |
 //! | steps | depth in whole millimetres | both devices' drivers |
 //!
-//! The lamp sits beside the lens, so that there is no shadow. Light that arrives over several paths is not modelled.
+//! The lamp sits beside the lens, so that there is no shadow. Dark surfaces return little light, so they are noisy by the
+//! first row: at an albedo of 5 % four times as much as at 80 %.
+
+mod multipath;
 
 use rayon::prelude::*;
 
@@ -34,6 +38,8 @@ pub(super) fn measure(world: &World, view: &View) -> Vec<Measured> {
         .map(|sight| sight.as_ref().map_or(0.0, |s| returned_light(world, s)))
         .collect();
 
+    let longer_m = multipath::errors_m(world, view);
+
     let pixel = |i: usize| {
         let (u, v) = (i % view.width, i / view.width);
         let at = (u as i64, v as i64);
@@ -44,7 +50,7 @@ pub(super) fn measure(world: &World, view: &View) -> Vec<Measured> {
                 // Half of the light that reaches a pixel is its own.
                 let share = returned[k] * if k == i { 8.0 } else { 1.0 };
                 light += share;
-                weighted += share * sight.t;
+                weighted += share * (sight.t + longer_m[k]);
                 (low, high) = (low.min(sight.t), high.max(sight.t));
             }
         }
@@ -56,7 +62,7 @@ pub(super) fn measure(world: &World, view: &View) -> Vec<Measured> {
         {
             return Measured::NONE;
         }
-        let mean = if flies { weighted / light } else { own.t };
+        let mean = if flies { weighted / light } else { own.t + longer_m[i] };
         let wiggle = WIGGLE_M * libm::sin(std::f64::consts::TAU * mean / WIGGLE_PERIOD_M);
         let depth = mean + wiggle + NOISE_M / signal.sqrt() * noise.normal(at.0, at.1);
         Measured { depth_m: ((depth / UNIT_M).round() * UNIT_M) as f32, source: i }

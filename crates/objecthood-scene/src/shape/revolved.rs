@@ -73,6 +73,18 @@ impl Revolved {
         )
     }
 
+    /// All points within `radius_m` of the z axis from 0 to `length_m`. Faces: lower end, side, upper end.
+    pub(crate) fn capsule(radius_m: f64, length_m: f64) -> Self {
+        Self::new(
+            -radius_m,
+            &[
+                Piece::Arc { to: [radius_m, 0.0], center_z: 0.0 },
+                Piece::Line([radius_m, length_m]),
+                Piece::Arc { to: [0.0, length_m + radius_m], center_z: length_m },
+            ],
+        )
+    }
+
     pub(crate) fn hit(&self, ray: Ray, after: f64) -> Option<Hit> {
         let hits = self.faces.iter().enumerate().map(|(surface, face)| {
             let hit = match face {
@@ -165,6 +177,12 @@ mod tests {
     fn a_ball() {
         let shape = Shape::Revolved(Revolved::ball(0.05));
         testing::check(&shape, |p| (p - DVec3::Z * 0.05).length() < 0.05);
+    }
+
+    #[test]
+    fn a_capsule() {
+        let shape = Shape::Revolved(Revolved::capsule(0.04, 0.2));
+        testing::check(&shape, |p| (p - DVec3::Z * p.z.clamp(0.0, 0.2)).length() < 0.04);
     }
 
     #[test]

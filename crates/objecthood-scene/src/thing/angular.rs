@@ -45,6 +45,14 @@ pub(crate) fn package(rng: &mut Rng) -> Solid {
     package
 }
 
+/// A box that stands on floors.
+pub(crate) fn parcel(rng: &mut Rng) -> Solid {
+    let sides = [rng.range(0.18..0.36), rng.range(0.15..0.28), rng.range(0.10..0.30)];
+    let card = [rng.range(0.45..0.6), rng.range(0.32..0.42), rng.range(0.18..0.26)];
+    let ink = color(rng);
+    block("box", Role::Object, sides, Paint { base: card, ink, texture: Texture::Print { seed: rng.bits() } })
+}
+
 /// A thin upright box: what leans.
 pub(crate) fn slab(rng: &mut Rng) -> Solid {
     let sides = [rng.range(0.08..0.14), rng.range(0.014..0.028), rng.range(0.09..0.14)];

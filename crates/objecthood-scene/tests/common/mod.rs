@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "what fails or is skipped is reported so")]
 
 pub(crate) mod statistics;
+pub(crate) mod waves;
 
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,6 @@
 //! The room, its table, and what stands about.
 
-use glam::DVec3;
-
+use super::furniture;
 use crate::place::Layout;
 use crate::pose::Pose;
 use crate::random::Rng;
@@ -22,15 +21,48 @@ const WOODS: [(Albedo, Albedo); 4] = [
 
 /// A table in a room; with `full` also a shelf, a chair, a cable and sheets of paper.
 pub(crate) fn with_table(rng: &mut Rng, full: bool) -> Layout {
-    let (base, ink) = rng.pick(&WOODS);
-    let wood = |seed| Paint { base, ink, texture: Texture::Wood { seed, board_m: 0.19 } };
-    let (board, floor) = (wood(rng.bits()), rng.pick(&WOODS));
-    let boards =
-        Paint { base: floor.0, ink: floor.1, texture: Texture::Wood { seed: rng.bits(), board_m: 0.12 } };
-    let wall = Paint::plain(rng.pick(&[[0.72, 0.70, 0.66], [0.60, 0.64, 0.66], [0.68, 0.62, 0.52]]));
+    let board = wood(rng, 0.19);
+    let boards = wood(rng, 0.12);
+    let wall = wall_paint(rng);
 
-    let (width, depth, thick) = (rng.range(1.3..1.6), rng.range(0.95..1.1), 0.03);
-    let mut table = thing::block("table", Role::Furniture, [width, depth, thick], board);
+    let (width, depth) = (rng.range(1.3..1.6), rng.range(0.95..1.1));
+    let back = depth / 2.0 + if full { 1.0 } else { rng.range(0.5..1.0) };
+    let mut solids = vec![
+        slab("floor", [6.0, 6.0, 0.1], [0.0, 0.0, -0.1], boards),
+        slab("wall", [6.0, 0.1, 2.8], [0.0, back + 0.05, 0.0], wall),
+        slab("wall", [0.1, 6.0, 2.8], [-2.05, 0.0, 0.0], wall),
+        slab("wall", [0.1, 6.0, 2.8], [2.05, 0.0, 0.0], wall),
+        table([width, depth], board),
+    ];
+    let table = solids.len() - 1;
+    if full {
+        solids
+            .push(shelf(back, Paint { texture: Texture::Wood { seed: rng.bits(), board_m: 0.19 }, ..board }));
+        let place = [rng.range(-0.5..0.5), depth / 2.0 + 0.3, 0.0];
+        solids.push(furniture::chair().at(Pose::at(place).turned(2, rng.range(-12.0..12.0))));
+        solids.push(cable(rng, depth));
+        for side in [-1.0, 1.0] {
+            solids.push(sheet(rng, side * width));
+        }
+    }
+    Layout::new(solids, table)
+}
+
+/// Any wood, in boards of this width.
+pub(super) fn wood(rng: &mut Rng, board_m: f64) -> Paint {
+    let (base, ink) = rng.pick(&WOODS);
+    Paint { base, ink, texture: Texture::Wood { seed: rng.bits(), board_m } }
+}
+
+/// What a wall may be painted with.
+pub(super) fn wall_paint(rng: &mut Rng) -> Paint {
+    Paint::plain(rng.pick(&[[0.72, 0.70, 0.66], [0.60, 0.64, 0.66], [0.68, 0.62, 0.52]]))
+}
+
+/// A table of this width and depth on four legs, in the middle of the room.
+pub(super) fn table([width, depth]: [f64; 2], paint: Paint) -> Solid {
+    let thick = 0.03;
+    let mut table = thing::block("table", Role::Furniture, [width, depth, thick], paint);
     table.pose = Pose::at([0.0, 0.0, TABLE_M - thick]);
     let leg = Shape::Revolved(Revolved::cylinder(0.025, TABLE_M - thick));
     for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
@@ -41,27 +73,11 @@ pub(crate) fn with_table(rng: &mut Rng, full: bool) -> Layout {
             paints: vec![Paint::plain([0.15; 3])],
         });
     }
-    let back = depth / 2.0 + if full { 1.0 } else { rng.range(0.5..1.0) };
-    let mut solids = vec![
-        slab("floor", [6.0, 6.0, 0.1], [0.0, 0.0, -0.1], boards),
-        slab("wall", [6.0, 0.1, 2.8], [0.0, back + 0.05, 0.0], wall),
-        slab("wall", [0.1, 6.0, 2.8], [-2.05, 0.0, 0.0], wall),
-        slab("wall", [0.1, 6.0, 2.8], [2.05, 0.0, 0.0], wall),
-        table,
-    ];
-    let table = solids.len() - 1;
-    if full {
-        solids.push(shelf(back, wood(rng.bits())));
-        solids.push(chair(rng, depth));
-        solids.push(cable(rng, depth));
-        for side in [-1.0, 1.0] {
-            solids.push(sheet(rng, side * width));
-        }
-    }
-    Layout::new(solids, table)
+    table
 }
 
-fn slab(kind: &'static str, size_m: [f64; 3], origin_m: [f64; 3], paint: Paint) -> Solid {
+/// A block that belongs to the room: floor or wall.
+pub(super) fn slab(kind: &'static str, size_m: [f64; 3], origin_m: [f64; 3], paint: Paint) -> Solid {
     thing::block(kind, Role::Room, size_m, paint).at(Pose::at(origin_m))
 }
 
@@ -82,23 +98,6 @@ fn shelf(back: f64, paint: Paint) -> Solid {
         shelf.parts.push(part);
     }
     shelf.at(Pose::at([0.1, back - depth / 2.0, 0.0]))
-}
-
-/// A seat on four legs with a backrest of two posts and a board, beside the table.
-fn chair(rng: &mut Rng, table_depth: f64) -> Solid {
-    let metal = Paint::plain([0.25, 0.25, 0.27]);
-    let seat = Paint::plain([0.16, 0.20, 0.30]);
-    let mut chair = thing::block("chair", Role::Furniture, [0.42, 0.42, 0.03], seat);
-    chair.parts[0].pose.origin.z += 0.42;
-    for (x, y, height) in [(-1.0, -1.0, 0.42), (1.0, -1.0, 0.42), (-1.0, 1.0, 0.95), (1.0, 1.0, 0.95)] {
-        let shape = Shape::Revolved(Revolved::cylinder(0.011, height));
-        let reach = if height > 0.5 { 0.225 } else { 0.19 };
-        chair.parts.push(Part { shape, pose: Pose::at([x * 0.19, y * reach, 0.0]), paints: vec![metal] });
-    }
-    let mut rest = thing::block("", Role::Furniture, [0.40, 0.015, 0.14], seat).parts.remove(0);
-    rest.pose.origin += DVec3::new(0.0, 0.245, 0.80);
-    chair.parts.push(rest);
-    chair.at(Pose::at([rng.range(-0.5..0.5), table_depth / 2.0 + 0.3, 0.0]).turned(2, rng.range(-12.0..12.0)))
 }
 
 /// A cable that lies in bows along the back of the table.
