@@ -7,7 +7,7 @@ mod output;
 mod settings;
 mod synthetic;
 
-pub(crate) use eval::{ComparisonArgs, EvalArgs};
+pub(crate) use eval::{ComparisonArgs, EvalArgs, SyntheticArgs};
 pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
 pub(crate) use output::OutputKind;
 pub(crate) use settings::{MethodName, Settings, Threads};

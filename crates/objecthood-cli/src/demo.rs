@@ -1,73 +1,45 @@
 //! `objecthood demo`: makes a synthetic scene, finds its objects, and compares them with the truth.
 
-mod check;
-
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::Result;
 use objecthood::Params;
-use objecthood_eval::{ImageScore, ObjectScore, Truth, Verdict, VerdictCounts, mosd, score};
-use objecthood_io::camera_file::{self, CameraFile};
-use objecthood_io::images::decode_images;
-use objecthood_io::{Capture, Given, output};
-use objecthood_scene::{Family, Sensor, export};
+use objecthood_eval::{ImageScore, ObjectScore, Verdict, VerdictCounts, score};
+use objecthood_io::output;
+use objecthood_scene::{Family, Sensor};
 use objecthood_view::Recording;
 
 use crate::args::{DemoArgs, OutputKind};
 use crate::failure::Outcome;
 use crate::outputs::{Found, make_folders_of, refuse_file};
 use crate::shell::{program, word};
-use crate::synthetic::{Made, Recipe, camera_file, camera_path, color_path, depth_path};
+use crate::synthetic::{Made, Recipe, Shot, camera_file, camera_path, color_path, depth_path};
 use crate::watch::{Laps, Watch};
 use crate::{config, crew, terminal};
 
 /// The family of the scene: objects of all kinds, seldom hidden.
 const FAMILY: Family = Family::Tabletop;
-/// The default scene.
-const SEED: u32 = 34;
 /// The camera that takes the picture.
 const SENSOR: Sensor = Sensor::Kinect;
 
-/// Shows one scene, or scores many.
+/// Shows one scene.
 ///
 /// # Errors
 /// Of usage; when the files or stdout cannot be written.
 pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     let params = config::params(&args.settings, args.method)?;
-    if args.check {
-        return check::run(args, &params);
-    }
     refuse_file("--out", &args.out)?;
-    let recipe = Recipe { family: FAMILY, seed: args.seed.unwrap_or(SEED).into(), sensor: SENSOR };
+    let recipe = Recipe::new(FAMILY, args.seed.into(), SENSOR);
     let text = crew::pool(args.settings.threads())?.install(|| show(recipe, &params, &args.out))?;
     terminal::print(&text)?;
     Ok(Outcome::AllDone)
 }
 
-/// A synthetic scene as it is read back from its files, and the truth about it.
-struct Shot {
-    made: Made,
-    capture: Capture,
-    truth: Truth,
-}
-
-impl Shot {
-    fn of(recipe: Recipe) -> Result<Self> {
-        let made = recipe.make()?;
-        let CameraFile { camera, depth_scale } =
-            camera_file::parse(export::camera_json(&made.world)?.as_bytes())?;
-        let given = Given { camera: Some(camera), depth_scale, ..Given::default() };
-        let capture = decode_images(Some(&made.color_png), &made.depth_png, &given)?;
-        let truth = mosd::truth_of(&export::mosd_labels(&made.world, &made.rendered, false))?;
-        Ok(Self { made, capture, truth })
-    }
-}
-
 /// Makes a scene, finds its objects and writes all files to `folder`. Returns the text to print.
 fn show(recipe: Recipe, params: &Params, folder: &Path) -> Result<String> {
-    let Shot { made, capture, truth } = Shot::of(recipe)?;
+    let Shot { made, capture, truth } = Shot::of(recipe.make()?)?;
     let mut laps = Laps::start();
     let mut recording = Recording::default();
     let mut watch = Watch { laps: &mut laps, next: &mut recording };

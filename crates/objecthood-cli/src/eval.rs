@@ -1,6 +1,7 @@
 //! `objecthood eval`: how good a method, or a folder of label images, is on a data set with truth.
 
 mod comparison;
+mod families;
 mod pictures;
 mod stock;
 mod subject;
@@ -38,6 +39,9 @@ struct Named<'a> {
 pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
     if let Some(path) = &args.json {
         refuse_unusable_file(path)?;
+    }
+    if let Some(families) = &args.synthetic.family {
+        return families::run(args, &families.0);
     }
     let (Some(root), None) = (&args.root, args.support) else { return support::run(args) };
     let subject = Subject::new(args)?;

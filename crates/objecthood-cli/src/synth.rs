@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use objecthood_io::output;
-use objecthood_scene::generate;
+use objecthood_scene::Family;
 
 use crate::args::SynthArgs;
 use crate::failure::Outcome;
@@ -20,11 +20,16 @@ use crate::{crew, terminal};
 /// is reported, which is no error.
 pub(crate) fn run(args: &SynthArgs) -> Result<Outcome> {
     refuse_file("--out", &args.out)?;
-    let recipes = recipes(args.family, args.sensor, args.seed, args.scenes);
+    let first = Recipe {
+        holes: args.holes,
+        size_px: args.size,
+        ..Recipe::new(args.family.unwrap_or(Family::Single), args.seed.into(), args.sensor)
+    };
+    let recipes = recipes(args.family, first, args.scenes);
     make_folder(&args.out)?;
     // One camera took all pictures. Its file comes first, so that every finished scene can be used.
     if let Some(first) = recipes.first() {
-        let (path, bytes) = camera_file(&generate(first.family, first.seed), &args.out)?;
+        let (path, bytes) = camera_file(&first.world()?, &args.out)?;
         output::write_atomically(&path, &bytes)?;
     }
 

@@ -21,7 +21,7 @@ fn next_commands(run: &Run) -> Vec<&str> {
 #[test]
 fn the_next_commands_run_as_printed() {
     let folder = Folder::new();
-    // Commands that take long are not run to the end here, but in `the_check_is_what_eval_says`.
+    // Commands that take long are not run to the end here, but in `eval_of_families_is_eval_of_their_files`.
     let small = |command: &str| command.replace("--scenes 20", "--scenes 1");
     let run_all = |run: &Run, expected: usize| {
         let commands = next_commands(run);
@@ -121,7 +121,6 @@ fn mistakes_are_explained_and_nothing_is_done() {
     folder.write("file", b"content");
     for (arguments, said) in [
         ("--out file", "--out file is a file: name a folder"),
-        ("--check --out out", "--check"),
         ("--seed x", "x"),
         ("--set curvature.thresold=0.1", "`curvature.threshold`"),
         ("--method magic", "paper"),
@@ -132,64 +131,6 @@ fn mistakes_are_explained_and_nothing_is_done() {
     let run = folder.run("demo --out out", 1);
     assert!(run.errors()[0].contains("tabletop34.json"), "{}", run.stderr);
     assert_eq!(folder.names(""), ["file"]);
-}
-
-/// The number after a word.
-fn number_after(text: &str, word: &str) -> f64 {
-    let rest = text.split_once(word).unwrap().1.trim_start();
-    rest.split_whitespace().next().unwrap().parse().unwrap()
-}
-
-/// The least a method may score on the synthetic scenes: objects correct, overlap F, boundary F.
-struct Floor {
-    method: &'static str,
-    correct: u32,
-    overlap: f64,
-    boundary: f64,
-}
-
-/// Measured when this was written, of 104 objects: `context` 83 correct, overlap F 94.1, boundary F 89.4; `paper` 61,
-/// 71.3 and 54.1.
-const FLOORS: [Floor; 2] = [
-    Floor { method: "context", correct: 80, overlap: 92.0, boundary: 87.0 },
-    Floor { method: "paper", correct: 58, overlap: 69.0, boundary: 52.0 },
-];
-
-#[test]
-fn the_check_is_not_below_its_floor() {
-    for Floor { method, correct, overlap, boundary } in FLOORS {
-        let folder = Folder::new();
-        let run = folder.run(&format!("demo --check --method {method}"), 0);
-        let head = format!("method {method}, synthetic scenes 0 to 19\n");
-        assert!(run.stdout.starts_with(&head), "{}", run.stdout);
-        let total = run.stdout.lines().nth(1).unwrap();
-        let counts = total.split_once('(').unwrap().1.split_once(')').unwrap().0;
-        let (found, objects) = counts.split_once('/').unwrap();
-        assert_eq!(objects, "104", "{total}");
-        assert!(found.parse::<u32>().unwrap() >= correct, "{method}: {total}");
-        let (overlaps, boundaries) = total.split_once("boundary").unwrap();
-        assert!(number_after(overlaps, " F ") >= overlap, "{method}: {total}");
-        assert!(number_after(boundaries, " F ") >= boundary, "{method}: {total}");
-        assert_eq!(folder.names(""), Vec::<String>::new(), "nothing is written");
-    }
-}
-
-/// By way of files it is the same, to the last digit, and on any number of threads.
-#[test]
-fn the_check_is_what_eval_says() {
-    let folder = Folder::new();
-    let check = folder.run("demo --check --method paper", 0);
-    folder.run("synth --out scenes --scenes 20 --threads 1", 0);
-    folder.run(
-        "segment --method paper --color scenes/*-color.png --depth scenes/*-depth.png --camera scenes/camera.json \
-         --out found --write labels",
-        0,
-    );
-    let eval = folder.run("eval scenes --labels found", 0);
-    // Label images have no objectness to rank by.
-    let (ranking, others): (Vec<_>, Vec<_>) =
-        check.stdout.lines().skip(1).partition(|line| line.starts_with("average precision"));
-    assert_eq!((ranking.len(), others.join("\n").trim()), (1, eval.stdout.trim()));
 }
 
 #[test]

@@ -168,7 +168,7 @@ fn options_explain_themselves_what_is_wrong_with_a_negative_value() {
         ("explain a.pcd --at -1,2", "give a column and a row"),
         ("explain a.pcd --object -1", "give a whole number from 1 to 65535"),
         ("demo --seed -1", "give a whole number from 0 to 4294967295"),
-        ("demo --check --scenes -2", "give a whole number from 1 to 1000000"),
+        ("eval --family bin --scenes -2", "give a whole number from 1 to 1000000"),
         ("synth --out out --scenes -2", "give a whole number from 1 to 1000000"),
         ("synth --out out --scenes 1 --family -1", "tabletop"),
         ("eval . --composites -1", "give a whole number from 0 to 4294967295"),

@@ -133,6 +133,25 @@ fn the_same_number_is_the_same_scene() {
 }
 
 #[test]
+fn images_have_the_size_and_the_holes_that_were_asked_for() {
+    let folder = Folder::new();
+    folder
+        .run("synth --out small --scenes 1 --family robot-arm --size 320x240 --holes grid --sensor phone", 0);
+    let files = folder.files("small");
+    assert_eq!(size_and_depth(&files["robot-arm0-depth.png"]), (320, 240, image::ColorType::L16));
+    let camera = json(&files["camera.json"]);
+    assert_eq!((&camera["fx"], &camera["cx"], &camera["width"]), (&262.5.into(), &159.5.into(), &320.into()));
+    let depth = labels(&files["robot-arm0-depth.png"]);
+    let holes = depth.iter().filter(|&&z| z == 0).count();
+    assert_eq!(holes, 320 * 240 / 25);
+    let scene = json(&files["robot-arm0-scene.json"]);
+    assert_eq!(
+        (&scene["family"], &scene["sensor"], &scene["holes"]),
+        (&"robot-arm".into(), &"phone".into(), &"grid".into())
+    );
+}
+
+#[test]
 fn mistakes_are_explained_and_nothing_is_done() {
     let folder = Folder::new();
     folder.write("file", b"content");
@@ -141,11 +160,14 @@ fn mistakes_are_explained_and_nothing_is_done() {
         ("--out out --scenes many", "give a whole number from 1 to 1000000"),
         ("--out out", "--scenes"),
         ("--scenes 1", "--out"),
+        ("--out out --scenes 1 --family desk", "choose single, tabletop, stacked"),
         (
-            "--out out --scenes 1 --family desk",
-            "choose single, tabletop, stacked, occluded, vessels or clutter",
+            "--out out --scenes 1 --sensor lidar",
+            "choose kinect, stereo, tof, ideal, phone or structured-light",
         ),
-        ("--out out --scenes 1 --sensor lidar", "choose kinect, stereo, tof or ideal"),
+        ("--out out --scenes 1 --holes moth", "choose none or grid"),
+        ("--out out --scenes 1 --size 640", "as in 1280x960"),
+        ("--out out --scenes 1 --size 640x0", "as in 1280x960"),
         ("--out out --scenes 1 --seed -1", "-1"),
         ("--out out --scenes 1 --seed 4294967296", "4294967296"),
         ("--out file --scenes 1", "--out file is a file: name a folder"),

@@ -1,6 +1,7 @@
 //! The figures of a run over many scenes: per scene, in total, as text and as JSON.
 
 mod json;
+mod sums;
 mod tables;
 
 use std::fmt;
@@ -15,6 +16,7 @@ use crate::stages::Stages;
 use crate::truth::Truth;
 use crate::verdict::{ObjectScore, VerdictCounts};
 
+pub use sums::{Sums, SumsTable};
 pub(crate) use tables::write_table;
 pub use tables::{FoldersTable, LossesList, SettingsTable, StagesTable, VerdictsTable};
 
@@ -202,7 +204,7 @@ mod tests {
     }
 
     /// A scene in whose truth there is no object.
-    fn bare(name: &str) -> SceneReport {
+    pub(super) fn bare(name: &str) -> SceneReport {
         let score =
             ImageScore { metrics: None, objects: Vec::new(), hypotheses: 9, hypotheses_off_objects: 9 };
         SceneReport { score, ..scene(name) }

@@ -1,9 +1,11 @@
 //! The options of `objecthood eval`.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::Args;
 use objecthood_io::GridCamera;
+use objecthood_scene::{Family, Holes, Sensor};
 
 use super::EXIT_CODES;
 use super::number::whole;
@@ -11,13 +13,13 @@ use super::settings::{MethodName, Settings};
 
 /// Score a method, or label images that you have, on a data set with ground truth.
 ///
-/// ROOT holds folders of labelled point clouds laid out like the data set mOSD. With --support no data set is needed:
-/// it scores what stands on what in synthetic scenes.
+/// ROOT holds folders of labelled point clouds laid out like the data set mOSD. With --family and --support no data set is
+/// needed: they score objects, or what stands on what, in synthetic scenes.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct EvalArgs {
     /// Folder of the data set.
-    #[arg(value_name = "ROOT", required_unless_present = "support")]
+    #[arg(value_name = "ROOT", required_unless_present_any = ["support", "family"])]
     pub(crate) root: Option<PathBuf>,
 
     /// Which of its folders to score: learn, test, any other name, or all.
@@ -53,6 +55,9 @@ pub(crate) struct EvalArgs {
         group = "made"
     )]
     pub(crate) support: Option<u32>,
+
+    #[command(flatten)]
+    pub(crate) synthetic: SyntheticArgs,
 
     /// Number of the first composed or synthetic scene; the others follow it.
     #[arg(long, value_name = "S", default_value_t = 0, value_parser = whole(0, u32::MAX), requires = "made")]
@@ -105,4 +110,50 @@ pub(crate) struct ComparisonArgs {
     /// values.
     #[arg(long)]
     pub(crate) sensitivity: bool,
+}
+
+/// Synthetic scenes that are scored instead of a data set.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct SyntheticArgs {
+    /// Score synthetic scenes of this kind instead, or of all kinds, and print a line for each kind and sensor; `synth
+    /// --help` lists them.
+    #[arg(
+        long,
+        value_name = "NAME|all",
+        value_parser = one_or_all(Family::ALL),
+        conflicts_with_all = ["root", "labels", "ComparisonArgs", "pictures", "camera", "per_scene", "split"],
+        group = "made"
+    )]
+    pub(crate) family: Option<Chosen<Family>>,
+
+    /// Depth camera that takes the pictures: kinect, stereo, tof, ideal, phone, structured-light or all.
+    #[arg(
+        long,
+        value_name = "NAME|all",
+        default_value = "kinect",
+        value_parser = one_or_all(Sensor::ALL),
+        requires = "family",
+        conflicts_with_all = ["root", "support"]
+    )]
+    pub(crate) sensor: Chosen<Sensor>,
+
+    /// Number of scenes of each kind.
+    #[arg(long, value_name = "N", default_value_t = 20, requires = "family", conflicts_with_all = ["root", "support"])]
+    #[arg(value_parser = whole(1_u32, 1_000_000))]
+    pub(crate) scenes: u32,
+
+    /// What else takes depth away: none, or a grid of single pixels as registration to a larger image leaves.
+    #[arg(long, value_name = "NAME", default_value_t = Holes::None, requires = "family", conflicts_with_all = ["root", "support"])]
+    pub(crate) holes: Holes,
+}
+
+/// What an option names that takes one or all.
+#[derive(Clone, Debug)]
+pub(crate) struct Chosen<T>(pub(crate) Vec<T>);
+
+/// Reads one of them, or `all`.
+fn one_or_all<T: FromStr + Clone, const N: usize>(
+    all: [T; N],
+) -> impl Fn(&str) -> Result<Chosen<T>, T::Err> + Clone {
+    move |text| Ok(Chosen(if text == "all" { all.to_vec() } else { vec![text.parse()?] }))
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use objecthood_scene::{Family, Sensor};
+use objecthood_scene::{Family, Holes, Sensor};
 
 use super::number::whole;
 use super::{EXIT_CODES, MethodName, Settings, Threads};
@@ -15,26 +15,13 @@ use super::{EXIT_CODES, MethodName, Settings, Threads};
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct DemoArgs {
-    /// Number of the scene [default: 34, a table with seven objects]; with --check, of the first scene [default: 0].
-    #[arg(long, value_name = "N", value_parser = whole(0, u32::MAX))]
-    pub(crate) seed: Option<u32>,
+    /// Number of the scene; 34 is a table with seven objects.
+    #[arg(long, value_name = "N", default_value_t = 34, value_parser = whole(0, u32::MAX))]
+    pub(crate) seed: u32,
 
     /// Folder for the output; created if needed.
     #[arg(long, value_name = "DIR", default_value = "objecthood-demo")]
     pub(crate) out: PathBuf,
-
-    /// Score the method on many scenes instead; nothing is written.
-    #[arg(long, conflicts_with = "out")]
-    pub(crate) check: bool,
-
-    /// Number of scenes to score.
-    #[arg(long, value_name = "N", default_value_t = 20, requires = "check")]
-    #[arg(value_parser = whole(1_u32, 1_000_000))]
-    pub(crate) scenes: u32,
-
-    /// Kind of scenes to score: single, tabletop, stacked, occluded, vessels or clutter [default: each in turn].
-    #[arg(long, value_name = "NAME", requires = "check")]
-    pub(crate) family: Option<Family>,
 
     /// Method to use [default: context].
     #[arg(long)]
@@ -65,14 +52,31 @@ pub(crate) struct SynthArgs {
     #[arg(long, value_name = "S", default_value_t = 0, value_parser = whole(0, u32::MAX))]
     pub(crate) seed: u32,
 
-    /// Kind of scenes: single, tabletop, stacked, occluded, vessels or clutter [default: each in turn].
+    /// Kind of scenes: single, tabletop, stacked, occluded, vessels, clutter, room, shelf, bin, heap, bodies, robot-arm,
+    /// empty-table or empty-room [default: the first six in turn].
     #[arg(long, value_name = "NAME")]
     pub(crate) family: Option<Family>,
 
-    /// Depth camera that takes the pictures: kinect, stereo, tof or ideal.
+    /// Depth camera that takes the pictures: kinect, stereo, tof, ideal, phone or structured-light.
     #[arg(long, value_name = "NAME", default_value_t = Sensor::Kinect)]
     pub(crate) sensor: Sensor,
 
+    /// What else takes depth away: none, or a grid of single pixels as registration to a larger image leaves.
+    #[arg(long, value_name = "NAME", default_value_t = Holes::None)]
+    pub(crate) holes: Holes,
+
+    /// Columns and rows of the images; the camera sees the same part of the scene [default: 640x480].
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<(usize, usize)>,
+
     #[command(flatten)]
     pub(crate) threads: Threads,
+}
+
+/// Columns and rows of an image.
+fn size(text: &str) -> Result<(usize, usize), String> {
+    const SIDES: std::ops::RangeInclusive<usize> = 16..=8192;
+    let parse = |part: &str| part.trim().parse::<usize>().ok().filter(|side| SIDES.contains(side));
+    let size = text.split_once('x').and_then(|(width, height)| Some((parse(width)?, parse(height)?)));
+    size.ok_or_else(|| "give columns and rows, each from 16 to 8192, as in 1280x960".to_owned())
 }

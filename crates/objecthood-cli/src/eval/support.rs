@@ -30,7 +30,7 @@ pub(super) fn run(args: &EvalArgs) -> Result<Outcome> {
         .into_iter()
         .cycle()
         .zip(first..first + scenes)
-        .map(|(family, seed)| Recipe { family, seed, sensor: Sensor::Kinect })
+        .map(|(family, seed)| Recipe::new(family, seed, Sensor::Kinect))
         .collect();
     let bar = terminal::progress_bar(recipes.len(), args.settings.verbose);
     let mut by_family: BTreeMap<&'static str, SceneSupport> = BTreeMap::new();
