@@ -1,4 +1,4 @@
-//! Superpixels that look alike become one facet (paper, III-B).
+//! Groups superpixels of similar appearance to facets (paper, III-B).
 
 use crate::facets::appearance::Appearance;
 use crate::oversegment::Superpixels;
@@ -8,7 +8,7 @@ use crate::raster::Raster;
 use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::union_find::UnionFind;
 
-/// Counts the pairs of 8-neighbours between any two superpixels. O(pixels + pairs log pairs).
+/// Counts, for any two superpixels, the pairs of 8-neighbours between them. O(pixels + pairs log pairs).
 pub fn count_neighbours(segments: &Segments) -> RegionGraph<u32> {
     let labels = segments.labels();
     let (width, height) = labels.size();
@@ -28,8 +28,8 @@ pub fn count_neighbours(segments: &Segments) -> RegionGraph<u32> {
 /// Joins neighbouring superpixels in ascending order of their difference while it does not exceed the internal
 /// variation of either group; every join averages both variations and the difference.
 ///
-/// Superpixels with depth on at most half of their pixels take no part. Facets are numbered in the order of the superpixels that
-/// stand for them.
+/// A superpixel with depth on at most half of its pixels is never joined. Facets are numbered in the order of their roots in the
+/// union-find.
 ///
 /// *Differs from the paper:* "the average between the internal variation of the two groups and the edge" is
 /// read as the mean of three. Histograms are not recounted after a join (PARITY.md 3). O(E log E) for E pairs.

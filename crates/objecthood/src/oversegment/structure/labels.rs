@@ -11,11 +11,11 @@ use crate::regions::Segments;
 use crate::simd::vectorized;
 use crate::surface::window_choice::Orientation;
 
-/// Pixels of a row that are passed over together when none lies near a surface.
+/// Pixels of a row that are skipped together when none of them lies near the surface.
 const STRETCH: usize = 64;
 
-/// Labels every pixel with the first surface within `tolerance_quanta` of it that has the same tilt; -1 = none. A pixel without a
-/// normal has any tilt. O(pixels · surfaces); parallel over rows.
+/// Labels every pixel with the first surface that lies within `tolerance_quanta` of it and has its tilt; -1 = none. A pixel without
+/// a normal needs no equal tilt. O(pixels · surfaces); parallel over rows.
 pub(super) fn label_pixels(
     surfaces: &[StructureSurface],
     disparity: &Raster<f32>,
@@ -60,7 +60,7 @@ pub(super) fn label_pixels(
 }
 
 impl StructureSurface {
-    /// Marks the pixels near this surface that belong to none yet. (u, v): the first pixel.
+    /// Marks the unlabelled pixels near this surface. (u, v): the first pixel.
     #[inline(always)]
     fn mark_near(
         &self,
@@ -76,7 +76,7 @@ impl StructureSurface {
         }
     }
 
-    /// Labels the marked pixels whose slope is that of this surface, and removes their marks. `slope_squared`: the tolerance.
+    /// Labels the marked pixels whose slope agrees with the surface's, and removes their marks. `slope_squared`: the squared tolerance.
     #[inline(always)]
     fn claim(
         &self,
