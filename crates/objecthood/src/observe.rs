@@ -39,9 +39,9 @@ pub enum Output<'a> {
     Shapes(LabelMap<'a>),
     /// The shapes after the rules on their surroundings (`context`).
     Clusters {
-    /// The facets after the gaps between them are filled.
-    facets: &'a Facets,
-    /// The clusters, the events that joined them, and the joins that rules refused.
+        /// The facets after the gaps between them are filled.
+        facets: &'a Facets,
+        /// The clusters, the events that joined them, and the joins that rules refused.
         clusters: &'a Clustering,
     },
     /// Stage 4, first half: the support graph. Objects are not decided yet.
@@ -123,7 +123,7 @@ impl<'a> From<&'a Segments> for LabelMap<'a> {
 
 /// Receives the output of every stage.
 pub trait Observer {
-/// Called once for every stage of the method, in the order of the stages, as soon as its output exists.
+    /// Called once for every stage of the method, in the order of the stages, as soon as its output exists.
     fn observe(&mut self, output: Output<'_>);
 }
 

@@ -132,7 +132,8 @@ parameters! {
         tolerance_quanta: f64 = 2.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 1.1)";
         /// A pixel has the tilt of the surface when their normals differ by less than this.
         angle_deg: f64 = 30.0, 0.0..=180.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 1.1)";
-        /// A pixel also has the tilt of the surface when the slopes of their disparities differ by less than this; 0 = the normals alone decide.
+        /// A pixel also has the tilt of the surface when the slopes of their disparities differ by less than this; 0 = only the normals
+        /// decide.
         slope_quanta_per_px: f64 = 0.4, 0.0..=1000.0, "quanta of disparity per px at a focal length of 525 px", "ours, because noise tilts a slope alike at any distance, a normal by more the farther it is; 30 degrees at 1 m";
     }
 
@@ -170,7 +171,8 @@ parameters! {
         step_depth_m: f64 = 0.013, 0.0..=10.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 3.1)";
     }
 
-    /// Votes of folds and steps: facets are joined by them to shapes (`context`), and a fold with a full vote against is a clear border of an object.
+    /// Votes of folds and steps, by which facets are joined to shapes (`context`). A fold is the clearer as the border of an object, the
+    /// more it votes against one shape.
     Contraction contraction, read by [Paper: Hypotheses, Context: Shapes] {
         /// Concavity at which a fold votes neither for one shape nor against it.
         reflex_offset_deg: f64 = 12.0, -180.0..=180.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 3.2)";
@@ -186,7 +188,7 @@ parameters! {
         max_size_px: usize = 250, 0..=1_000_000, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 4.2)";
     }
 
-    /// What hardly rises above the support is a part of it (`context`).
+    /// Clusters that hardly rise above the support are a part of it (`context`).
     Height height, read by [Context: Clusters] {
         /// Lowest top of an object.
         min_top_m: f64 = 0.010, -1.0..=10.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 4.3)";
@@ -200,7 +202,8 @@ parameters! {
         rim_height_m: f64 = 0.015, 0.0..=1.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 4.4)";
         /// Whether the circle of the rim decides which parts belong to a vessel.
         rim_circle: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 4.4.2";
-        /// What lies as low as the table is the bottom of the object that encloses it when this share of its border touches; above 1 = never.
+        /// Background that an object encloses is its bottom when at least this share of its border touches without a step; above 1 =
+        /// never.
         bottom_contact_share: f64 = 0.8, 0.0..=2.0, "dimensionless: share of the border", "ours, because a plate came out as a ring; the far half of a ring's border touches";
     }
 

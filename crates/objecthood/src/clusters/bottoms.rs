@@ -1,8 +1,8 @@
 //! Bottoms: background that a plate or a bowl encloses is a part of it (ours, because a plate came out as a ring).
 //!
-//! The bottom of a plate lies as low as the table. It is told from the table by its border: the plate encloses it without a step in
-//! depth. The table goes on behind what stands on it, with a step at every near side, and shows through a handle or a ring across
-//! such a step.
+//! The bottom of a plate lies as low as the table. Its border distinguishes it from the table: the plate encloses it without a step
+//! in depth. The table continues behind the things on it, with a step at every near side. It is also seen through a handle or a
+//! ring, again across a step.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -18,7 +18,7 @@ use crate::raster::PixelBox;
 use crate::regions::{SegmentId, Segments};
 use crate::union_find::UnionFind;
 
-/// What a facet belongs to.
+/// The owner of a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Owner {
     /// Structure other than the support: a wall.
@@ -27,7 +27,7 @@ enum Owner {
     Cluster(SegmentId),
 }
 
-/// Pixels of the background side by side in a row.
+/// Adjacent background pixels of a row.
 type Run = Range<usize>;
 
 /// A connected piece of background.
@@ -35,23 +35,22 @@ type Run = Range<usize>;
 struct Patch {
     /// In scan order.
     runs: Vec<Run>,
-    /// Sides of its pixels beyond which it ends.
+    /// Length of its border: sides of its pixels beyond which it ends.
     border: u32,
-    /// Those of them without a step in depth, by cluster.
+    /// For each cluster, the sides of the border that touch it without a step in depth.
     touch: BTreeMap<SegmentId, u32>,
 }
 
-/// A smaller step in depth (m) is none: the edge of the thinnest thing that is told from the table.
+/// Depths that differ by more than this (m) are a step: the edge of the thinnest thing that is distinguished from the table.
 const STEP_M: f64 = 0.01;
-/// Smaller patches (px at a focal length of 525 px) are holes in a surface: they are filled and not noted.
+/// Smaller patches (px at a focal length of 525 px) are holes in a surface: they are filled but not recorded.
 const BOTTOM_PX: usize = 100;
-/// The vessel holds more than this share of the border: more than all others together.
+/// The vessel touches more than this share of the border: more than all other clusters together.
 const MAJORITY: f64 = 0.5;
 
-/// Gives patches of background to the cluster that encloses them. Background is the support and what earlier rules gave to it.
-/// Pixels across a step,
-/// or with depths more than 1 cm apart, do not touch. Does nothing without a support surface.
-/// O(pixels + patches · clusters).
+/// Gives patches of background to the cluster that encloses them. The background is the support, and the clusters that earlier rules
+/// gave to it. Pixels touch unless there is a step between them or their depths differ by more than 1 cm. Does nothing without a
+/// support surface. O(pixels + patches · clusters).
 pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let scene = clusters.scene;
     let Some(support) = scene.support_facet else { return };
@@ -59,7 +58,7 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels
     let mut misses = Vec::new();
     let mut gains: BTreeMap<SegmentId, Vec<u32>> = BTreeMap::new();
     for patch in find_patches(scene, &find_owners(clusters, support.index())) {
-        // Of equally long contacts the first.
+        // On ties the cluster with the smallest number wins.
         let Some((&id, &most)) = patch.touch.iter().rev().max_by_key(|(_, touch)| **touch) else { continue };
         let mut join = Proposal::new(Rule::VesselBottom, Source::Patch(patch.runs[0].start as u32), Some(id));
         let contact_share = patch.share_of_border(patch.touch.values().sum());
@@ -128,8 +127,8 @@ fn touches(scene: &Scene<'_>, i: usize, j: usize) -> bool {
     (d_i - d_j).abs() <= scene.steps.touch_quanta && (z_i - z_j).abs() <= STEP_M
 }
 
-/// The patches of background, by their first pixels. Runs above each other are of one patch; where a run has no other above or
-/// below, its patch ends. O(pixels + border pixels).
+/// The patches of background, in the order of their first pixels. Runs above each other belong to one patch. Where a run has no
+/// other run above or below, its patch ends. O(pixels + border pixels).
 fn find_patches(scene: &Scene<'_>, owners: &[Owner]) -> Vec<Patch> {
     let (width, height) = scene.disparity.size();
     let mut sides = Sides::of(scene, owners);
@@ -146,18 +145,18 @@ fn find_patches(scene: &Scene<'_>, owners: &[Owner]) -> Vec<Patch> {
     sides.into_patches()
 }
 
-/// Runs of background, and what lies beyond the sides of their pixels.
+/// Runs of background, and the sides of their pixels where patches end.
 struct Sides<'a> {
     scene: &'a Scene<'a>,
     owners: &'a [Owner],
     runs: Vec<Run>,
     /// The runs of row v are `first_of[v]..first_of[v + 1]`.
     first_of: Vec<usize>,
-    /// Runs of one patch.
+    /// One set of runs for each patch.
     sets: UnionFind,
-    /// Per run the sides where its patch ends.
+    /// For each run the number of sides where its patch ends.
     borders: Vec<u32>,
-    /// Those that touch a cluster: the run, and the cluster.
+    /// The sides that touch a cluster: the run, and the cluster.
     touches: Vec<(usize, SegmentId)>,
 }
 
@@ -175,7 +174,7 @@ impl<'a> Sides<'a> {
         self.first_of[v]..self.first_of[v + 1]
     }
 
-    /// Counts a side of pixel `i` where its patch ends; the pixel beyond is none at the border of the image.
+    /// Counts a side of pixel `i` where its patch ends. `beyond`: the pixel on the other side; `None` at the border of the image.
     fn end(&mut self, run: usize, i: usize, beyond: Option<usize>) {
         self.borders[run] += 1;
         let Some((j, facet)) = beyond.and_then(|j| Some((j, self.scene.facets.segments.at(j)?))) else {
@@ -188,8 +187,8 @@ impl<'a> Sides<'a> {
         }
     }
 
-    /// Joins a run with those of the `others`, a row `step` pixels farther, that lie beside it, and counts its sides where none
-    /// does. No row = the image ends.
+    /// Joins a run with the runs beside it among the `others`, the runs of the row `step` pixels farther, and counts its sides without a
+    /// run beside them. `None`: there is no such row in the image.
     fn meet(&mut self, run: usize, others: Option<Range<usize>>, step: isize) {
         let Run { start, end } = self.runs[run];
         let Some(others) = others else {

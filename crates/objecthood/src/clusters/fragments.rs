@@ -1,6 +1,6 @@
-//! Fragments go to what they touch (docs/CONTEXT.md 4.2).
+//! Gives fragments to the neighbour that they touch most (docs/CONTEXT.md 4.2).
 //!
-//! Folds, rims and the edges of shadows leave crumbs that belong to the surface beside them.
+//! Folds, rims and the edges of shadows leave small clusters that belong to the surface beside them.
 
 use std::collections::BTreeMap;
 
@@ -11,13 +11,13 @@ use crate::params;
 use crate::regions::SegmentId;
 use crate::surface::disparity::DisparitySpace;
 
-/// Rounds; a fragment may lie on a fragment.
+/// Rounds of absorption: a fragment may lie on a fragment on a fragment.
 const ROUNDS: usize = 3;
-/// A fragment goes to what it touches along at least this many pixels (px at a focal length of 525 px).
+/// Touching pixel pairs that a fragment needs to be absorbed by a neighbour (px at a focal length of 525 px).
 const LEAST_TOUCH_PX: usize = 4;
 
-/// Merges clusters of fewer than `max_size_px` pixels into the neighbour that they touch most, which may be the background, but
-/// is no smaller cluster. O(rounds · clusters · neighbours).
+/// Merges clusters of fewer than `max_size_px` pixels into the neighbour that they touch most. The neighbour may be the background,
+/// but not a smaller cluster. O(rounds · clusters · neighbours).
 pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fragments) {
     for round in 1..=ROUNDS {
         let (moves, stays) = find_moves(clusters, params);
@@ -30,8 +30,8 @@ pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fra
     }
 }
 
-/// Which fragments move in a round, by ascending number, and which stay. The smallest decide first; none moves to a fragment that
-/// moves itself.
+/// The fragments that move in a round, by ascending number, and the fragments that stay. The smallest are decided first. None moves
+/// to a fragment whose own move was decided before it, so that two of equal size cannot move into each other.
 fn find_moves(clusters: &Clusters<'_>, params: &params::Fragments) -> (Vec<Event>, Vec<Miss>) {
     let space = clusters.scene.space;
     let least_touch = space.length_px(LEAST_TOUCH_PX) as f64;
@@ -44,7 +44,7 @@ fn find_moves(clusters: &Clusters<'_>, params: &params::Fragments) -> (Vec<Event
     for id in fragments {
         let not_smaller = |other: &Option<SegmentId>| other.is_none_or(|other| size(other) >= size(id));
         let neighbours = clusters.get(id).neighbours.iter().filter(|(other, _)| not_smaller(other));
-        // Of equally long contacts the first; the background comes before all clusters.
+        // On ties the first neighbour wins: the background, else the cluster with the smallest number.
         let most_touched = neighbours.rev().max_by_key(|(_, borders)| borders.touch);
         let Some((&into, borders)) = most_touched else { continue };
         let touch = f64::from(borders.touch);

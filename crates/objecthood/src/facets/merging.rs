@@ -39,7 +39,7 @@ pub struct Facets {
 
 /// A region that grows by merges.
 struct Region {
-/// Number of its island: regions that are connected by neighbours form an island.
+    /// Number of its island: regions that are connected by neighbours form an island.
     island: u32,
     /// The first superpixel of the region; after its merge into another region, the first superpixel of that one.
     superpixel: u32,

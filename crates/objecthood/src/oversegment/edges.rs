@@ -32,8 +32,8 @@ struct Directions([u32; 4]);
 
 /// Decides about edges between two sets.
 pub(crate) trait Rule {
-/// Whether no edge of this weight or more can ever join the set of `root`. If `root` is no longer a root, nothing is
-/// refused.
+    /// Whether no edge of this weight or more can ever join the set of `root`. If `root` is no longer a root, nothing is
+    /// refused.
     fn refuses(&self, root: usize, weight: f32) -> bool;
 
     /// Decides about an edge whose ends have these roots.

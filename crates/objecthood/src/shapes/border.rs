@@ -18,7 +18,7 @@ use crate::surface::disparity::{DisparitySpace, position};
 pub struct BorderEvidence {
     /// The folds, in scan order.
     pub folds: Vec<Fold>,
-    /// Length of the border (m) where depth steps: one facet hides what lies behind it.
+    /// Length of the border (m) that is a step: one facet lies in front of the other by more than noise.
     pub step_m: f64,
     /// How far the first facet lies in front of the second at the border, summed over all samples.
     pub gaps: Gaps,
@@ -52,10 +52,10 @@ const RAW_DEPTHS: f64 = 2.0;
 const TORN_RIDGE_DEG: f64 = 25.0;
 /// A torn ridge counts as a fold of this share of its length.
 const TORN_RIDGE_SHARE: f64 = 0.5;
-/// Every other pair of pixels is a sample, so each stands for two.
+/// Every other pair of pixels is a sample, so each sample represents two pairs.
 const PAIRS_PER_SAMPLE: f64 = 2.0;
 
-/// Marks of a pixel whose right or lower neighbour lies on another facet.
+/// Marks a pixel whose right (`RIGHT`) or lower (`BELOW`) neighbour lies on another facet.
 const RIGHT: i32 = 1;
 const BELOW: i32 = 2;
 
@@ -124,9 +124,9 @@ struct Borders<'a> {
 
 /// The difference between the two sides at one place.
 struct Step {
-/// Between the planes of the sides at the place (quanta).
-gap: f64,
-/// Between the two pixels (quanta).
+    /// Between the planes of the sides at the place (quanta).
+    gap: f64,
+    /// Between the two pixels (quanta).
     raw: f64,
     z_m: f64,
 }
@@ -235,7 +235,7 @@ impl BorderEvidence {
 
     /// Length of the border (m) that is a fold.
     pub fn fold_m(&self) -> f64 {
-    // Not `sum`, which gives -0.0 for no folds.
+        // Not `sum`, which gives -0.0 for no folds.
         self.folds.iter().fold(0.0, |sum, fold| sum + fold.length_m)
     }
 

@@ -12,11 +12,11 @@ pub(crate) const FORESHORTENED: f64 = 0.1;
 
 /// Takes points to heights and to places in the plan view.
 pub(crate) struct Plan {
-    /// Against gravity.
+    /// The direction against gravity.
     pub(crate) up: DVec3,
     /// The axes of the plan view.
     pub(crate) across: [DVec3; 2],
-    /// Unit vectors in which the outline of a region is known.
+    /// The unit vectors along which the outline of a region is measured.
     pub(crate) directions: [DVec2; DIRECTIONS],
 }
 
@@ -36,7 +36,7 @@ impl Plan {
         self.up.dot(Vec3::from(point_m).as_dvec3())
     }
 
-    /// The part of a normal along up.
+    /// The component of a normal along up.
     #[inline(always)]
     pub(crate) fn upward(&self, normal: [f32; 3]) -> f64 {
         self.height_m(normal)
@@ -48,8 +48,8 @@ impl Plan {
         DVec2::new(self.across[0].dot(point), self.across[1].dot(point))
     }
 
-    /// The step to the neighbouring pixel, of eight, that leads most nearly along gravity at a point; pixels are taken to be square.
-    /// `None` where the camera looks along gravity, within about 6 degrees.
+    /// The step to one of the eight neighbouring pixels that is nearest to the direction of gravity at a point; pixels count as square.
+    /// `None` where the line of sight is within about 6 degrees of gravity.
     pub(crate) fn step_down(&self, point_m: [f32; 3]) -> Option<[i64; 2]> {
         let [x, y, z] = point_m.map(f64::from);
         let down = DVec2::new(-self.up.x + x / z * self.up.z, -self.up.y + y / z * self.up.z);

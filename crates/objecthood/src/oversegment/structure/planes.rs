@@ -10,7 +10,7 @@ use crate::regions::runs;
 use crate::simd::vectorized;
 
 /// The surfaces as planes, each fitted to its own pixels. Their inlier shares are counted later, by
-/// [`counted`](crate::clusters::candidates::Candidates::counted). O(pixels).
+/// [`count_inliers`](crate::clusters::candidates::Candidates::count_inliers). O(pixels).
 pub(super) fn fit_planes(
     surfaces: &[StructureSurface],
     labels: &Raster<i32>,
