@@ -1,37 +1,37 @@
-//! What happened to clusters, with what it was about then and what came of it.
+//! The events and misses of clusters, with the facets involved at the time and the clusters in the end.
 
 use std::cmp::Reverse;
 
 use crate::clusters::history::{Event, Miss, Source};
 use crate::regions::SegmentId;
 
-/// An event, with what it was about when it happened and what came of it.
+/// An event, with the facets that it was about and its result.
 pub(super) struct Step {
     pub(super) event: Event,
-    /// The largest facets of what was given to and of what was given, as they were.
+    /// The largest facets of the receiver and of the gift, before the event.
     pub(super) facets: Pair,
-    /// The cluster in which what was given ends; `None` = the background.
+    /// The final cluster of the gift; `None` = the background.
     pub(super) owner: Option<SegmentId>,
 }
 
-/// A miss, with the same of both.
+/// A miss, with the facets that it was about and their results.
 pub(super) struct NearStep {
     pub(super) miss: Miss,
     pub(super) facets: Pair,
-    /// The clusters in which both end.
+    /// The final clusters of both.
     pub(super) owners: Pair,
 }
 
-/// Of what something is given to, and of what is given.
+/// One entry for the receiver, one for the gift.
 type Pair = [Option<SegmentId>; 2];
 
-/// The pixels (px) of the largest facet, and the facet; the first of equal ones.
+/// The number of pixels of the largest facet, and the facet; on ties the first one.
 pub(super) type Largest = Option<(usize, Reverse<SegmentId>)>;
 
-/// What was given to what and what was left alone, with what it was about and what came of it, and where every shape ended:
-/// once forwards and once backwards through the events, O(events + misses + shapes).
+/// Describes all events and misses, and finds the final cluster of every shape: once forwards and once backwards through the events,
+/// O(events + misses + shapes).
 ///
-/// `largest`: the pixels (px) and the number of the largest facet of every shape. Misses come in the order of the events.
+/// `largest`: the largest facet of every shape. `misses`: in the order of the events.
 pub(super) fn steps(
     events: Vec<Event>,
     misses: Vec<(usize, Miss)>,

@@ -15,34 +15,34 @@ use crate::support::plan::{DIRECTIONS, FORESHORTENED, Plan};
 use crate::support::scene::SupportScene;
 use crate::surface::disparity::DisparitySpace;
 
-/// Heights that differ by less (m) count as the same: what rises less above its surroundings is a part of them as well
-/// (`height.min_top_m`). Beyond 1.9 m the sensor does not resolve this, and the limit is [`LEVEL_QUANTA`].
+/// Heights that differ by less than this (m) count as equal: 1 cm, as in the default of `height.min_top_m`. Beyond 1.9 m the sensor
+/// does not resolve this, and the limit is [`LEVEL_QUANTA`].
 const LEVEL_M: f64 = 0.01;
-/// Heights within this many quanta are the same: a foot, the 2nd percentile of heights, lies two standard deviations of depth too
+/// Heights within this many quanta count as equal: a foot, the 2nd percentile of heights, lies two standard deviations of depth too
 /// low, each half a quantum.
 const LEVEL_QUANTA: f64 = 1.0;
-/// Directions in which the surroundings of a place are looked at.
+/// Number of directions into which the surroundings of a place are divided.
 pub(crate) const SECTORS: usize = 12;
-/// The foot of a region is above this share of its heights: single noisy pixels lie low anywhere.
+/// The foot of a thing is this quantile of its heights: single noisy pixels lie low anywhere.
 const FOOT_SHARE: f64 = 0.02;
-/// The top of a region is above this share of its heights.
+/// The top of a thing is this quantile of its heights.
 const TOP_SHARE: f64 = 0.98;
-/// A face whose normal has more than this along up (25 degrees from level) is a top and no side.
+/// A face whose normal has a larger component along up (within 25 degrees of level) is a top and no side.
 const TOP_FACE: f64 = 0.9;
-/// Sides of a flat thing are tilted alike up to this (sine; 9 degrees, the noise of normals of small faces).
+/// Sides are tilted alike when the sines of their tilts differ by at most this: 9 degrees, the noise of normals of small faces.
 const ALIKE: f64 = 0.15;
-/// A side tilted by less (sine; 8 degrees) stands upright.
+/// A side whose normal has a smaller component along up (within 8 degrees of upright) does not lean.
 const LEAST_TILT: f64 = 0.14;
-/// Something leans when at least this share of its tilted pixels is tilted alike: a board does, a ball or a rounded edge does not.
+/// Least share of a leaning thing's tilted pixels that are tilted alike: a board has it, a ball or a rounded edge has not.
 const LEAST_ALIKE: f64 = 0.6;
-/// The pixels tilted alike are at least this share of all its pixels, ...
+/// Least share of all pixels of a leaning thing that are tilted alike.
 const LEAST_TILTED: f64 = 0.2;
-/// ... at least this long up its slope (m) ...
+/// Least length (m) of a leaning face up its slope: handles and cables are shorter.
 const LEAST_SLOPE_M: f64 = 0.07;
-/// ... and at least this large (m²): boards are, cables, handles and slivers of a bowl's wall are not.
+/// Least area (m²) of a leaning face: slivers of a bowl's wall are smaller.
 const LEAST_FACE_M2: f64 = 0.004;
 
-/// A region as something that stands.
+/// A region described against gravity. Foot, top, normal, cells and tilt are measured for things only, not for structure.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Body {
     /// Its first pixel. It breaks ties, because region numbers may differ between label maps.

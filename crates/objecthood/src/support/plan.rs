@@ -5,12 +5,13 @@ use glam::{DVec2, DVec3, Vec3};
 use crate::discovery::up::Up;
 use crate::tangents::tangents;
 
-/// Directions in which the outline of a region is known in the plan view.
+/// Number of directions in which the outline of a region is measured in the plan view.
 pub(crate) const DIRECTIONS: usize = 16;
-/// Sine of the angle (6 degrees) between the line of sight and gravity, or a face, below which directions mean nothing.
+/// Least sine of the angle (6 degrees) between the line of sight and gravity, or between the line of sight and a face: below it,
+/// directions are noise.
 pub(crate) const FORESHORTENED: f64 = 0.1;
 
-/// Takes points to heights and to places in the plan view.
+/// Converts points to heights and to places in the plan view.
 pub(crate) struct Plan {
     /// The direction against gravity.
     pub(crate) up: DVec3,
