@@ -261,7 +261,7 @@ mod tests {
         assert_eq!(shelves.take::<u8>(1), None);
     }
 
-    /// Three boxes before a wall, in colour.
+    /// Three boxes in front of a wall, in colour.
     fn frame() -> Frame {
         let (width, height) = (96, 72);
         let place = |i: usize| (i % width / 16, i / width / 24);

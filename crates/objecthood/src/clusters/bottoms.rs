@@ -251,7 +251,7 @@ mod tests {
     use crate::neighbours::four_neighbours;
     use crate::testing::{raster, small_size};
 
-    /// How many pixels of the table each of the facets a, b, .. gets.
+    /// The number of table pixels given to each of the facets a, b, ..
     fn gained(rows: &[&str], heights_m: &[f64]) -> Vec<usize> {
         let table = Table::drawn(rows, heights_m);
         let scene = table.scene();
@@ -271,7 +271,7 @@ mod tests {
     }
 
     proptest! {
-        /// Pixel by pixel, from the first one that belongs to no patch yet.
+        /// The patches pixel by pixel, each from the first pixel that belongs to no patch yet.
         #[test]
         fn patches_are_those_of_a_flood(
             pixels in small_size().prop_flat_map(|size| raster(size, prop_oneof![
@@ -283,7 +283,7 @@ mod tests {
             let table = Table::new((width, height), |u, v| pixels[v * width + u]);
             let scene = table.scene();
             let segments = &scene.facets.segments;
-            // Facet 3 was found to be a part of the table.
+            // Facet 3 was given to the table.
             let all = [Owner::Background, Owner::Cluster(SegmentId(0)), Owner::Cluster(SegmentId(1)), Owner::Background];
             let owners = &all[..segments.count()];
             let owner = |i: usize| segments.at(i).map(|facet| owners[facet.index()]);
@@ -324,9 +324,9 @@ mod tests {
     fn an_enclosed_bottom_belongs_to_the_plate() {
         let rows = ["________", "_aaaaaa_", "_aa__aa_", "_aa___a_", "_aaaaaa_", "________"];
         assert_eq!(gained(&rows, &[0.005]), [5]);
-        // Beyond a step it is the table, seen through a ring.
+        // Across a step it is the table, seen through a ring.
         assert_eq!(gained(&rows, &[0.012]), [0]);
-        // And where it is open it is the table as well.
+        // An open patch is the table, too.
         let open = ["________", "_aaaaaa_", "_aa__aa_", "_aa_____", "_aaaaaa_", "________"];
         assert_eq!(gained(&open, &[0.005]), [0]);
     }
@@ -342,7 +342,7 @@ mod tests {
         // A ball on a plate covers a part of its bottom.
         let rows = ["aaaaaaaa", "aa____aa", "aa_bb_aa", "aa____aa", "aaaaaaaa"];
         assert_eq!(gained(&rows, &[0.005, 0.005]), [10, 0]);
-        // Between two books of one height it is neither's.
+        // A patch between two books of equal height belongs to neither.
         let rows = ["aaabbb", "aa__bb", "aaabbb"];
         assert_eq!(gained(&rows, &[0.005, 0.005]), [0, 0]);
     }
@@ -379,7 +379,7 @@ mod tests {
         let [(join, _)] = clusters.joins(SegmentId(0)).collect::<Vec<_>>()[..] else { panic!("one bottom") };
         assert_eq!(join.evidence, JoinEvidence::VesselBottom { contact_share: 1.0 });
         assert_eq!(join.parts.map(|part| part.size_px), [300, 100]);
-        // Above 1 it never is.
+        // With a share above 1 there is no bottom.
         let mut clusters = single(&scene);
         let never = params::Vessels { bottom_contact_share: 1.1, ..Default::default() };
         join_bottoms(&mut clusters, &never);

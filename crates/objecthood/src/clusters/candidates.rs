@@ -118,7 +118,7 @@ mod tests {
         Table::drawn(&rows, &[0.1, 0.05, 0.2])
     }
 
-    /// Parameters with which a candidate has at least this many pixels (px) of a scene.
+    /// Parameters with which a candidate of the scene has at least this many pixels.
     fn least(scene: &Scene<'_>, size_px: usize) -> params::Objectness {
         let numbers = 0..10_000;
         let min_size_px = numbers.rev().find(|&px| scene.space.area_px(px) <= size_px).expect("0 is no more");
@@ -149,7 +149,7 @@ mod tests {
         let part = JoinedPart { box_px: crate::PixelBox { u: 0, v: 0, width: 1, height: 1 }, size_px: 1 };
         let evidence = JoinEvidence::VesselRemainder { contact_share: 1.0 };
         let join = Join { parts: [part; 2], evidence, behind: None };
-        // Facet 0 is the table, facet 2 is thing b; a small one is no node, nor is what became a part of the object.
+        // Facet 0 is the table, facet 2 is thing b. A small cluster is no node, and neither is a part of the object.
         let behind = |hider: u32, min_size_px: usize, merged: bool| {
             let mut clusters = single(&scene);
             clusters.give(Event {

@@ -218,7 +218,7 @@ mod tests {
     use crate::raster::Raster;
     use crate::testing::{raster, small_size};
 
-    /// A small image of up to four facets on a table, at heights that are level, a step or far apart; some pixels are missing.
+    /// A small image of up to four facets on a table, with heights that are equal, a step apart or far apart; some pixels are missing.
     fn scenery() -> impl Strategy<Value = Table> {
         let pixel = (prop_oneof![1 => Just(None), 4 => (0_i32..5).prop_map(Some)], 0_u8..4);
         small_size().prop_flat_map(move |size| raster(size, pixel.clone())).prop_map(|pixels| {
@@ -229,10 +229,10 @@ mod tests {
         })
     }
 
-    /// The pixels of a cluster and how it lies to its neighbours.
+    /// The pixels of a cluster and its borders.
     type Counted = (Vec<u32>, BTreeMap<Option<SegmentId>, BorderCounts>);
 
-    /// Pixels and neighbours of every cluster, from the cluster of every pixel: `None` = no facet, `Some(None)` = background.
+    /// Pixels and borders of every cluster, from the cluster of each pixel: `None` = no facet, `Some(None)` = background.
     fn counted(
         cluster: &[Option<Option<SegmentId>>],
         disparity: &Raster<f32>,
@@ -247,7 +247,7 @@ mod tests {
         let rows = (0..height).map(|v| (0..width).map(|u| v * width + u).collect::<Vec<_>>());
         let columns = (0..width).map(|u| (0..height).map(|v| v * width + u).collect());
         for line in rows.chain(columns) {
-            // Neighbours, with nothing but holes between them.
+            // Neighbours with only holes between them.
             let seen: Vec<usize> = (0..line.len()).filter(|&t| cluster[line[t]].is_some()).collect();
             for pair in seen.windows(2) {
                 let [i, j] = [line[pair[0]], line[pair[1]]];
@@ -312,7 +312,7 @@ mod tests {
                 }
                 let expected = counted(&cluster, scene.disparity);
                 prop_assert_eq!(clusters.alive(), expected.keys().copied().collect::<Vec<_>>());
-                // The events, in their order, say which cluster every facet is in.
+                // The events, in their order, give the cluster of every facet.
                 let events = clusters.history.events();
                 for (facet, own) in named(&clusters).into_iter().enumerate() {
                     let start = Some(SegmentId(facet as u32));

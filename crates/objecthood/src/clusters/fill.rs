@@ -80,7 +80,7 @@ mod tests {
             let steps = StepLimits { touch_quanta: 3.0, level_quanta: 2.0 };
             let filled = fill_facets(&facets, &disparity, steps).segments;
             let (width, height) = labels.size();
-            // Breadth first from every pixel that has a facet.
+            // Breadth first from every pixel with a facet.
             let mut expected = labels.as_slice().to_vec();
             let mut open: VecDeque<usize> = (0..expected.len()).filter(|&i| expected[i] >= 0).collect();
             while let Some(i) = open.pop_front() {

@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use crate::clusters::testing::{Table, named, single};
 
-    /// Which cluster each of the facets a, b, .. ends up in.
+    /// The final cluster of each of the facets a, b, ..
     fn absorbed(rows: &[&str], heights_m: &[f64], max_size_px: usize) -> Vec<Option<u32>> {
         let table = Table::drawn(rows, heights_m);
         let scene = table.scene();
@@ -95,11 +95,11 @@ mod tests {
             "____________________",
         ];
         assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 30), [Some(0), Some(1), Some(1)]);
-        // With b on another level it touches only a.
+        // With b on another level, c touches only a.
         assert_eq!(absorbed(&rows, &[0.1, 0.2, 0.1], 30), [Some(0), Some(1), Some(0)]);
-        // And alone on its level nothing.
+        // Alone on its level it touches nothing.
         assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.2], 30), [Some(0), Some(1), Some(2)]);
-        // What is large enough stays.
+        // A large cluster stays.
         assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 25), [Some(0), Some(1), Some(2)]);
     }
 
@@ -107,7 +107,7 @@ mod tests {
     fn ties_go_to_the_first() {
         let rows = ["aaaaaaaaaa", "aaaaaaaaaa", "cccccccc..", "bbbbbbbbbb", "bbbbbbbbbb"];
         assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 10), [Some(0), Some(1), Some(0)]);
-        // Of two of one size the first moves, and the second stays where it is.
+        // Of two fragments of equal size the first moves and the second stays.
         assert_eq!(absorbed(&["aaaa", "bbbb"], &[0.1, 0.1], 10), [Some(1), Some(1)]);
     }
 
@@ -115,14 +115,14 @@ mod tests {
     fn a_crumb_on_the_table_is_a_part_of_it() {
         let rows = ["________", "__aaaa__", "__aaaa__", "________"];
         assert_eq!(absorbed(&rows, &[0.002], 30), [None]);
-        // Four pairs are touch enough, three are not.
+        // Four touching pairs suffice, three do not.
         assert_eq!(absorbed(&["aaaa", "____"], &[0.002], 30), [None]);
         assert_eq!(absorbed(&["aaa.", "____"], &[0.002], 30), [Some(0)]);
     }
 
     #[test]
     fn no_fragment_goes_to_a_smaller_one_but_smaller_ones_may_come_along() {
-        // c touches b alone, b touches a and c.
+        // c touches only b, b touches a and c.
         let rows = ["aaaaaaaa", "aaaaaaaa", "bbbbbb..", "cccc...."];
         assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 10), [Some(0), Some(0), Some(0)]);
         let rows = ["aaaaaa", "aaaaaa", "bbbbb."];

@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn the_top_is_nearly_the_highest_pixel() {
-        // 400 pixels at 5 mm, of which a few are noise: 1 % does not count, 5 % do.
+        // 400 pixels at 5 mm with some noise: 1 % of high pixels does not change the top, 5 % do.
         for (noisy, is_kept) in [(4, false), (20, true)] {
             let table = Table::new((20, 20), |u, v| Some((1, if 20 * v + u < noisy { 0.05 } else { 0.005 })));
             let scene = table.scene();

@@ -242,8 +242,8 @@ mod tests {
     use super::*;
     use crate::clusters::testing::{Table, named, single};
 
-    /// A plank, facets 1 and 2 at these heights (m), below a bar, facet 3, that cuts it: `bar_m` is the bar's height in a row,
-    /// if there is any of it.
+    /// A plank, facets 1 and 2 at these heights (m), cut by a bar above it, facet 3. `bar_m`: the height of the bar in a row; `None` = no
+    /// bar in this row.
     struct Cut {
         plank_m: [f64; 2],
         bar_m: fn(usize) -> Option<f64>,
@@ -266,7 +266,7 @@ mod tests {
         }
     }
 
-    /// The clusters of the plank's two parts and of the bar, and the joins of the first, each with its hider.
+    /// The clusters of the plank's two parts and of the bar, and the joins of the first part, each with its hider.
     struct Joined {
         clusters: Vec<Option<u32>>,
         joins: Vec<(Join, Option<SegmentId>)>,
@@ -293,7 +293,7 @@ mod tests {
             continuation.hidden_share == 1.0 && continuation.seen_through_share == 0.0,
             "{continuation:?}"
         );
-        // From the middle of the left part, column 34.5, to that of the right one, 82, at 0.95 m.
+        // From the middle of the left part, column 34.5, to the middle of the right part, column 82, at 0.95 m.
         assert!((continuation.distance_m - 47.5 * 0.95 / 525.0).abs() < 1e-3, "{continuation:?}");
         assert!(continuation.angle_deg < 0.1 && continuation.color_overlap.is_none(), "{continuation:?}");
     }

@@ -175,12 +175,11 @@ mod tests {
     use super::*;
     use crate::clusters::testing::{Table, single};
 
-    /// Where the ring of the tests stands (m right of and below the camera), and how high.
+    /// Position of the ring (m right of and below the camera), and its height.
     const MIDDLE_M: [f64; 2] = [0.012, -0.007];
     const TOP_M: f64 = 0.08;
 
-    /// What a camera sees of a ring whose part at angle `turn` (0 to 1) is there or not; within it stands something lower,
-    /// facet 2.
+    /// An image of a ring, of which the part at angle `turn` (0 to 1) exists or not. Facet 2 stands inside it and is lower.
     fn ring(radius_m: f64, is_there: impl Fn(f64) -> bool) -> Table {
         Table::new((160, 140), |u, v| {
             // Metres at the height of the rim.
@@ -222,7 +221,7 @@ mod tests {
         assert!((arc.radius_m - 0.06).abs() < 0.002, "{arc:?}");
         assert!((0.6..0.8).contains(&arc.covered), "{arc:?}");
         assert_eq!(circle(&ring(0.06, |turn| turn < 0.45)), None);
-        // The same length, but in two pieces, goes farther round.
+        // The same length in two pieces covers more of the circle.
         assert!(circle(&ring(0.06, |turn| turn % 0.5 < 0.25)).is_none());
         assert!(circle(&ring(0.06, |turn| turn % 0.25 < 0.17)).is_some());
     }

@@ -43,7 +43,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the weights, a better part never makes a worse object.
+        /// With any weights, a better part never lowers the objectness.
         #[test]
         fn objectness_is_a_share_and_grows_with_every_part(
             values in prop::array::uniform5(0.0_f32..=1.0),

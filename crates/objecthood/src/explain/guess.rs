@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn a_guess_turns_its_check_over_and_is_round() {
         let params = Params::default();
-        // Whatever is measured, on either side of the limit: with the limit that the guess makes the check turns.
+        // For any measured value, on either side of the limit: the check turns with the limit that the guess sets.
         for bound in [Bound::Below, Bound::AtMost, Bound::Above, Bound::AtLeast] {
             for (parameter, factor) in
                 [("height.min_top_m", 1.0), ("vessels.concavity", -0.5), ("fragments.max_size_px", 0.25)]
@@ -107,7 +107,7 @@ mod tests {
                 let from = params.number(parameter).unwrap();
                 for share in [0.013, 0.4, 0.999, 1.0, 1.001, 1.7] {
                     let limit = from * factor;
-                    // Pixels are counted.
+                    // Numbers of pixels are whole.
                     let measured = if is_whole(parameter) { (limit * share).round() } else { limit * share };
                     let check = Check::new("", "", measured, bound, limit).set_by(parameter);
                     let guesses = guess(&check, &params);
@@ -131,7 +131,7 @@ mod tests {
         assert_eq!(guess(&fixed, &params), []);
         assert_eq!(guess(&fixed.set_by("no.parameter"), &params), []);
         assert_eq!(guess(&fixed.set_by("vessels.rim_circle"), &params), []);
-        // Beyond what the parameter may be: 1 m at most.
+        // Outside the range of the parameter: it is 1 m at most.
         let far = Check::new("", "", 5.0, Bound::AtMost, 0.015).set_by("vessels.rim_height_m");
         assert_eq!(guess(&far, &params), []);
     }

@@ -87,7 +87,7 @@ mod tests {
 
     const CLUSTERS: u32 = 6;
 
-    /// What a cluster that was there after so many events is a part of in the end, one event after the other.
+    /// The final cluster of a cluster that exists after `after` events, found event by event.
     fn owner(events: &[Event], mut own: Option<SegmentId>, after: usize) -> Option<SegmentId> {
         for event in &events[after..] {
             if own.is_some() && event.from.cluster() == own {
@@ -97,7 +97,7 @@ mod tests {
         own
     }
 
-    /// The largest facet of the shapes that are a cluster after so many events; facet 10 + k is the only one of shape k.
+    /// The largest facet of a cluster after `after` events. Facet 10 + k is the only facet of shape k.
     fn largest(
         events: &[Event],
         sizes: &[usize],
@@ -111,7 +111,7 @@ mod tests {
     }
 
     fn event((from, into): (u32, u32)) -> Event {
-        // One beyond the clusters is the background.
+        // The number after the last cluster stands for the background.
         let cluster = |k: u32| (k < CLUSTERS).then_some(SegmentId(k));
         let from = cluster(from).map_or(Source::Patch(from), Source::Cluster);
         Event { rule: Rule::Fragment, from, into: cluster(into), checks: Vec::new(), join: None }

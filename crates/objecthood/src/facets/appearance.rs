@@ -162,7 +162,7 @@ mod tests {
         Superpixels { core: labels.map(|_| true), segments: Segments::from_labels(&labels) }
     }
 
-    /// Intersection of two histograms counted in maps, with the bins computed anew.
+    /// Intersection of two histograms that are counted in maps, with exact bins.
     fn naive(bins_a: &[usize], bins_b: &[usize]) -> f64 {
         let count = |bins: &[usize]| {
             let mut map = HashMap::new();

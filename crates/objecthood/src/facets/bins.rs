@@ -177,7 +177,7 @@ mod tests {
         // Up (camera -y) is inclination 0; the camera's own direction (-z) is azimuth 0, the middle.
         assert_eq!(direction_bin([0.0, -1.0, 0.0], &params) / 16, 0);
         assert_eq!(direction_bin([0.0, 1.0, 0.0], &params) / 16, 7);
-        // Tilted a little downwards it is just past the middle of the inclinations.
+        // A normal tilted a little downwards is just past the middle inclination.
         assert_eq!(direction_bin([0.0, 0.1, -0.99], &params), 4 * 16 + 8);
     }
 }

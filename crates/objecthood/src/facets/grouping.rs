@@ -98,7 +98,7 @@ mod tests {
         }
     }
 
-    /// Four superpixels in a row, each one grey level wide in its own way.
+    /// Four superpixels in a row, each of one grey level.
     fn scene(greys: [u8; 4]) -> (Superpixels, Appearance, Raster<f32>) {
         let labels = Raster::from_vec(8, 1, vec![0, 0, 1, 1, 2, 2, 3, 3]).unwrap();
         let superpixels =
@@ -119,9 +119,9 @@ mod tests {
         };
         // Colours that share no bin differ by 0.5; equal ones by 0.
         assert_eq!(joined(0.4, &depth), [0, 0, 0, 0, 1, 1, 2, 2]);
-        // With c = 0.5 the pair 0-1 has averaged to (0.5 + 0.5 + 0) / 3 before 1-2 is looked at; 2-3 still joins.
+        // With c = 0.5 the pair 0-1 has averaged to (0.5 + 0.5 + 0) / 3 before the edge 1-2 is visited; 2-3 still joins.
         assert_eq!(joined(0.5, &depth), [0, 0, 0, 0, 1, 1, 1, 1]);
-        // A superpixel with depth on half of its pixels takes no part.
+        // A superpixel with depth on half of its pixels is not joined.
         let mut holes = depth;
         holes.as_mut_slice()[3] = f32::NAN;
         assert_eq!(joined(0.4, &holes), [0, 0, 1, 1, 2, 2, 3, 3]);
@@ -162,7 +162,7 @@ mod tests {
                 }
             }
             pairs.sort_by(|x, y| x.partial_cmp(y).unwrap());
-            // The first member of a group stands for it.
+            // The first member of a group is its root.
             let mut groups: Vec<(Vec<usize>, f64)> =
                 (0..segments.count()).map(|s| (vec![s], initial_variation)).collect();
             for (difference, a, b) in pairs {

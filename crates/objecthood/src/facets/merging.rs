@@ -315,13 +315,13 @@ mod tests {
     use crate::surface::disparity::position;
     use crate::testing::{kinect, raster};
 
-    /// A region of the twin: the superpixels in it and their moments.
+    /// A region of the reference: its superpixels and their moments.
     struct Group {
         superpixels: Vec<usize>,
         moments: Moments,
     }
 
-    /// The cost of docs/CONTEXT.md 2.1, of two regions with these moments.
+    /// The cost of docs/CONTEXT.md 2.1 for two regions with these moments.
     fn cost(a: &Moments, b: &Moments, basis: Basis) -> f32 {
         let fit = |m: &Moments| m.fit(if m.count() < 12.0 { Basis::Plane } else { basis });
         let (one, other, union) = (fit(a), fit(b), fit(&a.merged(b)));
@@ -335,7 +335,7 @@ mod tests {
         (cost / (1.0 + sideways * sideways).sqrt()) as f32
     }
 
-    /// Computes the costs of all pairs, merges the cheapest, and begins anew. Group k stands at the index of its first
+    /// Computes the costs of all pairs, merges the cheapest, and starts again. A group has the index of its first
     /// superpixel.
     fn naive(
         mut groups: BTreeMap<usize, Group>,
@@ -366,7 +366,7 @@ mod tests {
         groups
     }
 
-    /// Superpixels of 3 x 3 blocks, some missing and a part of each, on a few surfaces with noise of a quantum.
+    /// Superpixels of 3 x 3 blocks on a few surfaces with noise of a quantum. Some blocks, and parts of the others, are missing.
     fn patchwork() -> impl Strategy<Value = (Segments, Raster<f32>)> {
         (1_usize..7, 1_usize..7).prop_flat_map(|(across, down)| {
             let size = (3 * across, 3 * down);
@@ -389,7 +389,7 @@ mod tests {
         })
     }
 
-    /// How many pairs of 4-neighbours join any two regions.
+    /// Counts the pairs of 4-neighbours between any two regions.
     fn adjacency(segments: &Segments) -> RegionGraph<u32> {
         let (width, height) = segments.labels().size();
         let right = (0..width * height).filter(|i| i % width + 1 < width).map(|i| (i, i + 1));

@@ -168,7 +168,7 @@ mod tests {
         moments.fit(Basis::Plane).model
     }
 
-    /// One pass, from the words of docs/CONTEXT.md 2.2: of each pixel the new label.
+    /// One pass, written from docs/CONTEXT.md 2.2: the new label of each pixel.
     fn naive_pass(
         labels: &Raster<i32>,
         disparity: &Raster<f32>,
@@ -182,7 +182,7 @@ mod tests {
             if !is_inside || disparity[i].is_nan() {
                 return labels[i];
             }
-            // All pixels in scan order that are one column or row away.
+            // The 8 neighbours, in scan order.
             let near: Vec<(usize, usize)> = (0..labels.len())
                 .map(|j| (j, (j % width).abs_diff(u).pow(2) + (j / width).abs_diff(v).pow(2)))
                 .filter(|&(_, squared)| squared == 1 || squared == 2)

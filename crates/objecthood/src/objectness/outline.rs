@@ -264,7 +264,7 @@ mod tests {
         let [_, a, b] = drawn(&wide, &[0.3, 0.1])[..] else { panic!("three regions") };
         assert!((sides(a.own_m, 0.3) - 3.0).abs() < 1e-3 && a.hidden_m == 0.0, "{a:?}");
         assert!((sides(b.hidden_m, 0.1) - 3.0).abs() < 1e-3 && b.own_m == 0.0, "{b:?}");
-        // Farther than 24 px nothing is known; a hole in a thing is none of its outline.
+        // Beyond 24 px nothing is found; a hole in a thing is not a part of its outline.
         let apart = format!("a{}b", ".".repeat(24));
         let [_, a, _] = drawn(&[apart.as_str(); 2], &[0.3, 0.1])[..] else { panic!("three regions") };
         assert_eq!((a.own_m, a.hidden_m, a.judged_m, a.separation()), (0.0, 0.0, 0.0, 1.0));
@@ -278,7 +278,7 @@ mod tests {
         let [_, a, b] = drawn(&rows, &[0.2, 0.2])[..] else { panic!("three regions") };
         for half in [a, b] {
             assert!((sides(half.own_m, 0.2) - 12.0).abs() < 1e-2, "{half:?}");
-            // A flat border is 12 degrees from the valley that is neutral, of 15 to a full vote.
+            // A flat border is 12 degrees from the neutral valley; a full vote takes 15.
             let expected = (1.0 - 12.0 / 15.0) / 2.0;
             assert!((f64::from(half.separation()) - expected).abs() < 0.02, "{half:?}");
         }
@@ -286,7 +286,7 @@ mod tests {
 
     #[test]
     fn a_valley_parts_and_a_ridge_does_not() {
-        // A roof seen from above, and the same as a trough: 0.4 m wide at 1 m, with sides of 45 degrees.
+        // A roof seen from above, and a trough of the same shape: 0.4 m wide at 1 m, with sides of 45 degrees.
         let bent = |sign: f64| {
             let table = Table::new((210, 60), |u, _| {
                 let x = (u as f64 - 104.5).abs() / 525.0;
@@ -327,7 +327,7 @@ mod tests {
 
     #[test]
     fn outlines_are_the_same_on_any_number_of_threads() {
-        // More rows than one thread looks at together.
+        // More rows than a band.
         let rows = ["__aaa___bb", "__aa_.._bb", "cccc....bb", "cccc______"].repeat(12);
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

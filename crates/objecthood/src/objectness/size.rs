@@ -151,7 +151,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// A box filled evenly, turned about up: its middle, its sides and its axes are found again.
+        /// A box filled evenly and turned about up: the fit finds its centre, sides and axes.
         #[test]
         fn a_filled_box_is_found_again(
             angle in 0.0_f64..3.0, tilt in -0.7_f64..0.7,
@@ -200,7 +200,7 @@ mod tests {
         };
         let expected = [
             ([0.0, 0.0, 0.0], 1.0, 0.0),
-            // However hidden it is: a cloud of one point was an object.
+            // With any visibility. A regression: a cloud of one point was an object.
             ([0.0, 0.0, 0.0], 0.0, 0.0),
             ([0.0, min_m / 2.0, 0.1], 1.0, 0.0),
             ([min_m, 0.1, 0.0], 1.0, 0.5),
@@ -217,7 +217,7 @@ mod tests {
         }
     }
 
-    /// Of all values in ascending order.
+    /// The reference: from all values in ascending order.
     fn naive_limits_m(points_m: &[[f32; 3]], axis: DVec3) -> [f64; 2] {
         let mut along: Vec<f64> = points_m.iter().map(|p| along_m(p, axis)).collect();
         along.sort_by(f64::total_cmp);
@@ -233,7 +233,7 @@ mod tests {
         fn limits_are_those_of_sorted_values_whatever_the_sample_says(
             points in prop::collection::vec(prop::array::uniform3(-1.0_f32..1.0), 1..2000),
             axis in prop::array::uniform3(-1.0_f64..1.0),
-            // What is sampled is moved by so much.
+            // The sampled points are moved by this much.
             moved in prop_oneof![2 => Just(0.0_f32), 1 => -3.0_f32..3.0],
         ) {
             let mut points = points;
@@ -255,7 +255,7 @@ mod tests {
     proptest! {
         #[test]
         fn x_is_the_longer_way_and_points_right(angle in -1.5_f32..1.5, roll in -1.0_f32..1.0) {
-            // A board on the ground, twice as long as wide, seen by a camera that is held askew.
+            // A board on the ground, twice as long as wide, seen by a tilted camera.
             let rotation = glam::Quat::from_rotation_z(roll) * glam::Quat::from_rotation_y(angle);
             let on_board = |i: usize| Vec3::new((i % 21) as f32 / 10.0 - 1.0, 0.0, (i / 21) as f32 / 20.0 - 0.5);
             let points: Vec<_> = (0..441).map(|i| (rotation * on_board(i) + 3.0 * Vec3::Z).to_array()).collect();
@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn without_camera_x_the_box_points_down() {
-        // A slope seen edge on: up is camera x, the longer way has no part along it.
+        // A slope seen edge-on: up is camera x, and the longer side has no component along it.
         for slope in [1.0, -1.0] {
             let points: Vec<_> =
                 (0..100).map(|i| i as f32 / 100.0).map(|y| [0.0, y, slope * y + 2.0]).collect();

@@ -123,8 +123,8 @@ mod tests {
         assert_eq!(found.core.as_slice(), [false, false, false, true, true, true]);
     }
 
-    /// The loose pixels taken one by one, always over the cheapest edge out of what has a label (Prim), where the
-    /// code joins sets (Kruskal); edges that weigh the same have an order, so both grow the same forest.
+    /// Labels the loose pixels one by one, always over the cheapest edge from a labelled to an unlabelled pixel (Prim), while the
+    /// code joins sets (Kruskal). Edges of equal weight have an order, so both grow the same forest.
     fn one_by_one(
         graph: &PixelGraph,
         components: &Components,

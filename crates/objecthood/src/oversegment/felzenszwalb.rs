@@ -159,7 +159,7 @@ mod tests {
     use crate::oversegment::graph::testing::naive_edges;
     use crate::oversegment::smoothing::smooth;
 
-    /// The algorithm as the article states it: components as lists, Int and Dif spelled out, no union-find.
+    /// The algorithm as in the article: components as lists, Int and Dif computed directly, no union-find.
     fn textbook(graph: &PixelGraph, borders: &Raster<bool>, k: f32, min_size: u32) -> Vec<u32> {
         let mut component: Vec<u32> = (0..graph.pixels() as u32).collect();
         let mut internal = vec![0.0_f32; graph.pixels()];
@@ -231,12 +231,12 @@ mod tests {
         }
     }
 
-    /// Edges are dealt in bands of rows, of which there are three here.
+    /// Edges are dealt in bands of rows; this image has three bands.
     #[test]
     fn several_bands_equal_the_textbook() {
         let (width, height) = (300, 120);
         let depth = Raster::filled(width, height, 1.0).unwrap();
-        // Patches of few levels with noise, so that equal weights lie in all bands.
+        // Patches of few levels with noise, so that equal weights occur in all bands.
         let level = |i: usize, c: usize| {
             let patch = i % width / 25 * 7 + i / width / 20 * 5 + c;
             let noise = (i as u32 * 3 + c as u32).wrapping_mul(0x9e37_79b9) >> 29;

@@ -322,7 +322,7 @@ mod tests {
 
     #[test]
     fn edges_of_several_bands_are_those_of_a_sort_by_comparisons() {
-        // Few weights, so that ties lie in all bands.
+        // Few weights, so that ties occur in all bands.
         let weight = |i: u32| (i.wrapping_mul(0x9e37_79b9) >> 26) as f32;
         let pixels: Vec<_> = (0..300 * 160).map(|p| [0, 1, 2, 3].map(|d| weight(4 * p + d))).collect();
         let graph = of_weights(300, &pixels);
@@ -334,7 +334,7 @@ mod tests {
         #[test]
         fn edges_are_those_of_a_sort_by_comparisons(
             (width, pixels) in prop_oneof![(1_usize..30, 1_usize..9), (1_usize..4, 60_usize..140)].prop_flat_map(|(w, h)| {
-                // Weights of all magnitudes, and many equal ones.
+                // Weights of all magnitudes, many of them equal.
                 let spread = prop_oneof![0.0_f32..1e-30, 0.0_f32..4.0, 0.0_f32..1e30];
                 let weight = prop_oneof![spread, 1.0_f32..1.1, Just(0.5), Just(APART)];
                 (Just(w), prop::collection::vec((prop::array::uniform4(weight), 0_u32..4), w * h))

@@ -206,7 +206,7 @@ mod tests {
         #[test]
         fn each_edge_is_settled_as_by_looking_at_all_others(
             (width, pixels) in prop_oneof![(1_usize..20, 1_usize..9), (1_usize..4, 60_usize..140)].prop_flat_map(|(w, h)| {
-                // Many equal ones, and some that are lighter than all around.
+                // Many equal weights, and some that are lighter than all around them.
                 let weight = prop_oneof![0.0_f32..9.0, (0_u8..4).prop_map(f32::from), Just(f32::INFINITY)];
                 (Just(w), prop::collection::vec((prop::array::uniform4(weight), 0_u8..9), w * h))
             }),
@@ -220,7 +220,7 @@ mod tests {
             let mut joined = Vec::new();
             join_settled(&graph, &settled, |edge| joined.push(edge));
 
-            // In the order of their turns.
+            // In the order of the algorithm.
             let edges = naive_edges(&graph);
             let has = |e: &PixelEdge, pixel: u32| e.p == pixel || e.q == pixel;
             let lightest_of_all = |edge: &PixelEdge| {

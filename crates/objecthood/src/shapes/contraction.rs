@@ -116,7 +116,7 @@ mod tests {
         RegionGraph::gather(REGIONS as usize, edges, |sum: &mut f64, weight| *sum += weight)
     }
 
-    /// Adds up all weights between all groups, joins the two with the greatest sum, and begins anew.
+    /// Sums the weights between any two groups, joins the two groups with the greatest sum, and starts again.
     fn naive(weights: &RegionGraph<f64>) -> Vec<u32> {
         let mut group: Vec<u32> = (0..REGIONS).collect();
         loop {
@@ -127,7 +127,7 @@ mod tests {
                     *sums.entry((a.min(b), a.max(b))).or_default() += edge.evidence;
                 }
             }
-            // The last of equal ones.
+            // On ties the last one.
             let best = sums.into_iter().reduce(|best, next| if next.1 >= best.1 { next } else { best });
             let Some(((a, b), _)) = best.filter(|&(_, sum)| sum > 0.0) else { break };
             group.iter_mut().filter(|k| **k == b).for_each(|k| *k = a);

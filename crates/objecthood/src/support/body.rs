@@ -333,7 +333,7 @@ mod tests {
     use crate::support::cell::CELL_SHARE;
 
     proptest! {
-        /// Of every region: what its pixels reach, one by one.
+        /// The outline of every region, pixel by pixel.
         #[test]
         fn outlines_are_as_far_out_as_any_pixel(
             pixels in (1_usize..80, 1_usize..6).prop_flat_map(|size| crate::testing::raster(
@@ -345,7 +345,7 @@ mod tests {
             let up = Up { direction: up, source: UpSource::Camera };
             let points = pixels.map(|&(_, point, is_measured)| if is_measured { point } else { [f32::NAN; 3] });
             let regions = Segments::from_numbered(pixels.map(|pixel| pixel.0), 2);
-            // Some have none.
+            // Some regions have no pixels.
             let normals = pixels.map(|&(_, vector, _)| if vector[0] < 0.5 { vector } else { [0.0; 3] });
             let space = &crate::testing::kinect();
             let (points_m, normals) = (&points, &normals);

@@ -96,7 +96,7 @@ mod tests {
     use crate::regions::SegmentId;
 
     /// One column of shapes, the last one lowest: shape s has three points at height `heights[s]` and a
-    /// mean normal with the part `upward[s]` along up.
+    /// mean normal with the component `upward[s]` along up.
     fn stack(heights: &[f32], upward: &[f64], contacts: &[(u32, u32)]) -> SupportGraph {
         let n = heights.len();
         let labels = Raster::from_vec(3, n, (0..3 * n as i32).map(|i| i / 3).collect()).unwrap();

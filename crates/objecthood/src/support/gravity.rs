@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn refits_better_the_plane_through_three_points() {
-        // A plane with noise of 4 mm: three points alone err by more than all together.
+        // A plane with noise of 4 mm: the plane through three points has a larger error than the fit to all.
         let mut random = Lcg::new(3);
         let mut draw = || random.below(2001) as f64 / 1000.0 - 1.0;
         let points = (0..4000).map(|_| [draw() as f32, draw() as f32, (2.0 + 0.004 * draw()) as f32]);
@@ -156,7 +156,7 @@ mod tests {
             (45.0, 0.0, [0.0, -half, -half]),
             (90.0, 30.0, [0.0, 0.0, -1.0]),
             (0.0, 180.0, [0.0, 1.0, 0.0]),
-            // Its right hand points down.
+            // The camera's right points down.
             (0.0, 90.0, [-1.0, 0.0, 0.0]),
             (45.0, -90.0, [half, 0.0, -half]),
         ] {

@@ -134,7 +134,7 @@ mod tests {
     use crate::testing::{kinect, raster};
 
     proptest! {
-        /// Pair of points by pair of points, each asked for itself.
+        /// The reference: every pair of points by itself.
         #[test]
         fn meetings_are_those_of_single_pairs(
             pixels in (2_usize..12, 2_usize..12)
@@ -157,7 +157,7 @@ mod tests {
             let mut expected: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
             for (upper, lower) in touching.iter().flat_map(|&(i, j)| [(i, j), (j, i)]) {
                 let [of_upper, of_lower] = [upper, lower].map(|i| regions.at(i as usize).unwrap().index());
-                // A plane stands on nothing.
+                // A plane does not stand on anything.
                 if of_upper < planes.len() {
                     continue;
                 }

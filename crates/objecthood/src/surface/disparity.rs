@@ -174,7 +174,7 @@ mod tests {
             pixels in prop::collection::vec(prop::array::uniform2(0.0..640.0), 20),
         ) {
             let space = space(focal_px, center_px);
-            // Nowhere in the image below 60 quanta: before the camera.
+            // At least 60 quanta everywhere in the image: in front of the camera.
             let value = 700.0;
             let normal = space.normal(at, value, slope);
             let distance_m = space.distance_m(at, value, slope);
@@ -238,10 +238,10 @@ mod tests {
         assert_eq!([half, same, double].map(|space| space.length_px(7)), [4, 7, 14]);
         assert_eq!([half, same, double].map(|space| space.area_px(100)), [25, 100, 400]);
         assert_eq!((half.length_px(1), half.length_px(0), half.area_px(0)), (1, 1, 0));
-        // A surface twice as large in pixels is half as steep: its noise is the same.
+        // At twice the focal length a surface has half the slope, and the same noise.
         let noise = [(half, 1.5), (same, 0.75), (double, 0.375)].map(|(space, g)| space.slope_noise(g));
         assert!(noise.iter().all(|noise| (noise - (1.0_f64 + 0.36).sqrt()).abs() < 1e-12), "{noise:?}");
-        // Of two focal lengths their geometric mean counts.
+        // With two focal lengths, their geometric mean counts.
         let oblong = space([1050.0, 262.5], [0.0; 2]);
         assert_eq!((oblong.length_px(7), oblong.area_px(100), oblong.lateral_noise_px()), (7, 100, 0.8));
     }

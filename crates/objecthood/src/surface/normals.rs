@@ -247,7 +247,7 @@ mod tests {
     use crate::camera::Camera;
     use crate::frame::Frame;
 
-    /// What a camera of 60 x 40 pixels sees of z = `depth(u, v)`.
+    /// The points of a camera of 60 x 40 pixels with z = `depth(u, v)`.
     fn points(depth: impl Fn(usize, usize) -> f32) -> Raster<[f32; 3]> {
         let z = (0..60 * 40).map(|i| depth(i % 60, i / 60)).collect();
         let camera = Camera::new(60.0, 60.0, 29.5, 19.5).unwrap();
@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn no_window_reaches_across_a_depth_change() {
-        // Two walls that face the camera, 0.5 m apart: no normal may be bent by the step.
+        // Two walls that face the camera, 0.5 m apart: the step must not bend any normal.
         let points = points(|u, _| if u < 30 { 1.0 } else { 1.5 });
         let normals = measure_normals(&points, &params::Normals::default());
         for (i, &got) in normals.as_slice().iter().enumerate() {
@@ -294,7 +294,7 @@ mod tests {
         );
     }
 
-    /// The normal of pixel `i` from the words of the documentation: window by search, tangents by loops.
+    /// The normal of pixel `i` as documented: window by search, tangents by loops.
     fn naive(points: &Raster<[f32; 3]>, i: usize, params: &params::Normals) -> Vec3 {
         let (width, height) = points.size();
         let at = |u: usize, v: usize| (u < width && v < height).then(|| Vec3::from(points[v * width + u]));
@@ -338,7 +338,7 @@ mod tests {
     proptest! {
         #[test]
         fn normals_are_the_naive_ones(
-            // Small images, and some that are higher than a band.
+            // Small images, and images higher than a band.
             (width, pixels) in prop_oneof![
                 3 => (1_usize..15, 1_usize..15),
                 1 => (1_usize..9, BAND_ROWS - 2..2 * BAND_ROWS),
@@ -347,7 +347,7 @@ mod tests {
             (step_u, step_v) in (0_usize..20, 0_usize..20),
             window_px in 2.0_f64..15.0,
         ) {
-            // A rough wall with holes and spikes; what is right of and below the step lies deeper.
+            // A rough wall with holes and spikes; right of and below the step it lies deeper.
             let z = pixels.iter().enumerate().map(|(i, &(rough, kind))| match kind {
                 0 => f32::NAN,
                 1 => 1.2,

@@ -182,7 +182,7 @@ mod tests {
     use crate::surface::disparity::position;
     use crate::testing::{coarse_disparity, kinect, plane_fits, raster, small_size};
 
-    /// Fits in coarse steps, so that scores tie; one in five is none.
+    /// Fits in coarse steps, so that scores tie; one in five is missing.
     fn fit() -> impl Strategy<Value = PlaneFit> {
         let some =
             (200_u8..=208, prop::array::uniform2(-1_i8..=1), 0_u8..4).prop_map(|(value, slope, rest)| {
@@ -211,7 +211,7 @@ mod tests {
             let params = params::LocalFit { radius_px, own_window_residual_quanta: 0.8 };
             let got = choose_windows(&disparity, &plane_fits(&fits), &space, &params);
             for i in 0..disparity.len() {
-                // All windows whose middle lies at one of the nine places, in scan order.
+                // All windows centred at one of the nine places, in scan order.
                 let place = |d: usize| d == 0 || d == radius_px - 1;
                 let mut windows = Vec::new();
                 for j in 0..disparity.len() {

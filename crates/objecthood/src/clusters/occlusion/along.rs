@@ -100,7 +100,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
-        /// Also where hardly anything says how a facet is turned: it is one pixel wide, and as near to the other as may be.
+        /// Also for facets whose direction is hardly determined: one pixel wide, and as near to each other as allowed.
         #[test]
         fn normals_by_spread_differ_by_rounding(
             [from, to] in prop::array::uniform2(prop::array::uniform2(0_u16..2000)),
@@ -123,7 +123,7 @@ mod tests {
             let space = space([1640.0; 2], [999.5; 2]);
             let by_spread = along.normal(&along.plane(&Spread::of(&samples)), &space);
             let by_samples = along.normal(&Surface::<3>::fit(along.take(&samples).iter()), &space);
-            // Both normals of a pair may be off.
+            // Both normals of a pair may have an error.
             let apart_deg = (by_spread - by_samples).length().to_degrees();
             prop_assert!(apart_deg < ROUNDING_DEG / 20.0, "{} degrees", apart_deg);
         }

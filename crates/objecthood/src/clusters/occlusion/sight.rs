@@ -186,7 +186,7 @@ mod tests {
     use super::*;
     use crate::clusters::testing::{Table, merge, single};
 
-    /// Pixel by pixel, to the end of every line.
+    /// The reference: pixel by pixel, to the end of every line.
     fn look_to_the_end(
         clusters: &Clusters<'_>,
         [a, b]: [&Piece; 2],
@@ -226,7 +226,7 @@ mod tests {
     }
 
     proptest! {
-        /// Between two parts of a plank, row by row: a hole, the table, something level, and bars, of which one is the plank's own.
+        /// A gap between two parts of a plank, row by row: a hole, the table, a level thing, and bars. One bar belongs to the plank.
         #[test]
         fn lines_that_end_early_tell_what_all_of_them_would(
             rows in prop::collection::vec(prop_oneof![
@@ -239,7 +239,7 @@ mod tests {
             let table = Table::new((110, 60), |u, v| match v {
                 10..40 if (10..30).contains(&u) => Some((1, 0.05)),
                 10..40 if (30 + wide..80).contains(&u) => Some((2, 0.05)),
-                // So that something hides a part of either.
+                // These bars hide a part of each piece.
                 10..20 if (30..30 + wide).contains(&u) => Some((3, 0.15)),
                 20..40 if (30..30 + wide).contains(&u) => rows[v - 20],
                 _ => Some((0, 0.0)),

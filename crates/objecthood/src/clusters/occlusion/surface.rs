@@ -93,7 +93,7 @@ pub(super) fn fit_jointly(
 mod tests {
     use super::*;
 
-    /// It was curved along the gap, where a lying can is straight.
+    /// A regression: the surface was curved along the gap, where a lying can is straight.
     #[test]
     fn a_curved_surface_is_a_cylinder_along_the_gap() {
         let samples = |bend: fn([f64; 2]) -> f64| -> Vec<([f64; 2], f64)> {

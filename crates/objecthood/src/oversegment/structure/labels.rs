@@ -110,10 +110,10 @@ mod tests {
         #[test]
         fn each_pixel_is_of_the_first_surface_it_lies_on(
             pixels in (1_usize..3 * STRETCH / 2, 1_usize..4).prop_flat_map(|size| raster(size, (
-                // Near the surfaces below, and none.
+                // Disparities near the surfaces below, or none.
                 prop_oneof![9 => 97.0_f32..106.0, 1 => Just(f32::NAN)],
                 prop::array::uniform2(-0.4_f32..0.4),
-                // Turned like them or not, and none.
+                // Orientations like those of the surfaces, others, or none.
                 prop::sample::select(vec![[0.0, 0.0, -1.0], [0.0, -0.6, -0.8], [1.0, 0.0, 0.0], [0.0; 3]]),
             ))),
             slope_squared in 0.0_f64..0.2,

@@ -103,7 +103,7 @@ mod tests {
                 let terms = [1.0, x, y, z, x * x, y * y, z * z, x * y, y * z, z * x];
                 expected.iter_mut().zip(terms).for_each(|(sum, term)| sum[u % LANES] += term);
             }
-            // To the bit, but for the sign of zeros: the order of the sums is that of the published planes.
+            // Equal to the bit except for the sign of zeros: the sums have the same order as in the released planes.
             prop_assert_eq!(lanes.sums, expected);
         }
     }

@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Grids also of more rows than a word has bits.
+        /// Also grids with more rows than a word has bits.
         #[test]
         fn the_largest_piece_is_the_naive_one(
             grid in (1_usize..12, prop_oneof![1_usize..12, 60_usize..140]).prop_flat_map(|(columns, rows)| {
