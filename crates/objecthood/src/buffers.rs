@@ -149,6 +149,7 @@ fn give_back<T: Send + 'static>(values: Vec<T>) {
     let _surplus = shelves().put(values);
 }
 
+/// The buffers of the whole process that are kept for reuse.
 static SHELVES: Mutex<Shelves> = Mutex::new(Shelves { keepers: 0, by_type: Vec::new() });
 
 /// Locks the shelves. They are consistent even after a panic: no user code runs between two changes.

@@ -149,6 +149,7 @@ impl PixelBox {
 
 /// The indices of the marks that are not 0, in ascending order. Fast when few are set: stretches of zeros are skipped.
 pub(crate) fn marked(marks: &[i32]) -> impl Iterator<Item = usize> + '_ {
+    // Marks that are skipped together when none of them is set.
     const STRETCH: usize = 16;
     let stretches = marks.chunks(STRETCH).enumerate();
     let busy = stretches.filter(|(_, stretch)| stretch.iter().fold(0, |any, mark| any | mark) != 0);

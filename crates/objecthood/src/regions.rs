@@ -216,6 +216,7 @@ pub(crate) fn runs(
 
 /// The number of labels at the start that equal the first one. Long runs are compared in strides.
 fn run_length(labels: &[i32]) -> usize {
+    // Labels compared at once.
     const STRIDE_PX: usize = 16;
     let Some(&own) = labels.first() else { return 0 };
     let is_same = |stride: &&[i32]| stride.iter().fold(0, |any, label| any | (label ^ own)) == 0;

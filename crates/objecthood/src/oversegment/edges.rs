@@ -56,6 +56,7 @@ impl<F: FnMut(&mut UnionFind, PixelEdge, (usize, usize))> Rule for F {
 /// Leading bits of a weight that number its bucket: the exponent and five more; the sign is always 0.
 const BUCKET_BITS: u32 = 13;
 
+/// Number of buckets.
 const BUCKETS: usize = 1 << BUCKET_BITS;
 
 /// Pixels whose edges are dealt together. Dealing writes to some three hundred places of 0.4 MB in turn, and reads and writes

@@ -70,6 +70,7 @@ fn count_marked(superpixels: &Segments, v: usize, marks: &[i32]) -> Vec<Count> {
 /// Sums the counts of each pair. A superpixel has few neighbours, so searching its list is faster than sorting all counts.
 /// O(counts · neighbours).
 fn sum_counts(superpixels: usize, counts: impl Iterator<Item = Count>) -> RegionGraph<u32> {
+    // Marks the end of a list.
     const END: u32 = u32::MAX;
     let mut firsts = vec![END; superpixels];
     // Linked lists, one for each first superpixel: the second one, the number of links, the place of the next entry.

@@ -91,7 +91,9 @@ struct Row {
     idle: Vec<u32>,
 }
 
+/// In a word that holds the edges of three pixels, the first bit of the second pixel, b.
 const OF_B: u32 = 8;
+/// In a word that holds the edges of three pixels, the first bit of the third pixel, c.
 const OF_C: u32 = 16;
 
 impl Row {
@@ -172,6 +174,7 @@ impl Row {
     }
 }
 
+/// The bit of the edge from a to b, and so on for the other edges of a block.
 const AB: u32 = 1;
 const AC: u32 = 1 << 1;
 const AD: u32 = 1 << 2;

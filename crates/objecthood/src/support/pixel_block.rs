@@ -210,7 +210,7 @@ fn limits(values: &[f64; BLOCK_PX]) -> (f64, f64) {
         }
     }
     // The halves are compared with each other again and again, so that no comparison waits for all others.
-    const { assert!(LANES == 8, "as many halves as follow") }
+    const { assert!(LANES == 8, "the loop below halves eight lanes") }
     for half in [4, 2, 1] {
         for k in 0..half {
             low[k] = smaller(low[k + half], low[k]);
