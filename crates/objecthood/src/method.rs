@@ -1,7 +1,7 @@
 //! The methods: the order of the stages, and nothing else.
 //!
-//! Every stage is a function from outputs of earlier stages and its own parameters to one output. [`recall`] runs it only where
-//! the output is not there yet.
+//! Every stage is a function from outputs of earlier stages and its own parameters to one output. [`recall`] runs it only if
+//! its output does not exist yet.
 
 use crate::clusters::fill::fill_facets;
 use crate::clusters::rules::{Rules, find_clusters};
@@ -40,7 +40,7 @@ pub(crate) fn paper<'k>(
 ) -> Result<&'k Discovery> {
     let params = &without_missing_color(frame, params);
 
-    // What single pixels tell: normals, and where they bend (eq. 2).
+    // Single pixels: normals, and the curvature of the surface (eq. 2).
     let points_m = recall(&mut kept.points_m, || frame.points_m());
     let normals = recall(&mut kept.normals, || measure_normals(points_m, &params.normals));
     observer.observe(Output::Normals(normals));
@@ -81,19 +81,19 @@ pub(crate) fn paper<'k>(
     Ok(discovery)
 }
 
-/// The same four stages, with surfaces fitted in disparity and the evidence of whole borders; what borders cannot tell the
-/// surroundings decide. Colour is asked only about parts behind an occluder.
+/// The same four stages, with surfaces fitted in disparity and evidence from whole borders. Where borders cannot decide, the
+/// surroundings do. Colour is used only for parts behind an occluder.
 pub(crate) fn context<'k>(
     frame: &Frame,
     params: &Params,
     kept: &'k mut ContextOutputs,
     observer: &mut dyn Observer,
 ) -> Result<&'k Discovery> {
-    // What single pixels tell: the plane that fits their surroundings best.
+    // Single pixels: the plane that fits the surroundings of each best.
     let surfaces = recall(&mut kept.surfaces, || find_surfaces(frame, &params.sensor, &params.local_fit));
     observer.observe(Output::Normals(&surfaces.orientation.normal));
 
-    // 1. Over-segmentation: large planes, then a watershed of how badly a plane fits.
+    // 1. Over-segmentation: large planes, then a watershed of the residuals of the plane fits.
     let structure = recall(&mut kept.structure, || {
         find_structure(frame.depth_m(), surfaces, camera_up(&params.gravity), &params.structure)
     });
@@ -117,7 +117,7 @@ pub(crate) fn context<'k>(
         recall(&mut kept.shapes, || contract(&sum_votes(borders, facets.structure, &params.contraction)));
     observer.observe(Output::Shapes(LabelMap::shapes(facets, shapes)));
 
-    // 4. Objectness: what the surroundings of a shape tell, and support against gravity.
+    // 4. Objectness: shapes joined by their surroundings, support against gravity, and the score.
     let steps = StepLimits::of(&params.watershed);
     let filled = recall(&mut kept.filled, || fill_facets(facets, &surfaces.disparity, steps));
     let points_m = recall(&mut kept.points_m, || frame.points_m());
@@ -137,7 +137,7 @@ pub(crate) fn context<'k>(
     Ok(discovery)
 }
 
-/// The parameters with which depth alone decides when the frame has no colour.
+/// The parameters; for a frame without colour, changed so that depth alone decides.
 fn without_missing_color(frame: &Frame, params: &Params) -> Params {
     let mut params = params.clone();
     if frame.color().is_none() {

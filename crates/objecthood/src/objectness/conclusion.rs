@@ -1,4 +1,4 @@
-//! The end of both methods: the discovery is put together.
+//! The end of both methods: assembles the discovery.
 
 use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::{Discovery, Notice};
@@ -13,7 +13,7 @@ use crate::regions::Segments;
 use crate::support::gravity::{Ground, mark_plane};
 use crate::support::standing::Standing;
 
-/// Puts together what `paper` found: the hypotheses that are objects, the ground, and what stands on what. O(pixels log pixels).
+/// Assembles the discovery of `paper`: the objects, the ground and the support graph. O(pixels log pixels).
 ///
 /// # Errors
 /// As [`make_objects`].
@@ -41,7 +41,7 @@ pub fn conclude_paper(
     })
 }
 
-/// Puts together what `context` found: the hypotheses that are objects, the structure, and what stands on what. O(pixels log pixels).
+/// Assembles the discovery of `context`: the objects, the structure and the support graph. O(pixels log pixels).
 ///
 /// # Errors
 /// As [`make_objects`].

@@ -6,10 +6,10 @@ use crate::objectness::size::longest_side_m;
 use crate::params::{self, Method, Params};
 
 impl Hypothesis {
-    /// Whether it is an object: in `paper`, when its longest side is within `min_side_m..=max_side_m` and its P(O) at least
-    /// `min_p_o` (eq. 8); in `context`, when its objectness is at least `threshold`.
+    /// Whether it is an object. In `paper`: its longest side is within `min_side_m..=max_side_m`, and its P(O) is at least `min_p_o`
+    /// (eq. 8). In `context`: its objectness is at least `threshold`.
     ///
-    /// *Differs from the paper:* it prints neither the limits of size nor the threshold.
+    /// *Differs from the paper:* it states neither the limits of size nor the threshold.
     pub fn is_object(&self, method: Method, params: &params::Objectness) -> bool {
         match method {
             Method::Paper => {
@@ -27,7 +27,7 @@ impl Hypothesis {
     }
 }
 
-/// Keeps the hypotheses that are objects; with `every_hypothesis` all of them.
+/// Keeps the hypotheses that are objects; with `every_hypothesis`, all hypotheses.
 pub(crate) fn decide<'a>(hypotheses: &'a [Hypothesis], params: &Params) -> Vec<&'a Hypothesis> {
     let keeps = |hypothesis: &&Hypothesis| {
         params.objectness.every_hypothesis || hypothesis.is_object(params.method, &params.objectness)

@@ -28,17 +28,17 @@ pub struct Hypothesis {
     pub pixels: Vec<usize>,
     /// Its box.
     pub box_m: OrientedBox,
-    /// How sure it is that it is an object, in [0, 1].
+    /// How likely the region is an object, in [0, 1].
     pub objectness: f32,
     /// The parts of the objectness.
     pub parts: ObjectnessParts,
-    /// How high it stands above the support plane (m), where that is known.
+    /// Height of its top above the support surface (m); `None` in `paper` and without a support.
     pub top_m: Option<f32>,
-    /// Why those parts of it are one that do not touch as one surface.
+    /// The joins of its parts that do not touch as one surface. Empty in `paper`.
     pub joins: Vec<Join>,
 }
 
-/// What regions are judged by.
+/// The inputs by which regions are judged.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence<'a> {
     /// The regions, among them those that may be objects.
@@ -47,15 +47,15 @@ pub struct Evidence<'a> {
     pub points_m: &'a Raster<[f32; 3]>,
     /// Unit normals; zero where there is none.
     pub normals: &'a Raster<[f32; 3]>,
-    /// What carries what; node k is region k.
+    /// The support graph; node k is region k.
     pub support: &'a SupportGraph,
     /// The direction against gravity.
     pub up: &'a Up,
-    /// The camera and its noise.
+    /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
 }
 
-/// Judges the regions from number `first` on that have at least `min_size_px` points, in their order.
+/// Makes hypotheses of the regions from number `first` on that have at least `min_size_px` points, in their order.
 /// O(pixels + area of the hulls); parallel over rows and regions.
 pub fn find_hypotheses(
     evidence: &Evidence<'_>,
@@ -91,7 +91,7 @@ pub fn find_hypotheses(
     pixels.into_par_iter().enumerate().filter_map(judge).collect()
 }
 
-/// The pixels with depth of every region from number `first` on, in scan order; none of the others.
+/// The pixels with depth of each region from number `first` on, in scan order; empty for the other regions.
 fn measured_pixels(regions: &Segments, first: usize, points_m: &Raster<[f32; 3]>) -> Vec<Vec<usize>> {
     let runs = || regions.runs().filter(|&(_, region)| region >= first);
     let mut most = vec![0; regions.count()];
@@ -103,7 +103,7 @@ fn measured_pixels(regions: &Segments, first: usize, points_m: &Raster<[f32; 3]>
     pixels
 }
 
-/// Judges the candidates of `context`; says also how high they stand, and why their parts are one. As [`find_hypotheses`].
+/// Makes hypotheses of the candidates of `context`, with their tops and joins. See [`find_hypotheses`].
 pub fn find_cluster_hypotheses(
     scene: &Scene<'_>,
     clusters: &Clustering,

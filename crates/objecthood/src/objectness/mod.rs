@@ -1,7 +1,7 @@
-//! Objectness: which regions are objects, by size, support and the look of their borders (paper, III-D).
+//! Objectness: decides which regions are objects, by their size, support and borders (paper, III-D).
 //!
-//! [`hypotheses`] judges every region by its parts: [`size`], support, [`compactness`], and the [`outline`] for separation and
-//! visibility. [`decision`] keeps those that are objects, [`objects`] numbers and describes them.
+//! [`hypotheses`] rates every region in five parts: [`size`], support, [`compactness`], and from the [`outline`] separation and
+//! visibility. [`decision`] keeps the hypotheses that are objects, [`objects`] numbers and describes them.
 //!
 //! On a box of 10 cm, seen from above:
 //!

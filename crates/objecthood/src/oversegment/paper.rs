@@ -9,8 +9,8 @@ use crate::oversegment::smoothing::smooth;
 use crate::params::{Channels, Params};
 use crate::raster::Raster;
 
-/// Segments the pixel graph of a frame, bounded by high curvature, and gives what bounds it to the regions beside it.
-/// O(pixels log pixels).
+/// Segments the pixel graph of a frame. Pixels of high curvature separate regions; they are absorbed into adjacent regions
+/// afterwards. O(pixels log pixels).
 pub fn segment_graph(frame: &Frame, curvature: &Raster<f32>, params: &Params) -> Superpixels {
     let borders = find_high_curvature(frame, curvature, params);
     let smoothed = frame.color().map(|color| smooth(color, frame.depth_m(), &params.smoothing));
@@ -23,13 +23,13 @@ pub fn segment_graph(frame: &Frame, curvature: &Raster<f32>, params: &Params) ->
     absorb(&graph, &components, &borders, frame.depth_m(), &params.absorption, min_size)
 }
 
-/// Where curvature bounds superpixels, or depth alone makes them, pixels without depth stand apart.
+/// Pixels without depth are separate when curvature bounds superpixels or depth alone makes them; else their colour decides.
 fn treat_unmeasured(params: &Params) -> Unmeasured {
     let bounded = params.curvature.enabled || params.graph.channels == Channels::Depth;
     if bounded { Unmeasured::Apart } else { Unmeasured::ByColor }
 }
 
-/// The pixels that bound superpixels: depth and a curvature above the threshold.
+/// The pixels that bound superpixels: they have depth and a curvature above the threshold.
 fn find_high_curvature(frame: &Frame, curvature: &Raster<f32>, params: &Params) -> Raster<bool> {
     let (enabled, threshold) = (params.curvature.enabled, params.curvature.threshold);
     let high = |(c, z): (&f32, &f32)| enabled & !z.is_nan() & (*c > threshold);

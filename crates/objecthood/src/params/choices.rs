@@ -22,9 +22,9 @@ macro_rules! choice {
 }
 
 choice! {
-    /// A way of doing the four stages.
+    /// A method: an implementation of the four stages.
     Method {
-        /// Surfaces fitted in disparity, and what their borders and surroundings tell.
+        /// Surfaces fitted in disparity, joined by their borders and surroundings.
         #[default]
         Context = "context",
         /// The published method, equation by equation.
@@ -51,7 +51,7 @@ choice! {
         /// The normal of the dominant plane.
         #[default]
         Plane = "plane",
-        /// The camera's own up, by its tilt and roll; held horizontally against its y axis.
+        /// The camera's own up, from its tilt and roll. When it is held horizontally, up is opposite to its y axis.
         Camera = "camera",
     }
 }

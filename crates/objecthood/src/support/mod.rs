@@ -1,6 +1,6 @@
-//! Support: the direction up, and what stands on what (paper, III-D, eq. 6 to 8).
+//! Support: the direction up and the support graph (paper, III-D, eq. 6 to 8).
 //!
-//! `paper`: [`by_height`]. `context`: the [`forest`], from bodies seen against gravity, their feet and their meetings.
+//! `paper`: [`by_height`]. `context`: the [`forest`], from bodies described against gravity, their feet and their meetings.
 //!
 //! On a box of 10 cm, seen from above:
 //!

@@ -13,12 +13,12 @@ use crate::support::forest::build_forest;
 use crate::support::gravity::find_up;
 use crate::support::scene::SupportScene;
 
-/// What stands on what, and the regions that the nodes are.
+/// The support graph of `context`, and the regions that are its nodes.
 #[derive(Clone, Debug)]
 pub struct Standing {
     /// The regions: first the structure, then the clusters that are large enough.
     pub(crate) candidates: Candidates,
-    /// The planes of the structure, with the share of the points that is theirs.
+    /// The planes of the structure, with their shares of the points.
     pub(crate) planes: Vec<StructurePlane>,
     /// The direction against gravity.
     pub(crate) up: Up,
@@ -26,7 +26,7 @@ pub struct Standing {
     pub(crate) graph: SupportGraph,
 }
 
-/// Finds the candidates, the direction up, and what stands on what. `planes`: those of the structure. O(pixels), and as
+/// Finds the candidates, the direction up and the support graph. `planes`: the planes of the structure. O(pixels), plus the cost of
 /// [`build_forest`].
 pub fn find_standing(
     frame: &Frame,
@@ -51,7 +51,7 @@ impl Standing {
         &self.candidates.regions
     }
 
-    /// What stands on what: node k is region k.
+    /// The support graph: node k is region k.
     pub fn graph(&self) -> &SupportGraph {
         &self.graph
     }
