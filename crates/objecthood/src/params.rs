@@ -170,8 +170,8 @@ parameters! {
         step_depth_m: f64 = 0.013, 0.0..=10.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 3.1)";
     }
 
-    /// Votes of folds and steps, by which facets are joined to shapes (`context`). A fold is the clearer as the border of an object, the
-    /// more it votes against one shape.
+    /// Votes of folds and steps, by which facets are joined to shapes (`context`). The more a fold votes against one shape, the clearer it
+    /// is as the border of an object.
     Contraction contraction, read by [Paper: Hypotheses, Context: Shapes] {
         /// Concavity at which a fold votes neither for one shape nor against it.
         reflex_offset_deg: f64 = 12.0, -180.0..=180.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 3.2)";
