@@ -1,4 +1,4 @@
-//! Every parameter of the method, with unit, range, default and where the default comes from.
+//! Every parameter of both methods, with unit, range, default and the source of the default.
 //!
 //! There is one group for each algorithm. `parameters!` generates the structs, their defaults, the validation and the table of
 //! `objecthood params` from one text.
@@ -56,7 +56,7 @@ parameters! {
 
     /// Graph over-segmentation on colour, depth and curvature, eq. 1.
     Graph graph, read by [Paper: Superpixels] {
-        /// What the edge weights are made of.
+        /// The terms of the edge weights.
         channels: Channels = Channels::Both, OneOf("color | depth | both"), "dimensionless: switch", "paper, IV";
         /// Weight of colour against disparity (alpha).
         color_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-A (alpha)";
@@ -72,7 +72,7 @@ parameters! {
         depth_gate_per_m: f32 = 0.02, 0.0..=10.0, "1/m", "tuned on mOSD learn (PARITY.md 7)";
     }
 
-    /// How superpixels look: histograms of colour and normals, eq. 3.
+    /// Appearance of superpixels: histograms of colour and normals, eq. 3.
     Appearance appearance, read by [Paper: Facets] {
         /// Weight of the colour histogram against the histogram of normals (omega).
         color_weight: f64 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-B (omega)";

@@ -235,7 +235,7 @@ pub struct RegionEdge<E> {
     pub evidence: E,
 }
 
-/// Which regions touch, and with what evidence. Edges are sorted by (a, b), a < b, each pair once.
+/// The pairs of regions that touch, with their evidence. Edges are sorted by (a, b), a < b, each pair once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionGraph<E> {
     regions: usize,

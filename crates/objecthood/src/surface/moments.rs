@@ -111,7 +111,7 @@ impl Moments {
         self.powers[0][0]
     }
 
-    /// The same moments about another centre, by the binomial theorem: exact but for rounding. O(1).
+    /// The same moments about another centre, by the binomial theorem; exact except for rounding. O(1).
     pub fn shifted(&self, center: [f64; 2]) -> Self {
         self.shifted_for::<2>(center)
     }
