@@ -1,6 +1,7 @@
-//! Own superpixels in the place of ours: the method `context` with its first stage replaced by a plain grid.
+//! Own superpixels in the place of ours: the method `context` with a plain grid instead of the watershed. The structure is ours.
 //!
-//! Every stage is a function from outputs of earlier stages and its own parameters to one output, so any of them can be replaced.
+//! Every stage is a function from outputs of earlier stages and its own parameters to one output. Structure, facets and shapes can be
+//! replaced in the same way.
 //!
 //! `cargo run --release -p objecthood --example 02_own_superpixels`
 

@@ -269,7 +269,7 @@ impl<E> RegionGraph<E> {
 impl<E: Default> RegionGraph<E> {
     /// Collects samples along the borders of regions: `add` adds each sample to the evidence of its pair, in the order of the
     /// samples. Samples within one region are left out. O(n log n).
-    pub fn gather<S>(
+    pub(crate) fn gather<S>(
         regions: usize,
         samples: impl IntoIterator<Item = (SegmentId, SegmentId, S)>,
         mut add: impl FnMut(&mut E, S),

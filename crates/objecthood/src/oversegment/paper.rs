@@ -1,4 +1,48 @@
 //! Stage 1 of `paper`: over-segmentation on colour, depth and curvature (III-A, eq. 1).
+//!
+//! The whole of `paper`, on a box of 10 cm, seen from above:
+//!
+//! ```
+//! use objecthood::facets::paper::group_alike;
+//! use objecthood::objectness::conclusion::{PaperScene, conclude_paper};
+//! use objecthood::objectness::hypotheses::{Evidence, find_hypotheses};
+//! use objecthood::oversegment::paper::{SegmentationParams, segment_graph};
+//! use objecthood::params::Channels;
+//! use objecthood::shapes::paper::join_convex;
+//! use objecthood::support::gravity::find_ground;
+//! use objecthood::support::paper::stack_by_height;
+//! use objecthood::surface::curvature::measure_curvature;
+//! use objecthood::surface::disparity::DisparitySpace;
+//! use objecthood::surface::normals::measure_normals;
+//!
+//! # use objecthood::{Camera, Frame, Method, Params, Raster};
+//! # let seen_m = |i: usize| if (60..100).contains(&(i % 160)) && (40..80).contains(&(i / 160)) { 0.9 } else { 1.0 };
+//! # let depth_m = Raster::from_vec(160, 120, (0..160 * 120).map(seen_m).collect())?;
+//! # let frame = Frame::new(depth_m, None, Camera::new(131.0, 131.0, 79.5, 59.5)?)?;
+//! let mut params = Params { method: Method::Paper, ..Params::default() };
+//! params.graph.channels = Channels::Depth; // the frame has no colour
+//! let points_m = &frame.points_m();
+//! let normals = &measure_normals(points_m, &params.normals);
+//! let curvature = measure_curvature(normals, &params.curvature);
+//! let superpixels = segment_graph(&frame, &curvature, SegmentationParams::of(&params));
+//! assert_eq!(superpixels.segments.count(), 2);
+//!
+//! let facets = &group_alike(&frame, &superpixels, normals, &params.appearance, &params.grouping);
+//! let shapes = &join_convex(&superpixels, facets, points_m, normals, &params.contact);
+//! assert_eq!((facets.count(), shapes.count()), (2, 2));
+//!
+//! let ground = &find_ground(points_m, &params.gravity);
+//! let support = &stack_by_height(&superpixels, shapes, points_m, normals, &params.contact, &ground.up);
+//! assert_eq!((support.edges[0].lower.0, support.edges[0].upper.0), (0, 1)); // the box stands on the table
+//!
+//! let space = &DisparitySpace::new(frame.camera(), &params.sensor);
+//! let evidence = Evidence { regions: shapes, points_m, normals, support, up: &ground.up, space };
+//! let hypotheses = find_hypotheses(&evidence, &params.objectness, &params.contraction);
+//! let scene = PaperScene { facets, points_m, ground, support };
+//! let found = conclude_paper(&frame, &scene, &hypotheses, &params.gravity, &params.objectness)?;
+//! assert_eq!(found.objects.len(), 1);
+//! # Ok::<(), objecthood::Error>(())
+//! ```
 
 use crate::frame::Frame;
 use crate::oversegment::Superpixels;
