@@ -149,7 +149,8 @@ fn give_back<T: Send + 'static>(values: Vec<T>) {
     let _surplus = shelves().put(values);
 }
 
-/// The buffers of the whole process that are kept for reuse.
+/// The buffers that are kept for reuse. The whole process shares them: every pipeline takes buffers from here and puts them back, until
+/// the last pipeline is dropped. [`Pipeline::forget`](crate::Pipeline::forget) puts the images of its outputs here and frees none.
 static SHELVES: Mutex<Shelves> = Mutex::new(Shelves { keepers: 0, by_type: Vec::new() });
 
 /// Locks the shelves. They are consistent even after a panic: no user code runs between two changes.

@@ -18,8 +18,10 @@
 //! # Ok::<(), objecthood::Error>(())
 //! ```
 //!
-//! [`discover`] is the one call most users need. Every stage is a public function that can be called alone, or replaced: see the
-//! examples of the rooms below and `examples/02_own_superpixels.rs`. A [`Pipeline`] keeps the outputs of the stages and runs only
+//! [`discover`] is the one call most users need. Every stage is a public function that can be called alone: see the examples of the
+//! rooms below. Superpixels, structure, facets and shapes may also be your own, as in `examples/02_own_superpixels.rs`; the outputs
+//! of later stages ([`Clustering`](clusters::clustering::Clustering), [`Standing`](support::standing::Standing)) are made by their
+//! functions only. A [`Pipeline`] keeps the outputs of the stages and runs only
 //! those again that a change of parameters reaches. The file `method.rs` shows the order of the stages, one screen a method:
 //!
 //! | module | task | paper |

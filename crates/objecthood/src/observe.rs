@@ -44,7 +44,7 @@ pub enum Output<'a> {
         /// The clusters, the events that joined them, and the joins that rules refused.
         clusters: &'a Clustering,
     },
-    /// Stage 4, first half: the support graph. Objects are not decided yet.
+    /// Stage 4: the support graph. Objects are not decided yet.
     Support {
         /// Which region stands on which.
         graph: &'a SupportGraph,

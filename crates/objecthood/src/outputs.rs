@@ -39,7 +39,7 @@ pub(crate) fn try_recall<T>(slot: &mut Slot<T>, run: impl FnOnce() -> Result<T>)
     })
 }
 
-/// A struct with a slot for every stage of a method, in their order.
+/// A struct with the slots of a method, in the order in which the method fills them. A stage may have several.
 macro_rules! outputs {
     ($(#[$doc:meta])* $Outputs:ident { $($(#[$slot_doc:meta])* $slot:ident: $Type:ty, of $stage:ident;)+ }) => {
         $(#[$doc])*

@@ -1,4 +1,4 @@
-//! Every parameter of the method, with unit, range, default and where the default comes from.
+//! Every parameter of both methods, with unit, range, default and the source of the default.
 //!
 //! There is one group for each algorithm. `parameters!` generates the structs, their defaults, the validation and the table of
 //! `objecthood params` from one text.
@@ -56,7 +56,7 @@ parameters! {
 
     /// Graph over-segmentation on colour, depth and curvature, eq. 1.
     Graph graph, read by [Paper: Superpixels] {
-        /// What the edge weights are made of.
+        /// The terms of the edge weights.
         channels: Channels = Channels::Both, OneOf("color | depth | both"), "dimensionless: switch", "paper, IV";
         /// Weight of colour against disparity (alpha).
         color_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-A (alpha)";
@@ -72,7 +72,7 @@ parameters! {
         depth_gate_per_m: f32 = 0.02, 0.0..=10.0, "1/m", "tuned on mOSD learn (PARITY.md 7)";
     }
 
-    /// How superpixels look: histograms of colour and normals, eq. 3.
+    /// Appearance of superpixels: histograms of colour and normals, eq. 3.
     Appearance appearance, read by [Paper: Facets] {
         /// Weight of the colour histogram against the histogram of normals (omega).
         color_weight: f64 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-B (omega)";
@@ -102,7 +102,7 @@ parameters! {
     Gravity gravity, read by [Paper: Support, Context: Structure] {
         /// Source of the direction.
         up_from: UpFrom = UpFrom::Plane, OneOf("plane | camera"), "dimensionless: switch",
-            "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (PARITY.md, Equations)";
+            "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (PARITY.md, Equations)", read by [Paper: Support, Context: Support];
         /// Angle by which the camera looks down from the horizon.
         tilt_deg: f64 = 0.0, -90.0..=90.0, "degrees", "paper, III-D: the camera is held horizontally";
         /// Angle by which the camera is turned clockwise about its optical axis.
@@ -170,8 +170,8 @@ parameters! {
         step_depth_m: f64 = 0.013, 0.0..=10.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 3.1)";
     }
 
-    /// Votes of folds and steps, by which facets are joined to shapes (`context`). A fold is the clearer as the border of an object, the
-    /// more it votes against one shape.
+    /// Votes of folds and steps, by which facets are joined to shapes (`context`). The more a fold votes against one shape, the clearer it
+    /// is as the border of an object.
     Contraction contraction, read by [Paper: Hypotheses, Context: Shapes] {
         /// Concavity at which a fold votes neither for one shape nor against it.
         reflex_offset_deg: f64 = 12.0, -180.0..=180.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 3.2)";

@@ -85,7 +85,8 @@ impl Pipeline {
         }
     }
 
-    /// Drops the last frame and its outputs. The memory is kept for the next frame.
+    /// Drops the last frame and its outputs. The memory of the outputs is kept for the next frame of any pipeline in the process, until the
+    /// last pipeline is dropped.
     pub fn forget(&mut self) {
         self.last = None;
     }

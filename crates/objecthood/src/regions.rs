@@ -235,7 +235,7 @@ pub struct RegionEdge<E> {
     pub evidence: E,
 }
 
-/// Which regions touch, and with what evidence. Edges are sorted by (a, b), a < b, each pair once.
+/// The pairs of regions that touch, with their evidence. Edges are sorted by (a, b), a < b, each pair once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionGraph<E> {
     regions: usize,
@@ -269,7 +269,7 @@ impl<E> RegionGraph<E> {
 impl<E: Default> RegionGraph<E> {
     /// Collects samples along the borders of regions: `add` adds each sample to the evidence of its pair, in the order of the
     /// samples. Samples within one region are left out. O(n log n).
-    pub fn gather<S>(
+    pub(crate) fn gather<S>(
         regions: usize,
         samples: impl IntoIterator<Item = (SegmentId, SegmentId, S)>,
         mut add: impl FnMut(&mut E, S),

@@ -14,7 +14,7 @@ use serde::Serialize;
 pub enum Stage {
     /// The normal of the surface at every pixel.
     Normals,
-    /// How much the surface bends at every pixel, eq. 2 (`paper`).
+    /// The curvature of the surface at every pixel, eq. 2 (`paper`).
     Curvature,
     /// Large planes that carry or enclose the objects (`context`).
     Structure,

@@ -50,7 +50,7 @@ const MAJORITY: f64 = 0.5;
 
 /// Gives patches of background to the cluster that encloses them. The background is the support, and the clusters that earlier rules
 /// gave to it. Pixels touch unless there is a step between them or their depths differ by more than 1 cm. Does nothing without a
-/// support surface. O(pixels + patches · clusters).
+/// support surface. O(pixels log pixels).
 pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let scene = clusters.scene;
     let Some(support) = scene.support_facet else { return };
@@ -122,9 +122,8 @@ fn find_owners(clusters: &Clusters<'_>, support: usize) -> Vec<Owner> {
 
 /// Whether there is no step between two pixels side by side, neither in quanta nor in metres.
 fn touches(scene: &Scene<'_>, i: usize, j: usize) -> bool {
-    let [d_i, d_j] = [i, j].map(|i| scene.disparity[i]);
-    let [z_i, z_j] = [d_i, d_j].map(|d| scene.space.depth_m(d.into()));
-    (d_i - d_j).abs() <= scene.steps.touch_quanta && (z_i - z_j).abs() <= STEP_M
+    let depth_m = |i: usize| scene.space.depth_m(scene.disparity[i].into());
+    scene.steps.touch(scene.disparity, i, j) && (depth_m(i) - depth_m(j)).abs() <= STEP_M
 }
 
 /// The patches of background, in the order of their first pixels. Runs above each other belong to one patch. Where a run has no

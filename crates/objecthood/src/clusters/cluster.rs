@@ -42,6 +42,8 @@ pub(crate) struct Clusters<'a> {
 
 /// The top of a cluster is this quantile of its heights: single noisy pixels stand high anywhere.
 const TOP_SHARE: f64 = 0.98;
+/// The top of a cluster is measured on every other of its pixels: half of them give the same quantile.
+const TOP_STEP: usize = 2;
 
 impl<'a> Clusters<'a> {
     /// One cluster per shape. O(pixels + border pixels · log(border pixels)).
@@ -178,9 +180,8 @@ impl<'a> Clusters<'a> {
     pub(crate) fn top_m(&self, id: SegmentId, support: &StructureSurface) -> f64 {
         let cluster = self.get(id);
         *cluster.top_m.get_or_init(|| {
-            let every_other = cluster.pixels.iter().step_by(2);
-            let mut heights: Vec<f64> =
-                every_other.map(|&i| self.scene.height_m(i as usize, support)).collect();
+            let sample = cluster.pixels.iter().step_by(TOP_STEP);
+            let mut heights: Vec<f64> = sample.map(|&i| self.scene.height_m(i as usize, support)).collect();
             element_at(&mut heights, TOP_SHARE)
         })
     }

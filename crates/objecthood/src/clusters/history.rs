@@ -64,6 +64,7 @@ pub struct Event {
 
 /// Something that a rule examined and refused.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Miss {
     /// The rule.
     pub rule: Rule,
@@ -71,7 +72,8 @@ pub struct Miss {
     pub from: Source,
     /// The cluster that would have received it; `None` = the background.
     pub into: Option<SegmentId>,
-    /// The checks, up to the first that fails or all of them. All hold only for a fragment whose neighbour moved in the same round.
+    /// The checks that were made. One of them fails, except for a fragment: all its checks hold if the neighbour that would receive it
+    /// is given away in the same round.
     pub checks: Vec<Check>,
 }
 

@@ -1,4 +1,4 @@
-//! The rules in their order (docs/CONTEXT.md 4.1 to 4.6).
+//! The rules in their order (docs/CONTEXT.md 4.2 to 4.6).
 
 use crate::clusters::bottoms::join_bottoms;
 use crate::clusters::cluster::Clusters;

@@ -3,6 +3,9 @@
 use crate::params;
 use crate::raster::Raster;
 
+/// Disparities of adjacent pixels may differ by this much more, because the sensor rounds to whole quanta.
+const ROUNDING_QUANTA: f32 = 1.0;
+
 /// The largest differences in disparity (quanta) that are no step in depth.
 #[derive(Clone, Copy, Debug)]
 pub struct StepLimits {
@@ -15,7 +18,10 @@ pub struct StepLimits {
 impl StepLimits {
     /// The limit of the watershed's links; between adjacent pixels one quantum more, which rounding may add.
     pub fn of(params: &params::Watershed) -> Self {
-        Self { touch_quanta: params.link_jump_quanta + 1.0, level_quanta: params.link_jump_quanta }
+        Self {
+            touch_quanta: params.link_jump_quanta + ROUNDING_QUANTA,
+            level_quanta: params.link_jump_quanta,
+        }
     }
 
     /// Whether there is no step between two adjacent pixels.

@@ -59,7 +59,7 @@ pub enum JoinEvidence {
     },
 }
 
-/// How well one surface continues another behind an occluder.
+/// The measurements that show whether one surface continues another behind an occluder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Continuation {
     /// Disagreement of the common surface with both parts (quanta).

@@ -36,7 +36,7 @@ pub struct Object {
 }
 
 impl Object {
-    /// An object of which only number, pixels and box are known: sure to be one, with no support and no joins. For tests of
+    /// An object with this number, these pixels and this box, of objectness 1, without support or joins. For tests of
     /// programs that read discoveries; the fields can be changed.
     pub fn new(id: ObjectId, box_px: PixelBox, box_m: OrientedBox) -> Self {
         Self {

@@ -34,7 +34,7 @@ pub struct SupportNode {
     pub size_px: usize,
 }
 
-/// How one thing carries another.
+/// The way in which one thing carries another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SupportKind {
     /// The upper stands on the lower. All edges of `paper` are of this kind.

@@ -9,7 +9,7 @@ use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::union_find::UnionFind;
 
 /// Counts, for any two superpixels, the pairs of 8-neighbours between them. O(pixels + pairs log pairs).
-pub fn count_neighbours(segments: &Segments) -> RegionGraph<u32> {
+pub(crate) fn count_neighbours(segments: &Segments) -> RegionGraph<u32> {
     let labels = segments.labels();
     let (width, height) = labels.size();
     let row = |v: usize| &labels.as_slice()[v * width..][..width];

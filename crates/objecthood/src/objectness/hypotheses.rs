@@ -12,7 +12,7 @@ use crate::discovery::up::Up;
 use crate::objectness::compactness::measure_compactness;
 use crate::objectness::outline::measure_outlines;
 use crate::objectness::size::{fit_oriented_box, rate_size};
-use crate::params::Params;
+use crate::params;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
 use crate::support::standing::Standing;
@@ -55,18 +55,36 @@ pub struct Evidence<'a> {
     pub space: &'a DisparitySpace,
 }
 
-/// Makes hypotheses of the regions from number `first` on that have at least `min_size_px` points, in their order.
-/// O(pixels + area of the hulls); parallel over rows and regions.
+/// Makes hypotheses of the regions that have at least `objectness.min_size_px` points, in their order. O(pixels + area of the
+/// hulls); parallel over rows and regions.
 pub fn find_hypotheses(
     evidence: &Evidence<'_>,
+    objectness: &params::Objectness,
+    contraction: &params::Contraction,
+) -> Vec<Hypothesis> {
+    let every = Judged { first: 0, min_size_px: objectness.min_size_px };
+    judge_regions(evidence, every, objectness, contraction)
+}
+
+/// Which regions become hypotheses.
+#[derive(Clone, Copy)]
+struct Judged {
+    /// The first region: those before it are structure.
     first: usize,
+    /// Least number of points.
     min_size_px: usize,
-    params: &Params,
+}
+
+fn judge_regions(
+    evidence: &Evidence<'_>,
+    Judged { first, min_size_px }: Judged,
+    objectness: &params::Objectness,
+    contraction: &params::Contraction,
 ) -> Vec<Hypothesis> {
     let Evidence { regions, points_m, normals, support, up, space } = *evidence;
     let pixels = measured_pixels(regions, first, points_m);
     let (outlines, compactness) = rayon::join(
-        || measure_outlines(regions, first, points_m, normals, space, &params.contraction),
+        || measure_outlines(regions, first, points_m, normals, space, contraction),
         || measure_compactness(regions, &pixels, points_m, space),
     );
     let carried = support.carried();
@@ -78,13 +96,13 @@ pub fn find_hypotheses(
         let box_m = fit_oriented_box(&points, up.direction);
         let visibility = outlines[region].visibility();
         let parts = ObjectnessParts {
-            size: rate_size(&box_m, visibility, &params.objectness),
+            size: rate_size(&box_m, visibility, objectness),
             support: carried[region],
             compactness: compactness[region],
             separation: outlines[region].separation(),
             visibility,
         };
-        let objectness = parts.objectness(&params.objectness);
+        let objectness = parts.objectness(objectness);
         let region = SegmentId(region as u32);
         Some(Hypothesis { region, pixels, box_m, objectness, parts, top_m: None, joins: Vec::new() })
     };
@@ -108,12 +126,15 @@ pub fn find_cluster_hypotheses(
     scene: &Scene<'_>,
     clusters: &Clustering,
     standing: &Standing,
-    params: &Params,
+    objectness: &params::Objectness,
+    contraction: &params::Contraction,
 ) -> Vec<Hypothesis> {
     let Standing { candidates, planes, up, graph } = standing;
     let &Scene { points_m, normals, space, .. } = scene;
     let evidence = Evidence { regions: &candidates.regions, points_m, normals, support: graph, up, space };
-    let mut hypotheses = find_hypotheses(&evidence, planes.len(), 1, params);
+    // All candidates are large enough.
+    let candidates_only = Judged { first: planes.len(), min_size_px: 1 };
+    let mut hypotheses = judge_regions(&evidence, candidates_only, objectness, contraction);
     for hypothesis in &mut hypotheses {
         hypothesis.top_m = candidates.top_m(hypothesis.region, clusters);
         hypothesis.joins = candidates.joins(hypothesis.region, clusters);

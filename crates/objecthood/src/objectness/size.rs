@@ -72,7 +72,7 @@ fn sorted(box_m: &OrientedBox) -> [f32; 3] {
 /// rating is 1/2 at the limit, 1 an octave inside, 0 an octave outside, and linear in the logarithm between. A thing may be larger
 /// than its visible part, so the lower limit counts by the share of the outline that is its own (`visibility`). A single point has no
 /// size: 0.
-pub fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
+pub(crate) fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
     let [_, second_m, longest_m] = sorted(box_m);
     if longest_m == 0.0 {
         return 0.0;

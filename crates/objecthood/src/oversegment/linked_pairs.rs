@@ -11,7 +11,7 @@ use crate::simd::vectorized;
 type Count = ([u32; 2], u32);
 
 /// Counts, for any two superpixels, the linked 4-neighbours between them. O(pixels); parallel over rows.
-pub fn count_linked_pairs(superpixels: &Segments, links: &Links) -> RegionGraph<u32> {
+pub(crate) fn count_linked_pairs(superpixels: &Segments, links: &Links) -> RegionGraph<u32> {
     let (width, height) = superpixels.labels().size();
     let of_row = |marks: &mut Vec<i32>, v: usize| {
         mark_links(superpixels, links, v, marks);

@@ -28,6 +28,8 @@ const UP: u8 = 8;
 /// Bit: the pixel is free, that is measured and no structure.
 pub(super) const FREE: u8 = 16;
 
+/// A link allows for this share of the disparity by which sideways noise moves a pixel on the slope.
+const NOISE_SHARE: f32 = 0.5;
 /// Pixels of a row that are skipped together when none of them is free.
 pub(super) const STRETCH: usize = 64;
 
@@ -136,7 +138,8 @@ impl<'a> LinkRule<'a> {
             let (rise, rise_i, rise_j) = (d_j - d_i, slope_i[axis], slope_j[axis]);
             // NaN when one of the disparities is missing; then the comparison fails.
             let misfit = (rise - rise_i).abs().min((rise - rise_j).abs());
-            let limit = self.jump_quanta + 0.5 * self.lateral_noise_px * rise_i.abs().min(rise_j.abs());
+            let limit =
+                self.jump_quanta + NOISE_SHARE * self.lateral_noise_px * rise_i.abs().min(rise_j.abs());
             *sides |= side * u8::from((misfit < limit) & (structure_i & structure_j < 0));
         }
     }

@@ -30,7 +30,7 @@ mod edges;
 pub mod felzenszwalb;
 pub mod graph;
 pub mod linked;
-pub mod linked_pairs;
+mod linked_pairs;
 pub mod links;
 pub mod paper;
 pub(crate) mod pixel_edge;

@@ -14,7 +14,7 @@ use crate::surface::disparity::DisparitySpace;
 const LEVELS_PER_QUANTUM: f32 = 40.0;
 /// The level of pixels without a fit; it is flooded last.
 const HIGHEST: usize = 255;
-/// Between frames the queue of a level keeps room for one in this many pixels: at most 16 bytes a pixel for all queues.
+/// Between frames each queue keeps room for 1 in 64 pixels; all together take at most 16 bytes a pixel.
 const KEPT_SHARE: usize = 64;
 
 /// One seed per block of `seed_block_px`: its first free pixel of least residual (quanta). Blocks without free pixels have none.
@@ -60,7 +60,10 @@ fn find_seeds_from(top: usize, block: usize, residual: &Raster<f32>, links: &Lin
 /// connected group of free pixels that no seed reaches.
 ///
 /// Watershed by flooding (Meyer 1994): regions first grow where residuals are small and meet at edges. Superpixels cover all free
-/// pixels. O(pixels).
+/// pixels. `seeds`: indices of free pixels, each once. O(pixels).
+///
+/// # Panics
+/// When a seed lies outside the image, or when `links` belong to an image of another size.
 pub fn flood(residual: &Raster<f32>, seeds: &[usize], links: &Links) -> Segments {
     let mut queues: Buffer<Vec<u32>> = Buffer::stale(HIGHEST + 1, Vec::new());
     queues.iter_mut().for_each(Vec::clear);
@@ -76,7 +79,7 @@ pub fn flood(residual: &Raster<f32>, seeds: &[usize], links: &Links) -> Segments
         queues[level(i)].push(i as u32);
     }
     for now in 0..=HIGHEST {
-        // Pixels reached from this level are flooded at this level, even if their own is lower.
+        // A pixel reached at this level is flooded now, even if its own level is lower.
         let (mut queue, mut first) = (std::mem::take(&mut queues[now]), 0);
         while let Some(&i) = queue.get(first) {
             let label = labels[i as usize];

@@ -33,7 +33,7 @@ choice! {
 }
 
 choice! {
-    /// What the weight of an edge between two pixels is made of (the paper's comparison).
+    /// The terms in the weight of an edge between two pixels (the paper's comparison).
     Channels {
         /// Colour difference only.
         Color = "color",
@@ -46,7 +46,7 @@ choice! {
 }
 
 choice! {
-    /// Where the direction "up" comes from.
+    /// Source of the direction "up".
     UpFrom {
         /// The normal of the dominant plane.
         #[default]

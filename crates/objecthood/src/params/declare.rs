@@ -97,7 +97,7 @@ macro_rules! parameters {
             /// Checks every value against its range.
             ///
             /// # Errors
-            /// [`Error::BadParameter`] names the first value outside its range.
+            /// [`Error::BadParameter`](crate::Error::BadParameter) names the first value outside its range.
             pub fn validate(&self) -> Result<()> {
                 $(self.$group.validate()?;)+
                 Ok(())

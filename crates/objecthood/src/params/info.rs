@@ -20,7 +20,7 @@ pub struct ParameterInfo {
     pub unit: &'static str,
     /// Its meaning.
     pub meaning: String,
-    /// Where the default comes from.
+    /// The source of the default.
     pub source: &'static str,
     /// The methods that read it, each with the first stage that does.
     pub readers: &'static [Reader],

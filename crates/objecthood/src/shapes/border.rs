@@ -82,7 +82,7 @@ pub fn measure_borders(
     let (width, height) = disparity.size();
     let surroundings = Surroundings { facets, disparity, space, radius: space.length_px(params.radius_px) };
     let borders = Borders { surroundings, params };
-    let look_at_row = |marks: &mut Vec<i32>, v: usize| {
+    let sample_row = |marks: &mut Vec<i32>, v: usize| {
         mark_borders(facets.segments.labels(), v, marks);
         let mut samples = Vec::new();
         for u in marked(marks) {
@@ -96,7 +96,7 @@ pub fn measure_borders(
         }
         samples
     };
-    let rows: Vec<Vec<_>> = (0..height).into_par_iter().map_init(|| vec![0; width], look_at_row).collect();
+    let rows: Vec<Vec<_>> = (0..height).into_par_iter().map_init(|| vec![0; width], sample_row).collect();
     RegionGraph::gather(facets.segments.count(), rows.into_iter().flatten(), BorderEvidence::add)
 }
 

@@ -48,8 +48,8 @@ impl Shapes {
     }
 }
 
-/// Sums the votes (m) of the borders between facets outside the structure. Node k of the result is facet `structure` + k.
-/// O(E log E).
+/// Sums the votes (m) of the borders between facets outside the structure. `structure`: the number of facets that are structure, the
+/// first ones. Node k of the result is facet `structure` + k; if all facets are structure, there is no node. O(E log E).
 pub fn sum_votes(
     borders: &RegionGraph<BorderEvidence>,
     structure: usize,
@@ -58,7 +58,9 @@ pub fn sum_votes(
     let free = |facet: SegmentId| facet.index().checked_sub(structure).map(|f| SegmentId(f as u32));
     let votes =
         borders.edges().iter().filter_map(|e| Some((free(e.a)?, free(e.b)?, e.evidence.vote_m(params))));
-    RegionGraph::gather(borders.regions() - structure, votes, |sum: &mut f64, vote| *sum += vote)
+    RegionGraph::gather(borders.regions().saturating_sub(structure), votes, |sum: &mut f64, vote| {
+        *sum += vote
+    })
 }
 
 /// Groups regions by greedy additive edge contraction (Keuper et al., ICCV 2015). Positive weights attract, negative weights repel.

@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use crate::discovery::ids::NodeId;
 use crate::discovery::support_graph::{NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode};
-use crate::params::{self, Params};
+use crate::params;
 use crate::shapes::contact::find_touching_pairs;
 use crate::support::acyclic::Acyclic;
 use crate::support::body::{Bodies, Body, SECTORS};
@@ -58,16 +58,20 @@ const HIDDEN: f64 = 0.5;
 ///
 /// Source: ours, because it replaces eq. 6. O(pixels · `reach_px` + n log n + pairs · cells + edges · (regions + edges)) for n pixels
 /// of things, pairs of things, and cells of 1 cm² of the outer thing of a pair; the last term is the search for cycles.
-pub fn build_forest(scene: &SupportScene<'_>, params: &Params) -> SupportGraph {
+pub fn build_forest(
+    scene: &SupportScene<'_>,
+    contact: &params::Contact,
+    objectness: &params::Objectness,
+) -> SupportGraph {
     let &SupportScene { regions, points_m, space, .. } = scene;
-    let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };
+    let contact = params::Contact { reach_px: space.length_px(contact.reach_px), ..*contact };
     let (bodies, touching) =
         rayon::join(|| Bodies::new(scene), || find_touching_pairs(regions, points_m, &contact));
     let (feet, meetings) = rayon::join(
         || find_feet(regions, points_m, &bodies, &contact),
         || find_meetings(&touching, regions, points_m, &bodies),
     );
-    let max_side_m = f64::from(params.objectness.max_side_m);
+    let max_side_m = f64::from(objectness.max_side_m);
     let relations = Relations { bodies: &bodies, feet: &feet, meetings: &meetings, max_side_m };
 
     let mut edges = Acyclic::new(regions.count());

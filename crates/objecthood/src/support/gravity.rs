@@ -89,6 +89,7 @@ pub fn find_up(plane: Option<&StructurePlane>, params: &params::Gravity) -> Up {
 
 /// The ground of `paper`, and the direction up.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Ground {
     /// The dominant plane, if one holds enough points.
     pub plane: Option<StructurePlane>,

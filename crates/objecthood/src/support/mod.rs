@@ -16,7 +16,7 @@
 //! # use objecthood::clusters::rules::{Rules, find_clusters};
 //! # use objecthood::clusters::scene::Scene;
 //! # use objecthood::clusters::steps::StepLimits;
-//! use objecthood::support::standing::find_standing;
+//! use objecthood::support::standing::{StandingParams, find_standing};
 //!
 //! # use objecthood::{Camera, Frame, Params, Raster};
 //! # let seen_m = |i: usize| if (60..100).contains(&(i % 160)) && (40..80).contains(&(i / 160)) { 0.9 } else { 1.0 };
@@ -34,7 +34,7 @@
 //! # let points_m = frame.points_m();
 //! # let scene = Scene::new(&frame, &surfaces, &structure, &filled, &points_m, steps);
 //! # let clusters = find_clusters(&scene, &shapes, Rules::of(&params));
-//! let standing = find_standing(&frame, &scene, &clusters, &structure.planes, &params);
+//! let standing = find_standing(&frame, &scene, &clusters, &structure.planes, StandingParams::of(&params));
 //! assert_eq!(standing.graph().edges.len(), 1); // the table carries the box
 //! # Ok::<(), objecthood::Error>(())
 //! ```

@@ -35,7 +35,11 @@ const FARTHEST_REACH_PX: usize = 180;
 ///
 /// A pixel is beside a change when it differs from its right, left, lower or upper neighbour ([`changes`]). Two passes, columns
 /// then rows, exact in integers of 16 bits. O(pixels · `reach_px`); the second pass is parallel over rows.
-pub fn measure_squared_distances(depth_m: &Raster<f32>, change_per_m: f32, reach_px: usize) -> Raster<i16> {
+pub(crate) fn measure_squared_distances(
+    depth_m: &Raster<f32>,
+    change_per_m: f32,
+    reach_px: usize,
+) -> Raster<i16> {
     let width = depth_m.width();
     let reach_px = reach_px.min(FARTHEST_REACH_PX);
     let mut column = Buffer::filled(depth_m.len(), (reach_px + 1) as i16);

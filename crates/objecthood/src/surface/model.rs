@@ -23,7 +23,7 @@ pub struct Model {
     pub(super) weights: [f64; 6],
 }
 
-/// A surface and how well it fits.
+/// A surface with the error of its fit.
 #[derive(Clone, Copy, Debug)]
 pub struct Fit {
     /// The surface.

@@ -111,7 +111,7 @@ impl Moments {
         self.powers[0][0]
     }
 
-    /// The same moments about another centre, by the binomial theorem: exact but for rounding. O(1).
+    /// The same moments about another centre, by the binomial theorem; exact except for rounding. O(1).
     pub fn shifted(&self, center: [f64; 2]) -> Self {
         self.shifted_for::<2>(center)
     }
@@ -123,7 +123,7 @@ impl Moments {
 
     /// The least-squares surface of the union of two disjoint regions, equal to the bit to `merged(other).fit(basis)`. It moves only
     /// the moments that the basis needs; for a plane this is a quarter of the work. O(1).
-    pub fn fit_with(&self, other: &Self, basis: Basis) -> Fit {
+    pub(crate) fn fit_with(&self, other: &Self, basis: Basis) -> Fit {
         match basis {
             Basis::Plane => self.merged_for::<1>(other).fit(basis),
             Basis::Quadratic => self.merged_for::<2>(other).fit(basis),

@@ -111,7 +111,7 @@ struct LineSums {
 }
 
 impl LineSums {
-    /// Begins anew at row `first`, for windows of half size up to `half_limit`.
+    /// Starts again at row `first`, for windows of half size up to `half_limit`.
     #[inline(always)]
     fn clear(&mut self, width: usize, half_limit: usize, first: usize) {
         (self.width, self.held) = (width, 2 * half_limit + 3);

@@ -1,4 +1,4 @@
-//! The surface at every pixel in `context`: the plane that fits its surroundings best (docs/CONTEXT.md 0.2 to 0.4).
+//! The surface at every pixel in `context`: the plane that fits its surroundings best (docs/CONTEXT.md 0.3, 0.4).
 
 use crate::frame::Frame;
 use crate::params;
@@ -9,6 +9,7 @@ use crate::surface::window_choice::{Orientation, choose_windows};
 
 /// The surface at every pixel.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Surfaces {
     /// The camera and the sensor's noise, which convert between pixels, quanta and metres.
     pub space: DisparitySpace,

@@ -6,8 +6,8 @@ use crate::oversegment::structure::StructureSurface;
 use crate::params;
 use crate::regions::SegmentId;
 
-/// Pieces of one inside touch along at least this many pixel pairs (px at a focal length of 525 px). So do an inside and a cluster
-/// that clings to it.
+/// Pieces of one inside touch along at least this many pixel pairs (px at a focal length of 525 px). The same limit applies
+/// to a piece that touches an inside within the rim.
 pub(super) const INSIDE_TOUCH_PX: usize = 8;
 
 /// The parameter that sets the limits on convexity.

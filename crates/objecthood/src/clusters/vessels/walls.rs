@@ -178,14 +178,14 @@ struct RimSearch<'a> {
     clusters: &'a Clusters<'a>,
     limits: Limits<'a>,
     inside: SegmentId,
-    /// The wall that is in front of the inside along the most pixel pairs.
+    /// The foremost wall.
     wall: &'a Wall,
     /// All walls.
     walls: &'a [Wall],
 }
 
 impl RimSearch<'_> {
-    /// The circle of the rim and the clusters within it, if one of them is a wall. Otherwise records the refusals.
+    /// The circle of the rim and the clusters within it, if a wall is within it; other clusters are noted as refused.
     fn find_rim(&self, misses: &mut Vec<Miss>) -> Option<Rim> {
         if !self.limits.params.rim_circle {
             return None;

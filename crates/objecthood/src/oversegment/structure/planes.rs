@@ -9,8 +9,8 @@ use crate::raster::Raster;
 use crate::regions::runs;
 use crate::simd::vectorized;
 
-/// The surfaces as planes, each fitted to its own pixels. Their inlier shares are counted later, by
-/// [`count_inliers`](crate::clusters::candidates::Candidates::count_inliers). O(pixels).
+/// The surfaces as planes, each fitted to its own pixels. Their inlier shares are counted later, by `Candidates::count_inliers`.
+/// O(pixels).
 pub(super) fn fit_planes(
     surfaces: &[StructureSurface],
     labels: &Raster<i32>,

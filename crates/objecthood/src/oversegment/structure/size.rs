@@ -13,6 +13,10 @@ use crate::tangents::tangents;
 const PIECE_GAP: usize = 2;
 /// Least cosine between normal and ray in the area of a pixel: smaller cosines are raised to it.
 const LEAST_COSINE: f64 = 0.15;
+/// A side of a surface begins at this quantile of its points ...
+const LOW_SHARE: f64 = 0.05;
+/// ... and ends at this one.
+const HIGH_SHARE: f64 = 0.95;
 
 /// Bits of a word.
 const WORD: usize = u64::BITS as usize;
@@ -43,7 +47,7 @@ impl SurfaceSize {
         });
         let width_m = |axis: DVec3| {
             let mut along: Vec<f64> = points_m.iter().map(|p| p.dot(axis)).collect();
-            element_at(&mut along, 0.95) - element_at(&mut along, 0.05)
+            element_at(&mut along, HIGH_SHARE) - element_at(&mut along, LOW_SHARE)
         };
         let [t1, t2] = tangents(surface.normal);
         Self { area_m2: area_m2.sum(), longest_m: width_m(t1).max(width_m(t2)) }

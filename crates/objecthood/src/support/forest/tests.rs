@@ -7,6 +7,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::discovery::up::{Up, UpSource};
+use crate::params::Params;
 use crate::planes::StructurePlane;
 use crate::raster::Raster;
 use crate::regions::Segments;
@@ -48,6 +49,10 @@ fn params() -> Params {
     let mut params = Params::default();
     params.contact.reach_px = 8;
     params
+}
+
+fn build(scene: &SupportScene<'_>, params: &Params) -> SupportGraph {
+    build_forest(scene, &params.contact, &params.objectness)
 }
 
 fn up() -> Up {
@@ -106,7 +111,7 @@ impl Picture {
     fn forest_among(&self, regions: &Segments, planes: &[StructurePlane], params: &Params) -> SupportGraph {
         let (up, space) = (&up(), &camera());
         let Self { points_m, normals, .. } = self;
-        build_forest(&SupportScene { regions, points_m, normals, planes, up, space }, params)
+        build(&SupportScene { regions, points_m, normals, planes, up, space }, params)
     }
 }
 
@@ -323,7 +328,7 @@ proptest! {
         let segments = Segments::from_numbered(labels.clone(), 5);
         let (up, space) = (&up(), &camera());
         let scene = SupportScene { regions: &segments, points_m: &points_m, normals: &normals, planes: &planes, up, space };
-        let graph = build_forest(&scene, &params());
+        let graph = build(&scene, &params());
 
         // There are no cycles: nodes without carriers can be removed one after the other.
         let mut left = graph.edges.clone();
@@ -365,7 +370,7 @@ proptest! {
         let moved: Vec<usize> = (0..5).map(|r| if r < planes.len() { r } else { planes.len() + (5 - 1 - r + turn) % movable }).collect();
         let renumbered = labels.map(|&l| if l < 0 { l } else { moved[l as usize] as i32 });
         let regions = &Segments::from_numbered(renumbered, 5);
-        let again = build_forest(&SupportScene { regions, ..scene }, &params());
+        let again = build(&SupportScene { regions, ..scene }, &params());
         let named: BTreeMap<_, _> = graph.edges.iter().map(|e| {
             let [lower, upper] = [e.lower, e.upper].map(|n| moved[n.0 as usize] as u32);
             ((lower, upper), (e.kind, e.confidence.to_bits(), e.hidden, e.contacts))
