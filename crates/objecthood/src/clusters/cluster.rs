@@ -42,7 +42,7 @@ pub(crate) struct Clusters<'a> {
 
 /// The top of a cluster is this quantile of its heights: single noisy pixels stand high anywhere.
 const TOP_SHARE: f64 = 0.98;
-/// The top of a cluster is measured on every other of its pixels: half of them give the same quantile.
+/// The top of a cluster is measured on every other of its pixels: half of them give nearly the same quantile.
 const TOP_STEP: usize = 2;
 
 impl<'a> Clusters<'a> {

@@ -59,7 +59,7 @@ pub fn sum_votes(
     let votes =
         borders.edges().iter().filter_map(|e| Some((free(e.a)?, free(e.b)?, e.evidence.vote_m(params))));
     RegionGraph::gather(borders.regions().saturating_sub(structure), votes, |sum: &mut f64, vote| {
-        *sum += vote
+        *sum += vote;
     })
 }
 
