@@ -56,7 +56,7 @@ fn paper(c: &mut Criterion) {
 fn context(c: &mut Criterion) {
     let (frame, params) = (frame(), Params::default());
     let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
-    let Surfaces { space, disparity, fits, orientation: oriented } = &surfaces;
+    let Surfaces { space, disparity, fits, orientation: oriented, .. } = &surfaces;
     let radius_px = space.length_px(params.local_fit.radius_px);
     let up = camera_up(&params.gravity);
     let planes = find_structure(frame.depth_m(), &surfaces, up, &params.structure);

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::Result;
-use objecthood::Params;
+use objecthood::{Method, Params};
 use objecthood_eval::{ImageScore, ObjectScore, Verdict, VerdictCounts, score};
 use objecthood_io::output;
 use objecthood_scene::{Family, Sensor};
@@ -63,7 +63,7 @@ fn show(recipe: Recipe, params: &Params, folder: &Path) -> Result<String> {
     make_folders_of(&files)?;
     output::write_together(&files)?;
 
-    let (stem, next) = (stem.display(), next_steps(folder, &name, recipe.seed));
+    let (stem, next) = (stem.display(), next_steps(folder, &name, recipe.seed, params.method));
     Ok(format!(
         "{name}, method {}: {table}\n{laps}\nfound: {stem}.labels.png {stem}.json\nlook at: {stem}.panels.png\n\n{next}",
         params.method
@@ -104,15 +104,17 @@ fn in_words(verdict: Verdict) -> &'static str {
 }
 
 /// What to do next, as commands.
-fn next_steps(folder: &Path, name: &str, seed: u64) -> String {
+fn next_steps(folder: &Path, name: &str, seed: u64, method: Method) -> String {
     let (color, depth) = (word(&color_path(folder, name)), word(&depth_path(folder, name)));
     let (camera, again) = (word(&camera_path(folder)), word(&folder.join("again")));
     let program = program();
+    let method = if method == Method::default() { String::new() } else { format!(" --method {method}") };
+    // After the last seed the first.
+    let seed = seed.wrapping_add(1) & u64::from(u32::MAX);
     format!(
         "next:\n  \
-         {program} demo --seed {}\n  \
-         {program} segment --color {color} --depth {depth} --camera {camera} --out {again} --write labels,json,overlay\n  \
-         {program} synth --out scenes --scenes 20\n",
-        seed + 1
+         {program} demo --seed {seed}{method}\n  \
+         {program} segment --color {color} --depth {depth} --camera {camera} --out {again}{method} --write labels,json,overlay\n  \
+         {program} synth --out scenes --scenes 20\n"
     )
 }

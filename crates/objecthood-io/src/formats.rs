@@ -3,6 +3,7 @@
 //! Formats are told apart by content, never by name. Endings only say which files are looked for in a folder.
 
 pub mod pcd;
+pub mod ply;
 pub mod tum;
 mod unread;
 
@@ -24,7 +25,7 @@ use crate::source::Source;
 pub(crate) type ContentError = Box<dyn StdError + Send + Sync>;
 
 /// Every format of frames.
-const FORMATS: &[Format] = &[pcd::FORMAT, tum::FORMAT];
+const FORMATS: &[Format] = &[pcd::FORMAT, ply::FORMAT, tum::FORMAT];
 
 /// How frames of a format are found and read.
 pub(crate) enum Format {

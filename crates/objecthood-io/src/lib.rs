@@ -1,6 +1,6 @@
 //! What goes in and out of objecthood: bytes to [`Frame`](objecthood::Frame), [`Discovery`](objecthood::Discovery) to bytes.
 //!
-//! In: a [`Source`] opens a file, a folder or several of them and lists their frames; each [`FrameRef`] reads a
+//! In: a [`Source`] opens a file or a folder and lists its frames; each [`FrameRef`] reads a
 //! [`Capture`]: frame, name, stamp, pose, and what the file says of camera and units. What the caller knows better is
 //! [`Given`]. [`formats`] is the list of formats, one file each. Those of point clouds make a [`PointCloud`], which
 //! [`organize`](mod@organize) puts on the pixel grid with a camera that is given or fitted. [`images`] are frames in depth
@@ -9,8 +9,8 @@
 //! Out: [`label_image`] (16-bit PNG), [`scene`] (JSON, with its schema) and [`explanation`] (JSON); [`output`] puts the bytes
 //! on the disk, whole or not at all.
 //!
-//! Only [`output`], [`FrameRef::read`] and functions called `open..` touch files. Everything else goes from bytes to values
-//! and back; every length that a file claims is bounded by the bytes that are there, or for images by a number of pixels.
+//! Only [`output`], [`FrameRef::read`], functions called `open..` and a [`Source`] that searches a folder touch files.
+//! Everything else goes from bytes to values and back; every length that a file claims is bounded by the bytes that are there, or for images by a number of pixels.
 //!
 //! ```no_run
 //! use objecthood_io::{Given, Source, label_image, output, scene::SceneFile};

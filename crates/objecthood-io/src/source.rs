@@ -1,4 +1,4 @@
-//! Where frames come from: a file, a folder, images, or several of these one after the other.
+//! Where frames come from: a file, a folder or images.
 
 mod file;
 mod folder;
@@ -18,7 +18,7 @@ use crate::given::Given;
 ///
 /// * Streamed: [`FrameRef::read`] reads a frame, so there are no more in memory than the caller keeps, and several
 ///   threads can read at a time. [`Source::captures`] reads one after the other.
-/// * Seekable: what `nth`, `skip` and `step_by` pass over is not read.
+/// * Seekable: of what `nth`, `skip` and `step_by` pass over, at most the head of the file is read.
 /// * Countable: [`Source::frame_count`], where the format tells without reading everything.
 ///
 /// An error is that of one frame or file; the others still come.
@@ -33,7 +33,8 @@ impl Source {
     /// folder that is searched, with those below, for files with one of the [`extensions`](crate::formats::extensions), in
     /// natural order (`learn2` before `learn10`). Links to folders are not followed: they may lead in circles.
     ///
-    /// O(frames) for a folder; the content of a frame is not read, but for a pipe, which can be read only once.
+    /// A folder with a layout is listed at once, O(frames); another folder is listed while its frames are asked for. Of a file the
+    /// head is read, of a pipe everything, because it can be read only once.
     ///
     /// # Errors
     /// [`Error::At`] the path: it cannot be read, [`Error::Empty`], [`Error::UnknownFormat`], [`Error::NoFrames`], or
@@ -50,16 +51,6 @@ impl Source {
             return Err(Error::NoFrames.at(path));
         }
         Ok(Self { frames: Box::new(found), shared_files: Vec::new(), notices: Vec::new() })
-    }
-
-    /// Opens several paths as one source. Each is opened when its turn comes; one that cannot be opened is an error
-    /// among the frames.
-    pub fn open_all(paths: Vec<PathBuf>, given: Given) -> Self {
-        let frames = paths.into_iter().flat_map(move |path| match Self::open(&path, &given) {
-            Ok(source) => source.frames,
-            Err(error) => Box::new(std::iter::once(Err(error))),
-        });
-        Self { frames: Box::new(frames), shared_files: Vec::new(), notices: Vec::new() }
     }
 
     /// A list of frames.
@@ -267,9 +258,6 @@ mod tests {
     #[test]
     fn a_bad_file_is_an_error_among_the_frames_and_the_others_still_come() {
         let folder = folder(&[("a.pcd", ONE_POINT), ("b.pcd", "noise"), ("c.pcd", ONE_POINT)]);
-        let paths = ["a.pcd", "missing.pcd", "b.pcd", "c.pcd"].map(|name| folder.path().join(name)).to_vec();
-        let found: Vec<bool> = Source::open_all(paths, Given::default()).map(|frame| frame.is_ok()).collect();
-        assert_eq!(found, [true, false, false, true]);
         let source = Source::open(folder.path(), &Given::default()).unwrap();
         assert_eq!(source.captures().map(|capture| capture.is_ok()).collect::<Vec<_>>(), [true, false, true]);
     }

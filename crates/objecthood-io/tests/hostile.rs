@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{ENCODINGS, decode, small_file};
+use common::{ENCODINGS, decode, small_file, small_ply};
 use objecthood_io::{Given, GridCamera, Source, camera_file};
 use pcd_rs::DataKind;
 use proptest::prelude::*;
@@ -206,7 +206,9 @@ fn what_follows_the_last_point_is_ignored() {
 /// Good files of every format, seen by a camera `4,4,1.5,1` of 4 x 3 pixels. What is added here is cut and damaged as the
 /// others are.
 fn good_files() -> Vec<Vec<u8>> {
-    ENCODINGS.map(small_file).to_vec()
+    let mut files = ENCODINGS.map(small_file).to_vec();
+    files.push(small_ply());
+    files
 }
 
 #[test]
@@ -279,9 +281,11 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..600), as_pcd in any::<bool>()) {
-        let head: &[u8] = if as_pcd { b"VERSION .7\n" } else { b"" };
-        assert_sound(&[head, &bytes].concat());
+    fn any_bytes(
+        head in prop::sample::select(vec!["", "VERSION .7\n", "ply\nformat ascii 1.0\n"]),
+        bytes in prop::collection::vec(any::<u8>(), 0..600),
+    ) {
+        assert_sound(&[head.as_bytes(), &bytes].concat());
     }
 
     #[test]
@@ -318,6 +322,52 @@ proptest! {
         let header = format!("VERSION 0.7\n{}\nDATA {encoding}\n", lines.join("\n"));
         assert_sound(&[header.as_bytes(), &data].concat());
     }
+
+    #[test]
+    fn invented_ply_headers(
+        lines in prop::collection::vec(
+            prop_oneof![
+                6 => "property (char|uchar|short|uint|float|double|float32) (x|y|z|red|green|blue|n)",
+                1 => "property list (uchar|int|float) (int|half) (x|vertex_indices)",
+                1 => "element (vertex|face) [0-9]{1,20}",
+                1 => "(comment|obj_info).*",
+            ],
+            0..12,
+        ),
+        vertices in 0..5_u8,
+        data in "([0-9.-]{1,4}[ \n]){0,80}",
+    ) {
+        let header = format!("ply\nformat ascii 1.0\nelement vertex {vertices}\n{}\nend_header\n", lines.join("\n"));
+        assert_sound((header + &data).as_bytes());
+    }
+}
+
+#[test]
+fn wrong_ply() {
+    let text = String::from_utf8(small_ply()).unwrap();
+    let changed = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to).into_bytes()
+    };
+    assert_told(b"ply\n\xff\xfe\n", r"line 2 of the PLY header is `\xff\xfe`: expected one of");
+    let binary = changed("ascii", "binary_little_endian");
+    assert_told(&binary, "save the cloud as ASCII PLY, or as PCD");
+    assert_told(&changed("end_header\n", ""), "line 13 of the PLY header is `");
+    assert_told(&changed("vertex 11", "vertex 4294967295"), "at most 2^28 are read");
+    assert_told(&changed("vertex 11", "vertex 268435456"), "promises at least 3221225471 bytes behind it");
+    assert_told(
+        &changed("vertex 11", "vertex 99999999999999999999"),
+        "expected `element`, a name and how many",
+    );
+    // The face stands where the twelfth vertex is promised.
+    assert_told(
+        &changed("vertex 11", "vertex 12"),
+        "line 25 of the PLY file is no vertex: it has fewer values",
+    );
+    assert_told(&changed("16 32 50", "16 32 tree"), "line 15 of the PLY file is no vertex: blue is `tree`");
+    assert_told(&[&b"ply "[..], &[b'x'; 100_000]].concat(), "line 1 of the PLY header is `ply xxxxxxxx");
+    let message = decode(text.as_bytes(), None).unwrap_err().to_string();
+    assert!(message.contains("the camera that saw them must be given"), "{message}");
 }
 
 const CAMERA: &str =

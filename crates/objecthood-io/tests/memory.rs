@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{ENCODINGS, decode, small_file};
+use common::{ENCODINGS, decode, small_file, small_ply};
 use peak_alloc::PeakAlloc;
 
 #[global_allocator]
@@ -43,6 +43,20 @@ fn memory_is_bounded_by_the_bytes_that_are_there() {
                 assert!(peak <= 100 * claim.len() + 4096, "{peak} bytes for {encoding:?}, {header}");
             }
         }
+    }
+
+    let file = String::from_utf8(small_ply()).unwrap();
+    let many = |line: &str| line.repeat(10_000) + "comment";
+    for (from, to) in [
+        ("vertex 11", "vertex 268435456".to_owned()),
+        ("vertex 11", "vertex 18446744073709551615".to_owned()),
+        ("comment", "element camera 18446744073709551615\nproperty int i\ncomment".to_owned()),
+        ("comment", many("element a 9\nproperty int i\n")),
+        ("property double z", (0..10_000).map(|i| format!("property char p{i}\n")).collect()),
+    ] {
+        let claim = file.replace(from, &to);
+        let peak = peak_bytes(claim.as_bytes());
+        assert!(peak <= 100 * claim.len() + 4096, "{peak} bytes for {}", &to[..40.min(to.len())]);
     }
 
     // The counter counts: what is there is stored.

@@ -1,9 +1,7 @@
 //! Small frames and discoveries for the tests.
 
-use objecthood::discovery::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportNode, Up, UpSource};
-use objecthood::{
-    Camera, Discovery, Frame, Object, ObjectId, ObjectnessParts, OrientedBox, PixelBox, Raster, Segments,
-};
+use objecthood::discovery::{NodeId, NodeKind, SupportEdge, SupportGraph, SupportNode};
+use objecthood::{Camera, Discovery, Frame, Object, ObjectId, OrientedBox, PixelBox, Raster, Segments};
 
 pub(crate) fn raster<T>(width: usize, height: usize, value: impl FnMut(usize) -> T) -> Raster<T> {
     Raster::from_vec(width, height, (0..width * height).map(value).collect()).unwrap()

@@ -164,10 +164,8 @@ pub(crate) fn numbered(objects: &Objects, scenery: impl Fn(usize, usize) -> Opti
 
 /// What stands on what, on `size` (columns, rows) pixels.
 pub(crate) fn support(view: &View<'_>, size: (u32, u32)) -> Tile {
-    let tree = tree(view.discovery, &view.forest, size);
-    let title =
-        if tree.has_numbers { "support: on, in (blue), leans (orange), hidden (dashed)" } else { "support" };
-    Tile { title: title.to_owned(), image: tree.picture, scale: None }
+    let title = "support: on, in (blue), leans (orange), hidden (dashed)".to_owned();
+    Tile { title, image: tree(view.discovery, &view.forest, size), scale: None }
 }
 
 /// The regions of a stage in colours that differ; the first of them, which are `structure`, in greys.

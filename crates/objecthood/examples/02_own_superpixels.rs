@@ -1,6 +1,7 @@
-//! Own superpixels in the place of ours: the method `context` with its first stage replaced by a plain grid.
+//! Own superpixels in the place of ours: the method `context` with a plain grid instead of the watershed. The structure is ours.
 //!
-//! Every stage is a function from outputs of earlier stages and its own parameters to one output, so any of them can be replaced.
+//! Every stage is a function from outputs of earlier stages and its own parameters to one output. Structure, facets and shapes can be
+//! replaced in the same way.
 //!
 //! `cargo run --release -p objecthood --example 02_own_superpixels`
 
@@ -18,7 +19,7 @@ use objecthood::oversegment::structure::find_structure;
 use objecthood::shapes::border::measure_borders;
 use objecthood::shapes::contraction::{contract, sum_votes};
 use objecthood::support::gravity::camera_up;
-use objecthood::support::standing::find_standing;
+use objecthood::support::standing::{StandingParams, find_standing};
 use objecthood::surface::surfaces::find_surfaces;
 use objecthood::{Discovery, Frame, Params, Raster};
 use world::{Solid, snapshot};
@@ -52,9 +53,10 @@ fn discover_with(labels: &Raster<i32>, frame: &Frame, params: &Params) -> object
     let points_m = frame.points_m();
     let scene = Scene::new(frame, &surfaces, &structure, &filled, &points_m, steps);
     let clusters = find_clusters(&scene, &shapes, Rules::of(params));
-    let standing = find_standing(frame, &scene, &clusters, &structure.planes, params);
-    let hypotheses = find_cluster_hypotheses(&scene, &clusters, &standing, params);
-    conclude_context(&filled.segments, &points_m, &standing, &hypotheses, params)
+    let standing = find_standing(frame, &scene, &clusters, &structure.planes, StandingParams::of(params));
+    let Params { gravity, contraction, objectness, .. } = params;
+    let hypotheses = find_cluster_hypotheses(&scene, &clusters, &standing, objectness, contraction);
+    conclude_context(&filled.segments, &points_m, &standing, &hypotheses, gravity, objectness)
 }
 
 #[expect(clippy::print_stdout, reason = "an example talks to its reader")]

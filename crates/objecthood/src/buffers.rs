@@ -1,21 +1,21 @@
-//! Memory of images, used again from frame to frame.
+//! Reuses the memory of images from frame to frame.
 //!
-//! A stream of frames of one size asks the system for the memory of its images once. Without reuse the system hands out and
-//! clears new pages for every frame, which takes about a tenth of the time (ours, because of that).
+//! A stream of frames of one size requests the memory of its images from the system once. Without reuse the system hands out and
+//! clears new pages for every frame, which takes about a tenth of the time (ours, because of this cost).
 //!
-//! No signature shows it: a [`Buffer`] that is dropped lies on a shelf until the next one is asked for. Shelves are kept only
-//! as long as a [`Keeper`] lives; without one a dropped buffer is freed. No result depends on what a buffer held before.
+//! Callers do not notice: a dropped [`Buffer`] is put on a shelf, and the next buffer of its type takes its memory from there.
+//! Shelves are kept only as long as a [`Keeper`] lives; without one a dropped buffer is freed. No result depends on the earlier
+//! contents of a buffer.
 
 use std::any::Any;
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Buffers of one type that are kept for each keeper. No method uses as many at once; a caller who holds more results than
-/// that and drops them frees the rest.
+/// Most buffers of one type that are kept for each keeper; further ones are freed when dropped. No method holds as many at once.
 const MOST_KEPT: usize = 16;
 
-/// A list of values. Its memory goes back to the shelf that it came from.
+/// A list of values. When it is dropped, its memory goes to the shelf of its type.
 pub(crate) struct Buffer<T> {
     values: Vec<T>,
     /// Puts the memory on its shelf; `None` when it did not come from one.
@@ -23,10 +23,10 @@ pub(crate) struct Buffer<T> {
 }
 
 impl<T: Clone + Send + 'static> Buffer<T> {
-    /// `len` values: what the memory held before, and `value` where it held nothing. For stages that write every value.
+    /// `len` values with arbitrary contents: old values of reused memory, and `value` in new memory. For stages that write every value.
     #[expect(clippy::needless_pass_by_value, reason = "values are small: a number or a few")]
     pub(crate) fn stale(len: usize, value: T) -> Self {
-        // New memory full of zeros costs nothing before it is touched: the system hands it out so.
+        // New memory full of zeros costs nothing until it is touched, because the system hands it out cleared.
         let values = take(len).map_or_else(
             || vec![value.clone(); len],
             |mut values: Vec<T>| {
@@ -50,7 +50,7 @@ impl<T: Clone + Send + 'static> Buffer<T> {
 }
 
 impl<T> Buffer<T> {
-    /// The values, which go back to no shelf any more.
+    /// The values. Their memory no longer goes to a shelf.
     pub(crate) fn into_vec(mut self) -> Vec<T> {
         self.give_back = None;
         std::mem::take(&mut self.values)
@@ -81,7 +81,7 @@ impl<T> DerefMut for Buffer<T> {
     }
 }
 
-/// Values of the caller: no shelf takes their memory.
+/// Values of the caller: their memory does not go to a shelf.
 impl<T> From<Vec<T>> for Buffer<T> {
     fn from(values: Vec<T>) -> Self {
         Self { values, give_back: None }
@@ -98,7 +98,7 @@ impl<T: Clone + Send + 'static> FromIterator<T> for Buffer<T> {
     }
 }
 
-/// A copy belongs to the caller: no shelf takes its memory.
+/// A copy belongs to the caller: its memory does not go to a shelf.
 impl<T: Clone> Clone for Buffer<T> {
     fn clone(&self) -> Self {
         self.values.clone().into()
@@ -119,7 +119,7 @@ impl<T: fmt::Debug> fmt::Debug for Buffer<T> {
     }
 }
 
-/// As long as one lives, dropped buffers are kept.
+/// Dropped buffers are kept as long as a keeper lives.
 #[derive(Debug)]
 pub(crate) struct Keeper(());
 
@@ -138,33 +138,35 @@ impl Clone for Keeper {
 
 impl Drop for Keeper {
     fn drop(&mut self) {
-        // Freed after the lock is open again.
+        // The variable delays the deallocation until the lock is released.
         let _unused = shelves().leave();
     }
 }
 
 /// Puts the memory of a buffer on its shelf.
 fn give_back<T: Send + 'static>(values: Vec<T>) {
-    // Freed after the lock is open again.
+    // The variable delays the deallocation until the lock is released.
     let _surplus = shelves().put(values);
 }
 
+/// The buffers that are kept for reuse. The whole process shares them: every pipeline takes buffers from here and puts them back, until
+/// the last pipeline is dropped. [`Pipeline::forget`](crate::Pipeline::forget) puts the images of its outputs here and frees none.
 static SHELVES: Mutex<Shelves> = Mutex::new(Shelves { keepers: 0, by_type: Vec::new() });
 
-/// What a thread left that panicked is still whole: no call of a user's code comes between two changes.
+/// Locks the shelves. They are consistent even after a panic: no user code runs between two changes.
 fn shelves() -> MutexGuard<'static, Shelves> {
     SHELVES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Memory for `len` values, if a shelf has enough of it.
+/// Memory for `len` values from a shelf, if a buffer there is large enough.
 fn take<T: Send + 'static>(len: usize) -> Option<Vec<T>> {
     let taken = shelves().take(len);
     taken.filter(|values| values.capacity() >= len)
 }
 
-/// The buffers that nobody uses.
+/// The buffers that are not in use.
 struct Shelves {
-    /// Living keepers.
+    /// Number of living keepers.
     keepers: usize,
     /// A `Vec<Vec<T>>` for each type of values.
     by_type: Vec<Box<dyn Any + Send>>,
@@ -175,9 +177,9 @@ impl Shelves {
         self.by_type.iter_mut().find_map(|shelf| shelf.downcast_mut())
     }
 
-    /// The smallest buffer that holds `len` values, so that each is asked for the same again; of equal ones the last that was
-    /// put back, because the cache is most likely to hold it. If none is large enough, the smallest of all: the caller frees it
-    /// and puts back a larger one instead.
+    /// Takes the smallest buffer that holds `len` values, so that a buffer serves the same use again; on ties the one put back last,
+    /// because the cache most likely holds it. If none is large enough, takes the smallest of all: the caller frees it and later puts
+    /// back a larger one.
     fn take<T: 'static>(&mut self, len: usize) -> Option<Vec<T>> {
         let shelf = self.shelf::<T>()?;
         let fit = |&i: &usize| (shelf[i].capacity() < len, shelf[i].capacity());
@@ -185,7 +187,7 @@ impl Shelves {
         Some(shelf.remove(best))
     }
 
-    /// Puts a buffer back. Returns what is to be freed.
+    /// Puts a buffer back. Returns the buffer to free, if any.
     fn put<T: Send + 'static>(&mut self, values: Vec<T>) -> Option<Vec<T>> {
         if self.keepers == 0 {
             return Some(values);
@@ -203,7 +205,7 @@ impl Shelves {
         }
     }
 
-    /// A keeper goes. Returns what is to be freed: after the last one everything.
+    /// Removes a keeper. After the last one, returns all buffers to be freed.
     fn leave(&mut self) -> Vec<Box<dyn Any + Send>> {
         self.keepers -= 1;
         if self.keepers == 0 { std::mem::take(&mut self.by_type) } else { Vec::new() }
@@ -261,7 +263,7 @@ mod tests {
         assert_eq!(shelves.take::<u8>(1), None);
     }
 
-    /// Three boxes before a wall, in colour.
+    /// Three boxes in front of a wall, in colour.
     fn frame() -> Frame {
         let (width, height) = (96, 72);
         let place = |i: usize| (i % width / 16, i / width / 24);

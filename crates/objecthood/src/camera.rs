@@ -30,11 +30,11 @@ impl Camera {
         Self { fx_px, fy_px, cx_px, cy_px }.check()
     }
 
-    /// The camera itself, if it can be one.
+    /// The camera itself, if its intrinsics are valid.
     ///
     /// # Errors
     /// [`Error::BadCamera`] when a focal length is not between 1e-3 and 1e7 px or the principal point lies farther
-    /// than 1e7 px from the origin: beyond, points would not be numbers any more.
+    /// than 1e7 px from the origin: beyond these limits, points might not be finite.
     pub fn check(self) -> Result<Self> {
         let focal = [self.fx_px, self.fy_px].iter().all(|f| (1e-3..=1e7).contains(f));
         let principal = [self.cx_px, self.cy_px].iter().all(|c| (-1e7..=1e7).contains(c));
@@ -59,7 +59,7 @@ impl Camera {
         [(x * z) as f32, (y * z) as f32, z_m]
     }
 
-    /// Where point `p` (m) is seen (px): (u, v). Not finite for a point in the plane of the camera.
+    /// The image position (u, v) of point `p` (m), in px. Not finite for a point in the plane z = 0 of the camera.
     #[inline]
     pub fn project(&self, p: [f32; 3]) -> (f64, f64) {
         let p = Vec3::from(p).as_dvec3();

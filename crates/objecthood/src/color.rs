@@ -23,21 +23,21 @@ pub(crate) fn linear(rgb: [u8; 3]) -> [f32; 3] {
     rgb.map(|value| linear[usize::from(value)])
 }
 
-/// As [`lab`] of a colour with this [`linear`] light, to within [`NEARLY_LAB_ERROR`]. Many times faster: it has no branch, so vector
-/// units convert many pixels at once.
+/// As [`lab`], from [`linear`] light and to within [`NEARLY_LAB_ERROR`]. Many times faster: it has no branch, so vector units convert
+/// many pixels at once.
 #[inline(always)]
 pub(crate) fn nearly_lab(linear: [f32; 3]) -> [f32; 3] {
     lab_by(linear, nearly_cube_root)
 }
 
-/// Bound on the difference between [`nearly_lab`] and [`lab`]: cube roots err by less than 1e-6, and a is 500 times the difference of
-/// two.
+/// Bound on the difference between [`nearly_lab`] and [`lab`]: the error of a cube root is below 1e-6, and a is 500 times the
+/// difference of two cube roots.
 pub(crate) const NEARLY_LAB_ERROR: f32 = 0.002;
 
 /// The cube root to within a few units in the last place.
 #[inline(always)]
 fn nearly_cube_root(t: f32) -> f32 {
-    // A third of the exponent errs by 4 % at most; each step of Halley's method leaves less than the cube of the error.
+    // Dividing the bits by 3 gives the root to within 4 %; each step of Halley's method leaves less than the cube of the error.
     let mut root = f32::from_bits(t.to_bits() / 3 + 0x2a51_19f2);
     for _ in 0..2 {
         let cube = root * root * root;
@@ -46,10 +46,10 @@ fn nearly_cube_root(t: f32) -> f32 {
     root
 }
 
-/// L\*a\*b\* of linear light by a cube root.
+/// L\*a\*b\* of linear light, with the given cube root.
 #[inline(always)]
 fn lab_by([r, g, b]: [f32; 3], cube_root: impl Fn(f32) -> f32) -> [f32; 3] {
-    // The function f of CIE 15: a cube root, straight near zero.
+    // The function f of CIE 15: a cube root, and a straight line near zero.
     const KNEE: f32 = 216.0 / 24389.0;
     let f = |t: f32| if t > KNEE { cube_root(t) } else { (24389.0 / 27.0 * t + 16.0) / 116.0 };
     // Rows: X, Y, Z relative to the white point 0.95047, 1, 1.08883.

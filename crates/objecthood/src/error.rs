@@ -1,13 +1,13 @@
-//! Errors: what the caller gave cannot be used. Bad pixels are data, not errors.
+//! Errors: the caller's input cannot be used. Bad pixels are data, not errors.
 
 /// Result with this crate's [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why a frame cannot be looked at; each message says what to do.
+/// Why a call failed. Each message says how to fix the input.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A raster whose size is zero, too large, or not that of its data.
+    /// A raster whose size is zero, too large, or does not match its data.
     #[error(
         "an image of {width} x {height} pixels with {values} values: give one value a pixel, at least one pixel and at most 2^28"
     )]
@@ -44,13 +44,13 @@ pub enum Error {
     /// Not one pixel with depth.
     #[error("no pixel has a valid depth (finite and above 0 m): check the file and its depth unit")]
     NoValidDepth,
-    /// Intrinsics that are not those of a camera.
+    /// Intrinsics that no camera has.
     #[error(
         "fx {} fy {} cx {} cy {} is not a camera: give pixels, focal lengths from 1e-3 to 1e7 and a principal point within 1e7",
         camera[0], camera[1], camera[2], camera[3]
     )]
     BadCamera {
-        /// What was given: fx, fy, cx and cy (px).
+        /// The intrinsics given: fx, fy, cx and cy (px).
         camera: [f64; 4],
     },
     /// A parameter outside its range.
@@ -58,12 +58,12 @@ pub enum Error {
     BadParameter {
         /// `stage.name` of the parameter.
         parameter: String,
-        /// What was given.
+        /// The value given.
         value: String,
-        /// What is allowed.
+        /// The values allowed.
         range: String,
     },
-    /// A pixel that is not in the image.
+    /// A pixel outside the image.
     #[error(
         "pixel {},{} lies outside the image of {} x {} pixels: give a column up to {} and a row up to {}",
         pixel[0], pixel[1], size.0, size.1, size.0 - 1, size.1 - 1

@@ -1,4 +1,4 @@
-//! What a depth camera sees at one moment. The conventions of units and missing values stand here, once.
+//! One image of a depth camera. The conventions of units and missing values are defined here.
 
 use std::sync::Arc;
 
@@ -10,15 +10,15 @@ use crate::error::{Error, Result};
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
-/// Coordinates beyond this (m) count as missing: their squares would not be finite.
+/// Coordinates beyond this (m) count as missing, so that sums of their squares stay finite in 32 bits.
 const FARTHEST_M: f64 = 1e15;
 
 /// One registered RGB-D image.
 ///
-/// * depth: metres along the optical axis (z, not range); `NaN` where there is none. Depths that are not positive, or so large that
-///   the point would not be finite, count as missing and are stored as `NaN`.
-/// * colour: sRGB, 8 bits a channel, registered to the depth pixel by pixel; may be absent altogether.
-/// * points are not stored: they follow from depth and camera ([`Frame::points_m`]).
+/// * depth: metres along the optical axis (z, not range); `NaN` where there is none. Depths that are not positive, or that put a
+///   coordinate of the point beyond 1e15 m, count as missing and are stored as `NaN`.
+/// * colour: sRGB, 8 bits a channel, registered to the depth pixel by pixel; a frame may have none.
+/// * points are not stored: [`Frame::points_m`] computes them from depth and camera.
 ///
 /// A frame never changes, and a clone shares its images.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ impl Frame {
             return Err(Error::SizeMismatch { color: color.size(), depth: depth_m.size() });
         }
         let camera = camera.check()?;
-        // The rays through the corners lean farthest.
+        // The rays through the corners are the most oblique.
         let (right, bottom) = (depth_m.width() as f64, depth_m.height() as f64);
         let corners = [camera.ray(0.0, 0.0), camera.ray(right, bottom)];
         let lean = corners.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -73,7 +73,7 @@ impl Frame {
         self.color.as_deref()
     }
 
-    /// The camera that saw it.
+    /// The camera that took the image.
     pub fn camera(&self) -> Camera {
         self.camera
     }
@@ -88,7 +88,7 @@ impl Frame {
         self.measured_px
     }
 
-    /// Whether it is this frame or a clone of it: the same images in memory, seen by the same camera.
+    /// Whether both frames share their images in memory, as clones do, and have the same camera.
     pub(crate) fn is_clone_of(&self, other: &Self) -> bool {
         let shares_color = match (&self.color, &other.color) {
             (Some(own), Some(other)) => Arc::ptr_eq(own, other),

@@ -1,10 +1,11 @@
-//! Unsupervised object discovery from one RGB-D image: what in it can be grasped and moved.
+//! Unsupervised object discovery from one RGB-D image: finds the things in it that can be grasped and moved.
 //!
-//! No training, no known classes. The method `paper` is that of "Unsupervised Object Exploration Using Context"
-//! (RO-MAN 2014): a frame is over-segmented on colour, depth and curvature; superpixels are grouped to facets, facets
-//! across convex edges to shapes, and a shape is an object when it has a graspable size and something carries it. The
-//! method `context`, the default, does the same four stages with surfaces fitted in disparity, the votes of whole
-//! borders, and what the surroundings tell: vessels, bottoms, parts behind an occluder.
+//! No training, no known classes. The method `paper` is published in "Unsupervised Object Exploration Using Context"
+//! (RO-MAN 2014). It over-segments a frame on colour, depth and curvature, groups superpixels to facets, and joins facets
+//! across convex edges to shapes. A shape is an object when it has a graspable size and something carries it.
+//!
+//! The method `context`, the default, has the same four stages. It fits surfaces in disparity, lets whole borders vote, and
+//! uses the surroundings: vessels, bottoms, parts behind an occluder.
 //!
 //! ```
 //! use objecthood::{Camera, Frame, Params, Raster, discover};
@@ -17,24 +18,26 @@
 //! # Ok::<(), objecthood::Error>(())
 //! ```
 //!
-//! [`discover`] is the one call most users need. Every stage is a public function that can be called alone, or replaced: see the
-//! examples of the rooms below and `examples/02_own_superpixels.rs`. A [`Pipeline`] keeps the outputs of the stages and runs only
+//! [`discover`] is the one call most users need. Every stage is a public function that can be called alone: see the examples of the
+//! rooms below. Superpixels, structure, facets and shapes may also be your own, as in `examples/02_own_superpixels.rs`; the outputs
+//! of later stages ([`Clustering`](clusters::clustering::Clustering), [`Standing`](support::standing::Standing)) are made by their
+//! functions only. A [`Pipeline`] keeps the outputs of the stages and runs only
 //! those again that a change of parameters reaches. The file `method.rs` shows the order of the stages, one screen a method:
 //!
-//! | room | what happens | paper |
+//! | module | task | paper |
 //! |---|---|---|
-//! | [`frame`], [`camera`], [`raster`] | what comes in: units, missing depth, the camera frame | |
+//! | [`frame`], [`camera`], [`raster`] | the input: units, missing depth, the camera frame | |
 //! | [`surface`] | normals and curvature of single pixels | III-A, eq. 2 |
 //! | [`oversegment`] | superpixels | III-A, eq. 1 |
 //! | [`facets`] | faces of convex shapes | III-B, eq. 3 |
 //! | [`shapes`] | convex shapes | III-C, eq. 4 and 5 |
-//! | [`clusters`] | which shapes are one thing, by their surroundings (`context`) | |
-//! | [`support`] | up, and what stands on what | III-D, eq. 6 to 8 |
+//! | [`clusters`] | shapes that are one thing, joined by their surroundings (`context`) | |
+//! | [`support`] | the direction up, and the support graph | III-D, eq. 6 to 8 |
 //! | [`objectness`] | the score, and which regions are objects | III-D |
-//! | [`regions`] | label maps and region graphs, which the stages hand to each other | |
+//! | [`regions`] | label maps and region graphs, passed from stage to stage | |
 //! | [`params`] | every parameter with unit, default and source | |
-//! | [`observe`] | the hook through which intermediate results are seen | |
-//! | [`explain`] | why a pixel is what it is, and what it would take to decide otherwise | |
+//! | [`observe`] | the hook that shows intermediate results | |
+//! | [`explain`] | the decisions behind a pixel's label, and the parameter changes that turn them | |
 //!
 //! The crate is pure: no files, no clock, no printing. The same frame gives the same labels on any number of
 //! threads; functions that use more than one run on the current rayon pool.
@@ -83,11 +86,11 @@ pub use raster::{PixelBox, Raster};
 pub use regions::{RegionEdge, RegionGraph, SegmentId, Segments};
 pub use stage::Stage;
 
-/// Looks at a frame and says what in it can be grasped and moved. For a stream of frames a [`Pipeline`] is faster.
+/// Finds the objects of a frame that can be grasped and moved. For a stream of frames a [`Pipeline`] is faster.
 ///
-/// Lengths are metres in the camera frame, see [`Frame`]; the labels have the size of the frame. A frame in which
-/// nothing is found is no error: the discovery is empty. For a frame of n pixels O(n log n) time and O(n) memory, as
-/// long as regions stay few beside pixels; parameters that are radii or window sizes multiply the time.
+/// Lengths are metres in the camera frame, see [`Frame`]. The label images have the size of the frame. A frame without
+/// objects is no error: the discovery is empty. O(n log n) time and O(n) memory for n pixels, as long as there are far fewer
+/// regions than pixels; parameters that are radii or window sizes multiply the time.
 ///
 /// # Errors
 /// [`Error::BadParameter`] when a parameter is outside its range, [`Error::TooManyObjects`] beyond 65535 objects.
@@ -95,7 +98,7 @@ pub fn discover(frame: &Frame, params: &Params) -> Result<Discovery> {
     discover_observed(frame, params, &mut ())
 }
 
-/// As [`discover`], and shows every intermediate result to `observer`.
+/// As [`discover`]; also shows every intermediate result to `observer`.
 ///
 /// # Errors
 /// As [`discover`].

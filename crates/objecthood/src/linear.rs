@@ -1,6 +1,6 @@
-//! Linear algebra of a few numbers, with the same bits on every platform.
+//! Small linear algebra, with the same bits on every platform.
 
-/// Length of a vector of the plane. `hypot` would differ between platforms.
+/// Length of a plane vector. `hypot` would differ between platforms.
 #[inline]
 pub(crate) fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()

@@ -1,7 +1,7 @@
 //! The methods: the order of the stages, and nothing else.
 //!
-//! Every stage is a function from outputs of earlier stages and its own parameters to one output. [`recall`] runs it only where
-//! the output is not there yet.
+//! Every stage is a function from outputs of earlier stages and its own parameters to one output. [`recall`] runs a stage only
+//! if its output is not kept already.
 
 use crate::clusters::fill::fill_facets;
 use crate::clusters::rules::{Rules, find_clusters};
@@ -12,12 +12,12 @@ use crate::error::Result;
 use crate::facets::find_facets;
 use crate::facets::paper::group_alike;
 use crate::frame::Frame;
-use crate::objectness::conclusion::{conclude_context, conclude_paper};
+use crate::objectness::conclusion::{PaperScene, conclude_context, conclude_paper};
 use crate::objectness::hypotheses::{Evidence, find_cluster_hypotheses, find_hypotheses};
 use crate::observe::{LabelMap, Observer, Output};
 use crate::outputs::{ContextOutputs, PaperOutputs, recall, try_recall};
 use crate::oversegment::linked::flood_superpixels;
-use crate::oversegment::paper::segment_graph;
+use crate::oversegment::paper::{SegmentationParams, segment_graph};
 use crate::oversegment::structure::find_structure;
 use crate::params::{Channels, Params};
 use crate::shapes::border::measure_borders;
@@ -25,7 +25,7 @@ use crate::shapes::contraction::{contract, sum_votes};
 use crate::shapes::paper::join_convex;
 use crate::support::gravity::{camera_up, find_ground};
 use crate::support::paper::stack_by_height;
-use crate::support::standing::find_standing;
+use crate::support::standing::{StandingParams, find_standing};
 use crate::surface::curvature::measure_curvature;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::normals::measure_normals;
@@ -40,7 +40,7 @@ pub(crate) fn paper<'k>(
 ) -> Result<&'k Discovery> {
     let params = &without_missing_color(frame, params);
 
-    // What single pixels tell: normals, and where they bend (eq. 2).
+    // Single pixels: normals, and the curvature of the surface (eq. 2).
     let points_m = recall(&mut kept.points_m, || frame.points_m());
     let normals = recall(&mut kept.normals, || measure_normals(points_m, &params.normals));
     observer.observe(Output::Normals(normals));
@@ -48,7 +48,8 @@ pub(crate) fn paper<'k>(
     observer.observe(Output::Curvature(curvature));
 
     // 1. Over-segmentation on colour, depth and curvature (eq. 1).
-    let superpixels = recall(&mut kept.superpixels, || segment_graph(frame, curvature, params));
+    let superpixels =
+        recall(&mut kept.superpixels, || segment_graph(frame, curvature, SegmentationParams::of(params)));
     observer.observe(Output::Superpixels((&superpixels.segments).into()));
 
     // 2. Facets: superpixels that look alike (eq. 3).
@@ -71,29 +72,30 @@ pub(crate) fn paper<'k>(
     let hypotheses = recall(&mut kept.hypotheses, || {
         let space = &DisparitySpace::new(frame.camera(), &params.sensor);
         let evidence = Evidence { regions: shapes, points_m, normals, support, up: &ground.up, space };
-        find_hypotheses(&evidence, 0, params.objectness.min_size_px, params)
+        find_hypotheses(&evidence, &params.objectness, &params.contraction)
     });
     observer.observe(Output::Hypotheses(hypotheses));
     let discovery = try_recall(&mut kept.discovery, || {
-        conclude_paper(frame, facets, points_m, (ground, support), hypotheses, params)
+        let scene = &PaperScene { facets, points_m, ground, support };
+        conclude_paper(frame, scene, hypotheses, &params.gravity, &params.objectness)
     })?;
     observer.observe(Output::Objects(discovery));
     Ok(discovery)
 }
 
-/// The same four stages, with surfaces fitted in disparity and the evidence of whole borders; what borders cannot tell the
-/// surroundings decide. Colour is asked only about parts behind an occluder.
+/// The same four stages, with surfaces fitted in disparity and evidence from whole borders. Where borders cannot decide, the
+/// surroundings do. Colour is used only for parts behind an occluder.
 pub(crate) fn context<'k>(
     frame: &Frame,
     params: &Params,
     kept: &'k mut ContextOutputs,
     observer: &mut dyn Observer,
 ) -> Result<&'k Discovery> {
-    // What single pixels tell: the plane that fits their surroundings best.
+    // Single pixels: the plane that fits the surroundings of each best.
     let surfaces = recall(&mut kept.surfaces, || find_surfaces(frame, &params.sensor, &params.local_fit));
     observer.observe(Output::Normals(&surfaces.orientation.normal));
 
-    // 1. Over-segmentation: large planes, then a watershed of how badly a plane fits.
+    // 1. Over-segmentation: large planes, then a watershed of the residuals of the plane fits.
     let structure = recall(&mut kept.structure, || {
         find_structure(frame.depth_m(), surfaces, camera_up(&params.gravity), &params.structure)
     });
@@ -117,27 +119,30 @@ pub(crate) fn context<'k>(
         recall(&mut kept.shapes, || contract(&sum_votes(borders, facets.structure, &params.contraction)));
     observer.observe(Output::Shapes(LabelMap::shapes(facets, shapes)));
 
-    // 4. Objectness: what the surroundings of a shape tell, and support against gravity.
+    // 4. Objectness: shapes joined by their surroundings, support against gravity, and the score.
     let steps = StepLimits::of(&params.watershed);
     let filled = recall(&mut kept.filled, || fill_facets(facets, &surfaces.disparity, steps));
     let points_m = recall(&mut kept.points_m, || frame.points_m());
     let scene = &Scene::new(frame, surfaces, structure, filled, points_m, steps);
     let clusters = recall(&mut kept.clusters, || find_clusters(scene, shapes, Rules::of(params)));
     observer.observe(Output::Clusters { facets: filled, clusters });
-    let standing =
-        recall(&mut kept.standing, || find_standing(frame, scene, clusters, &structure.planes, params));
+    let standing = recall(&mut kept.standing, || {
+        find_standing(frame, scene, clusters, &structure.planes, StandingParams::of(params))
+    });
     observer.observe(Output::Support { graph: &standing.graph, regions: &standing.candidates.regions });
-    let hypotheses =
-        recall(&mut kept.hypotheses, || find_cluster_hypotheses(scene, clusters, standing, params));
+    let hypotheses = recall(&mut kept.hypotheses, || {
+        find_cluster_hypotheses(scene, clusters, standing, &params.objectness, &params.contraction)
+    });
     observer.observe(Output::Hypotheses(hypotheses));
     let discovery = try_recall(&mut kept.discovery, || {
-        conclude_context(&filled.segments, points_m, standing, hypotheses, params)
+        let Params { gravity, objectness, .. } = params;
+        conclude_context(&filled.segments, points_m, standing, hypotheses, gravity, objectness)
     })?;
     observer.observe(Output::Objects(discovery));
     Ok(discovery)
 }
 
-/// The parameters with which depth alone decides when the frame has no colour.
+/// The parameters; for a frame without colour, changed so that depth alone decides.
 fn without_missing_color(frame: &Frame, params: &Params) -> Params {
     let mut params = params.clone();
     if frame.color().is_none() {

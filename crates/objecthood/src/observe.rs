@@ -1,4 +1,4 @@
-//! What the stages put out, as pictures, timings and tests see it.
+//! The outputs of the stages, as observers see them: pictures, timings, tests.
 
 use std::borrow::Cow;
 
@@ -14,7 +14,7 @@ use crate::shapes::border::BorderEvidence;
 use crate::shapes::contraction::Shapes as Grouping;
 use crate::stage::Stage;
 
-/// A view of what a stage put out; one variant a [`Stage`], in the same order.
+/// A view of the output of a stage: one variant for each [`Stage`], in the same order.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum Output<'a> {
@@ -28,37 +28,37 @@ pub enum Output<'a> {
     Superpixels(LabelMap<'a>),
     /// Stage 2: one face each of a convex shape.
     Facets(&'a Segments),
-    /// What the common borders of facets tell (`context`), before stage 3 and all that comes after it.
+    /// The evidence from the common borders of facets (`context`), the input of stage 3.
     Borders {
         /// The facets of stage 2, with their surfaces.
         facets: &'a Facets,
-        /// What is seen between any two of them that are not both structure.
+        /// The evidence between any two neighbouring facets that are not both structure.
         evidence: &'a RegionGraph<BorderEvidence>,
     },
     /// Stage 3: facets joined across convex edges. In `context` shape 0 is all structure.
     Shapes(LabelMap<'a>),
-    /// What the surroundings made of the shapes (`context`).
+    /// The shapes after the rules on their surroundings (`context`).
     Clusters {
-        /// The facets, and what was missing between them filled.
+        /// The facets after the gaps between them are filled.
         facets: &'a Facets,
-        /// What was given to what, what was left alone, and what is left.
+        /// The clusters, the events that joined them, and the joins that rules refused.
         clusters: &'a Clustering,
     },
-    /// Stage 4, first half: what supports what; which of it are objects is not yet known.
+    /// Stage 4: the support graph. Objects are not decided yet.
     Support {
-        /// What stands on what.
+        /// Which region stands on which.
         graph: &'a SupportGraph,
-        /// Node k of the graph is region k. In `paper` the shapes, in `context` structure and clusters.
+        /// Node k of the graph is region k. The regions are the shapes in `paper`, structure and clusters in `context`.
         regions: &'a Segments,
     },
-    /// Stage 4: what may be an object, with its score.
+    /// Stage 4: the regions that may be objects, with their scores.
     Hypotheses(&'a [Hypothesis]),
     /// Stage 4: the outcome.
     Objects(&'a Discovery),
 }
 
 impl Output<'_> {
-    /// The stage that put it out.
+    /// The stage whose output this is.
     pub fn stage(&self) -> Stage {
         match self {
             Self::Normals(_) => Stage::Normals,
@@ -76,7 +76,7 @@ impl Output<'_> {
     }
 }
 
-/// A label map, put together only for who looks at it: the method itself keeps structure and superpixels apart.
+/// A label map that is assembled on demand. The method itself stores structure and superpixels apart.
 #[derive(Clone, Copy, Debug)]
 pub struct LabelMap<'a>(Parts<'a>);
 
@@ -94,7 +94,7 @@ impl<'a> LabelMap<'a> {
         Self(Parts::Structure(structure))
     }
 
-    /// First the structure, then superpixels where none is.
+    /// First the structure, then the superpixels of the other pixels.
     pub(crate) fn superpixels(structure: &'a Planes, superpixels: &'a Segments) -> Self {
         Self(Parts::Superpixels(structure, superpixels))
     }
@@ -104,7 +104,7 @@ impl<'a> LabelMap<'a> {
         Self(Parts::Shapes(facets, shapes))
     }
 
-    /// The label map. O(pixels), unless it is there already.
+    /// The label map. O(pixels), or O(1) when it is stored as a whole.
     pub fn segments(self) -> Cow<'a, Segments> {
         match self.0 {
             Parts::Whole(segments) => Cow::Borrowed(segments),
@@ -121,13 +121,13 @@ impl<'a> From<&'a Segments> for LabelMap<'a> {
     }
 }
 
-/// Sees what every stage of a frame puts out.
+/// Receives the output of every stage.
 pub trait Observer {
-    /// Called once for every stage of the method, in their order, as soon as the output is there.
+    /// Called once for every stage of the method, in the order of the stages, as soon as its output exists.
     fn observe(&mut self, output: Output<'_>);
 }
 
-/// Sees nothing.
+/// Ignores all outputs.
 impl Observer for () {
     fn observe(&mut self, _: Output<'_>) {}
 }

@@ -1,4 +1,4 @@
-//! What the stages of a method put out, each kept until something that it was computed from changes.
+//! The outputs of the stages of a method. Each is kept until one of its inputs changes.
 
 use std::sync::Arc;
 
@@ -23,12 +23,12 @@ use crate::surface::surfaces::Surfaces;
 /// An output, once its stage has run. Clones of a pipeline share it.
 pub(crate) type Slot<T> = Option<Arc<T>>;
 
-/// The output in a slot; `run` makes it where there is none.
+/// The output in a slot. If the slot is empty, `run` computes it first.
 pub(crate) fn recall<T>(slot: &mut Slot<T>, run: impl FnOnce() -> T) -> &T {
     slot.get_or_insert_with(|| Arc::new(run()))
 }
 
-/// As [`recall`], of a stage that may fail.
+/// As [`recall`], for a stage that may fail.
 ///
 /// # Errors
 /// As `run`.
@@ -39,7 +39,7 @@ pub(crate) fn try_recall<T>(slot: &mut Slot<T>, run: impl FnOnce() -> Result<T>)
     })
 }
 
-/// A struct with a slot for every stage of a method, in their order.
+/// A struct with the slots of a method, in the order in which the method fills them. A stage may have several.
 macro_rules! outputs {
     ($(#[$doc:meta])* $Outputs:ident { $($(#[$slot_doc:meta])* $slot:ident: $Type:ty, of $stage:ident;)+ }) => {
         $(#[$doc])*
@@ -68,7 +68,7 @@ outputs! {
         facets: Facets, of Facets;
         borders: RegionGraph<BorderEvidence>, of Borders;
         shapes: Shapes, of Shapes;
-        /// The facets, with what was missing between them filled.
+        /// The facets after the gaps between them are filled.
         filled: Facets, of Clusters;
         points_m: Raster<[f32; 3]>, of Normals;
         clusters: Clustering, of Clusters;

@@ -1,7 +1,7 @@
-//! Every parameter of the method, with unit, range, default and where the default comes from.
+//! Every parameter of both methods, with unit, range, default and the source of the default.
 //!
-//! One group per algorithm. `parameters!` makes struct, default, validation and the table that `objecthood params`
-//! prints from one text.
+//! There is one group for each algorithm. `parameters!` generates the structs, their defaults, the validation and the table of
+//! `objecthood params` from one text.
 
 mod allowed;
 mod choices;
@@ -19,7 +19,7 @@ use crate::params::allowed::{Allowed, Number, OneOf, check};
 use crate::stage::Stage;
 
 parameters! {
-    /// What is known of the depth sensor.
+    /// The noise of the depth sensor.
     Sensor sensor, read by [Paper: Superpixels, Context: Normals] {
         /// Step of inverse depth that the sensor resolves: the unit of disparity in eq. 1.
         disparity_quantum_per_m: f64 = 0.00285, 1e-6..=1.0, "1/m",
@@ -38,7 +38,7 @@ parameters! {
     Normals normals, read by [Paper: Normals] {
         /// Side of the window over which tangents are averaged; it shrinks near depth changes.
         window_px: f64 = 10.0, 2.0..=200.0, "px", "tuned on mOSD learn (PARITY.md 7)";
-        /// Depth changes where neighbours differ by more than this times z^2.
+        /// There is a depth change between neighbours whose depths differ by more than this times z^2.
         depth_change_per_m: f32 = 0.02, 1e-5..=10.0, "1/m", "tuned on mOSD learn (PARITY.md 7)";
     }
 
@@ -56,7 +56,7 @@ parameters! {
 
     /// Graph over-segmentation on colour, depth and curvature, eq. 1.
     Graph graph, read by [Paper: Superpixels] {
-        /// What the edge weights are made of.
+        /// The terms of the edge weights.
         channels: Channels = Channels::Both, OneOf("color | depth | both"), "dimensionless: switch", "paper, IV";
         /// Weight of colour against disparity (alpha).
         color_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-A (alpha)";
@@ -66,13 +66,13 @@ parameters! {
         min_size_px: u32 = 100, 0..=1_000_000, "px", "paper, III-A (n)";
     }
 
-    /// High-curvature pixels go to the region reached over the cheapest path.
+    /// Pixels of high curvature join the region that they reach over the cheapest path.
     Absorption absorption, read by [Paper: Superpixels] {
         /// No path crosses a step in depth of more than this times z^2.
         depth_gate_per_m: f32 = 0.02, 0.0..=10.0, "1/m", "tuned on mOSD learn (PARITY.md 7)";
     }
 
-    /// How superpixels look: histograms of colour and normals, eq. 3.
+    /// Appearance of superpixels: histograms of colour and normals, eq. 3.
     Appearance appearance, read by [Paper: Facets] {
         /// Weight of the colour histogram against the histogram of normals (omega).
         color_weight: f64 = 0.5, 0.0..=1.0, "dimensionless: share", "paper, III-B (omega)";
@@ -90,9 +90,9 @@ parameters! {
         initial_variation: f64 = 0.4, 0.0..=1.0, "dimensionless: histogram distance", "tuned on mOSD learn (PARITY.md 3)";
     }
 
-    /// Which regions are close to each other in space.
+    /// Which regions touch in space.
     Contact contact, read by [Paper: Shapes, Context: Support] {
-        /// How far to look for the neighbour across pixels that belong to no region.
+        /// Largest distance in the image to the neighbouring region, across pixels that belong to no region.
         reach_px: usize = 4, 1..=100, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (PARITY.md 7)";
         /// Points nearer than this are in contact.
         distance_m: f32 = 0.02, 0.0..=1.0, "m", "tuned on mOSD learn (PARITY.md 7)";
@@ -100,18 +100,18 @@ parameters! {
 
     /// The direction "up".
     Gravity gravity, read by [Paper: Support, Context: Structure] {
-        /// Where it comes from.
+        /// Source of the direction.
         up_from: UpFrom = UpFrom::Plane, OneOf("plane | camera"), "dimensionless: switch",
-            "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (PARITY.md, Equations)";
-        /// How far the camera looks down from the horizon.
+            "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (PARITY.md, Equations)", read by [Paper: Support, Context: Support];
+        /// Angle by which the camera looks down from the horizon.
         tilt_deg: f64 = 0.0, -90.0..=90.0, "degrees", "paper, III-D: the camera is held horizontally";
-        /// How far it is turned clockwise about the direction in which it looks.
+        /// Angle by which the camera is turned clockwise about its optical axis.
         roll_deg: f64 = 0.0, -180.0..=180.0, "degrees", "paper, III-D: the camera is held horizontally";
         /// Points nearer to the plane than this belong to it.
         inlier_distance_m: f64 = 0.008, 1e-4..=1.0, "m", "tuned on mOSD learn (PARITY.md 5)", read by [Paper: Support];
         /// A plane that holds a smaller share of the valid points is no ground to stand on.
         min_inlier_share: f64 = 0.1, 0.0..=1.0, "dimensionless: share of valid points", "ours, because a scene without a plane has no up to read off", read by [Paper: Support];
-        /// Points looked at in the search for the plane.
+        /// Points sampled in the search for the plane.
         samples: usize = 6000, 3..=1_000_000, "points", "ours, because more changes no plane (PARITY.md 5)", read by [Paper: Support];
         /// Planes tried.
         trials: usize = 300, 1..=100_000, "planes", "ours, because more changes no plane (PARITY.md 5)", read by [Paper: Support];
@@ -119,27 +119,28 @@ parameters! {
 
     /// Planes fitted to the window around every pixel (`context`).
     LocalFit local_fit, read by [Context: Normals] {
-        /// Half the side of the window, without its middle; never more than 199 pixels of the image.
+        /// Half the side of the window, without its middle pixel; at most 199 px of the image.
         radius_px: usize = 3, 1..=50, "px at a focal length of 525 px", "docs/CONTEXT.md 0.3";
-        /// A pixel keeps its own window below this residual; above, the best of nine windows speaks for it.
+        /// A pixel keeps its own window when the residual is below this; otherwise it takes the best of nine windows.
         own_window_residual_quanta: f32 = 0.8, 0.0..=1000.0, "quanta of disparity", "docs/CONTEXT.md 0.4: a short cut that saves time";
     }
 
     /// Large planes that carry or enclose the objects (`context`).
     Structure structure, read by [Context: Structure] {
-        /// Pixels nearer than this belong to the surface.
+        /// Pixels nearer than this to the surface belong to it, if they have its tilt.
         tolerance_quanta: f64 = 2.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 1.1)";
-        /// Their normals differ by less than this from the surface's.
+        /// A pixel has the tilt of the surface when their normals differ by less than this.
         angle_deg: f64 = 30.0, 0.0..=180.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 1.1)";
-        /// Or the slopes of their disparity do, by less than this; 0 = the normals alone decide.
+        /// A pixel also has the tilt of the surface when the slopes of their disparities differ by less than this; 0 = only the normals
+        /// decide.
         slope_quanta_per_px: f64 = 0.4, 0.0..=1000.0, "quanta of disparity per px at a focal length of 525 px", "ours, because noise tilts a slope alike at any distance, a normal by more the farther it is; 30 degrees at 1 m";
     }
 
     /// Superpixels by watershed of the fit residual (`context`).
     Watershed watershed, read by [Context: Superpixels] {
-        /// Side of the blocks with one seed each.
+        /// Side of the blocks. Each block has one seed.
         seed_block_px: usize = 8, 1..=1000, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 1.2)";
-        /// Largest jump inside a surface, beyond what its slope explains.
+        /// Largest difference between neighbouring pixels of one surface, beyond the difference that its slope explains.
         link_jump_quanta: f32 = 5.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 1.2)";
     }
 
@@ -149,43 +150,44 @@ parameters! {
         plane_tolerance_quanta: f32 = 1.2, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 2.1)";
         /// Disagreement up to which quadratics are merged afterwards; 0 = planes only.
         quadratic_tolerance_quanta: f32 = 1.5, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 2.1)";
-        /// Smaller facets are dropped and given to their neighbours.
+        /// Smaller facets are dropped; their pixels go to neighbouring facets.
         min_facet_px: usize = 25, 0..=1_000_000, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 2.1)";
     }
 
     /// Borders of facets straightened (`context`).
     Refinement refinement, read by [Context: Facets] {
-        /// Misfit that one neighbour of the same facet makes up for.
+        /// Misfit that one neighbour in the same facet outweighs.
         agreement_quanta: f64 = 0.35, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 2.2)";
     }
 
-    /// What the common border of two facets tells (`context`).
+    /// Evidence from the common border of two facets (`context`).
     Border border, read by [Context: Borders] {
-        /// Half the side of the window in which a plane is fitted to either side, without its middle.
+        /// Half the side of the window, without its middle pixel. In the window a plane is fitted to each side of the border.
         radius_px: usize = 7, 1..=100, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 3.1)";
-        /// A larger gap between both sides is a step.
+        /// A larger gap between the two sides is a step.
         gap_quanta: f64 = 4.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 3.1)";
         /// A deeper step hides something; a smaller one may be a torn ridge.
         step_depth_m: f64 = 0.013, 0.0..=10.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 3.1)";
     }
 
-    /// Facets joined to shapes by the votes of their borders (`context`); and which folds are clear as the border of an object.
+    /// Votes of folds and steps, by which facets are joined to shapes (`context`). The more a fold votes against one shape, the clearer it
+    /// is as the border of an object.
     Contraction contraction, read by [Paper: Hypotheses, Context: Shapes] {
-        /// Concavity at which a fold votes neither way.
+        /// Concavity at which a fold votes neither for one shape nor against it.
         reflex_offset_deg: f64 = 12.0, -180.0..=180.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 3.2)";
-        /// From there to a full vote.
+        /// Angle between no vote and a full vote.
         full_vote_deg: f64 = 15.0, 1e-3..=360.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 3.2)";
-        /// How much a step speaks against one shape.
+        /// Vote of a step against one shape.
         occlusion_weight: f64 = 0.15, 0.0..=100.0, "dimensionless: vote per metre of step", "tuned on mOSD learn (docs/CONTEXT.md 3.2)", read by [Context: Shapes];
     }
 
-    /// Small clusters go to what they touch (`context`).
+    /// Small clusters are given to a neighbour (`context`).
     Fragments fragments, read by [Context: Clusters] {
         /// Clusters with fewer pixels are given away.
         max_size_px: usize = 250, 0..=1_000_000, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 4.2)";
     }
 
-    /// What hardly rises above the support is a part of it (`context`).
+    /// Clusters that hardly rise above the support are a part of it (`context`).
     Height height, read by [Context: Clusters] {
         /// Lowest top of an object.
         min_top_m: f64 = 0.010, -1.0..=10.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 4.3)";
@@ -195,53 +197,54 @@ parameters! {
     Vessels vessels, read by [Context: Clusters] {
         /// Concavity of a vessel's inside; 0 = vessels are not joined.
         concavity: f64 = 0.2, 0.0..=2.0, "dimensionless: mean turn of normals towards each other", "tuned on mOSD learn (docs/CONTEXT.md 4.4)";
-        /// Inside and wall have tops of equal height up to this.
+        /// The tops of inside and wall differ in height by at most this.
         rim_height_m: f64 = 0.015, 0.0..=1.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 4.4)";
-        /// Whether the circle of the rim tells what belongs to a vessel.
+        /// Whether the circle of the rim decides which parts belong to a vessel.
         rim_circle: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 4.4.2";
-        /// What lies as low as the table is the bottom of the object that encloses it when this share of its border touches; above 1 = never.
+        /// Background that an object encloses is its bottom when at least this share of its border touches without a step; above 1 =
+        /// never.
         bottom_contact_share: f64 = 0.8, 0.0..=2.0, "dimensionless: share of the border", "ours, because a plate came out as a ring; the far half of a ring's border touches";
     }
 
-    /// Parts of an object joined behind what hides its middle (`context`).
+    /// Parts of an object joined behind an occluder (`context`).
     Occlusion occlusion, read by [Context: Clusters] {
-        /// Whether they are.
+        /// Whether such parts are joined.
         enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 4.6";
-        /// Both parts lie on one surface up to this.
+        /// Disagreement up to which both parts lie on one surface.
         disagreement_quanta: f64 = 1.0, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 4.6)";
-        /// Angle between the surfaces of both parts, at most.
+        /// Largest angle between the surfaces of both parts.
         angle_deg: f64 = 7.0, 0.0..=180.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 4.6)";
-        /// Overlap of their colour histograms, at least.
+        /// Least overlap of their colour histograms.
         color_overlap: f64 = 0.08, -1.0..=1.0, "dimensionless: share in common; -1 = colour has no say", "tuned on mOSD learn (docs/CONTEXT.md 4.6)";
-        /// Distance of the parts, at most.
+        /// Largest distance between the parts.
         max_distance_m: f64 = 0.35, 0.0..=100.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 4.6)";
     }
 
-    /// How much speaks for an object, and how much must: eq. 6 to 8, and what the paper leaves open.
+    /// The score of a hypothesis and its threshold: eq. 6 to 8, and the questions that the paper leaves open.
     Objectness objectness, read by [Paper: Hypotheses, Context: Hypotheses] {
-        /// Least longest side of an object.
+        /// Least length of an object's longest side.
         min_side_m: f32 = 0.02, 0.0..=100.0, "m", "tuned on mOSD learn (PARITY.md 7)", read by [Paper: Objects];
-        /// Least second-longest side of something graspable; in objectness a soft limit.
+        /// Least length of a graspable object's second-longest side; in objectness a soft limit.
         min_second_side_m: f32 = 0.02, 1e-3..=100.0, "m", "ours, because what is thinner in two directions is a sliver of something; the paper's 2 cm";
-        /// Greatest longest side of an object; in objectness a soft limit.
+        /// Greatest length of an object's longest side; in objectness a soft limit.
         max_side_m: f32 = 0.60, 1e-3..=100.0, "m", "tuned on mOSD learn (PARITY.md 7)", read by [Paper: Hypotheses, Context: Support];
-        /// Pixels with depth that an object has at least.
+        /// Least number of pixels with depth of an object.
         min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (PARITY.md 7)", read by [Paper: Hypotheses, Context: Support];
-        /// P(O) that an object has at least.
+        /// Least P(O) of an object.
         min_p_o: f32 = 0.7, 0.0..=1.0, "dimensionless: probability", "tuned on mOSD learn (PARITY.md 7)", read by [Paper: Objects];
-        /// What objectness loses when the size is not graspable.
+        /// Share that objectness loses when the size is not graspable.
         size_weight: f32 = 1.0, 0.0..=1.0, "dimensionless: share", "ours, because what is too large cannot be moved, whatever else it is";
-        /// What objectness loses when nothing carries it.
+        /// Share that objectness loses when nothing carries the object.
         support_weight: f32 = 0.3, 0.0..=1.0, "dimensionless: share", "ours, because what carries it may be hidden; alone it refuses nothing";
-        /// What objectness loses when it fills nothing of its hull.
+        /// Share that objectness loses when the object fills nothing of its hull.
         compactness_weight: f32 = 0.3, 0.0..=1.0, "dimensionless: share", "ours, because handles and rings are no less things; alone it refuses nothing";
-        /// What objectness loses when no border of it is clear.
+        /// Share that objectness loses when no border of the object is clear.
         separation_weight: f32 = 1.0, 0.0..=1.0, "dimensionless: share", "ours, because what has no border of its own is a part of something";
-        /// What objectness loses when nothing of its outline is its own.
+        /// Share that objectness loses when nothing of the outline is the object's own.
         visibility_weight: f32 = 0.1, 0.0..=1.0, "dimensionless: share", "ours, because what is half hidden is there all the same";
-        /// Objectness that an object has at least.
+        /// Least objectness of an object.
         threshold: f32 = 0.55, 0.0..=1.0, "dimensionless: objectness", "ours, because it costs no correct object of mOSD learn nor of scenes composed of it (docs/EVALUATION.md)", read by [Context: Objects];
-        /// Whether hypotheses that are no objects are written as well (`--all`).
+        /// Whether rejected hypotheses are written as well (`--all`).
         every_hypothesis: bool = false, OneOf("true | false"), "dimensionless: switch", "ours, because the score tells more than a verdict", read by [Paper: Objects, Context: Objects];
     }
 }

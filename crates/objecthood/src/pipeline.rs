@@ -1,4 +1,4 @@
-//! A method at work: what its stages put out is kept, and after a change only what depends on it is computed again.
+//! Runs a method and keeps the outputs of its stages. After a change, only the stages that depend on it run again.
 
 use crate::buffers::Keeper;
 use crate::discovery::Discovery;
@@ -9,15 +9,15 @@ use crate::observe::Observer;
 use crate::outputs::{ContextOutputs, PaperOutputs};
 use crate::params::{Method, Params};
 
-/// Looks at frames, and keeps what the stages put out for the last one.
+/// Finds the objects of frames, and keeps the outputs of all stages for the last frame.
 ///
-/// * A stream of frames: the images of one frame are written where those of the frame before were. Asking the system for new
-///   memory instead takes about a tenth of the time.
-/// * One frame with other parameters: only the stages that a changed parameter reaches run again. Each parameter says which
-///   stage is the first to read it ([`ParameterInfo::readers`](crate::ParameterInfo::readers)).
+/// * A stream of frames: each frame reuses the memory of the frame before. New memory from the system would cost about a tenth
+///   of the time.
+/// * One frame with other parameters: only the first stage that reads a changed parameter and the stages after it run again.
+///   [`ParameterInfo::readers`](crate::ParameterInfo::readers) lists the first reader of each parameter.
 ///
-/// What is found never depends on what the pipeline looked at before. A clone shares the outputs until one of the two looks at
-/// something else.
+/// The result never depends on earlier frames. A clone shares the outputs until one of the two gets another frame or other
+/// parameters.
 ///
 /// ```
 /// # use objecthood::{Camera, Frame, Params, Pipeline, Raster};
@@ -36,11 +36,11 @@ use crate::params::{Method, Params};
 #[derive(Clone, Debug, Default)]
 pub struct Pipeline {
     last: Option<Last>,
-    /// Dropped last, so that the images of the outputs find a shelf.
+    /// The last field, hence dropped last: the images of the outputs go back to the kept buffers before.
     _buffers: Keeper,
 }
 
-/// What the pipeline looked at last.
+/// The last frame, with its parameters and outputs.
 #[derive(Clone, Debug)]
 struct Last {
     frame: Frame,
@@ -56,8 +56,8 @@ enum Outputs {
 }
 
 impl Pipeline {
-    /// As [`discover`](crate::discover). A stage does not run again when its inputs are those of the last call: the frame is the
-    /// same or a clone of it, and neither this stage nor an earlier one reads a parameter that changed.
+    /// As [`discover`](crate::discover). A stage does not run again when its inputs are unchanged since the last call: the frame is
+    /// the same or a clone of it, and neither this stage nor an earlier one reads a changed parameter.
     ///
     /// # Errors
     /// As [`discover`](crate::discover).
@@ -65,7 +65,7 @@ impl Pipeline {
         self.discover_observed(frame, params, &mut ())
     }
 
-    /// As [`Self::discover`], and shows the output of every stage to `observer`, whether the stage ran again or not.
+    /// As [`Self::discover`]; also shows the output of every stage to `observer`, whether the stage ran again or not.
     ///
     /// # Errors
     /// As [`discover`](crate::discover).
@@ -85,12 +85,13 @@ impl Pipeline {
         }
     }
 
-    /// Forgets the last frame and what the stages put out for it. The memory is kept for the next frame.
+    /// Drops the last frame and its outputs. The memory of the outputs is kept for the next frame of any pipeline in the process, until the
+    /// last pipeline is dropped.
     pub fn forget(&mut self) {
         self.last = None;
     }
 
-    /// What the stages of `context` put out; `None` of another method, or before the first frame.
+    /// The outputs of `context`; `None` before the first frame or after another method.
     pub(crate) fn context_outputs(&self) -> Option<&ContextOutputs> {
         match &self.last.as_ref()?.outputs {
             Outputs::Context(outputs) => Some(outputs),
@@ -100,7 +101,7 @@ impl Pipeline {
 }
 
 impl Last {
-    /// The outputs that do not depend on what is another in a frame or in parameters.
+    /// The outputs that are still valid for this frame and these parameters; `None` when none is.
     fn still_valid(self, frame: &Frame, params: &Params) -> Option<Outputs> {
         if !self.frame.is_clone_of(frame) || self.params.method != params.method {
             return None;

@@ -9,18 +9,18 @@ pub struct StructurePlane {
     pub normal: [f32; 3],
     /// Distance of the camera from the plane (m).
     pub offset_m: f32,
-    /// Share of the frame's valid points that lie on it, in [0, 1].
+    /// Share of the frame's valid points that lie on the plane, in [0, 1].
     pub inlier_share: f32,
 }
 
-/// Fits a plane to points by total least squares; all of them count as on it. `None` of fewer than three. O(points).
+/// Fits a plane to points by total least squares, with an inlier share of 1. `None` for fewer than three points. O(points).
 pub fn fit_plane(points_m: &[[f32; 3]]) -> Option<StructurePlane> {
     let mut sums = PointSums::default();
     points_m.iter().for_each(|&p| sums.add(Vec3::from(p).as_dvec3()));
     sums.fit_plane()
 }
 
-/// normal · X + offset = 0 with offset >= 0: the normal points to the side of the camera.
+/// normal · X + offset = 0 with offset >= 0, so that the normal points to the side of the camera.
 pub(crate) struct Plane {
     pub normal: DVec3,
     pub offset_m: f64,
@@ -36,7 +36,7 @@ impl Plane {
         (b - a).cross(c - a).try_normalize().map(|normal| Self::new(normal, a))
     }
 
-    /// Total least squares: the direction in which the points vary least.
+    /// Total least squares: the normal is the direction in which the points vary least.
     pub(crate) fn fit(points: impl Iterator<Item = DVec3>) -> Option<Self> {
         let mut sums = PointSums::default();
         points.for_each(|p| sums.add(p));
@@ -48,7 +48,7 @@ impl Plane {
     }
 }
 
-/// Sums over points from which the best plane follows: their number, x, y, z, and products of these.
+/// Sums over points that determine their best plane: their number, x, y, z, and the products of these.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct PointSums {
     n: f64,
@@ -73,7 +73,7 @@ impl PointSums {
         self.mixed += p * DVec3::new(p.y, p.z, p.x);
     }
 
-    /// Fits a plane to the points; `None` of fewer than three.
+    /// Fits a plane to the points; `None` for fewer than three.
     pub(crate) fn fit_plane(&self) -> Option<StructurePlane> {
         let plane = self.plane()?;
         Some(StructurePlane {
@@ -97,7 +97,7 @@ impl PointSums {
 }
 
 /// The unit eigenvector of the least eigenvalue of a symmetric matrix, by cyclic Jacobi rotations (Golub and Van
-/// Loan, 8.5): nothing but square roots, so that every platform gives the same.
+/// Loan, 8.5). It needs only arithmetic and square roots, so every platform gives the same result.
 fn least_eigenvector(symmetric: DMat3) -> DVec3 {
     // Convergence is quadratic: nothing is left off the diagonal after five or six sweeps.
     const SWEEPS: usize = 8;

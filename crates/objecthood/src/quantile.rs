@@ -1,6 +1,6 @@
 //! Quantiles of lists of numbers.
 
-/// The element of the values below which this share of them lies; 0 without values. Reorders them. O(n).
+/// The value below which this share of the values lies; 0 without values. Reorders the values. O(n).
 pub(crate) fn element_at(values: &mut [f64], share: f64) -> f64 {
     let Some(last) = values.len().checked_sub(1) else { return 0.0 };
     let place = ((share * values.len() as f64) as usize).min(last);

@@ -6,7 +6,7 @@ pub(crate) struct Lcg {
 }
 
 impl Lcg {
-    /// The numbers that follow from this seed.
+    /// The generator with this seed.
     pub(crate) fn new(seed: u32) -> Self {
         Self { state: seed }
     }

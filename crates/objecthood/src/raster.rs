@@ -3,7 +3,7 @@
 use crate::buffers::Buffer;
 use crate::error::{Error, Result};
 
-/// `width * height` values in row-major order: pixel (u, v) stands at index `v * width + u`.
+/// `width * height` values in row-major order: pixel (u, v) has index `v * width + u`.
 ///
 /// Pixel centres lie at integer coordinates; u counts columns to the right, v rows downwards.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,10 +29,10 @@ impl<T> Raster<T> {
         Ok(Self { width, height, data: data.into() })
     }
 
-    /// A raster of the size of this one that holds `data`.
+    /// A raster of the same size with these values.
     ///
     /// # Panics
-    /// When `data` has not one value a pixel; the stages of the method always have.
+    /// When `data` does not hold one value a pixel. No stage of the methods does that.
     pub(crate) fn with_data<U>(&self, data: Buffer<U>) -> Raster<U> {
         assert_eq!(data.len(), self.data.len(), "one value a pixel");
         Raster { width: self.width, height: self.height, data }
@@ -74,7 +74,7 @@ impl<T> Raster<T> {
         &self.data
     }
 
-    /// All values, row by row, to change.
+    /// All values, row by row, mutable.
     #[inline]
     pub fn as_mut_slice(&mut self) -> &mut [T] {
         &mut self.data
@@ -128,12 +128,12 @@ pub struct PixelBox {
 }
 
 impl PixelBox {
-    /// The smallest upright rectangle around pixels, of which there is at least one.
+    /// The smallest upright rectangle around these pixels. There is at least one pixel.
     pub(crate) fn around(pixels: impl Iterator<Item = usize>, width: usize) -> Self {
         let (mut left, mut right, mut top, mut bottom) = (usize::MAX, 0, usize::MAX, 0);
         let mut row = 0..0;
         for i in pixels {
-            // Most are in the row of the one before.
+            // Most pixels lie in the row of the previous one, so a division is rare.
             if !row.contains(&i) {
                 let v = i / width;
                 row = v * width..(v + 1) * width;
@@ -147,15 +147,16 @@ impl PixelBox {
     }
 }
 
-/// The places of the marks that are not 0, in ascending order. Fast where few are: stretches of zeros are passed over.
+/// The indices of the marks that are not 0, in ascending order. Fast when few are set: stretches of zeros are skipped.
 pub(crate) fn marked(marks: &[i32]) -> impl Iterator<Item = usize> + '_ {
+    // Marks that are skipped together when none of them is set.
     const STRETCH: usize = 16;
     let stretches = marks.chunks(STRETCH).enumerate();
     let busy = stretches.filter(|(_, stretch)| stretch.iter().fold(0, |any, mark| any | mark) != 0);
     busy.flat_map(|(k, stretch)| (k * STRETCH..).zip(stretch).filter(|(_, mark)| **mark != 0).map(|(u, _)| u))
 }
 
-/// `count` values of a row from `u` on. Without any values, `u` may lie beyond the row.
+/// `count` values of a row from `u` on. When `count` is 0, `u` may lie beyond the row.
 #[inline]
 pub(crate) fn part<T>(row: &[T], u: usize, count: usize) -> &[T] {
     &row[u.min(row.len())..][..count]

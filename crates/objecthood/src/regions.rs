@@ -1,4 +1,4 @@
-//! Label maps and graphs over their regions: what the stages hand to each other.
+//! Label maps and region graphs: the data that the stages pass on.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -21,12 +21,12 @@ impl SegmentId {
 
 /// A label map: every pixel belongs to one segment or to none.
 ///
-/// Segments are numbered 0..count without gaps in meaning; a segment may be empty.
+/// Segments are numbered 0..count. A segment may be empty.
 #[derive(Clone, Debug)]
 pub struct Segments {
     labels: Raster<i32>,
     count: usize,
-    /// Many stages pass over runs instead of pixels; found on first use.
+    /// The runs of equal labels, which many stages visit instead of pixels; found on first use.
     runs: OnceLock<Runs>,
 }
 
@@ -42,7 +42,7 @@ impl Segments {
     /// Label of a pixel that belongs to no segment.
     pub const NONE: i32 = -1;
 
-    /// Segments from any label map: negative = none, the other values are renumbered 0.. in ascending order.
+    /// Segments from any label map: negative labels = none, the other labels are renumbered from 0 in ascending order.
     pub fn from_labels(labels: &Raster<i32>) -> Self {
         let mut values: Vec<i32> = labels.as_slice().iter().copied().filter(|&l| l >= 0).collect();
         values.sort_unstable();
@@ -63,7 +63,7 @@ impl Segments {
         &self.labels
     }
 
-    /// The labels, to make another label map in their memory.
+    /// Gives up the labels, so that another label map can reuse their memory.
     pub(crate) fn into_labels(self) -> Raster<i32> {
         self.labels
     }
@@ -99,14 +99,14 @@ impl Segments {
         self.kept_runs().within(rows)
     }
 
-    /// Finds its runs. Call it before several threads need them: otherwise each of them searches.
+    /// Finds the runs. Call it before several threads need them; otherwise each thread searches for itself.
     pub(crate) fn find_runs(&self) {
         self.kept_runs();
     }
 
     fn kept_runs(&self) -> &Runs {
         self.runs.get().unwrap_or_else(|| {
-            // Outside the lock: a thread that waits inside may be handed work that needs the same runs.
+            // Outside the lock: while a thread waits inside, rayon may give it another task that needs the same runs.
             let found = Runs::of(&self.labels);
             self.runs.get_or_init(|| found)
         })
@@ -126,19 +126,19 @@ impl Segments {
         RunsOfEach { runs, ends }
     }
 
-    /// The coarser label map in which segment `s` has become segment `group_of[s]` of `count` groups.
+    /// The coarser label map in which segment `s` becomes segment `group_of[s]` of `count` groups.
     pub(crate) fn grouped(&self, group_of: &[u32], count: usize) -> Self {
         let label = |&l: &i32| usize::try_from(l).map_or(Self::NONE, |s| group_of[s] as i32);
         Self::from_numbered(self.labels.map(label), count)
     }
 }
 
-/// The [`runs`] of a label map, kept. O(pixels) to find them, in parallel over bands of rows; O(1) to start at any row.
+/// The stored [`runs`] of a label map. O(pixels) to find them, parallel over bands of rows; O(1) to start at any row.
 #[derive(Clone, Debug, Default)]
 struct Runs {
-    /// First pixel, the pixel behind the last, label.
+    /// First pixel, the pixel after the last, label.
     all: Vec<[u32; 3]>,
-    /// Per row the number of runs in it and above.
+    /// For each row, the number of runs in it and in all rows above.
     upto: Vec<u32>,
 }
 
@@ -180,12 +180,12 @@ impl Runs {
     }
 }
 
-/// The runs of every segment, in scan order: segments can be processed in parallel, and sums over the pixels of each keep their
-/// order.
+/// The runs of every segment, in scan order. Segments can be processed in parallel, and sums over the pixels of a segment keep
+/// their order.
 pub(crate) struct RunsOfEach {
     /// Segment by segment.
     runs: Vec<Range<usize>>,
-    /// Where the runs of each end.
+    /// The end of each segment's runs in `runs`.
     ends: Vec<usize>,
 }
 
@@ -198,7 +198,8 @@ impl RunsOfEach {
     }
 }
 
-/// The longest runs of one label along some rows, as (pixel indices, label), in scan order. Negative labels are left out.
+/// The runs of equal labels along these rows, each as long as possible, as (pixel indices, label) in scan order. Negative labels
+/// are left out.
 pub(crate) fn runs(
     labels: &Raster<i32>,
     rows: Range<usize>,
@@ -213,8 +214,9 @@ pub(crate) fn runs(
     run.filter_map(|(pixels, label)| usize::try_from(label).ok().map(|label| (pixels, label)))
 }
 
-/// The number of labels from the first on that equal it. Long runs are passed over in strides.
+/// The number of labels at the start that equal the first one. Long runs are compared in strides.
 fn run_length(labels: &[i32]) -> usize {
+    // Labels compared at once.
     const STRIDE_PX: usize = 16;
     let Some(&own) = labels.first() else { return 0 };
     let is_same = |stride: &&[i32]| stride.iter().fold(0, |any, label| any | (label ^ own)) == 0;
@@ -233,7 +235,7 @@ pub struct RegionEdge<E> {
     pub evidence: E,
 }
 
-/// Which regions touch, and with what evidence. Edges are sorted by (a, b), a < b, each pair once.
+/// The pairs of regions that touch, with their evidence. Edges are sorted by (a, b), a < b, each pair once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionGraph<E> {
     regions: usize,
@@ -265,15 +267,15 @@ impl<E> RegionGraph<E> {
 }
 
 impl<E: Default> RegionGraph<E> {
-    /// Gathers samples along the borders of regions: `add` adds each sample to the evidence of its pair, in the order in which they
-    /// come. Samples between a region and itself are left out. O(n log n).
-    pub fn gather<S>(
+    /// Collects samples along the borders of regions: `add` adds each sample to the evidence of its pair, in the order of the
+    /// samples. Samples within one region are left out. O(n log n).
+    pub(crate) fn gather<S>(
         regions: usize,
         samples: impl IntoIterator<Item = (SegmentId, SegmentId, S)>,
         mut add: impl FnMut(&mut E, S),
     ) -> Self {
         let between = samples.into_iter().filter(|(a, b, _)| a != b);
-        // Both regions as one number compare faster.
+        // One number for both regions compares faster.
         let pair = |a: SegmentId, b: SegmentId| u64::from(a.min(b).0) << 32 | u64::from(a.max(b).0);
         let mut samples: Vec<_> = between.map(|(a, b, sample)| (pair(a, b), sample)).collect();
         samples.sort_by_key(|&(pair, _)| pair);
@@ -294,7 +296,7 @@ impl<E: Default> RegionGraph<E> {
 impl RegionGraph<u32> {
     /// Counts how often each unordered pair of different regions occurs in `pairs`. O(n log n).
     pub fn from_pairs(regions: usize, pairs: impl IntoIterator<Item = (SegmentId, SegmentId)>) -> Self {
-        // Along a border the same pair often comes several times in a row; it is sorted once.
+        // Along a border the same pair often repeats; repeats are counted before sorting.
         let mut counted: Vec<(SegmentId, SegmentId, u32)> = Vec::new();
         for (a, b) in pairs {
             match counted.last_mut() {

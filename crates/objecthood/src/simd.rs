@@ -2,16 +2,16 @@
 
 /// Runs `work`, which is compiled once for each width of vectors. The machine chooses at run time.
 ///
-/// The result is the same for all of them, to the bit: Rust neither contracts nor reorders floating-point operations. Functions that
-/// `work` calls have to be inlined into it, else they are compiled for the smallest machine only. With the feature `scalar` nothing
-/// is chosen at run time, so that counts of instructions can be compared between machines.
+/// The result is the same for all widths, to the bit: Rust neither contracts nor reorders floating-point operations. Functions called
+/// by `work` have to be inlined into it, else they are compiled for the smallest width only. With the feature `scalar` there is no
+/// choice at run time, so that instruction counts can be compared between machines.
 #[inline(always)]
 pub(crate) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
     if cfg!(feature = "scalar") { work() } else { pulp::Arch::new().dispatch(work) }
 }
 
-/// Adds the marked values, at most N, in their order. It has no branch, which pays where no processor can predict the marks. Panics
-/// when values come after N marked ones.
+/// Appends the marked values, at most N, in their order. It has no branch, which pays when a processor cannot predict the marks.
+/// Panics when a value follows after N marked ones.
 pub(crate) fn extend_where<const N: usize, T: Copy + Default>(
     all: &mut Vec<T>,
     values: impl Iterator<Item = (T, bool)>,

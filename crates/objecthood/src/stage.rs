@@ -4,17 +4,17 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// A stage of a method. Stages are ordered as they run; each method leaves out those that it does not have.
+/// A stage of a method. The order of the variants is the order in which the stages run; neither method has all of them.
 ///
 /// The four stages of the paper are [`Superpixels`](Self::Superpixels), [`Facets`](Self::Facets), [`Shapes`](Self::Shapes)
-/// and, for its objectness, everything from [`Clusters`](Self::Clusters) on.
+/// and objectness: all stages from [`Clusters`](Self::Clusters) on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Stage {
-    /// The surface at every pixel, with its normal.
+    /// The normal of the surface at every pixel.
     Normals,
-    /// How much the surface bends at every pixel, eq. 2 (`paper`).
+    /// The curvature of the surface at every pixel, eq. 2 (`paper`).
     Curvature,
     /// Large planes that carry or enclose the objects (`context`).
     Structure,
@@ -22,15 +22,15 @@ pub enum Stage {
     Superpixels,
     /// Stage 2: faces of convex shapes.
     Facets,
-    /// What the common borders of facets tell (`context`).
+    /// Evidence from the common borders of facets (`context`).
     Borders,
     /// Stage 3: facets joined across convex edges.
     Shapes,
-    /// What the surroundings of shapes join (`context`).
+    /// Shapes joined by their surroundings (`context`).
     Clusters,
-    /// What stands on what.
+    /// The direction up and the support graph.
     Support,
-    /// What may be an object, with its score.
+    /// Regions that may be objects, with their scores.
     Hypotheses,
     /// The objects.
     Objects,

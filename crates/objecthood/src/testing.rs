@@ -9,7 +9,7 @@ use crate::raster::Raster;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::plane_fit::{PlaneFit, PlaneFits};
 
-/// The space of a Kinect: all lengths in pixels are as they are written.
+/// The space of a Kinect, in which parameters in pixels hold unscaled.
 pub(crate) fn kinect() -> DisparitySpace {
     space([525.0, 525.0], [319.5, 239.5])
 }

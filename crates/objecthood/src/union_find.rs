@@ -2,7 +2,7 @@
 
 use crate::buffers::Buffer;
 
-/// A forest of parents. The caller decides which root survives a union, because numbers and statistics follow that root.
+/// A forest of parents. The caller decides which root survives a union, because numbers and statistics belong to the root.
 pub(crate) struct UnionFind {
     parent: Buffer<u32>,
 }
@@ -13,7 +13,7 @@ impl UnionFind {
         Self { parent: (0..n as u32).collect::<Vec<_>>().into() }
     }
 
-    /// One set for each pixel of an image, in memory that is used again.
+    /// One set for each pixel of an image, in reused memory.
     pub(crate) fn of_pixels(pixels: usize) -> Self {
         Self { parent: (0..pixels as u32).collect() }
     }
@@ -32,7 +32,7 @@ impl UnionFind {
         }
     }
 
-    /// The grandparent of `i`, which becomes its parent. It has no branch. The grandparent of a root is the root.
+    /// Makes the grandparent of `i` its parent, and returns it. Has no branch: the grandparent of a root is the root itself.
     #[inline]
     pub(crate) fn two_up(&mut self, i: usize) -> usize {
         let grandparent = self.parent[self.parent[i] as usize];
@@ -40,13 +40,13 @@ impl UnionFind {
         grandparent as usize
     }
 
-    /// Puts the set with root `child` below `root`.
+    /// Joins the set with root `child` to the set with root `root`.
     #[inline]
     pub(crate) fn link(&mut self, root: usize, child: usize) {
         self.parent[child] = root as u32;
     }
 
-    /// Numbers the sets 0.. in ascending order of their roots. Returns the number of every member's set and the number of sets.
+    /// Numbers the sets from 0 in ascending order of their roots. Returns the number of each member's set, and the number of sets.
     pub(crate) fn groups(mut self) -> (Vec<u32>, usize) {
         let n = self.parent.len();
         let mut number = vec![0; n];

@@ -53,6 +53,32 @@ impl Observer for ToNormals<'_> {
 }
 
 #[test]
+fn a_frame_that_was_forgotten_is_looked_at_anew() {
+    let _alone = ALONE.lock();
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let (frame, params) = (two_boxes(), Params::default());
+    let mut pipeline = Pipeline::default();
+    let mut look = |forgets: bool| {
+        if forgets {
+            pipeline.forget();
+        }
+        let mut to_normals = ToNormals { region: Region::new(ALLOCATOR), asked: 0 };
+        let found =
+            pool.install(|| pipeline.discover_observed(&frame, &params, &mut to_normals).unwrap().clone());
+        (format!("{found:?}"), to_normals.asked)
+    };
+    let [first, kept, anew] = [false, false, true].map(&mut look);
+    assert!(first.0 == kept.0 && first.0 == anew.0, "the same is found");
+    assert!(
+        kept.1 < anew.1 && anew.1 < first.1,
+        "anew, but in the same memory: {} {} {}",
+        first.1,
+        kept.1,
+        anew.1
+    );
+}
+
+#[test]
 fn what_looks_at_every_pixel_asks_for_no_memory_once_its_images_are_there() {
     let _alone = ALONE.lock();
     let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();

@@ -7,6 +7,8 @@ use objecthood::explain::{Flip, Reason};
 /// Beyond this share a change is not given in percent: the value has doubled or changed its sign, and is another one
 /// rather than a changed one.
 const MOST_PERCENT: f64 = 100.0;
+/// A smaller change would be written as 0.0 %.
+const LEAST_PERCENT: f64 = 0.05;
 
 /// What decided.
 pub(super) fn reason(reason: Reason) -> &'static str {
@@ -102,7 +104,11 @@ pub(super) fn flip(flip: &Flip) -> String {
 fn share(from: f64, to: f64) -> String {
     // From 0 it is not finite, which is beyond every bound.
     let percent = 100.0 * (to - from) / from.abs();
-    if percent.abs() <= MOST_PERCENT { format!(", {percent:+.1} %") } else { String::new() }
+    if (LEAST_PERCENT..=MOST_PERCENT).contains(&percent.abs()) {
+        format!(", {percent:+.1} %")
+    } else {
+        String::new()
+    }
 }
 
 /// With four digits, as short as they can be written.
@@ -122,6 +128,7 @@ mod tests {
         assert_eq!(share(0.55, 0.825), ", +50.0 %");
         assert_eq!(share(-12.0, -6.0), ", +50.0 %");
         assert_eq!(share(2.0, 4.0), ", +100.0 %");
+        assert_eq!(share(0.95, 0.94975), "", "it said -0.0 %");
         for (from, to) in [(12.0, -85.7), (4.0, 15.3), (0.0, 1.0), (0.0, 0.0), (1.0, -0.1)] {
             assert_eq!(share(from, to), "", "{from} to {to}");
         }

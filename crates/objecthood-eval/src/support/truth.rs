@@ -91,7 +91,8 @@ impl SupportTruth {
     ) -> Result<(SupportGraph, Segments)> {
         let (segments, planes) = self.segments(points_m)?;
         let (regions, planes, up) = (&segments, &planes[..], &self.up);
-        let graph = build_forest(&SupportScene { regions, points_m, normals, planes, up, space }, params);
+        let scene = SupportScene { regions, points_m, normals, planes, up, space };
+        let graph = build_forest(&scene, &params.contact, &params.objectness);
         Ok((graph, segments))
     }
 }

@@ -59,7 +59,9 @@ impl FrameRef {
     /// [`Error::At`](crate::Error::At) the file that is wrong: it cannot be read, or what is wrong with its content.
     pub fn read(&self) -> Result<Capture> {
         let capture = (self.load)()?;
-        Ok(Capture { name: self.name.clone(), stamp_ns: self.stamp_ns, pose: self.pose, ..capture })
+        // What the folder says comes first; else what the file itself says.
+        let (stamp_ns, pose) = (self.stamp_ns.or(capture.stamp_ns), self.pose.or(capture.pose));
+        Ok(Capture { name: self.name.clone(), stamp_ns, pose, ..capture })
     }
 }
 

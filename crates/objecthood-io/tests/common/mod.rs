@@ -73,6 +73,21 @@ pub(crate) fn small_file(encoding: DataKind) -> Vec<u8> {
     pcd_file((4, 3), encoding, &schema, (0..12).map(record).collect())
 }
 
+/// The points of [`small_file`] as PLY, with their colours, without the missing one, and with a face.
+pub(crate) fn small_ply() -> Vec<u8> {
+    let camera = objecthood::Camera::new(4.0, 4.0, 1.5, 1.0).unwrap();
+    let mut file = String::from(
+        "ply\nformat ascii 1.0\ncomment 11 points\nelement vertex 11\nproperty float x\nproperty float y\n\
+         property double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n\
+         property list uchar int vertex_indices\nend_header\n",
+    );
+    for i in 1..12 {
+        let [x, y, z] = camera.back_project(i % 4, i / 4, 1.0 + i as f32 / 8.0);
+        file += &format!("{x} {y} {z} 16 32 {}\n", 48 + i);
+    }
+    (file + "3 0 1 2\n").into_bytes()
+}
+
 /// The folder of the real data, if it is there; else says that the test is skipped.
 pub(crate) fn data_folder() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");

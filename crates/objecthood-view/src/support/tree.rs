@@ -20,13 +20,6 @@ const SURFACE: Rgb<u8> = Rgb([150; 3]);
 /// Smaller letters are left out [px].
 const LEAST_LETTERS_PX: f32 = 9.0;
 
-/// The picture of a forest.
-pub(crate) struct Tree {
-    pub(crate) picture: RgbImage,
-    /// Whether there was room for the numbers beside the nodes.
-    pub(crate) has_numbers: bool,
-}
-
 /// How a node looks, and the numbers that are written beside it.
 struct Look {
     color: Rgb<u8>,
@@ -41,12 +34,12 @@ struct Look {
 /// What carries stands below; lines lead to it, by kind in their colours, dashed where the contact is hidden, with their
 /// confidence. Names and numbers for which there is no room are left out; where there are numbers, a legend says what they
 /// mean.
-pub(crate) fn tree(discovery: &Discovery, forest: &Forest, (width, height): (u32, u32)) -> Tree {
+pub(crate) fn tree(discovery: &Discovery, forest: &Forest, (width, height): (u32, u32)) -> RgbImage {
     let mut picture = RgbImage::from_pixel(width, height, PAPER);
     if forest.nodes.is_empty() {
         let text = Text::new("no objects", 15.0);
         text.draw(&mut picture, centered(&text, [width as f32 / 2.0, height as f32 / 2.0]), INK);
-        return Tree { picture, has_numbers: false };
+        return picture;
     }
 
     let above_legend = layout(forest, [width as f32, (height as f32 - legend::height_px(width)).max(1.0)]);
@@ -69,7 +62,7 @@ pub(crate) fn tree(discovery: &Discovery, forest: &Forest, (width, height): (u32
             write_numbers(&mut picture, &look, center, layout.radius_px);
         }
     }
-    Tree { picture, has_numbers }
+    picture
 }
 
 /// Whether the line to a carrier is a branch of the tree; the others go straight across it.
@@ -182,7 +175,7 @@ mod tests {
     use crate::testing;
 
     fn drawn(discovery: &Discovery, size: (u32, u32)) -> RgbImage {
-        tree(discovery, &Forest::new(discovery), size).picture
+        tree(discovery, &Forest::new(discovery), size)
     }
 
     fn pixels(picture: &RgbImage, color: Rgb<u8>) -> usize {
@@ -250,15 +243,19 @@ mod tests {
     }
 
     /// Nobody knew what the numbers were.
+    /// Pixels of the letters of the legend, which stands where the nodes have numbers.
+    fn legend_px(picture: &RgbImage) -> usize {
+        let foot = picture.enumerate_pixels().filter(|(_, y, _)| *y as f32 > 480.0 - legend::height_px(640));
+        foot.filter(|(x, _, p)| *x < 200 && **p == INK).count()
+    }
+
     #[test]
     fn where_there_are_numbers_a_legend_says_what_they_are() {
         let foot = |objects: u32| {
             let numbers: Vec<u32> = (1..=objects).collect();
             let edges: Vec<_> = numbers.iter().map(|&k| (0, k, 1)).collect();
             let picture = drawn(&testing::standing(objects + 1, &numbers, &edges), (640, 480));
-            let legend =
-                picture.enumerate_pixels().filter(|(_, y, _)| *y as f32 > 480.0 - legend::height_px(640));
-            legend.filter(|(x, _, p)| *x < 200 && **p == INK).count()
+            legend_px(&picture)
         };
         assert!(foot(5) > 500, "{}", foot(5));
         assert_eq!(foot(200), 0, "no numbers, no legend");
@@ -270,7 +267,8 @@ mod tests {
             let numbers: Vec<u32> = (1..=objects).collect();
             let edges: Vec<_> = numbers.iter().map(|&k| (0, k, 1)).collect();
             let discovery = testing::standing(objects + 1, &numbers, &edges);
-            let Tree { picture, has_numbers } = tree(&discovery, &Forest::new(&discovery), (640, 480));
+            let picture = tree(&discovery, &Forest::new(&discovery), (640, 480));
+            let has_numbers = legend_px(&picture) > 0;
             assert_eq!(has_numbers, expected, "{objects} objects");
             let at_border = |x: u32| x == 0 || x == 639;
             let cut_off = picture.enumerate_pixels().any(|(x, _, p)| at_border(x) && *p != PAPER);

@@ -1,4 +1,4 @@
-//! How clusters border on each other in the image.
+//! The borders between clusters in the image.
 
 use std::ops::{AddAssign, Range};
 
@@ -9,7 +9,7 @@ use crate::facets::Facets;
 use crate::regions::{RegionGraph, SegmentId};
 use crate::shapes::contraction::Shapes;
 
-/// How one cluster borders on another: pairs of neighbouring pixels, one of each.
+/// The border of one cluster with another: numbers of pairs of neighbouring pixels, one pixel of each cluster.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct BorderCounts {
     /// Side by side without a step in depth.
@@ -35,17 +35,18 @@ impl AddAssign for BorderCounts {
 }
 
 impl BorderCounts {
-    /// The same as the other cluster sees it.
+    /// The same border, seen from the other cluster.
     pub(crate) fn mirrored(self) -> Self {
         Self { in_front: self.behind, behind: self.in_front, ..self }
     }
 }
 
-/// How any two clusters border on each other. Region 0 is the background, region k + 1 is cluster k. Neighbours are pixels of a row
-/// or column with nothing but holes between them. O(pixels + border pixels · log of them); parallel over strips of columns.
+/// Counts the border between any two clusters. Region 0 is the background, region k + 1 is cluster k. Two pixels of a row or column
+/// are neighbours when only pixels without a facet lie between them, and not too many. O(pixels + border pixels · log(border
+/// pixels)); parallel over strips of columns.
 pub(crate) fn count_borders(scene: &Scene<'_>, shapes: &Shapes) -> RegionGraph<BorderCounts> {
     let width = scene.facets.segments.labels().width();
-    // One strip per thread; counts add up to the same in any order.
+    // One strip per thread; the sums of counts do not depend on the order.
     let columns = width.div_ceil(rayon::current_num_threads());
     let strips: Vec<Range<usize>> =
         (0..width).step_by(columns).map(|left| left..width.min(left + columns)).collect();
@@ -55,10 +56,10 @@ pub(crate) fn count_borders(scene: &Scene<'_>, shapes: &Shapes) -> RegionGraph<B
     RegionGraph::gather(shapes.count + 1, pairs.into_iter().flatten(), add)
 }
 
-/// How the first region borders on the second.
+/// Two regions and the border of the first with the second.
 type PairCounts = (SegmentId, SegmentId, BorderCounts);
 
-/// No region.
+/// Marks a column in which no region was seen yet.
 const NOTHING: u32 = u32::MAX;
 
 /// A pixel and its region.
@@ -68,11 +69,11 @@ struct Place {
     pixel: usize,
 }
 
-/// Some columns of the image. They count pairs of pixels above each other, and pairs side by side whose right pixel is theirs.
+/// Some columns of the image. A strip counts the vertical pairs of its columns, and the horizontal pairs whose right pixel is in it.
 struct Strip<'a> {
     columns: Range<usize>,
     counter: PairCounter<'a>,
-    /// Per column the region that was seen last, and the first pixel of its row.
+    /// For each column the last region above, and the index of the first pixel of its row (`row_of_above`).
     above: Vec<u32>,
     row_of_above: Vec<usize>,
 }
@@ -103,7 +104,7 @@ impl<'a> Strip<'a> {
         self.counter.pairs
     }
 
-    /// Counts the pairs of some columns of one region with the pixels above them. `row`: the first pixel of the row.
+    /// Counts pairs of pixels of one region with the last pixels above them. `row`: the index of the first pixel of the row.
     #[inline(always)]
     fn count_above(&mut self, own: u32, row: usize, columns: Range<usize>) {
         if columns.is_empty() {
@@ -123,7 +124,7 @@ impl<'a> Strip<'a> {
     }
 }
 
-/// Counts pairs of pixels by the regions they are of.
+/// Counts pairs of pixels for each pair of regions.
 struct PairCounter<'a> {
     scene: &'a Scene<'a>,
     reach: usize,
@@ -146,7 +147,7 @@ impl PairCounter<'_> {
             _ => BorderCounts { behind: 1, ..Default::default() },
         };
         let [a, b] = [a, b].map(|place| SegmentId(place.region));
-        // Along a row the same two regions often meet again; their counts are sorted once.
+        // Successive pairs often belong to the same two regions; these are summed before sorting.
         match self.pairs.last_mut() {
             Some((last_a, last_b, sum)) if (*last_a, *last_b) == (a, b) => *sum += counts,
             _ => self.pairs.push((a, b, counts)),

@@ -1,8 +1,8 @@
 //! Bottoms: background that a plate or a bowl encloses is a part of it (ours, because a plate came out as a ring).
 //!
-//! The bottom of a plate lies as low as the table. It is told from the table by its border: the plate encloses it without a step in
-//! depth. The table goes on behind what stands on it, with a step at every near side, and shows through a handle or a ring across
-//! such a step.
+//! The bottom of a plate lies as low as the table. Its border distinguishes it from the table: the plate encloses it without a step
+//! in depth. The table continues behind the things on it, with a step at every near side. It is also seen through a handle or a
+//! ring, again across a step.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -18,7 +18,7 @@ use crate::raster::PixelBox;
 use crate::regions::{SegmentId, Segments};
 use crate::union_find::UnionFind;
 
-/// What a facet belongs to.
+/// The owner of a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Owner {
     /// Structure other than the support: a wall.
@@ -27,7 +27,7 @@ enum Owner {
     Cluster(SegmentId),
 }
 
-/// Pixels of the background side by side in a row.
+/// Adjacent background pixels of a row.
 type Run = Range<usize>;
 
 /// A connected piece of background.
@@ -35,23 +35,22 @@ type Run = Range<usize>;
 struct Patch {
     /// In scan order.
     runs: Vec<Run>,
-    /// Sides of its pixels beyond which it ends.
+    /// Length of its border: sides of its pixels beyond which it ends.
     border: u32,
-    /// Those of them without a step in depth, by cluster.
+    /// For each cluster, the sides of the border that touch it without a step in depth.
     touch: BTreeMap<SegmentId, u32>,
 }
 
-/// A smaller step in depth (m) is none: the edge of the thinnest thing that is told from the table.
+/// Depths that differ by more than this (m) are a step: the edge of the thinnest thing that is distinguished from the table.
 const STEP_M: f64 = 0.01;
-/// Smaller patches (px at a focal length of 525 px) are holes in a surface: they are filled and not noted.
+/// Smaller patches (px at a focal length of 525 px) are holes in a surface: they are filled but not recorded.
 const BOTTOM_PX: usize = 100;
-/// The vessel holds more than this share of the border: more than all others together.
+/// The vessel touches more than this share of the border: more than all other clusters together.
 const MAJORITY: f64 = 0.5;
 
-/// Gives patches of background to the cluster that encloses them. Background is the support and what earlier rules gave to it.
-/// Pixels across a step,
-/// or with depths more than 1 cm apart, do not touch. Does nothing without a support surface.
-/// O(pixels + patches · clusters).
+/// Gives patches of background to the cluster that encloses them. The background is the support, and the clusters that earlier rules
+/// gave to it. Pixels touch unless there is a step between them or their depths differ by more than 1 cm. Does nothing without a
+/// support surface. O(pixels log pixels).
 pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let scene = clusters.scene;
     let Some(support) = scene.support_facet else { return };
@@ -59,7 +58,7 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels
     let mut misses = Vec::new();
     let mut gains: BTreeMap<SegmentId, Vec<u32>> = BTreeMap::new();
     for patch in find_patches(scene, &find_owners(clusters, support.index())) {
-        // Of equally long contacts the first.
+        // On ties the cluster with the smallest number wins.
         let Some((&id, &most)) = patch.touch.iter().rev().max_by_key(|(_, touch)| **touch) else { continue };
         let mut join = Proposal::new(Rule::VesselBottom, Source::Patch(patch.runs[0].start as u32), Some(id));
         let contact_share = patch.share_of_border(patch.touch.values().sum());
@@ -123,13 +122,12 @@ fn find_owners(clusters: &Clusters<'_>, support: usize) -> Vec<Owner> {
 
 /// Whether there is no step between two pixels side by side, neither in quanta nor in metres.
 fn touches(scene: &Scene<'_>, i: usize, j: usize) -> bool {
-    let [d_i, d_j] = [i, j].map(|i| scene.disparity[i]);
-    let [z_i, z_j] = [d_i, d_j].map(|d| scene.space.depth_m(d.into()));
-    (d_i - d_j).abs() <= scene.steps.touch_quanta && (z_i - z_j).abs() <= STEP_M
+    let depth_m = |i: usize| scene.space.depth_m(scene.disparity[i].into());
+    scene.steps.touch(scene.disparity, i, j) && (depth_m(i) - depth_m(j)).abs() <= STEP_M
 }
 
-/// The patches of background, by their first pixels. Runs above each other are of one patch; where a run has no other above or
-/// below, its patch ends. O(pixels + border pixels).
+/// The patches of background, in the order of their first pixels. Runs above each other belong to one patch. Where a run has no
+/// other run above or below, its patch ends. O(pixels + border pixels).
 fn find_patches(scene: &Scene<'_>, owners: &[Owner]) -> Vec<Patch> {
     let (width, height) = scene.disparity.size();
     let mut sides = Sides::of(scene, owners);
@@ -146,18 +144,18 @@ fn find_patches(scene: &Scene<'_>, owners: &[Owner]) -> Vec<Patch> {
     sides.into_patches()
 }
 
-/// Runs of background, and what lies beyond the sides of their pixels.
+/// Runs of background, and the sides of their pixels where patches end.
 struct Sides<'a> {
     scene: &'a Scene<'a>,
     owners: &'a [Owner],
     runs: Vec<Run>,
     /// The runs of row v are `first_of[v]..first_of[v + 1]`.
     first_of: Vec<usize>,
-    /// Runs of one patch.
+    /// One set of runs for each patch.
     sets: UnionFind,
-    /// Per run the sides where its patch ends.
+    /// For each run the number of sides where its patch ends.
     borders: Vec<u32>,
-    /// Those that touch a cluster: the run, and the cluster.
+    /// The sides that touch a cluster: the run, and the cluster.
     touches: Vec<(usize, SegmentId)>,
 }
 
@@ -175,7 +173,7 @@ impl<'a> Sides<'a> {
         self.first_of[v]..self.first_of[v + 1]
     }
 
-    /// Counts a side of pixel `i` where its patch ends; the pixel beyond is none at the border of the image.
+    /// Counts a side of pixel `i` where its patch ends. `beyond`: the pixel on the other side; `None` at the border of the image.
     fn end(&mut self, run: usize, i: usize, beyond: Option<usize>) {
         self.borders[run] += 1;
         let Some((j, facet)) = beyond.and_then(|j| Some((j, self.scene.facets.segments.at(j)?))) else {
@@ -188,8 +186,8 @@ impl<'a> Sides<'a> {
         }
     }
 
-    /// Joins a run with those of the `others`, a row `step` pixels farther, that lie beside it, and counts its sides where none
-    /// does. No row = the image ends.
+    /// Joins a run with the runs beside it among the `others`, the runs of the row `step` pixels farther, and counts its sides without a
+    /// run beside them. `None`: there is no such row in the image.
     fn meet(&mut self, run: usize, others: Option<Range<usize>>, step: isize) {
         let Run { start, end } = self.runs[run];
         let Some(others) = others else {
@@ -252,7 +250,7 @@ mod tests {
     use crate::neighbours::four_neighbours;
     use crate::testing::{raster, small_size};
 
-    /// How many pixels of the table each of the facets a, b, .. gets.
+    /// The number of table pixels given to each of the facets a, b, ..
     fn gained(rows: &[&str], heights_m: &[f64]) -> Vec<usize> {
         let table = Table::drawn(rows, heights_m);
         let scene = table.scene();
@@ -272,7 +270,7 @@ mod tests {
     }
 
     proptest! {
-        /// Pixel by pixel, from the first one that belongs to no patch yet.
+        /// The patches pixel by pixel, each from the first pixel that belongs to no patch yet.
         #[test]
         fn patches_are_those_of_a_flood(
             pixels in small_size().prop_flat_map(|size| raster(size, prop_oneof![
@@ -284,7 +282,7 @@ mod tests {
             let table = Table::new((width, height), |u, v| pixels[v * width + u]);
             let scene = table.scene();
             let segments = &scene.facets.segments;
-            // Facet 3 was found to be a part of the table.
+            // Facet 3 was given to the table.
             let all = [Owner::Background, Owner::Cluster(SegmentId(0)), Owner::Cluster(SegmentId(1)), Owner::Background];
             let owners = &all[..segments.count()];
             let owner = |i: usize| segments.at(i).map(|facet| owners[facet.index()]);
@@ -325,9 +323,9 @@ mod tests {
     fn an_enclosed_bottom_belongs_to_the_plate() {
         let rows = ["________", "_aaaaaa_", "_aa__aa_", "_aa___a_", "_aaaaaa_", "________"];
         assert_eq!(gained(&rows, &[0.005]), [5]);
-        // Beyond a step it is the table, seen through a ring.
+        // Across a step it is the table, seen through a ring.
         assert_eq!(gained(&rows, &[0.012]), [0]);
-        // And where it is open it is the table as well.
+        // An open patch is the table, too.
         let open = ["________", "_aaaaaa_", "_aa__aa_", "_aa_____", "_aaaaaa_", "________"];
         assert_eq!(gained(&open, &[0.005]), [0]);
     }
@@ -343,7 +341,7 @@ mod tests {
         // A ball on a plate covers a part of its bottom.
         let rows = ["aaaaaaaa", "aa____aa", "aa_bb_aa", "aa____aa", "aaaaaaaa"];
         assert_eq!(gained(&rows, &[0.005, 0.005]), [10, 0]);
-        // Between two books of one height it is neither's.
+        // A patch between two books of equal height belongs to neither.
         let rows = ["aaabbb", "aa__bb", "aaabbb"];
         assert_eq!(gained(&rows, &[0.005, 0.005]), [0, 0]);
     }
@@ -380,7 +378,7 @@ mod tests {
         let [(join, _)] = clusters.joins(SegmentId(0)).collect::<Vec<_>>()[..] else { panic!("one bottom") };
         assert_eq!(join.evidence, JoinEvidence::VesselBottom { contact_share: 1.0 });
         assert_eq!(join.parts.map(|part| part.size_px), [300, 100]);
-        // Above 1 it never is.
+        // With a share above 1 there is no bottom.
         let mut clusters = single(&scene);
         let never = params::Vessels { bottom_contact_share: 1.1, ..Default::default() };
         join_bottoms(&mut clusters, &never);

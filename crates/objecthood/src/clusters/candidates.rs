@@ -11,12 +11,12 @@ use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
 use crate::surface::disparity::DisparitySpace;
 
-/// The clusters that are large enough for an object, and the structure.
+/// The structure, and the clusters that are large enough for an object.
 #[derive(Clone, Debug)]
 pub(crate) struct Candidates {
-    /// First the structure, with what turned out to be a part of it, then the clusters that are large enough.
+    /// First the structure, including the clusters given to the background, then the clusters that are large enough.
     pub regions: Segments,
-    /// The clusters, by ascending number; the first is the region after the structure.
+    /// The clusters by ascending number; cluster `found[k]` is region `structure` + k.
     found: Vec<SegmentId>,
     /// The number of regions that are structure.
     structure: usize,
@@ -28,7 +28,7 @@ pub(crate) fn check_too_small(size_px: usize, space: &DisparitySpace, params: &p
     Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("objectness.min_size_px")
 }
 
-/// Finds the clusters that are large enough. What the rules gave to the background belongs to the support. O(pixels).
+/// Finds the clusters that are large enough. Clusters that the rules gave to the background become a part of the support. O(pixels).
 pub(crate) fn find_candidates(
     scene: &Scene<'_>,
     clusters: &Clustering,
@@ -52,7 +52,7 @@ pub(crate) fn find_candidates(
 }
 
 impl Candidates {
-    /// Gives each plane of the structure its share of all `measured_px` points, as it is in the end. O(runs).
+    /// Sets the inlier share of each structure plane to the final share of its region among all `measured_px` points. O(runs).
     pub(crate) fn count_inliers(
         &self,
         planes: Vec<StructurePlane>,
@@ -71,12 +71,12 @@ impl Candidates {
         self.regions.labels().map(|label| if structure.contains(label) { *label as u16 + 1 } else { 0 })
     }
 
-    /// How high the cluster of a region stands above the support (m), where that is known.
+    /// Height of the top of a region's cluster above the support (m); `None` without a support.
     pub(crate) fn top_m(&self, region: SegmentId, clusters: &Clustering) -> Option<f32> {
         clusters.get(self.cluster(region))?.top_m
     }
 
-    /// Why the parts of the cluster of a region are one, where they do not touch as one surface.
+    /// The joins of a region's cluster: the evidence for its parts that do not touch as one surface.
     pub(crate) fn joins(&self, region: SegmentId, clusters: &Clustering) -> Vec<Join> {
         let id = self.cluster(region);
         let joins = clusters.get(id).map(|cluster| &cluster.joins[..]).unwrap_or_default();
@@ -87,7 +87,7 @@ impl Candidates {
         self.found[region.index() - self.structure]
     }
 
-    /// Fills in which node hides the gap of a join: none when the hider became a part of the cluster itself or is no node.
+    /// Fills in the node that hides the gap of a join: `None` when the hider became a part of the cluster itself or is no node.
     fn resolve_hider(
         &self,
         clusters: &Clustering,
@@ -118,7 +118,7 @@ mod tests {
         Table::drawn(&rows, &[0.1, 0.05, 0.2])
     }
 
-    /// Parameters with which a candidate has at least this many pixels (px) of a scene.
+    /// Parameters with which a candidate of the scene has at least this many pixels.
     fn least(scene: &Scene<'_>, size_px: usize) -> params::Objectness {
         let numbers = 0..10_000;
         let min_size_px = numbers.rev().find(|&px| scene.space.area_px(px) <= size_px).expect("0 is no more");
@@ -149,7 +149,7 @@ mod tests {
         let part = JoinedPart { box_px: crate::PixelBox { u: 0, v: 0, width: 1, height: 1 }, size_px: 1 };
         let evidence = JoinEvidence::VesselRemainder { contact_share: 1.0 };
         let join = Join { parts: [part; 2], evidence, behind: None };
-        // Facet 0 is the table, facet 2 is thing b; a small one is no node, nor is what became a part of the object.
+        // Facet 0 is the table, facet 2 is thing b. A small cluster is no node, and neither is a part of the object.
         let behind = |hider: u32, min_size_px: usize, merged: bool| {
             let mut clusters = single(&scene);
             clusters.give(Event {

@@ -1,4 +1,4 @@
-//! Checks: what a rule measures, and the limit that it compares with.
+//! Checks: the measured values of a rule, with their limits.
 //!
 //! A rule holds when all of its checks hold. An explanation shows the same checks.
 
@@ -32,11 +32,11 @@ pub struct Check {
     pub bound: Bound,
     /// The limit.
     pub limit: f64,
-    /// The parameter that the limit is proportional to; `None` = the limit is fixed.
+    /// The parameter to which the limit is proportional; `None` = the limit is fixed.
     pub parameter: Option<&'static str>,
 }
 
-/// As an object of its fields, and whether it holds.
+/// Serialized as an object with all fields, plus `holds`.
 impl Serialize for Check {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let &Self { what, unit, measured, bound, limit, parameter } = self;

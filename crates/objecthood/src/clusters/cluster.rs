@@ -21,9 +21,9 @@ use crate::shapes::contraction::Shapes;
 pub(crate) struct Cluster {
     /// In scan order; empty when it has been merged into another.
     pub pixels: Vec<u32>,
-    /// How it borders on others; `None` = the background, which is all structure.
+    /// Its borders with other clusters; `None` = the background: all structure, and the clusters given to it.
     pub neighbours: BTreeMap<Option<SegmentId>, BorderCounts>,
-    /// The events that gave it something, and those of the clusters that it was given: places in the history.
+    /// Places in the history: the events that gave it something, and the events of the clusters merged into it.
     events: Vec<usize>,
     top_m: OnceLock<f64>,
     convexity: OnceLock<f64>,
@@ -35,16 +35,18 @@ pub(crate) struct Clusters<'a> {
     clusters: Vec<Cluster>,
     /// Cluster of each facet that is no structure; `None` = background.
     of_facet: Vec<Option<SegmentId>>,
-    /// Pixels of clusters that turned out to be background.
+    /// Pixels of clusters that rules gave to the background.
     remains: Vec<u32>,
     pub history: History,
 }
 
-/// The top of a cluster is higher than this share of its pixels: single noisy pixels stand high anywhere.
+/// The top of a cluster is this quantile of its heights: single noisy pixels stand high anywhere.
 const TOP_SHARE: f64 = 0.98;
+/// The top of a cluster is measured on every other of its pixels: half of them give nearly the same quantile.
+const TOP_STEP: usize = 2;
 
 impl<'a> Clusters<'a> {
-    /// One cluster per shape. O(pixels + border pixels · log of them).
+    /// One cluster per shape. O(pixels + border pixels · log(border pixels)).
     pub(crate) fn new(scene: &'a Scene<'a>, shapes: &Shapes) -> Self {
         let Shapes { of_facet: shape_of, count } = shapes;
         let of_facet: Vec<_> = shape_of.iter().map(|&shape| Some(SegmentId(shape))).collect();
@@ -78,34 +80,34 @@ impl<'a> Clusters<'a> {
         alive.map(|k| SegmentId(k as u32)).collect()
     }
 
-    /// A cluster.
+    /// The cluster with this number.
     pub(crate) fn get(&self, id: SegmentId) -> &Cluster {
         &self.clusters[id.index()]
     }
 
-    /// The cluster of a facet that comes after the structure, counted from 0.
+    /// The cluster of a facet outside the structure; these facets are counted from 0. `None` = background.
     pub(crate) fn of_facet(&self, facet: usize) -> Option<SegmentId> {
         self.of_facet[facet]
     }
 
-    /// Where a cluster is in the image, as a part of something.
+    /// The size of a cluster and its place in the image, as a part of a join.
     pub(crate) fn part(&self, id: SegmentId) -> JoinedPart {
         let pixels = self.get(id).pixels.iter().map(|&i| i as usize);
         JoinedPart { size_px: pixels.len(), box_px: PixelBox::around(pixels, self.scene.disparity.width()) }
     }
 
-    /// How `a` borders on `b`.
+    /// The border of `a` with `b`.
     pub(crate) fn borders(&self, a: SegmentId, b: SegmentId) -> BorderCounts {
         self.get(a).neighbours.get(&Some(b)).copied().unwrap_or_default()
     }
 
-    /// Why those parts of a cluster are one that do not touch as one surface; each with the facet that hides the gap, if one does.
+    /// The joins of a cluster's parts that do not touch as one surface; each with the facet that hides the gap, if one does.
     pub(crate) fn joins(&self, id: SegmentId) -> impl Iterator<Item = &(Join, Option<SegmentId>)> {
         let events = self.get(id).events.iter().map(|&place| &self.history.events()[place]);
         events.filter_map(|event| event.join.as_ref())
     }
 
-    /// The clusters that are left when all rules are done. O(clusters + the pixels whose heights are not known yet).
+    /// The clusters that remain after all rules. O(clusters + the pixels whose heights are not computed yet).
     pub(crate) fn finish(mut self) -> Clustering {
         let support = self.scene.support;
         let left = self.alive().into_iter().map(|id| FinalCluster {
@@ -122,8 +124,8 @@ impl<'a> Clusters<'a> {
         Clustering { clusters: left, of_facet, remains, history }
     }
 
-    /// Does what an event says and notes it: a cluster is merged. A patch of the background is noted only; its pixels come by
-    /// [`Self::extend`]. O(n log n + neighbours) for the n pixels between the first and the last that are given.
+    /// Carries out an event and records it: a cluster is merged. For a patch of background it only records; [`Self::extend`] adds the
+    /// pixels. O(n log n + neighbours) for the n pixels between the first and the last one given.
     pub(crate) fn give(&mut self, event: Event) {
         if let Source::Cluster(from) = event.from {
             self.merge(event.into, from);
@@ -135,7 +137,7 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Joins two clusters that do not touch as one surface, and notes why.
+    /// Joins two clusters that do not touch as one surface, and records the evidence.
     pub(crate) fn join(&mut self, proposal: Proposal, evidence: JoinEvidence) {
         if let Some(pair) = proposal.clusters() {
             let parts = pair.map(|id| self.part(id));
@@ -169,23 +171,22 @@ impl<'a> Clusters<'a> {
         cluster.extend(&pixels);
     }
 
-    /// Adds pixels of the background to a cluster. O(n log n) for the n pixels from the first to the last that are added.
+    /// Adds pixels of the background to a cluster. O(n log n) for the n pixels between the first and the last one added.
     pub(crate) fn extend(&mut self, id: SegmentId, pixels: &[u32]) {
         self.clusters[id.index()].extend(pixels);
     }
 
-    /// Height (m) of the top of a cluster above a surface; kept until the cluster changes. Every other pixel is looked at.
+    /// Height (m) of the top of a cluster above a surface, from every other pixel; kept until the cluster changes.
     pub(crate) fn top_m(&self, id: SegmentId, support: &StructureSurface) -> f64 {
         let cluster = self.get(id);
         *cluster.top_m.get_or_init(|| {
-            let every_other = cluster.pixels.iter().step_by(2);
-            let mut heights: Vec<f64> =
-                every_other.map(|&i| self.scene.height_m(i as usize, support)).collect();
+            let sample = cluster.pixels.iter().step_by(TOP_STEP);
+            let mut heights: Vec<f64> = sample.map(|&i| self.scene.height_m(i as usize, support)).collect();
             element_at(&mut heights, TOP_SHARE)
         })
     }
 
-    /// How far a cluster bends outwards, see [`measure_convexity`]; kept until the cluster changes. O(1).
+    /// The convexity of a cluster, see [`measure_convexity`]; kept until the cluster changes. O(1).
     pub(crate) fn convexity(&self, id: SegmentId) -> f64 {
         let cluster = self.get(id);
         *cluster.convexity.get_or_init(|| measure_convexity(self.scene, &cluster.pixels))
@@ -193,10 +194,10 @@ impl<'a> Clusters<'a> {
 }
 
 impl Cluster {
-    /// Adds pixels in their places.
+    /// Adds pixels and keeps the scan order.
     fn extend(&mut self, pixels: &[u32]) {
         let (Some(first), Some(last)) = (pixels.iter().min(), pixels.iter().max()) else { return };
-        // Only what lies between the first and the last is out of order.
+        // Only the pixels between the first and the last new one are out of order.
         let [from, to] = [first, last].map(|end| self.pixels.partition_point(|own| own < end));
         let behind = self.pixels.split_off(to);
         self.pixels.extend(pixels);
@@ -218,7 +219,7 @@ mod tests {
     use crate::raster::Raster;
     use crate::testing::{raster, small_size};
 
-    /// A small image of up to four facets on a table, at heights that are level, a step or far apart; some pixels are missing.
+    /// A small image of up to four facets on a table, with heights that are equal, a step apart or far apart; some pixels are missing.
     fn scenery() -> impl Strategy<Value = Table> {
         let pixel = (prop_oneof![1 => Just(None), 4 => (0_i32..5).prop_map(Some)], 0_u8..4);
         small_size().prop_flat_map(move |size| raster(size, pixel.clone())).prop_map(|pixels| {
@@ -229,10 +230,10 @@ mod tests {
         })
     }
 
-    /// The pixels of a cluster and how it lies to its neighbours.
+    /// The pixels of a cluster and its borders.
     type Counted = (Vec<u32>, BTreeMap<Option<SegmentId>, BorderCounts>);
 
-    /// Pixels and neighbours of every cluster, from the cluster of every pixel: `None` = no facet, `Some(None)` = background.
+    /// Pixels and borders of every cluster, from the cluster of each pixel: `None` = no facet, `Some(None)` = background.
     fn counted(
         cluster: &[Option<Option<SegmentId>>],
         disparity: &Raster<f32>,
@@ -247,7 +248,7 @@ mod tests {
         let rows = (0..height).map(|v| (0..width).map(|u| v * width + u).collect::<Vec<_>>());
         let columns = (0..width).map(|u| (0..height).map(|v| v * width + u).collect());
         for line in rows.chain(columns) {
-            // Neighbours, with nothing but holes between them.
+            // Neighbours with only holes between them.
             let seen: Vec<usize> = (0..line.len()).filter(|&t| cluster[line[t]].is_some()).collect();
             for pair in seen.windows(2) {
                 let [i, j] = [line[pair[0]], line[pair[1]]];
@@ -312,7 +313,7 @@ mod tests {
                 }
                 let expected = counted(&cluster, scene.disparity);
                 prop_assert_eq!(clusters.alive(), expected.keys().copied().collect::<Vec<_>>());
-                // The events, in their order, say which cluster every facet is in.
+                // The events, in their order, give the cluster of every facet.
                 let events = clusters.history.events();
                 for (facet, own) in named(&clusters).into_iter().enumerate() {
                     let start = Some(SegmentId(facet as u32));

@@ -1,19 +1,19 @@
-//! How far a cluster bends outwards.
+//! The convexity of a cluster: how far it bends outwards.
 
 use glam::{DVec3, Vec3};
 
 use crate::clusters::scene::Scene;
 use crate::surface::disparity::position;
 
-/// Fewer pixels (at a focal length of 525 px) say nothing about convexity.
+/// A cluster with fewer pixels (px at a focal length of 525 px) has convexity 0, because its normals share their windows.
 const CONVEXITY_PX: usize = 80;
-/// Convexity looks at about this many points, evenly spaced, ...
+/// About this many pixels, evenly spaced, measure the convexity of a cluster.
 const CONVEXITY_SAMPLES: usize = 48;
-/// ... and at pairs of them whose squared distance (m^2) is at least this: nearer, noise turns normals more than the surface.
+/// Least squared distance (m^2) of a pair of points that measures convexity: nearer, noise turns normals more than the surface.
 const CONVEXITY_APART_M2: f64 = 1e-5;
 
-/// How far the surface of some pixels bends outwards: the mean over pairs of points of how much their normals turn apart along the
-/// way from one to the other. Above 0 = convex, below 0 = concave; 0 of what is flat or small. Between -2 and 2. O(1).
+/// How far the surface of these pixels bends outwards: the mean over pairs of points of (n - m) · (x - y) / |x - y|, for points x
+/// and y with normals n and m. Above 0 = convex, below 0 = concave, 0 = flat or too small. Between -2 and 2. O(1).
 pub(crate) fn measure_convexity(scene: &Scene<'_>, pixels: &[u32]) -> f64 {
     if pixels.len() < scene.space.area_px(CONVEXITY_PX) {
         return 0.0;

@@ -1,4 +1,4 @@
-//! Measured pixels without a facet are given to a facet that they touch (docs/CONTEXT.md 4.1).
+//! Gives measured pixels without a facet to a facet that they touch (docs/CONTEXT.md 4.1).
 
 use std::collections::VecDeque;
 
@@ -11,8 +11,8 @@ use crate::raster::{Raster, marked};
 use crate::regions::Segments;
 use crate::simd::vectorized;
 
-/// Gives measured pixels without a facet to the facet of a neighbour that they touch: breadth first, from the pixels that have a
-/// facet, in scan order. O(pixels).
+/// Gives measured pixels without a facet the facet of a neighbour that they touch. The search is breadth first and starts at the
+/// pixels with a facet, in scan order. O(pixels).
 pub fn fill_facets(facets: &Facets, disparity: &Raster<f32>, steps: StepLimits) -> Facets {
     let count = facets.segments.count();
     let mut labels = facets.segments.labels().clone();
@@ -31,7 +31,8 @@ pub fn fill_facets(facets: &Facets, disparity: &Raster<f32>, steps: StepLimits) 
     Facets { segments: Segments::from_numbered(labels, count), models, structure: facets.structure }
 }
 
-/// The pixels with a facet that touch a measured one without, in scan order. O(pixels + theirs · log of them); parallel over rows.
+/// The pixels with a facet that touch a measured pixel without one, in scan order. O(pixels + n log n) for n such pixels; parallel
+/// over rows.
 fn find_givers(labels: &Raster<i32>, disparity: &Raster<f32>, steps: StepLimits) -> Vec<usize> {
     let (width, height) = labels.size();
     let givers_around = |is_bare: &mut Vec<i32>, v: usize| {
@@ -79,7 +80,7 @@ mod tests {
             let steps = StepLimits { touch_quanta: 3.0, level_quanta: 2.0 };
             let filled = fill_facets(&facets, &disparity, steps).segments;
             let (width, height) = labels.size();
-            // Breadth first from every pixel that has a facet.
+            // Breadth first from every pixel with a facet.
             let mut expected = labels.as_slice().to_vec();
             let mut open: VecDeque<usize> = (0..expected.len()).filter(|&i| expected[i] >= 0).collect();
             while let Some(i) = open.pop_front() {

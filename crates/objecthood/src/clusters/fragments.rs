@@ -1,6 +1,6 @@
-//! Fragments go to what they touch (docs/CONTEXT.md 4.2).
+//! Gives fragments to the neighbour that they touch most (docs/CONTEXT.md 4.2).
 //!
-//! Folds, rims and the edges of shadows leave crumbs that belong to the surface beside them.
+//! Folds, rims and the edges of shadows leave small clusters that belong to the surface beside them.
 
 use std::collections::BTreeMap;
 
@@ -11,13 +11,13 @@ use crate::params;
 use crate::regions::SegmentId;
 use crate::surface::disparity::DisparitySpace;
 
-/// Rounds; a fragment may lie on a fragment.
+/// Rounds of absorption: a fragment may lie on a fragment on a fragment.
 const ROUNDS: usize = 3;
-/// A fragment goes to what it touches along at least this many pixels (px at a focal length of 525 px).
+/// Touching pixel pairs that a fragment needs to be absorbed by a neighbour (px at a focal length of 525 px).
 const LEAST_TOUCH_PX: usize = 4;
 
-/// Merges clusters of fewer than `max_size_px` pixels into the neighbour that they touch most, which may be the background, but
-/// is no smaller cluster. O(rounds · clusters · neighbours).
+/// Merges clusters of fewer than `max_size_px` pixels into the neighbour that they touch most. The neighbour may be the background,
+/// but not a smaller cluster. O(rounds · clusters · neighbours).
 pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fragments) {
     for round in 1..=ROUNDS {
         let (moves, stays) = find_moves(clusters, params);
@@ -30,8 +30,8 @@ pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fra
     }
 }
 
-/// Which fragments move in a round, by ascending number, and which stay. The smallest decide first; none moves to a fragment that
-/// moves itself.
+/// The fragments that move in a round, by ascending number, and the fragments that stay. The smallest are decided first. None moves
+/// to a fragment whose own move was decided before it, so that two of equal size cannot move into each other.
 fn find_moves(clusters: &Clusters<'_>, params: &params::Fragments) -> (Vec<Event>, Vec<Miss>) {
     let space = clusters.scene.space;
     let least_touch = space.length_px(LEAST_TOUCH_PX) as f64;
@@ -44,7 +44,7 @@ fn find_moves(clusters: &Clusters<'_>, params: &params::Fragments) -> (Vec<Event
     for id in fragments {
         let not_smaller = |other: &Option<SegmentId>| other.is_none_or(|other| size(other) >= size(id));
         let neighbours = clusters.get(id).neighbours.iter().filter(|(other, _)| not_smaller(other));
-        // Of equally long contacts the first; the background comes before all clusters.
+        // On ties the first neighbour wins: the background, else the cluster with the smallest number.
         let most_touched = neighbours.rev().max_by_key(|(_, borders)| borders.touch);
         let Some((&into, borders)) = most_touched else { continue };
         let touch = f64::from(borders.touch);
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use crate::clusters::testing::{Table, named, single};
 
-    /// Which cluster each of the facets a, b, .. ends up in.
+    /// The final cluster of each of the facets a, b, ..
     fn absorbed(rows: &[&str], heights_m: &[f64], max_size_px: usize) -> Vec<Option<u32>> {
         let table = Table::drawn(rows, heights_m);
         let scene = table.scene();
@@ -95,11 +95,11 @@ mod tests {
             "____________________",
         ];
         assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 30), [Some(0), Some(1), Some(1)]);
-        // With b on another level it touches only a.
+        // With b on another level, c touches only a.
         assert_eq!(absorbed(&rows, &[0.1, 0.2, 0.1], 30), [Some(0), Some(1), Some(0)]);
-        // And alone on its level nothing.
+        // Alone on its level it touches nothing.
         assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.2], 30), [Some(0), Some(1), Some(2)]);
-        // What is large enough stays.
+        // A large cluster stays.
         assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 25), [Some(0), Some(1), Some(2)]);
     }
 
@@ -107,7 +107,7 @@ mod tests {
     fn ties_go_to_the_first() {
         let rows = ["aaaaaaaaaa", "aaaaaaaaaa", "cccccccc..", "bbbbbbbbbb", "bbbbbbbbbb"];
         assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 10), [Some(0), Some(1), Some(0)]);
-        // Of two of one size the first moves, and the second stays where it is.
+        // Of two fragments of equal size the first moves and the second stays.
         assert_eq!(absorbed(&["aaaa", "bbbb"], &[0.1, 0.1], 10), [Some(1), Some(1)]);
     }
 
@@ -115,14 +115,14 @@ mod tests {
     fn a_crumb_on_the_table_is_a_part_of_it() {
         let rows = ["________", "__aaaa__", "__aaaa__", "________"];
         assert_eq!(absorbed(&rows, &[0.002], 30), [None]);
-        // Four pairs are touch enough, three are not.
+        // Four touching pairs suffice, three do not.
         assert_eq!(absorbed(&["aaaa", "____"], &[0.002], 30), [None]);
         assert_eq!(absorbed(&["aaa.", "____"], &[0.002], 30), [Some(0)]);
     }
 
     #[test]
     fn no_fragment_goes_to_a_smaller_one_but_smaller_ones_may_come_along() {
-        // c touches b alone, b touches a and c.
+        // c touches only b, b touches a and c.
         let rows = ["aaaaaaaa", "aaaaaaaa", "bbbbbb..", "cccc...."];
         assert_eq!(absorbed(&rows, &[0.1, 0.1, 0.1], 10), [Some(0), Some(0), Some(0)]);
         let rows = ["aaaaaa", "aaaaaa", "bbbbb."];

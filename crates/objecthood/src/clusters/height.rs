@@ -1,4 +1,4 @@
-//! What hardly rises above the support is a part of it (docs/CONTEXT.md 4.3).
+//! Gives clusters that hardly rise above the support to the background (docs/CONTEXT.md 4.3).
 
 use rayon::prelude::*;
 
@@ -7,13 +7,13 @@ use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
 use crate::params;
 
-/// Gives clusters whose top is lower than `min_top_m` above the support surface to the background: remains of the table and
-/// crumbs at the edge of what is seen. Does nothing without a support surface. O(pixels of clusters).
+/// Gives clusters whose top is less than `min_top_m` above the support surface to the background. They are remains of the table, or
+/// small pieces at the edge of the view. Does nothing without a support surface. O(pixels of clusters).
 pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
     let Some(support) = clusters.scene.support else { return };
     let alive = clusters.alive();
     let before = &*clusters;
-    // A cluster that is given away changes no other's top.
+    // Giving a cluster away changes no other cluster's top.
     let tops_m: Vec<f64> = alive.par_iter().map(|&id| before.top_m(id, support)).collect();
     for (id, top_m) in alive.into_iter().zip(tops_m) {
         let mut drop = Proposal::new(Rule::Low, Source::Cluster(id), None);
@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn the_top_is_nearly_the_highest_pixel() {
-        // 400 pixels at 5 mm, of which a few are noise: 1 % does not count, 5 % do.
+        // 400 pixels at 5 mm with some noise: 1 % of high pixels does not change the top, 5 % do.
         for (noisy, is_kept) in [(4, false), (20, true)] {
             let table = Table::new((20, 20), |u, v| Some((1, if 20 * v + u < noisy { 0.05 } else { 0.005 })));
             let scene = table.scene();

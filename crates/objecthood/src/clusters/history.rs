@@ -1,4 +1,4 @@
-//! The history of the clusters: what each rule did, and what it refused.
+//! The history of the clusters: the events of each rule, and its refusals.
 
 use serde::Serialize;
 
@@ -10,7 +10,7 @@ use crate::regions::SegmentId;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Rule {
-    /// A small cluster goes to what it touches (docs/CONTEXT.md 4.2).
+    /// A small cluster is given to the neighbour that it touches most (docs/CONTEXT.md 4.2).
     Fragment,
     /// A cluster that hardly rises above the support is a part of it (docs/CONTEXT.md 4.3).
     Low,
@@ -18,9 +18,9 @@ pub enum Rule {
     VesselInside,
     /// The inside of a vessel and the wall in front of it are joined (docs/CONTEXT.md 4.4.2).
     VesselWall,
-    /// What stands within the circle of a vessel's rim is a part of it (docs/CONTEXT.md 4.4.2).
+    /// A cluster within the circle of a vessel's rim is a part of it (docs/CONTEXT.md 4.4.2).
     VesselRim,
-    /// What touches hardly anything but a vessel is a part of it (docs/CONTEXT.md 4.4.3).
+    /// A small cluster that touches hardly anything but a vessel is a part of it (docs/CONTEXT.md 4.4.3).
     VesselRemainder,
     /// Background that a vessel encloses is its bottom (ours).
     VesselBottom,
@@ -28,7 +28,7 @@ pub enum Rule {
     Occlusion,
 }
 
-/// What a rule gives away.
+/// The cluster or patch that a rule gives away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// A cluster.
@@ -47,35 +47,37 @@ impl Source {
     }
 }
 
-/// Something was given to a cluster or to the background. The number of a cluster is that of the shape that it began as.
+/// A rule gave something to a cluster or to the background. The number of a cluster is the number of the shape from which it grew.
 #[derive(Clone, Debug)]
 pub struct Event {
     /// The rule.
     pub rule: Rule,
-    /// What was given.
+    /// The cluster or patch given away.
     pub from: Source,
-    /// What it was given to; `None` = the background.
+    /// The receiving cluster; `None` = the background.
     pub into: Option<SegmentId>,
     /// The checks of the rule; all of them hold.
     pub checks: Vec<Check>,
-    /// For parts that do not touch as one surface: why they are one, and the facet that hides the gap, if one does.
+    /// For parts that do not touch as one surface: the evidence for the join, and the facet that hides the gap, if one does.
     pub(crate) join: Option<(Join, Option<SegmentId>)>,
 }
 
-/// Something that a rule looked at and refused.
+/// Something that a rule examined and refused.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Miss {
     /// The rule.
     pub rule: Rule,
-    /// What it would have given away.
+    /// The cluster or patch that the rule would have given away.
     pub from: Source,
-    /// What it would have been given to; `None` = the background.
+    /// The cluster that would have received it; `None` = the background.
     pub into: Option<SegmentId>,
-    /// The checks up to the first that fails. All hold if the two were one already.
+    /// The checks that were made. One of them fails, except for a fragment: all its checks hold if the neighbour that would receive it
+    /// is given away in the same round.
     pub checks: Vec<Check>,
 }
 
-/// Something that a rule may give away, with the checks so far.
+/// Something that a rule may give away, with the checks made so far.
 #[derive(Clone)]
 pub(crate) struct Proposal {
     rule: Rule,
@@ -89,18 +91,18 @@ impl Proposal {
         Self { rule, from, into, checks: Vec::new() }
     }
 
-    /// Notes a check and says whether it holds.
+    /// Records a check and returns whether it holds.
     pub(crate) fn check(&mut self, check: Check) -> bool {
         self.checks.push(check);
         check.holds()
     }
 
-    /// Notes checks that were made elsewhere.
+    /// Records checks that were made elsewhere.
     pub(crate) fn extend(&mut self, checks: impl IntoIterator<Item = Check>) {
         self.checks.extend(checks);
     }
 
-    /// The clusters that it would join; `None` when one is the background or a patch of it.
+    /// The clusters that it would join; `None` when one of the two is the background or a patch of it.
     pub(crate) fn clusters(&self) -> Option<[SegmentId; 2]> {
         Some([self.into?, self.from.cluster()?])
     }
@@ -118,7 +120,7 @@ impl Proposal {
     }
 }
 
-/// What the rules did with the clusters of a frame, and what they refused.
+/// The events of the rules on the clusters of a frame, and their refusals.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     events: Vec<Event>,
@@ -126,24 +128,24 @@ pub struct History {
 }
 
 impl History {
-    /// Notes an event and returns its place among the events.
+    /// Records an event and returns its place among the events.
     pub(crate) fn note(&mut self, event: Event) -> usize {
         self.events.push(event);
         self.events.len() - 1
     }
 
-    /// Notes what a rule refused.
+    /// Records the refusals of a rule.
     pub(crate) fn note_misses(&mut self, misses: impl IntoIterator<Item = Miss>) {
         let events = self.events.len();
         self.misses.extend(misses.into_iter().map(|miss| (events, miss)));
     }
 
-    /// What was given to what, in order. A cluster that was given away may be there again later, when something is given to it.
+    /// The events in order. A cluster that was given away exists again when a later event gives something to it.
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
-    /// What rules refused, rule by rule, each with the number of events before it.
+    /// The refusals, rule by rule, each with the number of events before it.
     pub fn misses(&self) -> &[(usize, Miss)] {
         &self.misses
     }

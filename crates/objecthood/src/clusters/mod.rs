@@ -1,7 +1,7 @@
-//! Clusters: which shapes are one thing, by their surroundings (`context`, first half of stage 4).
+//! Clusters: shapes are joined to things by their surroundings (`context`, the beginning of stage 4).
 //!
 //! Every shape begins as a cluster. The [`rules`] join clusters or give them to the background: fragments, height, vessels, bottoms,
-//! occlusion. A rule decides by [`check`]s; the [`history`] keeps what it did and what it refused. The clusters that are left and
+//! occlusion. A rule decides by [`check`]s. The [`history`] records its joins and its refusals. The clusters that remain and are
 //! large enough are candidates for objects.
 //!
 //! On a box of 10 cm, seen from above:

@@ -1,9 +1,9 @@
-//! Occlusion: a surface cut in two by something nearer goes on behind it (docs/CONTEXT.md 4.6).
+//! Occlusion: a surface cut in two by something nearer continues behind it (docs/CONTEXT.md 4.6).
 //!
-//! 1. [`pieces`]: the large facets of clusters that something is in front of.
-//! 2. [`along`]: for two of them a frame along the gap; pairs whose planes are turned hopelessly apart are dropped.
-//! 3. [`surface`]: one surface through both, and how much worse it fits than one for each.
-//! 4. [`sight`]: what is seen in the gap, along the pixels of [`line`]s.
+//! 1. [`pieces`]: find the large facets of clusters that have something in front of them.
+//! 2. [`along`]: for two pieces set up a frame along the gap; drop pairs whose planes differ hopelessly in direction.
+//! 3. [`surface`]: fit one surface to both; compare its error with the errors of one surface for each.
+//! 4. [`sight`]: examine the gap along the pixels of [`line`]s.
 
 mod along;
 mod line;
@@ -28,17 +28,18 @@ use crate::params;
 use crate::regions::SegmentId;
 use crate::union_find::UnionFind;
 
-/// Clusters that touch along more pairs (px at 525 px) are neighbours, not parts.
+/// Clusters that touch along more pairs (px at 525 px) are neighbours, not parts behind an occluder.
 const TOUCH_PX: usize = 6;
-/// Cosine to the support plane's normal from which a facet is horizontal. Tops of equal height are common, so ...
+/// A facet is level when the cosine between its normal and the support's exceeds this. Tops of equal height are common, so two level
+/// facets need more evidence.
 const HORIZONTAL: f64 = 0.92;
-/// ... they have to be nearer to each other, by this factor, ...
+/// Factor on the largest distance of two level facets.
 const HORIZONTAL_DISTANCE: f64 = 0.8;
-/// ... and their colours have to overlap by this much.
+/// Least colour overlap of two level facets.
 const HORIZONTAL_COLOR: f64 = 0.15;
 
-/// Joins two clusters when a facet of one continues a facet of the other behind something nearer. Both have the same surface and
-/// direction, and the gap shows mostly nearer and hardly any farther things.
+/// Joins two clusters when a facet of one continues a facet of the other behind something nearer. Both facets lie on one surface and
+/// have one direction, and in the gap most pixels are nearer and hardly any are farther.
 ///
 /// O(F^2 · (samples + pixels of the lines + all facets)) for F facets that are large and partly hidden; parallel over pairs.
 pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params::Occlusion) {
@@ -50,11 +51,11 @@ pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params
     clusters.history.note_misses(refused.into_iter().map(|pair| pair.propose(pair.clusters).refuse()));
 }
 
-/// Joins pairs of clusters, those whose surfaces agree best first. A pair that is one already is passed over.
+/// Joins pairs of clusters, the pairs of least disagreement first. A pair that is one cluster already is skipped.
 fn join_all(clusters: &mut Clusters<'_>, mut joins: Vec<Comparison>) {
     let disagreement = |pair: &Comparison| pair.continuation.disagreement_quanta;
     joins.sort_by(|x, y| disagreement(x).total_cmp(&disagreement(y)));
-    // Parts are described as they are before the first join.
+    // The parts are described in their state before the first join.
     let parts: Vec<_> = joins.iter().map(|pair| pair.clusters.map(|id| clusters.part(id))).collect();
     let highest = joins.iter().flat_map(|pair| pair.clusters).map(|id| id.index() + 1).max();
     let mut sets = UnionFind::new(highest.unwrap_or(0));
@@ -71,11 +72,11 @@ fn join_all(clusters: &mut Clusters<'_>, mut joins: Vec<Comparison>) {
     }
 }
 
-/// What was found out about two pieces of different clusters.
+/// The comparison of two pieces of different clusters.
 struct Comparison {
     clusters: [SegmentId; 2],
     checks: Vec<Check>,
-    /// How one continues the other.
+    /// The measurements that show whether one continues the other.
     continuation: Continuation,
     /// The facet that hides most of the gap.
     hider: Option<SegmentId>,
@@ -98,7 +99,7 @@ struct Common {
     surface: Surface<4>,
     /// Normal of the first piece.
     normal: DVec3,
-    /// How far the surface is from both (quanta), and the angle between them.
+    /// Disagreement of the surface with both pieces (quanta), and the angle between the pieces.
     disagreement_quanta: f64,
     angle_deg: f64,
 }
@@ -107,7 +108,7 @@ struct Common {
 struct Comparer<'a> {
     clusters: &'a Clusters<'a>,
     params: &'a params::Occlusion,
-    /// Cosine of an angle that is hopeless even with rounding.
+    /// Pairs whose normals have a smaller cosine are dropped; the margin allows for rounding.
     hopeless_cosine: f64,
 }
 
@@ -119,7 +120,7 @@ impl<'a> Comparer<'a> {
         Self { clusters, params, hopeless_cosine }
     }
 
-    /// Compares every two pieces: those to join, and those that are not.
+    /// Compares any two pieces. Returns the comparisons of the pairs to join, and of the refused pairs.
     fn compare_all(&self) -> (Vec<Comparison>, Vec<Comparison>) {
         let pieces = find_pieces(self.clusters);
         let pairs: Vec<Comparison> = pieces
@@ -130,7 +131,7 @@ impl<'a> Comparer<'a> {
         pairs.into_iter().partition(Comparison::is_join)
     }
 
-    /// How piece `b` continues piece `a`. `None` when they are of one cluster, touch, are too far apart or hopelessly unlike.
+    /// Compares two pieces. `None` when they are of one cluster, touch, are too far apart or differ hopelessly.
     fn compare(&self, a: &Piece, b: &Piece) -> Option<Comparison> {
         let scene = self.clusters.scene;
         let distance_m = self.distance_m(a, b)?;
@@ -164,7 +165,7 @@ impl<'a> Comparer<'a> {
         Some(Comparison { clusters: [a.cluster, b.cluster], checks, continuation, hider })
     }
 
-    /// The distance of two pieces of different clusters that do not touch (m), unless it is too long.
+    /// The distance (m) of two pieces. `None` when they are of one cluster, touch or are too far apart.
     fn distance_m(&self, a: &Piece, b: &Piece) -> Option<f64> {
         if a.cluster == b.cluster {
             return None;
@@ -177,10 +178,10 @@ impl<'a> Comparer<'a> {
         (touch <= self.clusters.scene.space.length_px(TOUCH_PX)).then_some(distance_m)
     }
 
-    /// Fits one surface to both pieces; `None` when they are hopelessly unlike.
+    /// Fits one surface to both pieces; `None` when the pieces differ hopelessly.
     fn fit_common(&self, a: &Piece, b: &Piece, along: &Along) -> Option<Common> {
         let space = self.clusters.scene.space;
-        // Most pairs are nothing alike, which their spread tells at once.
+        // Most pairs differ in direction; a quick fit from their spread shows this.
         let [rough_a, rough_b] = [a, b].map(|piece| along.normal(&along.plane(&piece.spread), space));
         if rough_a.dot(rough_b) < self.hopeless_cosine {
             return None;
@@ -220,7 +221,7 @@ impl<'a> Comparer<'a> {
         checks
     }
 
-    /// Checks in addition that two horizontal pieces are near each other and of one colour.
+    /// The additional checks of two level pieces: they are near each other and alike in colour.
     fn check_horizontal(&self, found: &Continuation) -> Vec<Check> {
         let limit_m = HORIZONTAL_DISTANCE * self.params.max_distance_m;
         let mut checks = vec![check_no_farther("distance of the parts, which are level", found, limit_m)];
@@ -241,8 +242,8 @@ mod tests {
     use super::*;
     use crate::clusters::testing::{Table, named, single};
 
-    /// A plank, facets 1 and 2 at these heights (m), below a bar, facet 3, that cuts it: `bar_m` is the bar's height in a row,
-    /// if there is any of it.
+    /// A plank, facets 1 and 2 at these heights (m), cut by a bar above it, facet 3. `bar_m`: the height of the bar in a row; `None` = no
+    /// bar in this row.
     struct Cut {
         plank_m: [f64; 2],
         bar_m: fn(usize) -> Option<f64>,
@@ -265,7 +266,7 @@ mod tests {
         }
     }
 
-    /// The clusters of the plank's two parts and of the bar, and the joins of the first, each with its hider.
+    /// The clusters of the plank's two parts and of the bar, and the joins of the first part, each with its hider.
     struct Joined {
         clusters: Vec<Option<u32>>,
         joins: Vec<(Join, Option<SegmentId>)>,
@@ -292,7 +293,7 @@ mod tests {
             continuation.hidden_share == 1.0 && continuation.seen_through_share == 0.0,
             "{continuation:?}"
         );
-        // From the middle of the left part, column 34.5, to that of the right one, 82, at 0.95 m.
+        // From the middle of the left part, column 34.5, to the middle of the right part, column 82, at 0.95 m.
         assert!((continuation.distance_m - 47.5 * 0.95 / 525.0).abs() < 1e-3, "{continuation:?}");
         assert!(continuation.angle_deg < 0.1 && continuation.color_overlap.is_none(), "{continuation:?}");
     }

@@ -12,38 +12,38 @@ use crate::oversegment::structure::StructureSurface;
 use crate::regions::SegmentId;
 use crate::tangents::tangents;
 
-/// The rim is what lies within this height (m) of the top.
+/// The rim of a vessel: all points within this height (m) of the top.
 const BAND_M: f64 = 0.012;
-/// Fewer points make no circle.
+/// Least number of points that a circle is fitted to.
 const LEAST_POINTS: usize = 20;
-/// Points in a line have a determinant (m^4) below this.
+/// Least determinant (m^4) of the second moments of the rim's points: below it they lie in a line and give no circle.
 const LEAST_SPREAD: f64 = 1e-12;
 /// Radius of the rims of vessels that a hand can hold (m).
 const RADIUS_M: std::ops::Range<f64> = 0.02..0.2;
-/// A rim lies on its circle within this distance (m), or within this share of the radius if that is more.
+/// Root mean square distance (m) of a rim's points from its circle, at most; or this share of the radius if that is more.
 const RESIDUAL_M: f64 = 0.006;
 const RESIDUAL_SHARE: f64 = 0.12;
-/// The circle is divided into this many sectors, ...
+/// Number of sectors into which a circle is divided.
 const SECTORS: usize = 12;
-/// ... of which at least this many must hold points.
+/// Least number of sectors that must hold points.
 const LEAST_SECTORS: usize = 7;
-/// A sector holds points when it has this many, or one in `POINTS_PER_HOLD` of all if that is more.
+/// A sector holds points when it has this many, or one in `POINTS_PER_HOLD` of all points if that is more.
 const LEAST_HOLD: usize = 2;
 const POINTS_PER_HOLD: usize = 200;
-/// A vessel may bulge beyond its rim by this much (m), or by this share of the radius if that is more.
+/// A vessel may bulge beyond the circle of its rim by this much (m), or by this share of the radius if that is more.
 const BULGE_M: f64 = 0.012;
 const BULGE_SHARE: f64 = 0.12;
 
-/// Where on the support plane a point stands (m), along the plane's tangents.
+/// The foot of a point on the support plane: its coordinates (m) along the plane's tangents.
 fn foot_m(scene: &Scene<'_>, i: u32, support: &StructureSurface) -> [f64; 2] {
     let point = Vec3::from(scene.points_m[i as usize]).as_dvec3();
     tangents(support.normal).map(|t| t.dot(point))
 }
 
-/// The circle through the feet of the points of some clusters at the height `top_m` (algebraic fit, Kåsa 1976). O(pixels).
+/// Fits a circle to the feet of some clusters' points near the height `top_m` (algebraic fit, Kåsa 1976). O(pixels).
 ///
 /// # Errors
-/// All checks when one of them fails: the circle is no rim of a vessel.
+/// The checks made, when one of them fails: the circle is no rim of a vessel.
 pub(crate) fn fit_rim_circle(
     clusters: &Clusters<'_>,
     ids: &[SegmentId],
@@ -74,7 +74,7 @@ pub(crate) fn fit_rim_circle(
     }
 }
 
-/// The mean of some feet, and sums of products of their coordinates about it; r is the squared distance from the mean.
+/// The mean of some feet, and sums of products of their coordinates about it. r is the squared distance from the mean.
 struct FeetMoments {
     mean: [f64; 2],
     xx: f64,
@@ -109,7 +109,7 @@ impl FeetMoments {
         self.xx * self.yy - self.xy * self.xy
     }
 
-    /// The circle that fits best, how far the feet are from it, and how much of it they cover.
+    /// The circle that fits best, with the distance of the feet from it and the share of it that they cover.
     fn fit_circle(&self, feet_m: &[[f64; 2]]) -> RimCircle {
         let &Self { mean, xx, xy, yy, xr, yr } = self;
         let n = feet_m.len() as f64;
@@ -152,7 +152,7 @@ pub(crate) fn check_circle(circle: &RimCircle) -> [Check; 4] {
     ]
 }
 
-/// The share of a cluster that stands within the circle or hardly outside; every third pixel is looked at.
+/// The share of a cluster's pixels that stand within the circle or hardly outside, from every third pixel.
 pub(crate) fn measure_share_within(
     clusters: &Clusters<'_>,
     id: SegmentId,
@@ -175,12 +175,11 @@ mod tests {
     use super::*;
     use crate::clusters::testing::{Table, single};
 
-    /// Where the ring of the tests stands (m right of and below the camera), and how high.
+    /// Position of the ring (m right of and below the camera), and its height.
     const MIDDLE_M: [f64; 2] = [0.012, -0.007];
     const TOP_M: f64 = 0.08;
 
-    /// What a camera sees of a ring whose part at angle `turn` (0 to 1) is there or not; within it stands something lower,
-    /// facet 2.
+    /// An image of a ring, of which the part at angle `turn` (0 to 1) exists or not. Facet 2 stands inside it and is lower.
     fn ring(radius_m: f64, is_there: impl Fn(f64) -> bool) -> Table {
         Table::new((160, 140), |u, v| {
             // Metres at the height of the rim.
@@ -222,7 +221,7 @@ mod tests {
         assert!((arc.radius_m - 0.06).abs() < 0.002, "{arc:?}");
         assert!((0.6..0.8).contains(&arc.covered), "{arc:?}");
         assert_eq!(circle(&ring(0.06, |turn| turn < 0.45)), None);
-        // The same length, but in two pieces, goes farther round.
+        // The same length in two pieces covers more of the circle.
         assert!(circle(&ring(0.06, |turn| turn % 0.5 < 0.25)).is_none());
         assert!(circle(&ring(0.06, |turn| turn % 0.25 < 0.17)).is_some());
     }

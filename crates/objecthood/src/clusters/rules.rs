@@ -1,4 +1,4 @@
-//! The rules in their order (docs/CONTEXT.md 4.1 to 3.13).
+//! The rules in their order (docs/CONTEXT.md 4.2 to 4.6).
 
 use crate::clusters::bottoms::join_bottoms;
 use crate::clusters::cluster::Clusters;
@@ -25,17 +25,17 @@ pub struct Rules<'a> {
 }
 
 impl<'a> Rules<'a> {
-    /// The rules' groups of all parameters.
+    /// Selects the rules' groups from all parameters.
     pub fn of(params: &'a Params) -> Self {
         let Params { fragments, height, vessels, occlusion, .. } = params;
         Self { fragments, height, vessels, occlusion }
     }
 }
 
-/// Decides by the surroundings of shapes which of them are one thing and which are background.
+/// Decides which shapes are one thing and which are background, by their surroundings.
 ///
-/// Each rule checks the clusters that the rules before it left. Source: ours, in place of what the paper calls future work.
-/// O(pixels + border pixels · log of them), and the rules as they say.
+/// Each rule checks the clusters that the rules before it left. Source: ours, because the paper leaves this to future work.
+/// O(pixels + border pixels · log(border pixels)), plus the cost of each rule.
 pub fn find_clusters(scene: &Scene<'_>, shapes: &Shapes, rules: Rules<'_>) -> Clustering {
     let mut clusters = Clusters::new(scene, shapes);
     absorb_fragments(&mut clusters, rules.fragments);

@@ -1,4 +1,4 @@
-//! The scene: what the rules look at besides the clusters.
+//! The scene: the inputs of the rules besides the clusters.
 
 use crate::clusters::steps::StepLimits;
 use crate::facets::Facets;
@@ -9,7 +9,7 @@ use crate::regions::SegmentId;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::surfaces::Surfaces;
 
-/// What the rules look at besides the clusters. They leave it as it is.
+/// The inputs of the rules besides the clusters. The rules do not change them.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     /// Facets and structure after [`fill_facets`](crate::clusters::fill::fill_facets).
@@ -22,9 +22,9 @@ pub struct Scene<'a> {
     pub points_m: &'a Raster<[f32; 3]>,
     /// Colour, if the frame has any.
     pub color: Option<&'a Raster<[u8; 3]>>,
-    /// The camera and its noise.
+    /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
-    /// The surface that objects stand on.
+    /// The surface on which objects stand.
     pub support: Option<&'a StructureSurface>,
     /// The facet of that surface.
     pub support_facet: Option<SegmentId>,
@@ -33,7 +33,7 @@ pub struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// The scene of a frame whose facets are known. `filled`: the facets after [`fill_facets`](crate::clusters::fill::fill_facets).
+    /// The scene of a frame. `filled`: the facets after [`fill_facets`](crate::clusters::fill::fill_facets).
     pub fn new(
         frame: &'a Frame,
         surfaces: &'a Surfaces,

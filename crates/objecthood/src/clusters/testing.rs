@@ -19,10 +19,10 @@ use crate::surface::plane_fit::fit_planes;
 use crate::surface::window_choice::choose_windows;
 use crate::testing::space;
 
-/// How far below the camera the table is (m).
+/// Distance of the table below the camera (m).
 const TABLE_M: f64 = 1.0;
 
-/// What the camera sees: facet 0 is the table and all structure there is.
+/// The image of the camera: facet 0 is the table and the only structure.
 #[derive(Debug)]
 pub(crate) struct Table {
     pub(crate) facets: Facets,
@@ -106,7 +106,7 @@ pub(crate) fn single<'a>(scene: &'a Scene<'a>) -> Clusters<'a> {
     Clusters::new(scene, &shapes)
 }
 
-/// Merges a cluster into another or into the background, whatever the reason.
+/// Merges a cluster into another or into the background, without checks.
 pub(crate) fn merge(clusters: &mut Clusters<'_>, into: Option<SegmentId>, from: SegmentId) {
     let event =
         Event { rule: Rule::Fragment, from: Source::Cluster(from), into, checks: Vec::new(), join: None };

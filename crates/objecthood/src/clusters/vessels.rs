@@ -1,7 +1,7 @@
-//! Vessels: the inside and the wall of a cup or bowl become one cluster (docs/CONTEXT.md 4.4).
+//! Vessels: joins the inside and the wall of a cup or bowl to one cluster (docs/CONTEXT.md 4.4).
 //!
-//! A camera sees the far side of a vessel's inside and the near side of its wall. The rim is a step in depth between them, so no
-//! convex border joins the two. Three rules do:
+//! A camera sees the far part of a vessel's inside and the near part of its wall. Between them is a step in depth at the rim, so no
+//! convex border joins the two. Three rules join them:
 //!
 //! 1. [`insides`]: concave pieces that touch are one inside.
 //! 2. [`walls`]: an inside and the wall in front of it, equally high, are one vessel.
@@ -22,13 +22,13 @@ use crate::clusters::cluster::Clusters;
 use crate::clusters::history::Miss;
 use crate::params;
 
-/// Two pieces of an inside are joined at most this often.
+/// Most joins of the first rule in one frame.
 const INSIDE_MERGES: usize = 6;
-/// The second rule joins at most this often, and so does the third.
+/// Most joins of the second rule in one frame, and most of the third.
 const MERGES: usize = 12;
 
 /// Joins the parts of vessels. Does nothing without a support surface or with `concavity` 0.
-/// O(merges · clusters · neighbours + the pixels of every inside and its walls that are tried, up to 12 times).
+/// O(merges · clusters · neighbours + the pixels of all insides and walls tried, up to 12 times each).
 pub(crate) fn join_vessels(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let Some(support) = clusters.scene.support.filter(|_| params.concavity > 0.0) else { return };
     let limits = Limits { support, params };
@@ -38,7 +38,7 @@ pub(crate) fn join_vessels(clusters: &mut Clusters<'_>, params: &params::Vessels
     repeat(clusters, MERGES, |clusters, misses| join_remainder(clusters, limits, &vessels, misses));
 }
 
-/// Applies a rule until it joins nothing more, at most `times` times. Notes what it refused in the last round.
+/// Applies a rule until it joins nothing more, at most `times` times. Records its refusals of the last round.
 fn repeat<'a>(
     clusters: &mut Clusters<'a>,
     times: usize,

@@ -1,14 +1,14 @@
-//! Why parts that do not touch as one surface are one object.
+//! Joins: parts of an object that do not touch as one surface, with the evidence that they belong together.
 
 use crate::discovery::ids::NodeId;
 use crate::raster::PixelBox;
 
-/// Two parts of one object, and why they belong together.
+/// Two parts of one object, and the evidence that they belong together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Join {
-    /// Where the two parts were in the image when they were joined.
+    /// The two parts in the image at the time of the join.
     pub parts: [JoinedPart; 2],
-    /// Why they are one.
+    /// The evidence.
     pub evidence: JoinEvidence,
     /// The node of the support graph that hides the gap between them, if one does.
     pub behind: Option<NodeId>,
@@ -19,7 +19,7 @@ pub struct Join {
 pub struct JoinedPart {
     /// The smallest upright rectangle around it.
     pub box_px: PixelBox,
-    /// Its pixels.
+    /// Number of its pixels.
     pub size_px: usize,
 }
 
@@ -30,26 +30,26 @@ pub enum JoinEvidence {
     Occlusion(Continuation),
     /// Two pieces of the inside of one vessel (docs/CONTEXT.md 4.4.1).
     VesselInside {
-        /// How far the larger and the smaller piece bend outwards; both are concave, below 0.
+        /// Convexity of the larger and of the smaller piece; both are below 0, concave.
         convexity: [f64; 2],
     },
     /// The inside of a vessel and the wall in front of it (docs/CONTEXT.md 4.4.2).
     VesselWall {
-        /// How far the inside bends outwards; below 0 or hardly above.
+        /// Convexity of the inside; below 0 or hardly above.
         convexity: f64,
-        /// Pixel pairs in which the wall is in front of the inside.
+        /// Number of pixel pairs in which the wall is in front of the inside.
         wall_in_front: u32,
-        /// The circle on which both rims lie, if that decided.
+        /// The circle on which both rims lie, if it decided.
         rim: Option<RimCircle>,
     },
-    /// A part that stands within the circle of a vessel's rim and as high (docs/CONTEXT.md 4.4.2).
+    /// A part within the circle of a vessel's rim (docs/CONTEXT.md 4.4.2).
     VesselRim {
         /// The circle.
         rim: RimCircle,
     },
     /// The bottom of a plate or bowl, which lies as low as the table (ours).
     VesselBottom {
-        /// Share of its border that touches, without a step.
+        /// Share of its border that touches clusters without a step.
         contact_share: f64,
     },
     /// A small part that touches hardly anything but a vessel (docs/CONTEXT.md 4.4.3).
@@ -59,10 +59,10 @@ pub enum JoinEvidence {
     },
 }
 
-/// How well one surface continues another behind an occluder.
+/// The measurements that show whether one surface continues another behind an occluder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Continuation {
-    /// How far the common surface is from both parts (quanta).
+    /// Disagreement of the common surface with both parts (quanta).
     pub disagreement_quanta: f64,
     /// Angle between the surfaces (degrees).
     pub angle_deg: f64,
@@ -79,11 +79,11 @@ pub struct Continuation {
 /// The rim of a vessel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RimCircle {
-    /// Its middle on the support plane, along the plane's two tangents (m).
+    /// Its centre on the support plane, along the plane's two tangents (m).
     pub center_m: [f64; 2],
     /// Its radius (m).
     pub radius_m: f64,
-    /// Root mean square distance of the points of the rim from it (m).
+    /// Root mean square distance of the rim's points from it (m).
     pub residual_m: f64,
     /// Share of its circumference on which points lie.
     pub covered: f64,

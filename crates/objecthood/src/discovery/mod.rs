@@ -1,4 +1,4 @@
-//! The result: what was found in a frame. These types depend on no stage, so every stage can use them.
+//! The result for one frame. These types depend on no stage, so every stage can use them.
 
 pub(crate) mod ids;
 pub(crate) mod join;
@@ -25,17 +25,17 @@ use crate::raster::Raster;
 pub struct Discovery {
     /// The object of every pixel: 0 = none, else the number of an [`ObjectId`].
     pub labels: Raster<u16>,
-    /// The objects; object k stands at index k - 1.
+    /// The objects; object k has index k - 1.
     pub objects: Vec<Object>,
     /// The direction against gravity.
     pub up: Up,
     /// Large planes of the scene: the table, the floor. In `paper` at most the dominant one.
     pub structure_planes: Vec<StructurePlane>,
-    /// The structure plane of every pixel: 0 = none, else k stands for the plane at index k - 1.
+    /// The structure plane of every pixel: 0 = none, k = the plane with index k - 1.
     pub structure: Raster<u16>,
-    /// What stands on what.
+    /// The support graph: which region stands on which.
     pub support: SupportGraph,
-    /// What the user should know about how this came about.
+    /// Notices to the user about this result.
     pub notices: Vec<Notice>,
 }
 
@@ -55,11 +55,11 @@ impl Discovery {
     }
 }
 
-/// Something the user should know although the frame was done.
+/// A notice: something that the user should know about a result. It is no error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Notice {
-    /// No plane dominates the scene, so the camera is taken to be horizontal.
+    /// No plane dominates the scene, so up is the camera's own, by its tilt and roll.
     NoPlane,
     /// The frame has no colour, so depth alone decides.
     NoColor,

@@ -1,4 +1,4 @@
-//! One object that was found.
+//! One object of the result.
 
 use crate::discovery::ids::{NodeId, ObjectId};
 use crate::discovery::join::Join;
@@ -11,11 +11,11 @@ use crate::raster::PixelBox;
 pub struct Object {
     /// Its number in the label image.
     pub id: ObjectId,
-    /// How sure it is that it is an object, in [0, 1].
+    /// How likely it is an object, in [0, 1].
     pub objectness: f32,
     /// The parts of the objectness.
     pub parts: ObjectnessParts,
-    /// Pixels in the label image.
+    /// Number of its pixels in the label image.
     pub size_px: usize,
     /// The smallest upright rectangle around its pixels.
     pub box_px: PixelBox,
@@ -23,20 +23,20 @@ pub struct Object {
     pub centroid_m: [f32; 3],
     /// Oriented box, one axis along up.
     pub box_m: OrientedBox,
-    /// How high it stands above the support plane (m), where that is known (`context`).
+    /// Height of its top above the support surface (m); `None` in `paper` and without a support.
     pub top_m: Option<f32>,
-    /// Number of facets it is made of.
+    /// Number of its facets.
     pub facets: usize,
-    /// Why those parts of it are one that do not touch as one surface. Empty in `paper`.
+    /// The joins of its parts that do not touch as one surface. Empty in `paper`.
     pub joins: Vec<Join>,
-    /// Its place in the support graph.
+    /// Its node in the support graph.
     pub node: NodeId,
     /// The nodes that it stands on, lies in or leans against.
     pub parents: Vec<NodeId>,
 }
 
 impl Object {
-    /// An object of which only number, pixels and box are known: sure to be one, with no support and no joins. For tests of
+    /// An object with this number, these pixels and this box, of objectness 1, without support or joins. For tests of
     /// programs that read discoveries; the fields can be changed.
     pub fn new(id: ObjectId, box_px: PixelBox, box_m: OrientedBox) -> Self {
         Self {
@@ -65,9 +65,9 @@ impl Object {
 /// A box with any orientation, in the camera frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedBox {
-    /// Middle of the box (m).
+    /// Centre of the box (m).
     pub center_m: [f32; 3],
-    /// Rotation that takes the box's axes to the camera's frame, as a unit quaternion x, y, z, w.
+    /// Rotation from the box's axes to the camera frame, as a unit quaternion x, y, z, w.
     pub rotation_xyzw: [f32; 4],
     /// Full length of each side (m), along the box's own x, y and z axes.
     pub extents_m: [f32; 3],

@@ -1,25 +1,25 @@
-//! The parts of the objectness, and how they make one figure.
+//! The parts of the objectness, and their product.
 
 use crate::params;
 
-/// The parts of an objectness, each in [0, 1]: 1 speaks for an object, or at least not against one.
+/// The parts of an objectness, each in [0, 1]: 1 = no evidence against an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectnessParts {
     /// How graspable its size is: not too long, and not thin in two directions.
     pub size: f32,
-    /// How surely something carries it: P(O) of eq. 8, halved when the confidence in the carrier is 0.
+    /// How surely it is carried: P(O) of eq. 8, halved when the confidence in the carrier is 0.
     pub support: f32,
-    /// How much of its hull in the image it fills, where nothing hides it.
+    /// The share of its hull in the image that it fills, where nothing hides it.
     pub compactness: f32,
-    /// How clear its borders are: steps in depth and valleys are, flat or convex folds are not.
+    /// How clear its borders are: steps in depth and valleys are clear, flat or convex folds are not.
     pub separation: f32,
-    /// How much of its outline is its own: neither something nearer nor the border of the image cuts it.
+    /// The share of its outline that is its own: neither something nearer nor the border of the image cuts it there.
     pub visibility: f32,
 }
 
 impl ObjectnessParts {
-    /// The objectness, in [0, 1]: the product of 1 - weight · (1 - part). Each part takes away its weight at most: a weight of 1 makes
-    /// it necessary, a weight of 0 leaves it out.
+    /// The objectness, in [0, 1]: the product of 1 - weight · (1 - part) over all parts. A part lowers the objectness by at most the share
+    /// `weight`: with weight 1 the part is necessary, with weight 0 it is ignored.
     pub fn objectness(&self, params: &params::Objectness) -> f32 {
         let weighted = [
             (params.size_weight, self.size),
@@ -43,7 +43,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the weights, a better part never makes a worse object.
+        /// With any weights, a better part never lowers the objectness.
         #[test]
         fn objectness_is_a_share_and_grows_with_every_part(
             values in prop::array::uniform5(0.0_f32..=1.0),

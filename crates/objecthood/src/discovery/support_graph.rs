@@ -1,8 +1,8 @@
-//! The support graph: what stands on what.
+//! The support graph: which region stands on which.
 
 use crate::discovery::ids::{NodeId, ObjectId};
 
-/// What a node of the support graph stands for.
+/// The kind of a node of the support graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeKind {
     /// A shape that is an object.
@@ -10,7 +10,7 @@ pub enum NodeKind {
         /// Its number in the label image.
         object: ObjectId,
     },
-    /// A shape that is none: the table, or something of too little objectness.
+    /// A shape that is no object: the table, or a shape of too little objectness.
     Surface,
     /// A structure plane (`context`).
     Structure {
@@ -22,11 +22,11 @@ pub enum NodeKind {
 /// One shape in the support graph.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupportNode {
-    /// What it stands for.
+    /// Its kind.
     pub kind: NodeKind,
     /// P(S), eq. 7: how well its surface can carry something, in [0, 1].
     pub p_s: f32,
-    /// P(O), eq. 8: the probability that it is an object by what carries it, in [0, 1].
+    /// P(O), eq. 8: how probably it is an object, judged by its carriers, in [0, 1].
     pub p_o: f32,
     /// Mean height along up, relative to the camera (m).
     pub height_m: f32,
@@ -34,14 +34,14 @@ pub struct SupportNode {
     pub size_px: usize,
 }
 
-/// How one thing carries another.
+/// The way in which one thing carries another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SupportKind {
-    /// The upper stands on it. All edges of `paper` are taken for this.
+    /// The upper stands on the lower. All edges of `paper` are of this kind.
     On,
-    /// The upper stands or lies in it, below its rim.
+    /// The upper stands or lies in the lower, below its rim.
     In,
-    /// The upper is tilted and held by it from the side.
+    /// The upper is tilted, and the lower holds it from the side.
     Leans,
 }
 
@@ -50,14 +50,14 @@ pub enum SupportKind {
 pub struct SupportEdge {
     /// The carrier.
     pub lower: NodeId,
-    /// What it carries.
+    /// The node that it carries.
     pub upper: NodeId,
-    /// How.
+    /// The way in which it carries it.
     pub kind: SupportKind,
     /// How sure it is that the lower carries the upper, in [0, 1]; 1 in `paper`, in `context` see
     /// [`build_forest`](crate::support::forest::build_forest).
     pub confidence: f32,
-    /// Whether the contact itself is not seen.
+    /// Whether the contact is inferred and not seen.
     pub hidden: bool,
     /// Pairs of neighbouring points in contact there; 0 when it is hidden.
     pub contacts: u32,
@@ -70,10 +70,10 @@ impl SupportEdge {
     }
 }
 
-/// What stands on what: directed, without cycles.
+/// The support graph: directed, without cycles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SupportGraph {
-    /// The nodes; node k is region k of those whose support was asked for.
+    /// The nodes; node k is region k of the label map from which the graph was built.
     pub nodes: Vec<SupportNode>,
     /// The edges, sorted by (lower, upper).
     pub edges: Vec<SupportEdge>,
@@ -88,8 +88,8 @@ impl SupportGraph {
         parents
     }
 
-    /// How surely each node is carried, in [0, 1]: its P(O), halved when the confidence in its surest carrier is 0 (ours, because
-    /// in a forest what floats has a carrier too). O(nodes + edges).
+    /// How surely each node is carried, in [0, 1]: its P(O), halved when the confidence in its surest carrier is 0 (ours, because in a
+    /// forest a floating thing has a carrier too). O(nodes + edges).
     pub(crate) fn carried(&self) -> Vec<f32> {
         let mut surest = vec![0.0_f32; self.nodes.len()];
         for edge in &self.edges {

@@ -1,4 +1,4 @@
-//! What the borders of a facet tell, and whether what lies on both sides is one thing.
+//! Reports on the borders of a facet, and on whether the facets on both sides are one thing.
 
 use crate::clusters::history::Rule;
 use crate::explain::Explainer;
@@ -44,7 +44,7 @@ impl Explainer {
         let one_shape = self.subject.run.shape(a) == self.subject.run.shape(b);
         if !one_shape && self.subject.run.one_thing(a, b) {
             let event = self.subject.run.uniting(a, b).map(|step| &step.event);
-            // A small hole in a surface is filled without a word.
+            // A small hole in a surface is filled without an event.
             let (rule, checks) =
                 event.map_or((Rule::VesselBottom, Vec::new()), |event| (event.rule, event.checks.clone()));
             return self.decision(question, Reason::Rule(rule), checks);

@@ -1,11 +1,11 @@
-//! What an explanation says: plain data, from which text, JSON and pictures are made.
+//! The contents of an explanation: plain data, from which text, JSON and pictures are made.
 
 use serde::{Serialize, Serializer};
 
 use crate::clusters::check::Check;
 use crate::clusters::history::Rule;
 
-/// Why a pixel is what it is.
+/// The explanation of a pixel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Explanation {
     /// The pixel: column and row.
@@ -13,62 +13,62 @@ pub struct Explanation {
     /// Its depth (m), if it was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_m: Option<f32>,
-    /// What it is.
+    /// The outcome for the pixel.
     pub outcome: Outcome,
     /// Its facet, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub facet: Option<FacetReport>,
-    /// Whether the thing that the facet belongs to is an object; of structure, whether the pixel is.
+    /// Whether the thing of the facet is an object; for structure, whether the pixel belongs to one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kept: Option<Decision>,
     /// The borders of the facet, the longest first.
     pub borders: Vec<BorderReport>,
-    /// What rules did with the thing that the facet belongs to.
+    /// The decisions of rules about the thing of the facet.
     pub way: Vec<Decision>,
-    /// What rules nearly did with it.
+    /// The decisions of rules that were nearly met.
     pub near_misses: Vec<Decision>,
-    /// The object, or what might have been one.
+    /// The object, or the rejected hypothesis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object: Option<ObjectReport>,
 }
 
 impl Explanation {
-    /// Everything that was decided, what matters most first.
+    /// All decisions, the most important first.
     pub fn decisions(&self) -> impl Iterator<Item = &Decision> {
         let borders = self.borders.iter().filter_map(|border| border.decision.as_ref());
         self.kept.iter().chain(&self.way).chain(&self.near_misses).chain(borders)
     }
 
-    /// The same, to change.
+    /// All decisions, mutable.
     pub(super) fn decisions_mut(&mut self) -> impl Iterator<Item = &mut Decision> {
         let borders = self.borders.iter_mut().filter_map(|border| border.decision.as_mut());
         self.kept.iter_mut().chain(&mut self.way).chain(&mut self.near_misses).chain(borders)
     }
 }
 
-/// What a pixel is.
+/// The outcome for a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Outcome {
-    /// Nothing was measured here.
+    /// The pixel has no depth.
     NoDepth,
-    /// It was measured, but lies on no surface that is large enough.
+    /// The pixel has depth, but lies on no surface that is large enough.
     NoFacet,
-    /// Of a large plane: table, floor, wall.
+    /// The pixel belongs to a large plane: table, floor, wall.
     Structure {
-        /// Which one: its number in the label image of the structure.
+        /// The number of the plane in the label image of the structure.
         plane: u32,
     },
-    /// Of a thing that was taken for a part of the structure.
+    /// The pixel belongs to a thing that a rule gave to the background.
     Background {
-        /// Of which plane; 0 = of none, because there is none to stand on.
+        /// The number of the plane in the label image of the structure; 0 = none, because there is no support.
         plane: u16,
     },
-    /// Of a thing that has too few pixels.
+    /// The pixel belongs to a thing with too few pixels.
     TooSmall,
-    /// Of a thing for which too little speaks.
+    /// The pixel belongs to a thing with too little objectness.
     Unlikely,
-    /// Of an object.
+    /// The pixel belongs to an object.
     Object {
         /// Its number in the label image.
         object: u16,
@@ -80,37 +80,37 @@ pub enum Outcome {
 pub struct FacetReport {
     /// Its number.
     pub facet: u32,
-    /// Its pixels (px).
+    /// Number of its pixels.
     pub size_px: usize,
-    /// How far the pixel is before the facet's surface (quanta of disparity).
+    /// How far the pixel lies in front of the facet's surface (quanta of disparity).
     pub residual_quanta: f64,
-    /// How far its pixels are from the surface, root mean square (quanta).
+    /// Root mean square distance of the facet's pixels from its surface (quanta).
     pub mean_residual_quanta: f64,
-    /// Which structure plane it is, if it is one.
+    /// The number of the structure plane, if it is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub structure_plane: Option<u32>,
 }
 
-/// What the border of the facet with another one tells.
+/// The border of the facet with another one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BorderReport {
     /// The other facet.
     pub facet: u32,
-    /// Which structure plane that is, if it is one.
+    /// The number of that structure plane, if the other facet is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub structure_plane: Option<u32>,
     /// Mean angle of the folds (degrees): above 0 = ridge, convex; below 0 = valley, concave. `None` without folds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_angle_deg: Option<f64>,
-    /// How far this facet is before the other one where they meet, on average (quanta of disparity).
+    /// How far this facet lies in front of the other one at the border, on average (quanta of disparity).
     pub gap_quanta: f64,
     /// The same in depth (mm).
     pub gap_mm: f64,
-    /// How much of the border is a fold (mm).
+    /// Length of the border that is a fold (mm).
     pub folded_mm: f64,
-    /// How much of it is a step in depth (mm).
+    /// Length of the border that is a step in depth (mm).
     pub stepped_mm: f64,
-    /// Its vote (mm of border): above 0 for one shape, below 0 for two. `None` with structure, which is not asked.
+    /// Its vote (mm of border): above 0 for one shape, below 0 for two. `None` with structure, whose borders do not vote.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vote_mm: Option<f64>,
     /// Whether both are one thing. `None` with structure.
@@ -118,18 +118,18 @@ pub struct BorderReport {
     pub decision: Option<Decision>,
 }
 
-/// Something that was decided.
+/// A question about facets, with the answer and its reason.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Decision {
-    /// What.
+    /// The question.
     pub question: Question,
     /// The answer.
     pub yes: bool,
-    /// What decided.
+    /// The reason for the answer.
     pub reason: Reason,
-    /// What was measured, if a rule or a filter decided.
+    /// The measured values with their limits, if a rule or a filter decided.
     pub checks: Vec<Check>,
-    /// What it would take to decide otherwise.
+    /// The parameter value that would turn the answer.
     pub flip: Flip,
 }
 
@@ -142,17 +142,17 @@ pub enum Question {
         /// The facets.
         facets: [u32; 2],
     },
-    /// Is the thing that this one belongs to an object?
+    /// Is the thing of this facet an object?
     Kept {
         /// The facet.
         facet: u32,
     },
-    /// Is this pixel of a structure plane of an object?
+    /// Does this pixel of a structure plane belong to an object?
     OfObject {
         /// Its column and row.
         pixel: [usize; 2],
     },
-    /// Is a patch of the background the bottom of the thing that this one belongs to?
+    /// Is a patch of the background the bottom of the thing of this facet?
     Bottom {
         /// The facet.
         facet: u32,
@@ -161,7 +161,7 @@ pub enum Question {
     },
 }
 
-/// What decided.
+/// The reason for a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reason {
@@ -169,65 +169,65 @@ pub enum Reason {
     Folds,
     /// The steps of the border.
     Steps,
-    /// The votes of other borders, against that of their own.
+    /// The votes of other borders, against the vote of the common border.
     OtherBorders,
     /// It has too few pixels.
     Size,
-    /// Too little speaks for it.
+    /// It has too little objectness.
     Objectness,
     /// It lies on a large plane that carries or encloses things.
     Structure,
-    /// Nothing spoke against it.
+    /// No rule or filter refused it.
     Passed,
     /// A rule of stage 4.
     #[serde(untagged)]
     Rule(Rule),
 }
 
-/// A value in the form in which it can be set: parameters that count take no fraction, not even of 0.
+/// Writes a value so that it can be set again: parameters of whole numbers accept no decimal point, not even `.0`.
 fn as_set<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     let whole = *value as i64;
     if whole as f64 == *value { serializer.serialize_i64(whole) } else { serializer.serialize_f64(*value) }
 }
 
-/// Which single parameter decides otherwise, and where.
+/// A change of one parameter that turns a decision.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Flip {
-    /// With this value the whole method decides otherwise: that was tried.
+    /// A run of the whole method with this value decides otherwise.
     At {
         /// The parameter.
         parameter: &'static str,
-        /// Its value now.
+        /// Its present value.
         #[serde(serialize_with = "as_set")]
         from: f64,
-        /// Its value then.
+        /// The value that turns the decision.
         #[serde(serialize_with = "as_set")]
         to: f64,
-        /// Whether half way to it the method does not decide otherwise yet: that was tried, or there is no value half way. If
-        /// not, values nearer than `to` may do the same.
+        /// Whether a run with the value half way does not decide otherwise, or there is no value half way. If false, values nearer than
+        /// `to` may turn the decision too.
         is_tight: bool,
     },
-    /// No flip was found: the method did not decide otherwise with the values that the evidence named.
+    /// No flip was found: the method did not decide otherwise with any value that the evidence suggested.
     Nowhere {
-        /// The parameters with which it was run, one at a time; none when the evidence named no value of any parameter.
+        /// The parameters that were tried, one at a time; empty when the evidence suggested no value.
         tried: Vec<&'static str>,
     },
-    /// It was not looked for, or not to the end: more was asked than can be tried in a short time.
+    /// The search was not done or not finished, because its budget was spent.
     NotSought,
 }
 
-/// The object of a pixel, or what might have been one.
+/// The object of a pixel, or a rejected hypothesis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ObjectReport {
     /// Its number in the label image, if it is an object.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object: Option<u16>,
-    /// How sure it is, in [0, 1].
+    /// Its objectness, in [0, 1].
     pub objectness: f32,
-    /// What that is made of.
+    /// The parts of the objectness.
     pub parts: Vec<Part>,
-    /// Its pixels (px).
+    /// Number of its pixels.
     pub size_px: usize,
     /// Its facets; structure planes among them are its bottom.
     pub facets: Vec<u32>,

@@ -1,4 +1,4 @@
-//! Which single parameter would decide otherwise: guessed from the evidence, then tried with the whole method.
+//! Finds a single parameter change that turns a decision: guessed from the evidence, then confirmed by a run of the whole method.
 
 use std::collections::BTreeMap;
 
@@ -10,23 +10,23 @@ use crate::explain::sweep::{self, Sweep};
 use crate::regions::SegmentId;
 use crate::shapes::contraction::Shapes;
 
-/// What one explanation may cost, in looks at all borders of the frame, ...
+/// Budget of one explanation: sixteen runs of the method. The unit, a *look*, is one measurement of all borders of the frame.
 const BUDGET_LOOKS: usize = 16 * RUN_LOOKS;
-/// ... and what one run of the whole method costs: 80 ms against 3 ms at 640 x 480.
+/// Cost of one run of the whole method in looks: about 80 ms against 3 ms at 640 x 480.
 const RUN_LOOKS: usize = 24;
-/// So many guesses are tried for one decision.
+/// Most guesses tried for one decision.
 const GUESSES: usize = 6;
-/// So often half way to a flip is taken in its place.
+/// Most halvings of the interval between the present value and a flip.
 const HALVINGS: usize = 6;
-/// So often an interval in which the votes turn is halved.
+/// Most halvings of an interval in which the votes turn.
 const NARROWINGS: usize = 14;
 
-/// Looks for flips in one frame, for one explanation.
+/// The search for flips in one frame, for one explanation.
 pub(super) struct Search<'a> {
     asked: &'a Subject,
-    /// Whether the sweep is paid for.
+    /// Whether the cost of the sweep is paid.
     is_swept: bool,
-    /// What stage 3 makes of values that the sweep has not, by parameter and bits of the value.
+    /// Shapes for values outside the sweep, by parameter and bits of the value.
     shapes: BTreeMap<(&'static str, u64), Option<Shapes>>,
     looks_left: usize,
 }
@@ -36,7 +36,7 @@ impl<'a> Search<'a> {
         Self { asked, is_swept: false, shapes: BTreeMap::new(), looks_left: BUDGET_LOOKS }
     }
 
-    /// Of the guesses that are true about the nearest.
+    /// Tries guesses in the order of their relative change, and returns the first that turns the decision.
     pub(super) fn flip(&mut self, decision: &Decision) -> Flip {
         let &Decision { question, yes, reason, ref checks, .. } = decision;
         if self.looks_left < RUN_LOOKS {
@@ -72,7 +72,7 @@ impl<'a> Search<'a> {
         Flip::Nowhere { tried }
     }
 
-    /// Tries a guess, and nearer and nearer values as long as half way does the same.
+    /// Tries a guess. If it turns the answer, halves the distance to the present value as long as that does too.
     fn confirm(&mut self, question: Question, yes: bool, guess: &Guess) -> Confirmed {
         let &Guess { parameter, from, mut to, .. } = guess;
         match self.ask(question, parameter, to) {
@@ -100,7 +100,7 @@ impl<'a> Search<'a> {
         Confirmed::Yes(Flip::At { parameter, from, to, is_tight })
     }
 
-    /// The answer with another value of a parameter.
+    /// The answer to a question with another value of a parameter.
     fn ask(&mut self, question: Question, parameter: &str, value: f64) -> Asked {
         let Some(params) = self.asked.params.with_number(parameter, value) else { return Asked::Refused };
         if self.spend(RUN_LOOKS).is_none() {
@@ -115,13 +115,13 @@ impl<'a> Search<'a> {
         run.map_or(Asked::Refused, |run| Asked::Answer(run.answer(question)))
     }
 
-    /// Takes so much from what is left, if it is.
+    /// Takes `looks` from the budget; `None` if too little is left.
     fn spend(&mut self, looks: usize) -> Option<()> {
         self.looks_left = self.looks_left.checked_sub(looks)?;
         Some(())
     }
 
-    /// What turns the votes on two facets, roughly; `None` when too little is left to find out.
+    /// Rough guesses that turn the votes on two facets; `None` when too little of the budget is left.
     fn guess_votes(&mut self, pair: [usize; 2]) -> Option<Vec<Guess>> {
         if !self.is_swept {
             self.spend(sweep::looks(&self.asked.params))?;
@@ -129,15 +129,14 @@ impl<'a> Search<'a> {
         }
         let sweep = &self.asked.sweep;
         let sweep = sweep.get().unwrap_or_else(|| {
-            // Not within the lock: who waits there for another thread may be handed work that asks for the same.
+            // Outside the lock: while a thread waits inside, rayon may give it another task that needs the same sweep.
             let swept = Sweep::new(&self.asked.params, &self.asked.surfaces, &self.asked.run);
             sweep.get_or_init(|| swept)
         });
         Some(sweep.guesses(&self.asked.run, pair))
     }
 
-    /// The value nearest to `near`, and a round one, that does to the votes on two facets what the guess does; as near as what is
-    /// left allows.
+    /// A round value near `near` that turns the votes on two facets as the guess does; as near as the budget allows.
     fn narrowed(&mut self, guess: &Guess, [a, b]: [usize; 2]) -> f64 {
         let &Guess { parameter, from, mut near, to: mut far } = guess;
         let together = |shapes: &Shapes| shapes.of_facet[a] == shapes.of_facet[b];
@@ -153,7 +152,7 @@ impl<'a> Search<'a> {
         sweep::outwards(far, from)
     }
 
-    /// What stage 3 makes of the facets with another value; `None` when that is not allowed, or nothing is left.
+    /// The shapes of stage 3 with another value; `None` when the value is not allowed, or the budget is spent.
     fn shapes(&mut self, parameter: &'static str, value: f64) -> Option<&Shapes> {
         let key = (parameter, value.to_bits());
         if !self.shapes.contains_key(&key) {
@@ -165,22 +164,22 @@ impl<'a> Search<'a> {
     }
 }
 
-/// What the method says with another value of a parameter.
+/// The answer of the method with another value of a parameter.
 enum Asked {
     Answer(bool),
-    /// The value is not allowed beside the others, or with it the frame cannot be looked at.
+    /// The value is not allowed, or the method fails with it.
     Refused,
-    /// Too little is left for a run.
+    /// Too little of the budget is left for a run.
     NotRun,
 }
 
-/// What became of a guess.
+/// The result of trying a guess.
 enum Confirmed {
     Yes(Flip),
     No,
-    /// The method takes no such value.
+    /// The method does not accept the value.
     Refused,
-    /// Too little was left to find out.
+    /// Too little of the budget was left.
     Unknown,
 }
 

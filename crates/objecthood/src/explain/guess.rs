@@ -1,40 +1,40 @@
-//! Guesses: values of a parameter that may decide otherwise, in few digits.
+//! Guesses: values of a parameter, in few digits, that may turn a decision.
 
 use crate::clusters::check::{Bound, Check};
 use crate::params::{ParameterInfo, Params};
 
-/// A guess has so many digits.
+/// Significant digits of a guess.
 const DIGITS: i32 = 3;
 
-/// A value of a parameter that may decide otherwise.
+/// A value of a parameter that may turn a decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Guess {
     pub(super) parameter: &'static str,
     pub(super) from: f64,
-    /// A value from which on it may: between this and `to`.
+    /// The decision may turn between this value and `to`.
     pub(super) near: f64,
     pub(super) to: f64,
 }
 
 impl Guess {
-    /// How much it changes its parameter, as a share of its value.
+    /// The change of the parameter, as a share of its present value.
     pub(super) fn relative_change(&self) -> f64 {
         (self.to - self.from).abs() / self.from.abs().max(f64::MIN_POSITIVE)
     }
 }
 
-/// The checks that have to be turned over to decide otherwise: those that fail, or if none does any.
+/// The checks to turn in order to decide otherwise: the failing checks, or if none fails, all of them (one suffices).
 fn turned(checks: &[Check]) -> impl Iterator<Item = &Check> {
     let any_fails = checks.iter().any(|check| !check.holds());
     checks.iter().filter(move |check| !any_fails || !check.holds())
 }
 
-/// Values that turn one of these checks over.
+/// Values that turn one of these checks.
 pub(super) fn guess_checks(checks: &[Check], params: &Params) -> Vec<Guess> {
     turned(checks).flat_map(|check| guess(check, params)).collect()
 }
 
-/// Values of the parameter behind a check that turn it over: the nearest, and one a little farther.
+/// Two values of a check's parameter that turn the check: the nearest round one, and one a little farther.
 fn guess(check: &Check, params: &Params) -> Vec<Guess> {
     let Some(parameter) = check.parameter else { return Vec::new() };
     let Some(from) = params.number(parameter).filter(|value| *value != 0.0 && check.limit != 0.0) else {
@@ -42,7 +42,7 @@ fn guess(check: &Check, params: &Params) -> Vec<Guess> {
     };
     let limits = info(parameter).and_then(|info| info.limits());
     let Some((least, greatest)) = limits else { return Vec::new() };
-    // The limit is proportional to the parameter, and has to rise or to fall to turn the check over.
+    // The limit is proportional to the parameter. It has to rise or to fall to turn the check.
     let factor = check.limit / from;
     let exact = check.measured / factor;
     let limit_rises = matches!(check.bound, Bound::Below | Bound::AtMost) != check.holds();
@@ -56,21 +56,21 @@ fn guess(check: &Check, params: &Params) -> Vec<Guess> {
     beyond.into_iter().filter(is_allowed).collect()
 }
 
-/// A round value beyond `exact` on the side of `sign`, by at most so many `steps` of its last digit.
+/// A round value beyond `exact` on the side of `sign`, by at most `steps` units of its last digit.
 fn beyond(exact: f64, sign: f64, steps: f64, whole: bool) -> f64 {
     let digit = if whole { 1.0 } else { last_digit(exact) };
-    // Counted from the last round value before it, so that one step is beyond it.
+    // Counted from the last round value before `exact`, so that one step leads beyond `exact`.
     let before = (sign * exact / digit).floor();
     round(sign * (before + steps) * digit)
 }
 
-/// The unit of the last of the digits that a guess has.
+/// The unit of the last digit of a guess.
 pub(super) fn last_digit(value: f64) -> f64 {
     let magnitude = if value == 0.0 { 0.0 } else { libm::log10(value.abs()).floor() };
     10_f64.powi(magnitude as i32 + 1 - DIGITS)
 }
 
-/// Without the noise in the last bits that comes of decimal steps.
+/// Removes the rounding noise of decimal steps.
 pub(super) fn round(value: f64) -> f64 {
     format!("{value:.6e}").parse().unwrap_or(value)
 }
@@ -87,7 +87,7 @@ fn fraction_within(info: &ParameterInfo) -> f64 {
     if greatest - least > 1.0 { least + 0.5 } else { (least + greatest) / 2.0 }
 }
 
-/// What is known of a parameter.
+/// The line of a parameter in the table.
 pub(super) fn info(parameter: &str) -> Option<ParameterInfo> {
     Params::table().into_iter().find(|info| info.name == parameter)
 }
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn a_guess_turns_its_check_over_and_is_round() {
         let params = Params::default();
-        // Whatever is measured, on either side of the limit: with the limit that the guess makes the check turns.
+        // For any measured value, on either side of the limit: the check turns with the limit that the guess sets.
         for bound in [Bound::Below, Bound::AtMost, Bound::Above, Bound::AtLeast] {
             for (parameter, factor) in
                 [("height.min_top_m", 1.0), ("vessels.concavity", -0.5), ("fragments.max_size_px", 0.25)]
@@ -107,7 +107,7 @@ mod tests {
                 let from = params.number(parameter).unwrap();
                 for share in [0.013, 0.4, 0.999, 1.0, 1.001, 1.7] {
                     let limit = from * factor;
-                    // Pixels are counted.
+                    // Numbers of pixels are whole.
                     let measured = if is_whole(parameter) { (limit * share).round() } else { limit * share };
                     let check = Check::new("", "", measured, bound, limit).set_by(parameter);
                     let guesses = guess(&check, &params);
@@ -131,7 +131,7 @@ mod tests {
         assert_eq!(guess(&fixed, &params), []);
         assert_eq!(guess(&fixed.set_by("no.parameter"), &params), []);
         assert_eq!(guess(&fixed.set_by("vessels.rim_circle"), &params), []);
-        // Beyond what the parameter may be: 1 m at most.
+        // Outside the range of the parameter: it is 1 m at most.
         let far = Check::new("", "", 5.0, Bound::AtMost, 0.015).set_by("vessels.rim_height_m");
         assert_eq!(guess(&far, &params), []);
     }

@@ -1,10 +1,10 @@
-//! Why? What a pixel belongs to, which borders and rules made it so, and what it would take to decide otherwise.
+//! Explanations: the object of a pixel, the borders and rules that decided it, and the parameter values that would decide otherwise.
 //!
-//! An [`Explainer`] looks at a frame as [`discover`](crate::discover) does and keeps what the stages show; [`Explainer::explain`]
-//! answers for one pixel with an [`Explanation`], which is plain data. It speaks of the method `context`.
+//! An [`Explainer`] runs the method `context` on a frame, as [`discover`](crate::discover) does, and keeps the outputs of the stages.
+//! [`Explainer::explain`] returns an [`Explanation`] of one pixel, which is plain data.
 //!
-//! The algorithms know nothing of this room. What it says of rules are the [`Check`]s by which
-//! they decided; what it says of parameters is found by deciding again: see [`Flip`].
+//! The algorithms do not depend on this module. Rules are explained by the [`Check`]s with which they decided. The influence of
+//! parameters is found by deciding again with other values: see [`Flip`].
 
 mod borders;
 mod explanation;
@@ -38,16 +38,16 @@ use crate::pipeline::Pipeline;
 use crate::regions::{SegmentId, Segments};
 use crate::surface::disparity::position;
 
-/// A frame that was looked at, ready for questions.
+/// A frame with the outputs of the method, ready for questions.
 pub struct Explainer {
     subject: Subject,
 }
 
 impl Explainer {
-    /// Looks at a frame on a clone of `pipeline`: nothing runs again when the pipeline looked at it last, with these parameters.
+    /// Runs the method on a clone of `pipeline`. No stage runs again if this frame and these parameters were the pipeline's last.
     ///
     /// # Errors
-    /// As [`discover`](crate::discover); [`Error::OnlyContext`] with another method, before anything is looked at.
+    /// As [`discover`](crate::discover); [`Error::OnlyContext`] with another method, before any stage runs.
     pub fn new(pipeline: &Pipeline, frame: &Frame, params: &Params) -> Result<Self> {
         let refused = Error::OnlyContext { method: params.method.to_string() };
         if params.method != Method::Context {
@@ -64,23 +64,23 @@ impl Explainer {
         Ok(Self { subject: Subject { pipeline, frame, params, surfaces, run, sweep } })
     }
 
-    /// What was found in the frame.
+    /// The result for the frame.
     pub fn discovery(&self) -> &Discovery {
         &self.subject.run.discovery
     }
 
-    /// The facets, and what was missing between them filled. Those of the structure come first.
+    /// The facets after the gaps between them are filled. The facets of the structure come first.
     pub fn facets(&self) -> &Segments {
         &self.subject.run.filled.segments
     }
 
-    /// A pixel (column, row) that stands for an object: of its largest facet that is no structure, or if it has none of its
-    /// largest, the one nearest to that facet's middle.
+    /// A pixel (column, row) that represents an object: the pixel of its largest facet nearest to that facet's middle. Facets of the
+    /// structure are used only if the object has no other.
     pub fn pixel_of(&self, id: ObjectId) -> Option<[usize; 2]> {
         let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); self.facets().count()];
         let labels = &self.discovery().labels;
         self.facets().members().filter(|&(i, _)| labels[i] == id.0).for_each(|(i, f)| pixels[f].push(i));
-        // The structure of a plate is its bottom: why that is an object is not what is asked.
+        // The structure in a plate is its bottom, and not the part that the question is about.
         let own = (0..pixels.len()).rev().filter(|&facet| !pixels[facet].is_empty());
         let largest = &pixels
             [own.max_by_key(|&facet| (facet >= self.subject.run.filled.structure, pixels[facet].len()))?];
@@ -91,9 +91,9 @@ impl Explainer {
         Some([nearest % labels.width(), nearest / labels.width()])
     }
 
-    /// Why the pixel in column `u` and row `v` is what it is, and what it would take to decide otherwise. O(pixels), and
-    /// looks at the frame with single parameters changed that cost up to 16 runs of the method; what that does not suffice for
-    /// is [`Flip::NotSought`].
+    /// Explains a pixel (column, row): its outcome, the decisions behind it, and for each decision the parameter value that would turn
+    /// it. O(pixels), plus trials with single parameters changed that cost up to 16 runs of the method; decisions beyond this budget
+    /// have [`Flip::NotSought`].
     ///
     /// # Errors
     /// [`Error::OutsideImage`].
@@ -104,7 +104,7 @@ impl Explainer {
         Ok(explanation)
     }
 
-    /// What it would take to decide otherwise. As [`Self::explain`], for one decision.
+    /// The parameter value that would turn one decision. See [`Self::explain`].
     pub fn flip(&self, decision: &Decision) -> Flip {
         self.search().flip(decision)
     }
@@ -119,7 +119,7 @@ impl Explainer {
         Search::new(&self.subject)
     }
 
-    /// As [`Self::explain`], but no flip is looked for: every one is [`Flip::NotSought`]. O(pixels).
+    /// As [`Self::explain`], but without a search for flips: every flip is [`Flip::NotSought`]. O(pixels).
     ///
     /// # Errors
     /// [`Error::OutsideImage`].
@@ -214,13 +214,13 @@ impl Explainer {
         }
     }
 
-    /// What was decided, without what it would take to decide otherwise.
+    /// A decision without its flip.
     fn decision(&self, question: Question, reason: Reason, checks: Vec<Check>) -> Decision {
         Decision { question, yes: self.subject.run.answer(question), reason, checks, flip: Flip::NotSought }
     }
 }
 
-/// What an objectness is made of.
+/// The named parts of an objectness.
 fn parts(parts: &ObjectnessParts) -> Vec<Part> {
     let &ObjectnessParts { size, support, compactness, separation, visibility } = parts;
     let named = [

@@ -1,4 +1,4 @@
-//! One run of `context`: what became of every facet, read from what the stages put out.
+//! One run of `context`: follows every facet through the outputs of the stages.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,32 +17,32 @@ use crate::regions::{RegionGraph, SegmentId};
 use crate::shapes::border::BorderEvidence;
 use crate::shapes::contraction::Shapes;
 
-/// What became of every facet in one run of `context`.
+/// The fate of every facet in one run of `context`.
 pub(super) struct Run {
     pub(super) discovery: Arc<Discovery>,
-    /// The facets as their borders were measured.
+    /// The facets of stage 2, before gaps are filled; their borders were measured.
     pub(super) facets: Arc<Facets>,
     pub(super) borders: Arc<RegionGraph<BorderEvidence>>,
     pub(super) shapes: Arc<Shapes>,
-    /// The facets, with what was missing between them filled.
+    /// The facets after the gaps between them are filled.
     pub(super) filled: Arc<Facets>,
     clusters: Arc<Clustering>,
     pub(super) steps: Vec<Step>,
     pub(super) near_steps: Vec<NearStep>,
-    /// What may be an object; `None` where it is too small.
+    /// The hypotheses.
     candidates: Arc<Vec<Hypothesis>>,
-    /// The hypothesis of every cluster that is large enough for one, by its place among the candidates.
+    /// The index of its hypothesis in `candidates`, for every cluster that is large enough for one.
     hypothesis_of: BTreeMap<SegmentId, usize>,
-    /// The first pixel of every facet, if it has any.
+    /// The first pixel of every facet; `None` for an empty facet.
     first: Vec<Option<usize>>,
     /// The cluster in which every shape ends; `None` = the background.
     owners: Vec<Option<SegmentId>>,
-    /// The cluster of every facet that was given to one as its bottom.
+    /// The cluster of every facet that a rule gave to a cluster as its bottom.
     bottom_of: BTreeMap<SegmentId, SegmentId>,
 }
 
 impl Run {
-    /// What the stages of `context` put out; `None` when not all have run. O(pixels).
+    /// Reads the outputs of `context`; `None` when not all stages have run. O(pixels).
     pub(super) fn new(outputs: &ContextOutputs) -> Option<Self> {
         let clusters = outputs.clusters.clone()?;
         let shapes = outputs.shapes.clone()?;
@@ -80,7 +80,7 @@ impl Run {
         Some(run)
     }
 
-    /// Finds the cluster of a hypothesis, and what was background and is its bottom. O(pixels).
+    /// Finds the cluster of a hypothesis, and the background facets that are its bottom. O(pixels).
     fn look_up(&mut self, place: usize, hypothesis: &Hypothesis) {
         let facet_at = |i: &usize| self.filled.segments.at(*i);
         let owner = |facet| self.owners[self.shape(facet)?.index()];
@@ -95,18 +95,18 @@ impl Run {
         self.hypothesis_of.insert(cluster, place);
     }
 
-    /// The number of a facet among those that are no structure.
+    /// The number of a facet among the facets outside the structure; `None` for structure.
     pub(super) fn free(&self, facet: SegmentId) -> Option<usize> {
         facet.index().checked_sub(self.filled.structure)
     }
 
-    /// The shape of a facet that is no structure; as a cluster it has the same number.
+    /// The shape of a facet; `None` for structure. The cluster that began as a shape has the number of the shape.
     pub(super) fn shape(&self, facet: SegmentId) -> Option<SegmentId> {
         self.shapes.of_facet.get(self.free(facet)?).map(|&shape| SegmentId(shape))
     }
 
-    /// The cluster of a facet in the end; `None` = structure or background. What lay low and then turned out to be the bottom of a
-    /// vessel is of the vessel.
+    /// The final cluster of a facet; `None` = structure or background. A low facet that became the bottom of a vessel belongs to the
+    /// vessel.
     pub(super) fn cluster(&self, facet: SegmentId) -> Option<SegmentId> {
         let own = self.owners[self.shape(facet)?.index()];
         own.or_else(|| self.bottom_of.get(&facet).copied())
@@ -118,12 +118,12 @@ impl Run {
         hypothesis.map_or(0, |hypothesis| self.discovery.labels[hypothesis.pixels[0]])
     }
 
-    /// The pixels of a cluster (px); 0 of one that is no more.
+    /// The number of pixels of a cluster; 0 if it does not remain.
     pub(super) fn size_px(&self, cluster: SegmentId) -> usize {
         self.clusters.size_px(cluster)
     }
 
-    /// How much speaks for a cluster, if it is large enough.
+    /// The hypothesis of a cluster, if it is large enough.
     pub(super) fn hypothesis(&self, cluster: SegmentId) -> Option<&Hypothesis> {
         self.hypothesis_of.get(&cluster).map(|&place| &self.candidates[place])
     }
@@ -150,24 +150,24 @@ impl Run {
         }
     }
 
-    /// Whether two facets are one thing: parts of one shape, or of one cluster that is not background.
+    /// Whether two facets are one thing: they belong to one shape, or to one cluster that is not background.
     pub(super) fn one_thing(&self, a: SegmentId, b: SegmentId) -> bool {
         let [of_a, of_b] = [a, b].map(|facet| self.cluster(facet));
         self.shape(a) == self.shape(b) || of_a.is_some() && of_a == of_b
     }
 
-    /// What gave the patch of the background that begins at a pixel to a vessel.
+    /// The event that gave the patch of background with this first pixel to a vessel.
     fn bottom(&self, patch: usize) -> Option<&Step> {
         let source = Source::Patch(u32::try_from(patch).ok()?);
         self.steps.iter().find(|step| step.event.from == source)
     }
 
-    /// What gave the background at a pixel to a vessel, if anything did: a small hole in a surface is filled without a word.
-    /// O(pixels of the patch).
+    /// The event that gave the background at a pixel to a vessel. `None` if there is none, as for small holes, which are filled without an
+    /// event. O(pixels of the patch).
     pub(super) fn bottom_at(&self, pixel: usize) -> Option<&Step> {
         let hypothesis = self.hypothesis_at(pixel)?;
         let (width, height) = self.discovery.labels.size();
-        // Background that is of a thing is a bottom, and no two patches touch.
+        // Background that belongs to a thing is a bottom, and no two patches touch.
         let is_bottom = |i: usize| {
             let facet = self.filled.segments.at(i);
             let owner =
@@ -186,7 +186,7 @@ impl Run {
         self.bottom(*patch.first()?)
     }
 
-    /// What gave the shape of a facet on, one after the other: their places. O(events).
+    /// The places of the events that gave away the shape of a facet, one after the other. O(events).
     pub(super) fn chain(&self, facet: SegmentId) -> Vec<usize> {
         let mut own = self.shape(facet);
         let mut chain = Vec::new();
@@ -199,7 +199,7 @@ impl Run {
         chain
     }
 
-    /// What made two facets of different shapes one: the event after which they were. O(events).
+    /// The event that made two facets of different shapes one thing. O(events).
     pub(super) fn uniting(&self, a: SegmentId, b: SegmentId) -> Option<&Step> {
         let mut own = [a, b].map(|facet| self.shape(facet));
         let joins = self.steps.iter().find(|Step { event, .. }| {
@@ -211,7 +211,7 @@ impl Run {
             }
             own != before && own[0].is_some() && own[0] == own[1]
         });
-        // Else one of them is the bottom of the other.
+        // Otherwise one of them is the bottom of the other.
         let bottom = |facet: SegmentId| {
             let first = self.bottom_of.contains_key(&facet).then(|| self.first[facet.index()])?;
             self.bottom_at(first?)

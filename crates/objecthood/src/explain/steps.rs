@@ -1,37 +1,37 @@
-//! What happened to clusters, with what it was about then and what came of it.
+//! The events and misses of clusters, with the facets involved at the time and the clusters in the end.
 
 use std::cmp::Reverse;
 
 use crate::clusters::history::{Event, Miss, Source};
 use crate::regions::SegmentId;
 
-/// An event, with what it was about when it happened and what came of it.
+/// An event, with the facets that it was about and its result.
 pub(super) struct Step {
     pub(super) event: Event,
-    /// The largest facets of what was given to and of what was given, as they were.
+    /// The largest facets of the receiver and of the gift, before the event.
     pub(super) facets: Pair,
-    /// The cluster in which what was given ends; `None` = the background.
+    /// The final cluster of the gift; `None` = the background.
     pub(super) owner: Option<SegmentId>,
 }
 
-/// A miss, with the same of both.
+/// A miss, with the facets that it was about and their results.
 pub(super) struct NearStep {
     pub(super) miss: Miss,
     pub(super) facets: Pair,
-    /// The clusters in which both end.
+    /// The final clusters of both.
     pub(super) owners: Pair,
 }
 
-/// Of what something is given to, and of what is given.
+/// One entry for the receiver, one for the gift.
 type Pair = [Option<SegmentId>; 2];
 
-/// The pixels (px) of the largest facet, and the facet; the first of equal ones.
+/// The number of pixels of the largest facet, and the facet; on ties the first one.
 pub(super) type Largest = Option<(usize, Reverse<SegmentId>)>;
 
-/// What was given to what and what was left alone, with what it was about and what came of it, and where every shape ended:
-/// once forwards and once backwards through the events, O(events + misses + shapes).
+/// Describes all events and misses, and finds the final cluster of every shape: once forwards and once backwards through the events,
+/// O(events + misses + shapes).
 ///
-/// `largest`: the pixels (px) and the number of the largest facet of every shape. Misses come in the order of the events.
+/// `largest`: the largest facet of every shape. `misses`: in the order of the events.
 pub(super) fn steps(
     events: Vec<Event>,
     misses: Vec<(usize, Miss)>,
@@ -87,7 +87,7 @@ mod tests {
 
     const CLUSTERS: u32 = 6;
 
-    /// What a cluster that was there after so many events is a part of in the end, one event after the other.
+    /// The final cluster of a cluster that exists after `after` events, found event by event.
     fn owner(events: &[Event], mut own: Option<SegmentId>, after: usize) -> Option<SegmentId> {
         for event in &events[after..] {
             if own.is_some() && event.from.cluster() == own {
@@ -97,7 +97,7 @@ mod tests {
         own
     }
 
-    /// The largest facet of the shapes that are a cluster after so many events; facet 10 + k is the only one of shape k.
+    /// The largest facet of a cluster after `after` events. Facet 10 + k is the only facet of shape k.
     fn largest(
         events: &[Event],
         sizes: &[usize],
@@ -111,7 +111,7 @@ mod tests {
     }
 
     fn event((from, into): (u32, u32)) -> Event {
-        // One beyond the clusters is the background.
+        // The number after the last cluster stands for the background.
         let cluster = |k: u32| (k < CLUSTERS).then_some(SegmentId(k));
         let from = cluster(from).map_or(Source::Patch(from), Source::Cluster);
         Event { rule: Rule::Fragment, from, into: cluster(into), checks: Vec::new(), join: None }

@@ -1,4 +1,4 @@
-//! What questions are about: a frame, the parameters, and one run of the method with them.
+//! The subject of questions: a frame, the parameters, and one run of the method with them.
 
 use std::sync::{Arc, OnceLock};
 
@@ -9,14 +9,14 @@ use crate::params::Params;
 use crate::pipeline::Pipeline;
 use crate::surface::surfaces::Surfaces;
 
-/// A frame that the method looked at, and what came of it.
+/// A frame, the parameters, and the outputs of the method.
 pub(super) struct Subject {
-    /// Looked at the frame last; other parameters are tried on clones, which share what these do not reach.
+    /// Holds the outputs for the frame. Other parameters are tried on clones, which share the outputs that do not change.
     pub(super) pipeline: Pipeline,
     pub(super) frame: Frame,
     pub(super) params: Params,
     pub(super) surfaces: Arc<Surfaces>,
     pub(super) run: Run,
-    /// What votes would do with other parameters, once it was asked for.
+    /// The shapes with other parameters; computed on first use.
     pub(super) sweep: OnceLock<Sweep>,
 }

@@ -1,4 +1,4 @@
-//! What the votes of borders would do with other parameters: stage 3 alone, on the facets as they are.
+//! Repeats stage 3 alone with other parameters, on the same facets, to find parameter values that turn the votes of borders.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::shapes::contraction::{Shapes, contract, sum_votes};
 use crate::stage::Stage;
 use crate::surface::surfaces::Surfaces;
 
-/// The parameters that votes depend on.
+/// The parameters on which votes depend.
 const PARAMETERS: [&str; 5] = [
     "contraction.reflex_offset_deg",
     "contraction.full_vote_deg",
@@ -20,19 +20,19 @@ const PARAMETERS: [&str; 5] = [
     "border.gap_quanta",
     "border.step_depth_m",
 ];
-/// The first step away from a value, as a share of it, ...
+/// Distance of the first value of a sweep from the present value, as a share of it.
 const FIRST_STEP: f64 = 0.02;
-/// ... and how much longer each next one is.
+/// Factor between the distances of successive values of a sweep from the present value.
 const GROWTH: f64 = 1.6;
 
-/// The shapes with other values of a parameter, from the nearest value to the farthest, on one side.
+/// The shapes with other values of one parameter, on one side of the present value, from the nearest value to the farthest.
 struct Side {
     parameter: &'static str,
     from: f64,
     shapes: Vec<(f64, Shapes)>,
 }
 
-/// The shapes with other values of every parameter of the votes.
+/// The shapes with other values of each parameter of the votes.
 pub(super) struct Sweep {
     params: Params,
     surfaces: Arc<Surfaces>,
@@ -40,7 +40,7 @@ pub(super) struct Sweep {
 }
 
 impl Sweep {
-    /// O(values · facets' borders), with a look at the pixels of all borders for so many of them as [`looks`] says.
+    /// Computes the shapes for all values. O(values · borders of facets), plus [`looks`] measurements of all borders.
     pub(super) fn new(params: &Params, surfaces: &Arc<Surfaces>, run: &Run) -> Self {
         let mut sweep = Self { params: params.clone(), surfaces: surfaces.clone(), sides: Vec::new() };
         let side = |(parameter, from, values): (&'static str, f64, Vec<f64>)| {
@@ -65,8 +65,8 @@ impl Sweep {
         })
     }
 
-    /// For every parameter the interval nearest on either side within which two facets, counted without the structure, become one
-    /// shape when they are not, or no longer are when they are.
+    /// For each parameter and side, the nearest interval in which the votes on two facets turn: two shapes become one, or one shape
+    /// becomes two. Facets are counted without the structure.
     pub(super) fn guesses(&self, run: &Run, [a, b]: [usize; 2]) -> Vec<Guess> {
         let together = |shapes: &Shapes| shapes.of_facet[a] == shapes.of_facet[b];
         let now = together(&run.shapes);
@@ -80,7 +80,7 @@ impl Sweep {
     }
 }
 
-/// Every parameter of the votes with its value and the values on one side of it that are looked at.
+/// Each parameter of the votes with its value and, for each side, the values to try.
 fn sides(params: &Params) -> impl Iterator<Item = (&'static str, f64, Vec<f64>)> {
     let sides = PARAMETERS.iter().flat_map(|&parameter| [-1.0, 1.0].map(|sign| (parameter, sign)));
     sides.filter_map(|(parameter, sign)| {
@@ -89,12 +89,12 @@ fn sides(params: &Params) -> impl Iterator<Item = (&'static str, f64, Vec<f64>)>
     })
 }
 
-/// How often a sweep looks at all borders.
+/// The cost of a sweep in looks: how often it measures all borders.
 pub(super) fn looks(params: &Params) -> usize {
     sides(params).map(|(parameter, _, values)| looks_at(parameter) * values.len()).sum()
 }
 
-/// How often all borders are looked at for another value of a parameter: what they show does not depend on how it is weighed.
+/// The cost of one other value of a parameter in looks: 1 for a parameter of the measurement of borders, 0 for one of the votes.
 pub(super) fn looks_at(parameter: &str) -> usize {
     let first_stage = info(parameter).and_then(|info| info.first_stage(Method::Context));
     usize::from(first_stage == Some(Stage::Borders))
@@ -107,7 +107,7 @@ pub(super) fn outwards(value: f64, from: f64) -> f64 {
     round(steps * digit)
 }
 
-/// Values on one side of `from` in growing steps, up to the limit.
+/// Values on one side of `from`, at growing distances, up to the limit.
 fn values(from: f64, sign: f64, (least, greatest): (f64, f64)) -> Vec<f64> {
     let limit = if sign < 0.0 { least } else { greatest };
     let first = FIRST_STEP * if from == 0.0 { 1.0 } else { from.abs() };

@@ -1,4 +1,4 @@
-//! What became of the thing that a facet belongs to: which rules joined it, which nearly did, which filter it met.
+//! Explains the thing of a facet: the rules that joined it, the rules that nearly did, and the filters.
 
 use crate::clusters::candidates::check_too_small;
 use crate::clusters::check::{Bound, Check};
@@ -9,9 +9,9 @@ use crate::explain::explanation::{Decision, Question, Reason};
 use crate::explain::steps::{NearStep, Step};
 use crate::regions::SegmentId;
 
-/// So many parts of an object are named at most, beside those on the way of the pixel's own.
+/// Most parts of an object that are named, besides the parts with the pixel's own facet.
 const PARTS: usize = 6;
-/// A check that fails by more of its limit than this was not near to hold.
+/// A failing check is near when value and limit differ by at most this share of the larger of both.
 const NEAR: f64 = 0.5;
 
 impl Explainer {
@@ -20,7 +20,7 @@ impl Explainer {
         let question = Question::Kept { facet: facet.0 };
         let own = self.subject.run.cluster(facet);
         let (reason, checks) = match own {
-            // The last event of its way gave it to the background.
+            // The last event of its chain gave it to the background.
             None => {
                 let last =
                     self.subject.run.chain(facet).pop().map(|last| &self.subject.run.steps[last].event);
@@ -36,7 +36,7 @@ impl Explainer {
                     check_too_small(size_px, &self.subject.surfaces.space, &self.subject.params.objectness);
                 let is_low =
                     |near: &&NearStep| near.miss.rule == Rule::Low && near.owners[1] == Some(cluster);
-                // A thing is as high as the highest of what it was made of.
+                // The height of a thing is the height of its highest cluster.
                 let low = self
                     .subject
                     .run
@@ -67,7 +67,7 @@ impl Explainer {
         self.decision(question, reason, checks)
     }
 
-    /// Whether a pixel of a structure plane is of an object, and why: it can only be of a bottom.
+    /// Whether a pixel of a structure plane belongs to an object, and why: it can only be a part of a bottom.
     pub(super) fn of_structure(&self, pixel: [usize; 2], residual_quanta: f64) -> Decision {
         let (off, limit) = (residual_quanta.abs(), self.subject.params.structure.tolerance_quanta);
         let near = Check::new("its distance from the plane", "quanta", off, Bound::Below, limit);
@@ -75,19 +75,19 @@ impl Explainer {
         if self.subject.run.answer(question) {
             return self.decision(question, Reason::Rule(Rule::VesselBottom), Vec::new());
         }
-        // A pixel that is farther has it from its neighbours: by straightened borders, or to fill a hole.
+        // A pixel farther from the plane got its label from neighbours: by straightened borders, or because a hole was filled.
         let checks = Some(near.set_by("structure.tolerance_quanta")).filter(Check::holds);
         self.decision(question, Reason::Structure, checks.into_iter().collect())
     }
 
-    /// Why a cluster that is small enough for a fragment was given to nothing.
+    /// The failed check that kept a small cluster from being given away as a fragment.
     fn spared(&self, cluster: SegmentId) -> Option<Check> {
         let own = self.subject.run.near_steps.iter().filter(|near| near.owners[1] == Some(cluster));
         let stayed = own.filter(|near| near.miss.rule == Rule::Fragment);
         stayed.flat_map(|near| &near.miss.checks).find(|check| !check.holds()).copied()
     }
 
-    /// What rules did with the thing of a facet: first what gave the facet on, then what else came to it.
+    /// The decisions of rules about the thing of a facet: first those that gave the facet away, then those that added other parts.
     pub(super) fn way(&self, facet: SegmentId) -> Vec<Decision> {
         let own = self.subject.run.chain(facet);
         let cluster = self.subject.run.cluster(facet);
@@ -102,13 +102,13 @@ impl Explainer {
             .collect()
     }
 
-    /// Why two clusters were made one; `None` of what was given to the background.
+    /// The decision that joined two clusters; `None` if the event gave something to the background.
     fn joined(&self, Step { event, facets, .. }: &Step) -> Option<Decision> {
         let question = self.question(event.from, *facets)?;
         event.into.map(|_| self.decision(question, Reason::Rule(event.rule), event.checks.clone()))
     }
 
-    /// Whether a source is, or should be, a part of what it is given to; both are named by their facets.
+    /// The question whether a source is a part of its receiver; both are named by their facets.
     fn question(&self, from: Source, [into, given]: [Option<SegmentId>; 2]) -> Option<Question> {
         Some(match from {
             Source::Cluster(_) => Question::OneThing { facets: [into?.0, given?.0] },
@@ -119,13 +119,13 @@ impl Explainer {
         })
     }
 
-    /// Why a pixel of the structure is the bottom of an object, if it is.
+    /// The decision that made a pixel of the structure the bottom of an object, if there is one.
     pub(super) fn bottom(&self, pixel: usize) -> Vec<Decision> {
         self.subject.run.bottom_at(pixel).and_then(|step| self.joined(step)).into_iter().collect()
     }
 
-    /// What rules nearly joined to the thing of a facet, if anything: of vessels and of occluded parts the one that failed the
-    /// fewest checks, by the least.
+    /// The joins to the thing of a facet that rules nearly made: at most one of the occlusion rule and one of the vessel rules. Of each,
+    /// the join that failed the fewest checks, then by the least.
     pub(super) fn near_misses(&self, facet: SegmentId) -> Vec<Decision> {
         let Some(cluster) = self.subject.run.cluster(facet) else { return Vec::new() };
         let mut found = Vec::new();
@@ -163,7 +163,7 @@ impl Explainer {
     }
 }
 
-/// How many checks fail, and by how much of their limits together.
+/// The number of failing checks, and the sum of their distances.
 fn shortfall(checks: &[Check]) -> (usize, f64) {
     let failed = checks.iter().filter(|check| !check.holds());
     (failed.clone().count(), failed.map(Check::distance).sum())

@@ -1,11 +1,11 @@
-//! How a superpixel looks: its colours and the directions it faces (paper, eq. 3).
+//! The appearance of superpixels: histograms of colours and of normals (paper, eq. 3).
 
 use crate::facets::bins::{NONE, find_color_bins, find_direction_bins};
 use crate::oversegment::Superpixels;
 use crate::params;
 use crate::raster::Raster;
 
-/// Normalised histograms of every superpixel: colours, and normals. An empty one is all zero.
+/// Two normalised histograms for every superpixel: colours and normals. An empty histogram is all zero.
 #[derive(Clone, Debug)]
 pub struct Appearance {
     color_weight: f64,
@@ -14,7 +14,8 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// Counts the core pixels of every superpixel, or all its pixels if it has no core. O(pixels); colours and normals in parallel.
+    /// Counts the core pixels of every superpixel, or all its pixels if it has no core. O(pixels); colours and normals run in
+    /// parallel.
     ///
     /// `color`: sRGB, not smoothed; without it the colour histograms are empty. `normals`: unit vectors, zero = none.
     pub fn new(
@@ -42,7 +43,7 @@ impl Appearance {
     /// The difference of superpixels `a` and `b` in [0, 1]: one minus the weighted mean of the intersections of
     /// their histograms, ω = `color_weight`. O(occupied bins of both).
     ///
-    /// *Differs from the paper:* eq. 3 as printed is a similarity, while its text needs a distance.
+    /// *Differs from the paper:* eq. 3 as printed is a similarity, but the text needs a distance.
     pub fn difference(&self, a: usize, b: usize) -> f64 {
         let similarity = self.color_weight * self.color.intersection(a, b)
             + (1.0 - self.color_weight) * self.normal.intersection(a, b);
@@ -50,12 +51,12 @@ impl Appearance {
     }
 }
 
-/// One histogram a superpixel. Only occupied bins are stored, because most are empty.
+/// One histogram for each superpixel. Only occupied bins are stored, because most are empty.
 #[derive(Clone, Debug)]
 struct Histograms {
-    /// Bins in ascending order with the share of the superpixel's pixels, superpixel after superpixel.
+    /// For each superpixel in turn, its occupied bins in ascending order, each with its share of the counted pixels.
     bins: Vec<(u32, f32)>,
-    /// Where the bins of each superpixel start; one more, where the last end.
+    /// The start of each superpixel's bins in `bins`; one entry more for the end of the last.
     starts: Vec<usize>,
 }
 
@@ -88,7 +89,7 @@ impl Histograms {
         Self { bins, starts }
     }
 
-    /// Sum of the smaller of both shares over all bins (Swain and Ballard 1991), in [0, 1].
+    /// The sum over all bins of the smaller share (Swain and Ballard 1991), in [0, 1].
     fn intersection(&self, a: usize, b: usize) -> f64 {
         let of = |s: usize| &self.bins[self.starts[s]..self.starts[s + 1]];
         let (mut a, mut b) = (of(a), of(b));
@@ -110,12 +111,12 @@ impl Histograms {
     }
 }
 
-/// The bins of all pixels, superpixel after superpixel, and where those of each superpixel end. Pixels that do not count have
-/// [`NONE`]: where a superpixel has core pixels, the others.
+/// The bins of all pixels, superpixel by superpixel, and the end of each superpixel's bins. In a superpixel with core pixels the
+/// other pixels are not counted; they have [`NONE`].
 fn group_bins(superpixels: &Superpixels, bins_of: impl Fn(usize, &mut [i32])) -> (Vec<i32>, Vec<usize>) {
     let Superpixels { segments, core } = superpixels;
     let (width, height) = core.size();
-    // Numbers of pixels, then where superpixels start, at last where they end.
+    // In turn: the numbers of pixels, the starts and the ends of the superpixels.
     let mut ends = vec![0_usize; segments.count()];
     let mut has_core = vec![false; segments.count()];
     for (run, s) in segments.runs() {
@@ -161,7 +162,7 @@ mod tests {
         Superpixels { core: labels.map(|_| true), segments: Segments::from_labels(&labels) }
     }
 
-    /// Intersection of two histograms counted in maps, with the bins computed anew.
+    /// Intersection of two histograms that are counted in maps, with exact bins.
     fn naive(bins_a: &[usize], bins_b: &[usize]) -> f64 {
         let count = |bins: &[usize]| {
             let mut map = HashMap::new();

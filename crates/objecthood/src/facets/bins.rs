@@ -1,4 +1,4 @@
-//! The bins of colours and of normals in histograms (paper, eq. 3).
+//! The histogram bins of colours and of normals (paper, eq. 3).
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -6,14 +6,14 @@ use crate::color::{NEARLY_LAB_ERROR, lab, linear, nearly_lab};
 use crate::params;
 use crate::simd::vectorized;
 
-/// The bin of a pixel that does not count.
+/// Marks a pixel that is not counted.
 pub(super) const NONE: i32 = -1;
-/// The bin of a pixel that lies too near to the limit of a bin.
+/// Marks a pixel whose approximate value lies too near to the limit of a bin; the exact value then decides.
 const UNSURE: i32 = -2;
 
 /// Finds the bins of colours: L over [0, 100], a and b over [-64, 64]; values beyond fall into the outermost bins.
 ///
-/// An approximation decides wherever its error cannot change the bin, which is nearly always. Vector units do many at once.
+/// A fast approximation is used where its error cannot change the bin, which is nearly always.
 pub(super) fn find_color_bins(colors: &[[u8; 3]], lab_bins: usize, bins: &mut [i32]) {
     let side = lab_bins as i32;
     let (error_l, error_ab) = (NEARLY_LAB_ERROR / 100.0, NEARLY_LAB_ERROR / 128.0);
@@ -55,9 +55,10 @@ fn shares([l, a, b]: [f32; 3]) -> [f32; 3] {
     [l / 100.0, (a + 64.0) / 128.0, (b + 64.0) / 128.0]
 }
 
-/// Finds the bins of normals by their inclination from the camera's up (acos of -y) and their azimuth around it; [`NONE`] of zero.
+/// Finds the bins of normals by their inclination from the camera's up (acos of -y) and their azimuth around it; [`NONE`] for a
+/// normal of zero.
 ///
-/// Polynomials decide wherever their error cannot change the bin, which is nearly always. Vector units do many at once.
+/// Polynomials are used where their error cannot change the bin, which is nearly always.
 pub(super) fn find_direction_bins(normals: &[[f32; 3]], params: &params::Appearance, bins: &mut [i32]) {
     let (inclination_bins, azimuth_bins) = (params.inclination_bins as i32, params.azimuth_bins as i32);
     vectorized(
@@ -80,7 +81,7 @@ pub(super) fn find_direction_bins(normals: &[[f32; 3]], params: &params::Appeara
     }
 }
 
-/// The bin of a normal, which is not zero.
+/// The bin of a normal other than zero.
 pub(super) fn direction_bin([x, y, z]: [f32; 3], params: &params::Appearance) -> usize {
     let inclination = libm::acosf(up(y)) / PI;
     let azimuth = (libm::atan2f(x, -z) + PI) / (2.0 * PI);
@@ -97,7 +98,8 @@ fn bin_of(share: f32, bins: usize) -> usize {
     ((share * bins as f32).max(0.0) as usize).min(bins - 1)
 }
 
-/// The bin of a value known to within `error`; [`UNSURE`] if it lies nearer than that to a limit of the bin. Both are shares of the range.
+/// The bin of a value whose error is at most `error`; [`UNSURE`] if a limit of the bin is nearer than that. Value and error are
+/// shares of the range.
 #[inline(always)]
 fn sure_bin(share: f32, error: f32, bins: i32) -> i32 {
     let place = share * bins as f32;
@@ -118,7 +120,7 @@ fn nearly_acos(x: f32) -> f32 {
     if x < 0.0 { PI - positive } else { positive }
 }
 
-/// The angle of (x, y) in -π..π to within 1.2e-5 (Abramowitz and Stegun 4.4.49); `NaN` of (0, 0).
+/// The angle of (x, y) in -π..π to within 1.2e-5 (Abramowitz and Stegun 4.4.49); `NaN` for (0, 0).
 #[inline(always)]
 fn nearly_atan2(y: f32, x: f32) -> f32 {
     let ratio = x.abs().min(y.abs()) / x.abs().max(y.abs());
@@ -175,7 +177,7 @@ mod tests {
         // Up (camera -y) is inclination 0; the camera's own direction (-z) is azimuth 0, the middle.
         assert_eq!(direction_bin([0.0, -1.0, 0.0], &params) / 16, 0);
         assert_eq!(direction_bin([0.0, 1.0, 0.0], &params) / 16, 7);
-        // Tilted a little downwards it is just past the middle of the inclinations.
+        // A normal tilted a little downwards is just past the middle inclination.
         assert_eq!(direction_bin([0.0, 0.1, -0.99], &params), 4 * 16 + 8);
     }
 }

@@ -1,4 +1,4 @@
-//! Superpixels that look alike become one facet (paper, III-B).
+//! Groups superpixels of similar appearance to facets (paper, III-B).
 
 use crate::facets::appearance::Appearance;
 use crate::oversegment::Superpixels;
@@ -8,8 +8,8 @@ use crate::raster::Raster;
 use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::union_find::UnionFind;
 
-/// Counts the pairs of 8-neighbours between any two superpixels. O(pixels + pairs log pairs).
-pub fn count_neighbours(segments: &Segments) -> RegionGraph<u32> {
+/// Counts, for any two superpixels, the pairs of 8-neighbours between them. O(pixels + pairs log pairs).
+pub(crate) fn count_neighbours(segments: &Segments) -> RegionGraph<u32> {
     let labels = segments.labels();
     let (width, height) = labels.size();
     let row = |v: usize| &labels.as_slice()[v * width..][..width];
@@ -28,8 +28,8 @@ pub fn count_neighbours(segments: &Segments) -> RegionGraph<u32> {
 /// Joins neighbouring superpixels in ascending order of their difference while it does not exceed the internal
 /// variation of either group; every join averages both variations and the difference.
 ///
-/// Superpixels with depth on at most half of their pixels take no part. Facets are numbered in the order of the superpixels that
-/// stand for them.
+/// A superpixel with depth on at most half of its pixels is never joined. Facets are numbered in the order of their roots in the
+/// union-find.
 ///
 /// *Differs from the paper:* "the average between the internal variation of the two groups and the edge" is
 /// read as the mean of three. Histograms are not recounted after a join (PARITY.md 3). O(E log E) for E pairs.
@@ -98,7 +98,7 @@ mod tests {
         }
     }
 
-    /// Four superpixels in a row, each one grey level wide in its own way.
+    /// Four superpixels in a row, each of one grey level.
     fn scene(greys: [u8; 4]) -> (Superpixels, Appearance, Raster<f32>) {
         let labels = Raster::from_vec(8, 1, vec![0, 0, 1, 1, 2, 2, 3, 3]).unwrap();
         let superpixels =
@@ -119,9 +119,9 @@ mod tests {
         };
         // Colours that share no bin differ by 0.5; equal ones by 0.
         assert_eq!(joined(0.4, &depth), [0, 0, 0, 0, 1, 1, 2, 2]);
-        // With c = 0.5 the pair 0-1 has averaged to (0.5 + 0.5 + 0) / 3 before 1-2 is looked at; 2-3 still joins.
+        // With c = 0.5 the pair 0-1 has averaged to (0.5 + 0.5 + 0) / 3 before the edge 1-2 is visited; 2-3 still joins.
         assert_eq!(joined(0.5, &depth), [0, 0, 0, 0, 1, 1, 1, 1]);
-        // A superpixel with depth on half of its pixels takes no part.
+        // A superpixel with depth on half of its pixels is not joined.
         let mut holes = depth;
         holes.as_mut_slice()[3] = f32::NAN;
         assert_eq!(joined(0.4, &holes), [0, 0, 1, 1, 2, 2, 3, 3]);
@@ -162,7 +162,7 @@ mod tests {
                 }
             }
             pairs.sort_by(|x, y| x.partial_cmp(y).unwrap());
-            // The first member of a group stands for it.
+            // The first member of a group is its root.
             let mut groups: Vec<(Vec<usize>, f64)> =
                 (0..segments.count()).map(|s| (vec![s], initial_variation)).collect();
             for (difference, a, b) in pairs {

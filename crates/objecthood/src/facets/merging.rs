@@ -15,45 +15,45 @@ use crate::surface::model::{Basis, Fit, Model};
 use crate::surface::moments::Moments;
 use crate::union_find::UnionFind;
 
-/// Least number of linked pixel pairs that make superpixels neighbours (px at a focal length of 525 px).
+/// Two superpixels are neighbours from this many linked pixel pairs on (px at a focal length of 525 px, never fewer than 2).
 const LEAST_BORDER_PX: u32 = 2;
-/// Disagreement with a region of fewer pixels (at 525 px) counts less.
+/// A disagreement counts less when the smaller region has fewer pixels than this (px at a focal length of 525 px).
 const SMALL_PX: usize = 20;
-/// The share of its disagreement that would count for a region of no pixels.
+/// Factor on the disagreement of a region of no pixels; it grows linearly to 1 at `SMALL_PX`.
 const LEAST_SAY: f64 = 0.3;
-/// While regions are merged, those with fewer pixels get no quadratic.
+/// While regions are merged, regions with fewer pixels are fitted by a plane.
 const QUADRATIC_TRIAL_PX: f64 = 12.0;
-/// Facets with fewer pixels get no quadratic.
+/// In the result, facets with fewer pixels have a plane.
 const QUADRATIC_PX: f64 = 40.0;
 
-/// Facets of `context`: surfaces of one model each. Those of the structure come first.
+/// Facets of `context`: regions with one surface model each. The facets of the structure come first.
 #[derive(Clone, Debug)]
 pub struct Facets {
     /// The label map.
     pub segments: Segments,
     /// The surface of every facet.
     pub models: Vec<Model>,
-    /// How many of them are structure.
+    /// Number of facets that are structure.
     pub structure: usize,
 }
 
-/// A region that grows.
+/// A region that grows by merges.
 struct Region {
-    /// Regions that are connected by neighbours form an island.
+    /// Number of its island: regions that are connected by neighbours form an island.
     island: u32,
-    /// The superpixel that stands for it, or for the region that took it in.
+    /// The first superpixel of the region; after its merge into another region, the first superpixel of that one.
     superpixel: u32,
     moments: Moments,
     squared_error: f64,
     steepness: f64,
-    /// Places in the island: ascending, all of them alive.
+    /// Places of its neighbours in the island, ascending. All of them are alive.
     neighbours: Vec<u32>,
-    /// Number of merges of its island when it last changed; none once another region has taken it in.
+    /// Number of merges of its island when it last changed; `None` after its merge into another region.
     since: Option<u32>,
 }
 
-/// A merge on the heap, as one number, so that two are compared without a branch. From its highest bits on: the cost, which is not
-/// negative, so that its bits sort as it does; both regions; the number of merges of the island when it was proposed.
+/// A proposed merge on the heap, as one number, so that comparisons need no branch. From the highest bits down: the cost, which is
+/// not negative, so its bits sort in the same order; both regions; the number of merges of the island when it was proposed.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Merge(u128);
 
@@ -71,15 +71,16 @@ impl Merge {
     }
 }
 
-/// Merges superpixels to facets, those whose common surface disagrees least with both first.
+/// Merges superpixels to facets; the pair with the least disagreement is merged first.
 ///
-/// Two phases, because quadratics alone would bridge an edge by bending: planes up to `plane_tolerance_quanta`, then
-/// quadratics up to `quadratic_tolerance_quanta`, which join the stripes of curved faces. Regions below
-/// `min_facet_px` are dropped; the structure comes first, then the facets in the order of the superpixel that stands for
-/// each. O(E log E) for E pairs of neighbours, each a solve of 3 or 6 unknowns, as long as no region has very many
-/// neighbours: with D of them each of its merges costs D solves. Merges touch no pixel: the moments of the superpixels say
-/// all that is asked. Superpixels that are not linked, directly or through others, cannot merge; groups of linked ones are
-/// merged in parallel.
+/// There are two phases, because quadratics alone would bend across edges. First, regions merge under planes up to
+/// `plane_tolerance_quanta`. Then they merge under quadratics up to `quadratic_tolerance_quanta`, which joins the stripes of curved
+/// faces. Regions below `min_facet_px` are dropped. The structure comes first, then the facets in the order of their first
+/// superpixels.
+///
+/// O(E log E) for E pairs of neighbours, each a solve of 3 or 6 unknowns, as long as no region has very many neighbours: a merge of
+/// a region with D neighbours costs D solves. Merges visit no pixel: they need only the moments of the superpixels. Superpixels
+/// that are not linked, directly or through others, cannot merge; groups of linked superpixels are merged in parallel.
 pub fn merge_surfaces(
     superpixels: &LinkedSuperpixels,
     structure: &Structure,
@@ -93,7 +94,7 @@ pub fn merge_surfaces(
     let costs = Costs { space, small_px: space.area_px(SMALL_PX).max(1) as f64 };
     debug_assert_eq!(moments.len(), segments.count());
     let mut regions = Regions::new(moments, &pairs);
-    // An island each: a few have nearly all there is to do.
+    // One task for each island, because a few islands have nearly all the work.
     regions.islands().into_par_iter().with_max_len(1).for_each(|mut island| {
         island.merge(Basis::Plane, params.plane_tolerance_quanta, &costs);
         island.merge(Basis::Quadratic, params.quadratic_tolerance_quanta, &costs);
@@ -126,7 +127,7 @@ impl Region {
     }
 }
 
-/// What the cost of a merge depends on besides the two regions.
+/// The inputs of the cost of a merge besides the two regions.
 struct Costs<'a> {
     space: &'a DisparitySpace,
     small_px: f64,
@@ -134,13 +135,13 @@ struct Costs<'a> {
 
 /// All regions.
 struct Regions {
-    /// Island by island.
+    /// The regions, island by island.
     all: Vec<Region>,
     /// The place of each superpixel in `all`.
     places: Vec<usize>,
 }
 
-/// Regions that are connected.
+/// A group of connected regions.
 struct Island<'a> {
     regions: &'a mut [Region],
     /// Number of merges so far.
@@ -148,7 +149,7 @@ struct Island<'a> {
 }
 
 impl Regions {
-    /// One region for each superpixel with these moments. `pairs`: neighbours, each pair once, sorted.
+    /// One region for each superpixel. `moments`: of every superpixel. `pairs`: neighbours, each pair once, sorted.
     fn new(moments: &[Moments], pairs: &[[usize; 2]]) -> Self {
         let mut sets = UnionFind::new(moments.len());
         for pair in pairs {
@@ -173,7 +174,7 @@ impl Regions {
             since: Some(0),
         };
         let mut all: Vec<Region> = order.iter().map(region).collect();
-        // Sorted, because the pairs are: first those with smaller, then those with greater numbers.
+        // The neighbours ascend because the pairs are sorted: first come neighbours with smaller, then with greater numbers.
         for &[a, b] in pairs {
             let first = firsts[island_of[a] as usize];
             for (own, other) in [(a, b), (b, a)] {
@@ -183,7 +184,7 @@ impl Regions {
         Self { all, places }
     }
 
-    /// The islands of two regions and more.
+    /// The islands of at least two regions.
     fn islands(&mut self) -> Vec<Island<'_>> {
         let islands = self.all.chunk_by_mut(|a, b| a.island == b.island);
         islands.filter(|regions| regions.len() > 1).map(|regions| Island { regions, merges: 0 }).collect()
@@ -210,7 +211,7 @@ impl Regions {
                 }
             });
         }
-        // Superpixels lie where no surface is.
+        // Superpixels lie outside the structure.
         for (run, s) in superpixels.runs() {
             labels.as_mut_slice()[run].fill(facet_of[s]);
         }
@@ -244,7 +245,7 @@ impl Island<'_> {
         }
     }
 
-    /// The merge of two living regions, if it costs less than the tolerance.
+    /// The merge of two regions that are alive, if it costs less than the tolerance.
     fn candidate(&self, a: u32, b: u32, basis: Basis, tolerance: f32, costs: &Costs<'_>) -> Option<Merge> {
         let pair = [a.min(b), a.max(b)];
         let [x, y] = pair.map(|k| &self.regions[k as usize]);
@@ -253,7 +254,7 @@ impl Island<'_> {
         (cost < tolerance).then(|| Merge::new(cost, pair, self.merges))
     }
 
-    /// Merges region `b` into region `a`, which comes before it.
+    /// Merges region `b` into region `a`; `a` < `b`.
     fn join(&mut self, a: u32, b: u32, basis: Basis) {
         self.merges += 1;
         let (before, from_b) = self.regions.split_at_mut(b as usize);
@@ -275,8 +276,8 @@ impl Island<'_> {
 }
 
 impl Costs<'_> {
-    /// The disagreement (quanta) that a common surface adds, scaled so that for constant surfaces it is the offset of one region from
-    /// the other, whatever their sizes.
+    /// The disagreement of two regions (quanta): the error that a common surface adds, scaled so that for constant surfaces it is the
+    /// offset between the regions, whatever their sizes. It is divided by the noise of the gentler slope.
     fn cost(&self, x: &Region, y: &Region, basis: Basis) -> f64 {
         let (n, m) = (x.moments.count(), y.moments.count());
         let union = x.moments.fit_with(&y.moments, basis_of(n + m, basis, QUADRATIC_TRIAL_PX));
@@ -314,13 +315,13 @@ mod tests {
     use crate::surface::disparity::position;
     use crate::testing::{kinect, raster};
 
-    /// A region of the twin: the superpixels in it and their moments.
+    /// A region of the reference: its superpixels and their moments.
     struct Group {
         superpixels: Vec<usize>,
         moments: Moments,
     }
 
-    /// The cost of docs/CONTEXT.md 2.1, of two regions with these moments.
+    /// The cost of docs/CONTEXT.md 2.1 for two regions with these moments.
     fn cost(a: &Moments, b: &Moments, basis: Basis) -> f32 {
         let fit = |m: &Moments| m.fit(if m.count() < 12.0 { Basis::Plane } else { basis });
         let (one, other, union) = (fit(a), fit(b), fit(&a.merged(b)));
@@ -334,7 +335,7 @@ mod tests {
         (cost / (1.0 + sideways * sideways).sqrt()) as f32
     }
 
-    /// Computes the costs of all pairs, merges the cheapest, and begins anew. Group k stands at the index of its first
+    /// Computes the costs of all pairs, merges the cheapest, and starts again. A group has the index of its first
     /// superpixel.
     fn naive(
         mut groups: BTreeMap<usize, Group>,
@@ -365,7 +366,7 @@ mod tests {
         groups
     }
 
-    /// Superpixels of 3 x 3 blocks, some missing and a part of each, on a few surfaces with noise of a quantum.
+    /// Superpixels of 3 x 3 blocks on a few surfaces with noise of a quantum. Some blocks, and parts of the others, are missing.
     fn patchwork() -> impl Strategy<Value = (Segments, Raster<f32>)> {
         (1_usize..7, 1_usize..7).prop_flat_map(|(across, down)| {
             let size = (3 * across, 3 * down);
@@ -388,7 +389,7 @@ mod tests {
         })
     }
 
-    /// How many pairs of 4-neighbours join any two regions.
+    /// Counts the pairs of 4-neighbours between any two regions.
     fn adjacency(segments: &Segments) -> RegionGraph<u32> {
         let (width, height) = segments.labels().size();
         let right = (0..width * height).filter(|i| i % width + 1 < width).map(|i| (i, i + 1));

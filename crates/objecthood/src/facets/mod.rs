@@ -1,7 +1,7 @@
 //! Stage 2: superpixels grouped to facets, each one face of a convex shape (paper, III-B).
 //!
-//! `paper` groups what looks alike ([`appearance`], [`grouping`]); `context` merges what lies on one surface
-//! ([`merging`]) and straightens the borders ([`refinement`]).
+//! `paper` groups superpixels of similar appearance ([`appearance`], [`grouping`]). `context` merges superpixels on one surface
+//! ([`merging`]) and straightens their borders ([`refinement`]).
 //!
 //! On a box of 10 cm, seen from above:
 //!
@@ -43,8 +43,8 @@ use crate::oversegment::structure::Structure;
 use crate::params;
 use crate::surface::surfaces::Surfaces;
 
-/// Stage 2 of `context`: merges superpixels that lie on one surface, and straightens the borders of what comes of it.
-/// As [`merge_surfaces`] and [`refine`].
+/// Stage 2 of `context`: merges superpixels that lie on one surface, and straightens the borders of the facets.
+/// See [`merge_surfaces`] and [`refine`].
 pub fn find_facets(
     surfaces: &Surfaces,
     structure: &Structure,

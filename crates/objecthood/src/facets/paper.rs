@@ -1,4 +1,4 @@
-//! Stage 2 of `paper`: facets are superpixels that look alike (III-B, eq. 3).
+//! Stage 2 of `paper`: facets are groups of superpixels of similar appearance (III-B, eq. 3).
 
 use crate::facets::appearance::Appearance;
 use crate::facets::grouping::group_superpixels;
@@ -8,8 +8,7 @@ use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
 
-/// Compares superpixels by colour and normals, and groups those that look alike. As [`Appearance::new`] and
-/// [`group_superpixels`].
+/// Compares superpixels by colour and normals, and groups similar ones. See [`Appearance::new`] and [`group_superpixels`].
 pub fn group_alike(
     frame: &Frame,
     superpixels: &Superpixels,

@@ -1,4 +1,4 @@
-//! The borders of facets, straightened (docs/CONTEXT.md 2.2).
+//! Straightens the borders of facets (docs/CONTEXT.md 2.2).
 
 use rayon::prelude::*;
 
@@ -11,20 +11,20 @@ use crate::surface::disparity::position;
 
 /// Passes over the borders.
 const PASSES: usize = 4;
-/// Neighbours in the image whose disparities differ by more (quanta) are no neighbours in space.
+/// A neighbour whose disparity differs by more than this (quanta) has no vote: it lies on another surface in space.
 const NEIGHBOUR_QUANTA: f32 = 15.0;
-/// Fewer pixels are not worth another thread.
+/// Least number of pixels for one task of a thread.
 const LEAST_PX_A_THREAD: usize = 1024;
-/// Largest misfit that counts (quanta): an outlier is no worse than another.
+/// A misfit counts at most this much (quanta), so that outliers follow their neighbours.
 const MISFIT_CAP: f64 = 6.0;
-/// Preference for a pixel's present facet (quanta).
+/// Bonus for a pixel's present facet (quanta).
 const INERTIA: f64 = 0.1;
 
-/// Gives each border pixel and each pixel without a facet to the facet of a neighbour, the one that fits its disparity best and
-/// holds most of its neighbours: iterated conditional modes (Besag 1986). All pixels change at the same time, so their order does
-/// not matter. The models stay.
+/// Gives each border pixel and each pixel without a facet the facet of least energy among its neighbours' facets: a small misfit
+/// and many neighbours in the facet make the energy small (iterated conditional modes, Besag 1986). All pixels change at the same
+/// time, so their order does not matter. The models do not change.
 ///
-/// After the first pass only pixels beside a change are looked at again: the others would stay as they are. O(pixels + border
+/// After the first pass only pixels beside a change are examined again: the others would keep their facets. O(pixels + border
 /// pixels + passes · changes); parallel over pixels.
 pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refinement) -> Facets {
     let Facets { segments, models, structure } = facets;
@@ -57,8 +57,8 @@ pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refineme
     Facets { segments: Segments::from_numbered(labels, count), models, structure }
 }
 
-/// The last pass that asked whether each pixel is open: none yet. At the edge of the image a pass that never comes, so that nothing is
-/// asked there.
+/// For each pixel, the last pass in which it was tested for being open: 0 = none yet. The border of the image holds 255, a pass
+/// that never runs, so its pixels are never tested.
 fn start_passes(width: usize, height: usize) -> Vec<u8> {
     let mut asked_in = vec![0; width * height];
     asked_in[..width].fill(u8::MAX);
@@ -78,8 +78,8 @@ fn find_open_pixels(labels: &Raster<i32>, disparity: &Raster<f32>) -> Vec<u32> {
         let (left, right) = (part(own, 0, inner), part(own, 2, inner));
         let [above, own, below] = [above, own, below].map(|row| part(row, 1, inner));
         let measured = part(&disparity.as_slice()[v * width..], 1, inner);
-        // Most pixels have the facet of their neighbours, or no depth. Slices of one length and no branches, so that vector units
-        // tell many at once.
+        // A quick test, because most pixels have the facet of their neighbours, or no depth. Slices of one length and no branches
+        // let vector units test many pixels at once.
         vectorized(
             #[inline(always)]
             || {
@@ -98,7 +98,8 @@ fn find_open_pixels(labels: &Raster<i32>, disparity: &Raster<f32>) -> Vec<u32> {
     rows.flatten_iter().collect()
 }
 
-/// Whether a pixel inside the image is measured and has no facet, or a 4-neighbour of another facet.
+/// Whether a pixel is open: measured, and either without a facet or beside a 4-neighbour of another facet. The pixel must not lie
+/// at the border of the image.
 fn is_open(i: usize, labels: &Raster<i32>, disparity: &Raster<f32>) -> bool {
     let width = labels.width();
     let own = labels[i];
@@ -106,7 +107,8 @@ fn is_open(i: usize, labels: &Raster<i32>, disparity: &Raster<f32>) -> bool {
     !disparity[i].is_nan() && (own < 0 || [i + 1, i - 1, i + width, i - width].into_iter().any(differs))
 }
 
-/// The label of least energy among those of the 8 neighbours, the first one on ties. Without labelled neighbours its own.
+/// The label of least energy among the labels of the 8 neighbours that are near in disparity, the first one on ties. Without such
+/// a neighbour, the pixel's own label.
 fn find_best(
     i: usize,
     labels: &Raster<i32>,
@@ -120,7 +122,7 @@ fn find_best(
     let voters = [above[0], above[1], above[2], beside[0], beside[2], below[0], below[1], below[2]];
     let disparities =
         [d_above[0], d_above[1], d_above[2], d_beside[0], d_beside[2], d_below[0], d_below[1], d_below[2]];
-    // False when the neighbour is not measured.
+    // False when the neighbour has no disparity (NaN).
     let mut left = those(|k| (voters[k] >= 0) & ((disparities[k] - d).abs() <= NEIGHBOUR_QUANTA));
     let energy = |label: i32, votes: u32| {
         let misfit = (f64::from(d) - value(label as usize)).abs().min(MISFIT_CAP);
@@ -166,7 +168,7 @@ mod tests {
         moments.fit(Basis::Plane).model
     }
 
-    /// One pass, from the words of docs/CONTEXT.md 2.2: of each pixel the new label.
+    /// One pass, written from docs/CONTEXT.md 2.2: the new label of each pixel.
     fn naive_pass(
         labels: &Raster<i32>,
         disparity: &Raster<f32>,
@@ -180,7 +182,7 @@ mod tests {
             if !is_inside || disparity[i].is_nan() {
                 return labels[i];
             }
-            // All pixels in scan order that are one column or row away.
+            // The 8 neighbours, in scan order.
             let near: Vec<(usize, usize)> = (0..labels.len())
                 .map(|j| (j, (j % width).abs_diff(u).pow(2) + (j / width).abs_diff(v).pow(2)))
                 .filter(|&(_, squared)| squared == 1 || squared == 2)

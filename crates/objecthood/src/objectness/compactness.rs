@@ -1,4 +1,4 @@
-//! How much of its hull a region fills (ours: the paper names compactness and gives no formula).
+//! Compactness: the share of its hull that a region fills (ours, because the paper names compactness but gives no formula).
 
 use rayon::prelude::*;
 
@@ -7,7 +7,7 @@ use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::disparity::DisparitySpace;
 
-/// A row of the image from a first to a last column.
+/// Part of an image row, from a first to a last column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct RowSpan {
     v: usize,
@@ -15,12 +15,12 @@ struct RowSpan {
     last: usize,
 }
 
-/// Measures for every region the share of its convex hull in the image that is its own, in [0, 1]; 0 without pixels. `pixels`: those
-/// of each region that are measured, in scan order.
+/// Measures the share of its convex hull in the image that each region fills, in [0, 1]; 0 without pixels. `pixels`: the measured
+/// pixels of each region, in scan order.
 ///
-/// Two kinds of pixels of the hull do not count, because the region may go on behind them: those without depth, and those that are
-/// nearer by a step than the region beside them. Beside a pixel is the last pixel of the region before it in scan order; at the
-/// beginning of a row it is the first one in the row. O(pixels + area of the hulls); parallel over regions.
+/// Two kinds of pixels of the hull do not count, because the region may go on behind them: pixels without depth, and pixels that are
+/// nearer by a step than the region beside them. Its pixel beside another one is its last pixel before that in scan order; at the
+/// beginning of a row, its first pixel in the row. O(pixels + area of the hulls); parallel over regions.
 pub fn measure_compactness(
     regions: &Segments,
     pixels: &[Vec<usize>],
@@ -57,7 +57,7 @@ pub fn measure_compactness(
     pixels.par_iter().enumerate().map(share).collect()
 }
 
-/// From where to where pixels reach in each row; they are in scan order. O(rows · log of the width).
+/// The span of the pixels in each row. `pixels`: in scan order. O(rows · log(width)).
 fn find_row_spans(mut pixels: &[usize], width: usize) -> Vec<RowSpan> {
     let mut spans = Vec::new();
     while let Some(&first) = pixels.first() {
@@ -70,7 +70,7 @@ fn find_row_spans(mut pixels: &[usize], width: usize) -> Vec<RowSpan> {
     spans
 }
 
-/// The pixels whose centres lie in the convex hull of the spans' ends; `spans` by ascending row.
+/// The pixels whose centres lie in the convex hull of the spans' ends. `spans`: by ascending row.
 fn fill_hull(spans: &[RowSpan]) -> Vec<RowSpan> {
     let left = chain(spans.iter().map(|span| [span.first as i64, span.v as i64]), 1);
     let right = chain(spans.iter().map(|span| [span.last as i64, span.v as i64]), -1);
@@ -102,7 +102,7 @@ fn chain(points: impl Iterator<Item = [i64; 2]>, side: i64) -> Vec<[i64; 2]> {
     corners
 }
 
-/// Where a side of the hull crosses row `v`, times `sign`, rounded down; `at`: the corner above, which only moves down.
+/// The column in which a side of the hull crosses row `v`, times `sign`, rounded down. `at`: the corner above, which only moves down.
 fn crossing(corners: &[[i64; 2]], at: &mut usize, v: i64, sign: i64) -> i64 {
     while corners.get(*at + 1).is_some_and(|corner| corner[1] <= v) {
         *at += 1;

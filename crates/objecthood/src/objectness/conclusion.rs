@@ -1,4 +1,4 @@
-//! The end of both methods: the discovery is put together.
+//! The end of both methods: assembles the discovery.
 
 use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::{Discovery, Notice};
@@ -7,41 +7,55 @@ use crate::frame::Frame;
 use crate::objectness::decision::decide;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::objects::{make_objects, mark_objects};
-use crate::params::{Params, UpFrom};
+use crate::params::{self, Method, UpFrom};
 use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::support::gravity::{Ground, mark_plane};
 use crate::support::standing::Standing;
 
-/// Puts together what `paper` found: the hypotheses that are objects, the ground, and what stands on what. O(pixels log pixels).
+/// The outputs of `paper` of which its discovery is made.
+#[derive(Clone, Copy, Debug)]
+pub struct PaperScene<'a> {
+    /// The facets.
+    pub facets: &'a Segments,
+    /// Points (m); `NaN` without depth.
+    pub points_m: &'a Raster<[f32; 3]>,
+    /// The ground, and the direction up.
+    pub ground: &'a Ground,
+    /// The support graph of the shapes.
+    pub support: &'a SupportGraph,
+}
+
+/// Assembles the discovery of `paper`: the objects, the ground and the support graph. O(pixels log pixels).
 ///
 /// # Errors
 /// As [`make_objects`].
 pub fn conclude_paper(
     frame: &Frame,
-    facets: &Segments,
-    points_m: &Raster<[f32; 3]>,
-    (ground, support): (&Ground, &SupportGraph),
+    scene: &PaperScene<'_>,
     hypotheses: &[Hypothesis],
-    params: &Params,
+    gravity: &params::Gravity,
+    objectness: &params::Objectness,
 ) -> Result<Discovery> {
-    let (objects, labels) = make_objects(decide(hypotheses, params), facets, points_m, support)?;
+    let &PaperScene { facets, points_m, ground, support } = scene;
+    let kept = decide(hypotheses, Method::Paper, objectness);
+    let (objects, labels) = make_objects(kept, facets, points_m, support)?;
     let plane = ground.plane.as_ref();
-    let missing_plane = plane.is_none() && params.gravity.up_from == UpFrom::Plane;
+    let missing_plane = plane.is_none() && gravity.up_from == UpFrom::Plane;
     let missing_color = frame.color().is_none();
     let notices = [(missing_plane, Notice::NoPlane), (missing_color, Notice::NoColor)];
     Ok(Discovery {
         support: mark_objects(support, &objects),
         objects,
         up: ground.up,
-        structure: mark_plane(plane, &labels, points_m, &params.gravity),
+        structure: mark_plane(plane, &labels, points_m, gravity),
         structure_planes: plane.copied().into_iter().collect(),
         labels,
         notices: notices.into_iter().filter_map(|(holds, notice)| holds.then_some(notice)).collect(),
     })
 }
 
-/// Puts together what `context` found: the hypotheses that are objects, the structure, and what stands on what. O(pixels log pixels).
+/// Assembles the discovery of `context`: the objects, the structure and the support graph. O(pixels log pixels).
 ///
 /// # Errors
 /// As [`make_objects`].
@@ -50,11 +64,13 @@ pub fn conclude_context(
     points_m: &Raster<[f32; 3]>,
     standing: &Standing,
     hypotheses: &[Hypothesis],
-    params: &Params,
+    gravity: &params::Gravity,
+    objectness: &params::Objectness,
 ) -> Result<Discovery> {
     let Standing { candidates, planes, up, graph } = standing;
-    let (objects, labels) = make_objects(decide(hypotheses, params), facets, points_m, graph)?;
-    let missing_plane = planes.is_empty() && params.gravity.up_from == UpFrom::Plane;
+    let kept = decide(hypotheses, Method::Context, objectness);
+    let (objects, labels) = make_objects(kept, facets, points_m, graph)?;
+    let missing_plane = planes.is_empty() && gravity.up_from == UpFrom::Plane;
     Ok(Discovery {
         support: mark_objects(graph, &objects),
         objects,

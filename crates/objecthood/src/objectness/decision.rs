@@ -3,13 +3,13 @@
 use crate::clusters::check::{Bound, Check};
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::size::longest_side_m;
-use crate::params::{self, Method, Params};
+use crate::params::{self, Method};
 
 impl Hypothesis {
-    /// Whether it is an object: in `paper`, when its longest side is within `min_side_m..=max_side_m` and its P(O) at least
-    /// `min_p_o` (eq. 8); in `context`, when its objectness is at least `threshold`.
+    /// Whether it is an object. In `paper`: its longest side is within `min_side_m..=max_side_m`, and its P(O) is at least `min_p_o`
+    /// (eq. 8). In `context`: its objectness is at least `threshold`.
     ///
-    /// *Differs from the paper:* it prints neither the limits of size nor the threshold.
+    /// *Differs from the paper:* it states neither the limits of size nor the threshold.
     pub fn is_object(&self, method: Method, params: &params::Objectness) -> bool {
         match method {
             Method::Paper => {
@@ -27,11 +27,13 @@ impl Hypothesis {
     }
 }
 
-/// Keeps the hypotheses that are objects; with `every_hypothesis` all of them.
-pub(crate) fn decide<'a>(hypotheses: &'a [Hypothesis], params: &Params) -> Vec<&'a Hypothesis> {
-    let keeps = |hypothesis: &&Hypothesis| {
-        params.objectness.every_hypothesis || hypothesis.is_object(params.method, &params.objectness)
-    };
+/// Keeps the hypotheses that are objects; with `every_hypothesis`, all hypotheses.
+pub(crate) fn decide<'a>(
+    hypotheses: &'a [Hypothesis],
+    method: Method,
+    params: &params::Objectness,
+) -> Vec<&'a Hypothesis> {
+    let keeps = |hypothesis: &&Hypothesis| params.every_hypothesis || hypothesis.is_object(method, params);
     hypotheses.iter().filter(keeps).collect()
 }
 
@@ -75,9 +77,9 @@ mod tests {
     #[test]
     fn every_hypothesis_is_kept_when_asked_for() {
         let kept = |every_hypothesis| {
-            let mut params = Params::default();
-            params.objectness.every_hypothesis = every_hypothesis;
-            decide(&[hypothesis(0.1, 1.0, 0.0), hypothesis(0.1, 1.0, 0.9)], &params).len()
+            let params = params::Objectness { every_hypothesis, ..Default::default() };
+            let both = [hypothesis(0.1, 1.0, 0.0), hypothesis(0.1, 1.0, 0.9)];
+            decide(&both, Method::Context, &params).len()
         };
         assert_eq!((kept(false), kept(true)), (1, 2));
     }

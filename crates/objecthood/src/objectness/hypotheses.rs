@@ -12,7 +12,7 @@ use crate::discovery::up::Up;
 use crate::objectness::compactness::measure_compactness;
 use crate::objectness::outline::measure_outlines;
 use crate::objectness::size::{fit_oriented_box, rate_size};
-use crate::params::Params;
+use crate::params;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
 use crate::support::standing::Standing;
@@ -28,17 +28,17 @@ pub struct Hypothesis {
     pub pixels: Vec<usize>,
     /// Its box.
     pub box_m: OrientedBox,
-    /// How sure it is that it is an object, in [0, 1].
+    /// How likely the region is an object, in [0, 1].
     pub objectness: f32,
     /// The parts of the objectness.
     pub parts: ObjectnessParts,
-    /// How high it stands above the support plane (m), where that is known.
+    /// Height of its top above the support surface (m); `None` in `paper` and without a support.
     pub top_m: Option<f32>,
-    /// Why those parts of it are one that do not touch as one surface.
+    /// The joins of its parts that do not touch as one surface. Empty in `paper`.
     pub joins: Vec<Join>,
 }
 
-/// What regions are judged by.
+/// The inputs by which regions are judged.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence<'a> {
     /// The regions, among them those that may be objects.
@@ -47,26 +47,44 @@ pub struct Evidence<'a> {
     pub points_m: &'a Raster<[f32; 3]>,
     /// Unit normals; zero where there is none.
     pub normals: &'a Raster<[f32; 3]>,
-    /// What carries what; node k is region k.
+    /// The support graph; node k is region k.
     pub support: &'a SupportGraph,
     /// The direction against gravity.
     pub up: &'a Up,
-    /// The camera and its noise.
+    /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
 }
 
-/// Judges the regions from number `first` on that have at least `min_size_px` points, in their order.
-/// O(pixels + area of the hulls); parallel over rows and regions.
+/// Makes hypotheses of the regions that have at least `objectness.min_size_px` points, in their order. O(pixels + area of the
+/// hulls); parallel over rows and regions.
 pub fn find_hypotheses(
     evidence: &Evidence<'_>,
+    objectness: &params::Objectness,
+    contraction: &params::Contraction,
+) -> Vec<Hypothesis> {
+    let every = Judged { first: 0, min_size_px: objectness.min_size_px };
+    judge_regions(evidence, every, objectness, contraction)
+}
+
+/// Which regions become hypotheses.
+#[derive(Clone, Copy)]
+struct Judged {
+    /// The first region: those before it are structure.
     first: usize,
+    /// Least number of points.
     min_size_px: usize,
-    params: &Params,
+}
+
+fn judge_regions(
+    evidence: &Evidence<'_>,
+    Judged { first, min_size_px }: Judged,
+    objectness: &params::Objectness,
+    contraction: &params::Contraction,
 ) -> Vec<Hypothesis> {
     let Evidence { regions, points_m, normals, support, up, space } = *evidence;
     let pixels = measured_pixels(regions, first, points_m);
     let (outlines, compactness) = rayon::join(
-        || measure_outlines(regions, first, points_m, normals, space, &params.contraction),
+        || measure_outlines(regions, first, points_m, normals, space, contraction),
         || measure_compactness(regions, &pixels, points_m, space),
     );
     let carried = support.carried();
@@ -78,20 +96,20 @@ pub fn find_hypotheses(
         let box_m = fit_oriented_box(&points, up.direction);
         let visibility = outlines[region].visibility();
         let parts = ObjectnessParts {
-            size: rate_size(&box_m, visibility, &params.objectness),
+            size: rate_size(&box_m, visibility, objectness),
             support: carried[region],
             compactness: compactness[region],
             separation: outlines[region].separation(),
             visibility,
         };
-        let objectness = parts.objectness(&params.objectness);
+        let objectness = parts.objectness(objectness);
         let region = SegmentId(region as u32);
         Some(Hypothesis { region, pixels, box_m, objectness, parts, top_m: None, joins: Vec::new() })
     };
     pixels.into_par_iter().enumerate().filter_map(judge).collect()
 }
 
-/// The pixels with depth of every region from number `first` on, in scan order; none of the others.
+/// The pixels with depth of each region from number `first` on, in scan order; empty for the other regions.
 fn measured_pixels(regions: &Segments, first: usize, points_m: &Raster<[f32; 3]>) -> Vec<Vec<usize>> {
     let runs = || regions.runs().filter(|&(_, region)| region >= first);
     let mut most = vec![0; regions.count()];
@@ -103,17 +121,20 @@ fn measured_pixels(regions: &Segments, first: usize, points_m: &Raster<[f32; 3]>
     pixels
 }
 
-/// Judges the candidates of `context`; says also how high they stand, and why their parts are one. As [`find_hypotheses`].
+/// Makes hypotheses of the candidates of `context`, with their tops and joins. See [`find_hypotheses`].
 pub fn find_cluster_hypotheses(
     scene: &Scene<'_>,
     clusters: &Clustering,
     standing: &Standing,
-    params: &Params,
+    objectness: &params::Objectness,
+    contraction: &params::Contraction,
 ) -> Vec<Hypothesis> {
     let Standing { candidates, planes, up, graph } = standing;
     let &Scene { points_m, normals, space, .. } = scene;
     let evidence = Evidence { regions: &candidates.regions, points_m, normals, support: graph, up, space };
-    let mut hypotheses = find_hypotheses(&evidence, planes.len(), 1, params);
+    // All candidates are large enough.
+    let candidates_only = Judged { first: planes.len(), min_size_px: 1 };
+    let mut hypotheses = judge_regions(&evidence, candidates_only, objectness, contraction);
     for hypothesis in &mut hypotheses {
         hypothesis.top_m = candidates.top_m(hypothesis.region, clusters);
         hypothesis.joins = candidates.joins(hypothesis.region, clusters);

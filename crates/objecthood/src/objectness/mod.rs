@@ -1,7 +1,7 @@
-//! Objectness: which regions are objects, by size, support and the look of their borders (paper, III-D).
+//! Objectness: decides which regions are objects, by their size, support and borders (paper, III-D).
 //!
-//! [`hypotheses`] judges every region by its parts: [`size`], support, [`compactness`], and the [`outline`] for separation and
-//! visibility. [`decision`] keeps those that are objects, [`objects`] numbers and describes them.
+//! [`hypotheses`] rates every region in five parts: [`size`], support, [`compactness`], and from the [`outline`] separation and
+//! visibility. [`decision`] keeps the hypotheses that are objects, [`objects`] numbers and describes them.
 //!
 //! On a box of 10 cm, seen from above:
 //!
@@ -17,7 +17,7 @@
 //! # use objecthood::clusters::rules::{Rules, find_clusters};
 //! # use objecthood::clusters::scene::Scene;
 //! # use objecthood::clusters::steps::StepLimits;
-//! # use objecthood::support::standing::find_standing;
+//! # use objecthood::support::standing::{StandingParams, find_standing};
 //! use objecthood::objectness::conclusion::conclude_context;
 //! use objecthood::objectness::hypotheses::find_cluster_hypotheses;
 //!
@@ -37,9 +37,10 @@
 //! # let points_m = frame.points_m();
 //! # let scene = Scene::new(&frame, &surfaces, &structure, &filled, &points_m, steps);
 //! # let clusters = find_clusters(&scene, &shapes, Rules::of(&params));
-//! # let standing = find_standing(&frame, &scene, &clusters, &structure.planes, &params);
-//! let hypotheses = find_cluster_hypotheses(&scene, &clusters, &standing, &params);
-//! let found = conclude_context(&filled.segments, &points_m, &standing, &hypotheses, &params)?;
+//! # let standing = find_standing(&frame, &scene, &clusters, &structure.planes, StandingParams::of(&params));
+//! let Params { gravity, contraction, objectness, .. } = &params;
+//! let hypotheses = find_cluster_hypotheses(&scene, &clusters, &standing, objectness, contraction);
+//! let found = conclude_context(&filled.segments, &points_m, &standing, &hypotheses, gravity, objectness)?;
 //! assert_eq!(found.objects.len(), 1);
 //! # Ok::<(), objecthood::Error>(())
 //! ```

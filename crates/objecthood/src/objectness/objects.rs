@@ -1,4 +1,4 @@
-//! Objects: hypotheses that are ranked, numbered, described and painted.
+//! Objects: ranks, numbers and describes hypotheses, and paints the label image.
 
 use glam::{DVec3, Vec3};
 
@@ -10,8 +10,9 @@ use crate::objectness::hypotheses::Hypothesis;
 use crate::raster::{PixelBox, Raster};
 use crate::regions::Segments;
 
-/// Makes objects of hypotheses, numbered 1.. by falling objectness, then falling pixel count, then first pixel. With them comes the
-/// label image, 0 = none. `facets`: what the regions are made of; node k of `support` is region k. O(pixels log pixels + edges).
+/// Makes objects of hypotheses, numbered from 1 by descending objectness, then descending pixel count, then ascending first pixel.
+/// Also returns the label image, 0 = none. `facets`: the facets of which the regions consist. Node k of `support` is region k.
+/// O(pixels log pixels + edges).
 ///
 /// # Errors
 /// [`Error::TooManyObjects`] beyond 65535.
@@ -53,7 +54,7 @@ pub fn make_objects(
     Ok((objects, points_m.with_data(labels.into())))
 }
 
-/// The graph with the nodes marked that turned out to be objects. O(nodes + edges).
+/// A copy of the graph in which the nodes of objects are marked. O(nodes + edges).
 pub(crate) fn mark_objects(support: &SupportGraph, objects: &[Object]) -> SupportGraph {
     let mut marked = support.clone();
     for object in objects {
@@ -67,8 +68,8 @@ fn centroid_m(pixels: &[usize], points_m: &Raster<[f32; 3]>) -> [f32; 3] {
     (sum / pixels.len() as f64).as_vec3().to_array()
 }
 
-/// The number of facets that some pixels are of; no facet counts as one. `seen[k + 1]` is the object that facet k was last seen in,
-/// `seen[0]` the same for no facet.
+/// The number of facets among some pixels; pixels without a facet count as one more. `seen[k + 1]`: the last object in which facet k
+/// was seen; `seen[0]`: the last object in which a pixel without a facet was seen.
 fn facets_among(pixels: &[usize], facets: &Segments, now: u16, seen: &mut [u16]) -> usize {
     let mut count = 0;
     for &i in pixels {

@@ -1,4 +1,4 @@
-//! Outlines: what lies beyond the border of a region. Separation and visibility follow from it.
+//! Outlines: how regions end at each side of their border pixels. Separation and visibility follow from them.
 
 use std::ops::Range;
 
@@ -12,23 +12,23 @@ use crate::regions::{SegmentId, Segments};
 use crate::shapes::border::{Fold, fold_angle_deg};
 use crate::surface::disparity::DisparitySpace;
 
-/// A larger difference in disparity (quanta) between both sides is a step in depth, as between side by side (docs/CONTEXT.md 4.1).
+/// A larger difference in disparity (quanta) across an outline is a step in depth, as for clusters that touch (docs/CONTEXT.md 4.1).
 pub(crate) const STEP_QUANTA: f64 = 6.0;
-/// The surfaces of both sides are looked at this far from the border (px at 525 px): nearer, windows of 7 px hold both.
+/// Normals beside an outline are read this far from it (px at 525 px): nearer, windows of 7 px hold both surfaces.
 const ASIDE_PX: usize = 5;
 
 /// The outline of a region, in metres of the sides of its pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outline {
-    /// Where the region ends by itself: before something farther, or at something that it touches.
+    /// Length at which the region ends by itself: in front of something farther, or at something that it touches.
     pub own_m: f64,
-    /// Where something nearer hides how it goes on.
+    /// Length beyond which something nearer hides the region.
     pub hidden_m: f64,
-    /// Where the image ends.
+    /// Length at which the image ends.
     pub cut_m: f64,
-    /// How much of `judged_m` is the border of a thing.
+    /// The part of `judged_m` that is clearly the border of a thing.
     pub clear_m: f64,
-    /// Steps in depth, and folds with a normal on both sides.
+    /// Length at which the border can be judged: steps in depth, and folds with a normal on both sides.
     pub judged_m: f64,
 }
 
@@ -37,7 +37,7 @@ struct OutlineSide {
     region: SegmentId,
     end: End,
     length_m: f64,
-    /// How much of it is the border of a thing, if that is judged.
+    /// The part of `length_m` that is clearly the border of a thing; `None` if it cannot be judged.
     clear_m: Option<f64>,
 }
 
@@ -48,7 +48,7 @@ enum End {
     Cut,
 }
 
-/// Rows that are looked at together.
+/// Rows whose outlines one task collects.
 const BAND_ROWS: usize = 16;
 
 struct View<'a> {
@@ -57,18 +57,18 @@ struct View<'a> {
     normals: &'a Raster<[f32; 3]>,
     space: &'a DisparitySpace,
     params: &'a params::Contraction,
-    /// How far something is looked for beyond a hole (px), ...
+    /// Farthest distance (px) at which the pixel beyond a hole is searched.
     reach: usize,
-    /// ... and how far from the border surfaces are looked at (px).
+    /// Distance (px) from the border at which normals are read.
     aside: usize,
 }
 
-/// Measures the outline of every region from number `first` on; those of the others stay empty.
+/// Measures the outline of every region from number `first` on; the other outlines stay empty.
 ///
-/// A step in depth is clear, whichever side is in front. A fold is as clear as its valley is deep: not at all from `full_vote_deg`
-/// above the neutral valley of `reflex_offset_deg`, wholly from `full_vote_deg` below it, as borders vote (docs/CONTEXT.md 3.2). Beyond a
-/// hole in the depth something is looked for up to 24 px away; a side beyond which nothing is seen does not count.
-/// O(pixels + outline · 24); parallel over rows.
+/// A step in depth is clear, whichever side is in front. The deeper the valley of a fold, the clearer it is: not clear at all where it
+/// votes fully for one shape, wholly clear where it votes fully against (docs/CONTEXT.md 3.2). Across a hole in the depth the search
+/// reaches up to 24 px (at 525 px); a side without a measured pixel in reach does not count. O(pixels + outline · 24); parallel over
+/// bands of rows.
 pub fn measure_outlines(
     regions: &Segments,
     first: usize,
@@ -90,8 +90,8 @@ pub fn measure_outlines(
     outlines
 }
 
-/// Marks the pixels of a run of one region that another region or none lies beside: the ends, and what has another label above or
-/// below. At the border of the image all are marked.
+/// Marks the border pixels in a run of one region: both ends, and the pixels with another label above or below. In the first and the
+/// last row of the image all pixels are marked.
 fn mark_border(labels: &Raster<i32>, run: &Range<usize>, label: i32, marks: &mut [i32]) {
     let (width, height) = labels.size();
     let v = run.start / width;
@@ -100,7 +100,7 @@ fn mark_border(labels: &Raster<i32>, run: &Range<usize>, label: i32, marks: &mut
         return;
     }
     let [above, below] = [run.start - width, run.start + width].map(|i| &labels.as_slice()[i..][..run.len()]);
-    // Without branches the compiler compares many at once. Runs are too short for wider units than all machines have.
+    // Without branches the compiler vectorises the loop. Runs are too short to gain from the wider vectors of some machines.
     for ((mark, above), below) in marks.iter_mut().zip(above).zip(below) {
         *mark = (above ^ label) | (below ^ label);
     }
@@ -108,7 +108,7 @@ fn mark_border(labels: &Raster<i32>, run: &Range<usize>, label: i32, marks: &mut
 }
 
 impl View<'_> {
-    /// The outlines of regions from number `first` on in some rows.
+    /// The outline sides in some rows, for regions from number `first` on.
     fn band(&self, rows: Range<usize>, first: usize) -> Vec<OutlineSide> {
         let labels = self.regions.labels();
         let mut sides = Vec::new();
@@ -122,7 +122,7 @@ impl View<'_> {
         sides
     }
 
-    /// Adds the sides of pixel `i` that are of the outline of its region, if it is measured.
+    /// Adds the sides of pixel `i` that belong to the outline of its region, if the pixel is measured.
     fn sides(&self, i: usize, region: SegmentId, sides: &mut Vec<OutlineSide>) {
         let (width, height) = self.regions.labels().size();
         let (u, v) = (i % width, i / width);
@@ -131,7 +131,7 @@ impl View<'_> {
         if z_m.is_nan() {
             return;
         }
-        // A side of a pixel in a row is a piece of a column.
+        // The left and the right side of a pixel are vertical.
         let (tall_m, wide_m) = (z_m / camera.fy_px, z_m / camera.fx_px);
         let directions = [
             (width - 1 - u, 1, tall_m),
@@ -145,7 +145,8 @@ impl View<'_> {
         }));
     }
 
-    /// How the region of pixel `i` ends on one side, and how clearly; `None` when it goes on there or nothing is seen.
+    /// How the region of pixel `i` ends on one side, and its clear length there; `None` when the region goes on or nothing is measured in
+    /// reach.
     fn side(
         &self,
         i: usize,
@@ -182,7 +183,7 @@ impl View<'_> {
         None
     }
 
-    /// Point and normal some pixels away from the border within the region of `i`; nearer where the region is narrow.
+    /// Point and normal in the region of `i`, some pixels away from the border; nearer where the region is narrow.
     fn surface(&self, i: usize, step: isize) -> Option<(DVec3, DVec3)> {
         let own = self.regions.at(i);
         let along = |t: usize| i.checked_add_signed(step * t as isize).filter(|&j| j < self.points_m.len());
@@ -196,12 +197,12 @@ impl View<'_> {
 }
 
 impl Outline {
-    /// How clear the border is, in [0, 1]; 1 when nothing of it could be judged.
+    /// Separation: the clear share of the judged border, in [0, 1]; 1 when no part of it could be judged.
     pub fn separation(&self) -> f32 {
         if self.judged_m > 0.0 { (self.clear_m / self.judged_m) as f32 } else { 1.0 }
     }
 
-    /// The share of the outline that is the region's own, in [0, 1]; 1 when nothing is seen beyond it.
+    /// Visibility: the share of the outline that is the region's own, in [0, 1]; 1 for an empty outline.
     pub fn visibility(&self) -> f32 {
         let all_m = self.own_m + self.hidden_m + self.cut_m;
         if all_m > 0.0 { (self.own_m / all_m) as f32 } else { 1.0 }
@@ -263,7 +264,7 @@ mod tests {
         let [_, a, b] = drawn(&wide, &[0.3, 0.1])[..] else { panic!("three regions") };
         assert!((sides(a.own_m, 0.3) - 3.0).abs() < 1e-3 && a.hidden_m == 0.0, "{a:?}");
         assert!((sides(b.hidden_m, 0.1) - 3.0).abs() < 1e-3 && b.own_m == 0.0, "{b:?}");
-        // Farther than 24 px nothing is known; a hole in a thing is none of its outline.
+        // Beyond 24 px nothing is found; a hole in a thing is not a part of its outline.
         let apart = format!("a{}b", ".".repeat(24));
         let [_, a, _] = drawn(&[apart.as_str(); 2], &[0.3, 0.1])[..] else { panic!("three regions") };
         assert_eq!((a.own_m, a.hidden_m, a.judged_m, a.separation()), (0.0, 0.0, 0.0, 1.0));
@@ -277,7 +278,7 @@ mod tests {
         let [_, a, b] = drawn(&rows, &[0.2, 0.2])[..] else { panic!("three regions") };
         for half in [a, b] {
             assert!((sides(half.own_m, 0.2) - 12.0).abs() < 1e-2, "{half:?}");
-            // A flat border is 12 degrees from the valley that is neutral, of 15 to a full vote.
+            // A flat border is 12 degrees from the neutral valley; a full vote takes 15.
             let expected = (1.0 - 12.0 / 15.0) / 2.0;
             assert!((f64::from(half.separation()) - expected).abs() < 0.02, "{half:?}");
         }
@@ -285,7 +286,7 @@ mod tests {
 
     #[test]
     fn a_valley_parts_and_a_ridge_does_not() {
-        // A roof seen from above, and the same as a trough: 0.4 m wide at 1 m, with sides of 45 degrees.
+        // A roof seen from above, and a trough of the same shape: 0.4 m wide at 1 m, with sides of 45 degrees.
         let bent = |sign: f64| {
             let table = Table::new((210, 60), |u, _| {
                 let x = (u as f64 - 104.5).abs() / 525.0;
@@ -326,7 +327,7 @@ mod tests {
 
     #[test]
     fn outlines_are_the_same_on_any_number_of_threads() {
-        // More rows than one thread looks at together.
+        // More rows than a band.
         let rows = ["__aaa___bb", "__aa_.._bb", "cccc....bb", "cccc______"].repeat(12);
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

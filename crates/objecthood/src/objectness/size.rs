@@ -1,4 +1,4 @@
-//! Size: an oriented box with one axis along up, and how graspable it is (PARITY.md 6).
+//! Size: fits an oriented box with one axis along up, and rates how graspable it is (PARITY.md 6).
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
@@ -6,18 +6,18 @@ use crate::discovery::object::OrientedBox;
 use crate::params;
 use crate::simd::vectorized;
 
-/// Share of the points beyond each face of the box: sensors have outliers.
+/// Share of the points beyond each face of the box, because sensors have outliers.
 const OUTLIERS: f64 = 0.01;
-/// One point in this many is sampled to find where most of them lie: a prime number, which does not fall into step with image rows.
+/// One point in this many is sampled for a first estimate of the percentiles: a prime, which does not fall into step with image rows.
 const SAMPLE_STEP: usize = 61;
-/// Points that are looked at together.
+/// Points whose places along an axis are computed in one vectorised loop.
 const SIDE_BY_SIDE: usize = 64;
 
 /// Fits a box to `points_m`: z along `up`, x and y along the principal axes of the horizontal coordinates, each side from the 1st to
 /// the 99th percentile. Without points it has no size.
 ///
-/// The axes form a right-handed frame. The box is longer along x than along y, and x points towards positive camera x (or y, or z, if
-/// it has no part along x): the same points give the same box. O(n).
+/// The axes form a right-handed frame. x is the principal axis of greatest variance. It points towards positive camera x (or y, or z,
+/// if it has no component along x), so that the same points give the same box. O(n).
 pub fn fit_oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
     let up = Vec3::from(up).as_dvec3();
     let (east, north) = up.any_orthonormal_pair();
@@ -65,13 +65,14 @@ fn sorted(box_m: &OrientedBox) -> [f32; 3] {
     sides_m
 }
 
-/// Rates how well something with this box can be grasped and moved, in [0, 1] (ours: the paper has hard limits, which turn a
-/// measurement into a verdict, and what is thin in two directions is a sliver of something, however long).
+/// Rates how well a thing with this box can be grasped and moved, in [0, 1] (ours, because the hard limits of the paper leave no
+/// doubt to weigh, and a thing that is thin in two directions is a sliver of another, however long).
 ///
 /// The longest side has the upper limit `max_side_m`, the second-longest the lower limit `min_second_side_m`. Limits are soft: the
-/// rating is 1/2 on them, 1 an octave inside, 0 an octave outside, linear in the logarithm. A thing may be larger than what is
-/// seen of it, so the lower limit counts by the share of the outline that is its own (`visibility`). A single point has no size: 0.
-pub fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
+/// rating is 1/2 at the limit, 1 an octave inside, 0 an octave outside, and linear in the logarithm between. A thing may be larger
+/// than its visible part, so the lower limit counts by the share of the outline that is its own (`visibility`). A single point has no
+/// size: 0.
+pub(crate) fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
     let [_, second_m, longest_m] = sorted(box_m);
     if longest_m == 0.0 {
         return 0.0;
@@ -84,8 +85,8 @@ pub fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::Objectne
 /// The places along `axis` (m) below and above which a share of [`OUTLIERS`] of the points lies, interpolated linearly; 0 without
 /// points.
 ///
-/// A sample tells where most points lie, and only points beyond are ranked (after Floyd and Rivest 1975); all points if the sample
-/// misled. O(n).
+/// A sample gives bounds for both tails, and only the points in the tails are ranked (after Floyd and Rivest 1975). If a tail is too
+/// short, all points are ranked. O(n).
 fn limits_m(points_m: &[[f32; 3]], axis: DVec3) -> [f64; 2] {
     let count = points_m.len();
     let sample = points_m.iter().step_by(SAMPLE_STEP).map(|p| along_m(p, axis));
@@ -107,7 +108,7 @@ fn limits_m(points_m: &[[f32; 3]], axis: DVec3) -> [f64; 2] {
     [ranked(below, low), ranked(above, high - before)]
 }
 
-/// The places of points along `axis` (m): those up to `low`, and those from `high` on.
+/// The places of points along `axis` (m), in two lists: up to `low`, and from `high` on.
 fn tails_m(points_m: &[[f32; 3]], axis: DVec3, [low, high]: [f64; 2]) -> [Vec<f64>; 2] {
     let mut tails = [Vec::new(), Vec::new()];
     for points in points_m.chunks(SIDE_BY_SIDE) {
@@ -133,8 +134,7 @@ fn along_m(point_m: &[f32; 3], axis: DVec3) -> f64 {
     Vec3::from(*point_m).as_dvec3().dot(axis)
 }
 
-/// The value at a place in ascending order, counted from 0, between two values by linear interpolation; reorders them. 0 without
-/// values. O(n).
+/// The value at a place in ascending order, counted from 0 and interpolated linearly; 0 without values. Reorders the values. O(n).
 fn ranked(values: &mut [f64], place: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// A box filled evenly, turned about up: its middle, its sides and its axes are found again.
+        /// A box filled evenly and turned about up: the fit finds its centre, sides and axes.
         #[test]
         fn a_filled_box_is_found_again(
             angle in 0.0_f64..3.0, tilt in -0.7_f64..0.7,
@@ -200,7 +200,7 @@ mod tests {
         };
         let expected = [
             ([0.0, 0.0, 0.0], 1.0, 0.0),
-            // However hidden it is: a cloud of one point was an object.
+            // With any visibility. A regression: a cloud of one point was an object.
             ([0.0, 0.0, 0.0], 0.0, 0.0),
             ([0.0, min_m / 2.0, 0.1], 1.0, 0.0),
             ([min_m, 0.1, 0.0], 1.0, 0.5),
@@ -217,7 +217,7 @@ mod tests {
         }
     }
 
-    /// Of all values in ascending order.
+    /// The reference: from all values in ascending order.
     fn naive_limits_m(points_m: &[[f32; 3]], axis: DVec3) -> [f64; 2] {
         let mut along: Vec<f64> = points_m.iter().map(|p| along_m(p, axis)).collect();
         along.sort_by(f64::total_cmp);
@@ -233,7 +233,7 @@ mod tests {
         fn limits_are_those_of_sorted_values_whatever_the_sample_says(
             points in prop::collection::vec(prop::array::uniform3(-1.0_f32..1.0), 1..2000),
             axis in prop::array::uniform3(-1.0_f64..1.0),
-            // What is sampled is moved by so much.
+            // The sampled points are moved by this much.
             moved in prop_oneof![2 => Just(0.0_f32), 1 => -3.0_f32..3.0],
         ) {
             let mut points = points;
@@ -255,7 +255,7 @@ mod tests {
     proptest! {
         #[test]
         fn x_is_the_longer_way_and_points_right(angle in -1.5_f32..1.5, roll in -1.0_f32..1.0) {
-            // A board on the ground, twice as long as wide, seen by a camera that is held askew.
+            // A board on the ground, twice as long as wide, seen by a tilted camera.
             let rotation = glam::Quat::from_rotation_z(roll) * glam::Quat::from_rotation_y(angle);
             let on_board = |i: usize| Vec3::new((i % 21) as f32 / 10.0 - 1.0, 0.0, (i / 21) as f32 / 20.0 - 0.5);
             let points: Vec<_> = (0..441).map(|i| (rotation * on_board(i) + 3.0 * Vec3::Z).to_array()).collect();
@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn without_camera_x_the_box_points_down() {
-        // A slope seen edge on: up is camera x, the longer way has no part along it.
+        // A slope seen edge-on: up is camera x, and the longer side has no component along it.
         for slope in [1.0, -1.0] {
             let points: Vec<_> =
                 (0..100).map(|i| i as f32 / 100.0).map(|y| [0.0, y, slope * y + 2.0]).collect();

@@ -1,6 +1,7 @@
-//! Pixels of high curvature go to the region that they reach over their cheapest path (PARITY.md 2; the paper is silent).
+//! Absorption: pixels of high curvature join the region that they reach over their cheapest path (PARITY.md 2; not in the paper).
 //!
-//! Without it every object would lose 2 to 6 px at its borders; joined by the minimum-size pass they would leak.
+//! Without absorption every object would lose 2 to 6 px at its borders. If the minimum-size pass joined these pixels instead,
+//! regions would leak into each other.
 
 use crate::buffers::Buffer;
 use crate::oversegment::Superpixels;
@@ -13,17 +14,17 @@ use crate::regions::Segments;
 use crate::surface::depth_change::changes;
 use crate::union_find::UnionFind;
 
-/// The label of a pixel that has none yet.
+/// Marks a pixel without a label.
 const NONE: u32 = u32::MAX;
 
-/// The part of all pixels with a label.
+/// The common part number of all pixels that have a label from the start.
 const SEED: u32 = PixelGraph::NO_PART - 1;
 
 /// Gives each loose pixel the label that it reaches over its cheapest path: a minimum spanning forest seeded by the components of
-/// at least `min_size_px` pixels. Loose are pixels in `borders`, of high curvature, and those of smaller components. No path crosses
-/// between pixels with and without depth, or a step of more than `depth_gate_per_m`·z² (m).
+/// at least `min_size_px` pixels. A pixel is loose if it lies in `borders` (high curvature) or in a smaller component. No path
+/// crosses between pixels with and without depth, or a step of more than `depth_gate_per_m`·z² (m).
 ///
-/// Of the pixels that reach no label, those in `borders` belong to no superpixel, the others keep their component. Superpixels
+/// A loose pixel may reach no label: in `borders` it then belongs to no superpixel, elsewhere it keeps its component. Superpixels
 /// are numbered in the order of their components' roots. O(edges · log pixels).
 pub fn absorb(
     graph: &PixelGraph,
@@ -40,7 +41,7 @@ pub fn absorb(
     let core = borders.with_data(label.iter().map(|&l| l != NONE).collect());
 
     let mut sets = UnionFind::of_pixels(graph.pixels());
-    // Between two seeds nothing is decided; every other pixel is a part of its own.
+    // Edges between two labelled pixels decide nothing, so these share one part; every other pixel is its own part.
     let part: Buffer<u32> = (0..).zip(&*label).map(|(i, &l)| if l == NONE { i } else { SEED }).collect();
     graph.edges_between(&part).between_sets(
         &mut sets,
@@ -122,8 +123,8 @@ mod tests {
         assert_eq!(found.core.as_slice(), [false, false, false, true, true, true]);
     }
 
-    /// The loose pixels taken one by one, always over the cheapest edge out of what has a label (Prim), where the
-    /// code joins sets (Kruskal); edges that weigh the same have an order, so both grow the same forest.
+    /// Labels the loose pixels one by one, always over the cheapest edge from a labelled to an unlabelled pixel (Prim), while the
+    /// code joins sets (Kruskal). Edges of equal weight have an order, so both grow the same forest.
     fn one_by_one(
         graph: &PixelGraph,
         components: &Components,

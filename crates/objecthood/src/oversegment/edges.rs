@@ -1,4 +1,4 @@
-//! Edges in the order of their weights, as far as they lie between two sets.
+//! Visits edges in the order of their weights and skips the edges within one set.
 
 use rayon::prelude::*;
 
@@ -9,34 +9,34 @@ use crate::union_find::UnionFind;
 /// Edges of a pixel graph, dealt into buckets by the leading bits of their weights.
 pub(crate) struct Edges {
     dealt: Dealt,
-    /// Room for a band that is dealt, later for the largest bucket and, if it is enough, for sorting that bucket.
+    /// Working memory: first for dealing a band, later for the largest bucket and, if enough is left, for sorting it.
     spare: Buffer<u64>,
     directions: Directions,
 }
 
-/// The keys of edges, band by band and in a band bucket by bucket. In a bucket of a band the numbers of the edges ascend.
+/// The keys of edges, band by band, and bucket by bucket within a band. Within a bucket of a band the edge numbers ascend.
 ///
-/// The key of an edge is the bits of its weight and below them its number. Weights are not negative, so keys sort as weights do,
-/// and equal weights in the order of the numbers.
+/// The upper 32 bits of a key are the bits of the edge's weight, the lower 32 its number. Weights are not negative, so keys sort
+/// by weight, and at equal weight by number.
 struct Dealt {
     keys: Buffer<u64>,
-    /// Places of a band; some at its end stay free.
+    /// Number of places of a band; some at its end may stay free.
     band_len: usize,
     /// The end of each bucket in each band.
     ends: Buffer<u32>,
 }
 
-/// Number of pixels from p to q of an edge in each direction.
+/// For each direction, the difference of the pixel indices q - p of an edge.
 #[derive(Clone, Copy)]
 struct Directions([u32; 4]);
 
-/// What happens at an edge between two sets.
+/// Decides about edges between two sets.
 pub(crate) trait Rule {
-    /// Whether no edge of this weight or a heavier one joins the set of `root`, whatever happens elsewhere. `root` may have
-    /// ceased to be one: then nothing is refused.
+    /// Whether no edge of this weight or more can ever join the set of `root`. If `root` is no longer a root, nothing is
+    /// refused.
     fn refuses(&self, root: usize, weight: f32) -> bool;
 
-    /// Decides about an edge. Its ends have these roots.
+    /// Decides about an edge whose ends have these roots.
     fn meet(&mut self, sets: &mut UnionFind, edge: PixelEdge, roots: (usize, usize));
 }
 
@@ -53,23 +53,24 @@ impl<F: FnMut(&mut UnionFind, PixelEdge, (usize, usize))> Rule for F {
     }
 }
 
-/// The exponent of the weight and five more bits; its sign is 0.
+/// Leading bits of a weight that number its bucket: the exponent and five more; the sign is always 0.
 const BUCKET_BITS: u32 = 13;
 
+/// Number of buckets.
 const BUCKETS: usize = 1 << BUCKET_BITS;
 
-/// Pixels whose edges are dealt together. Their keys go to some three hundred places at a time, and the second-level cache has
-/// to hold these: 0.4 MB, and as much again that is read and written in order. (On an Intel Xeon with 2 MB, 8 and 32 thousand
-/// pixels were no faster.)
+/// Pixels whose edges are dealt together. Dealing writes to some three hundred places of 0.4 MB in turn, and reads and writes
+/// as much again in order; both fit the second-level cache. (On an Intel Xeon with 2 MB, 8 and 32 thousand pixels were no
+/// faster.)
 const BAND_PX: usize = 1 << 14;
 
-/// Half of the bits of a weight below those of its bucket.
+/// Bits of one pass of the radix sort: half of the bits of a weight below `BUCKET_BITS`.
 const DIGIT_BITS: u32 = 9;
 
-/// Buckets with fewer keys are sorted by comparisons.
+/// Buckets with fewer keys are sorted by comparisons, which is faster there.
 const FEW: usize = 64;
 
-/// Edges whose ends are followed upwards together.
+/// Edges whose ends are followed towards their roots together, so that memory accesses overlap.
 const BLOCK: usize = 128;
 
 impl Edges {
@@ -79,9 +80,9 @@ impl Edges {
         let band_len = STEPS.len() * band_px;
         let bands = open.len().div_ceil(band_px);
         let mut keys = Buffer::stale(weights.len(), 0);
-        // Counts, then where buckets begin, at last where they end.
+        // In turn: the counts, the starts and the ends of the buckets.
         let mut ends = Buffer::filled(bands * BUCKETS, 0);
-        // A thread deals its bands one after the other, in the same room; two rooms hold all but the largest buckets.
+        // A thread deals its bands one after the other in the same working memory. Two of these hold all but the largest buckets.
         let threads = rayon::current_num_threads().min(bands);
         let room = band_len.min(weights.len());
         let mut spare = Buffer::stale(threads.max(2) * room, 0);
@@ -101,21 +102,21 @@ impl Edges {
         Self { dealt: Dealt { keys, band_len, ends }, spare, directions: Directions(ahead) }
     }
 
-    /// Hands the edges to the rule in the order of their weights, as far as they lie between two sets when their turn comes. Edges
-    /// that the rule refuses are left out.
+    /// Calls the rule with the edges in the order of their weights. Edges within one set are skipped, and edges that the rule
+    /// refuses.
     ///
-    /// An edge within a set stays within it. So edges within a set are left out before their bucket is sorted (as in
-    /// filter-Kruskal: Osipov, Sanders and Singler, ALENEX 2009), and once more block by block after that.
+    /// An edge within a set stays within it. So edges within a set are skipped before their bucket is sorted (as in
+    /// filter-Kruskal: Osipov, Sanders and Singler, ALENEX 2009), and once more, block by block, after sorting.
     ///
-    /// A processor cannot predict how far a root is, or whether both ends have the same one, and each wrong prediction costs more
-    /// than everything else that is done for an edge. So both ends move two steps up without a branch, for many edges at once.
-    /// Edges whose ends meet there are left out, and edges that the rule refuses at one of them. The ends of the others mostly
-    /// stand at their roots; edge by edge, the search for the roots is finished. O(pixels + edges · log pixels).
+    /// A processor cannot predict the distance of a root, or whether both ends have the same root, and each wrong prediction
+    /// costs more than all other work for an edge. So both ends first move two steps up without a branch, for many edges at once.
+    /// An edge is skipped if its ends meet there or if the rule refuses it at one of them. The ends of the others are mostly at
+    /// their roots already; the search for the roots is finished edge by edge. O(pixels + edges · log pixels).
     pub(crate) fn between_sets(mut self, sets: &mut UnionFind, rule: &mut impl Rule) {
         let counts = self.dealt.count_keys();
         let most = counts.iter().fold(0, |most, &count| most.max(count as usize));
         if self.spare.len() < most {
-            // Given back before it is replaced, so that not both take memory.
+            // Freed before it is replaced, so that the two are never in memory together.
             self.spare = Vec::new().into();
             self.spare = Buffer::stale(most, 0);
         }
@@ -175,7 +176,7 @@ impl Directions {
         PixelEdge { weight: f32::from_bits((key >> u32::BITS) as u32), p, q }
     }
 
-    /// Hands a block of edges in their order to the rule. `apart`: room for those whose ends may be in two sets.
+    /// Passes a block of edges to the rule, in their order. `apart`: working memory for the edges whose ends may lie in two sets.
     #[inline]
     fn hand_over(
         self,
@@ -202,7 +203,8 @@ impl Directions {
     }
 }
 
-/// Deals the keys of a band into buckets by way of `spare`. `counts`: keys of each bucket; afterwards the end of each bucket.
+/// Deals the keys of a band into buckets, using `spare`. `counts`: the number of keys of each bucket; afterwards the end of each
+/// bucket.
 fn deal(keys: &mut [u64], spare: &mut [u64], counts: &mut [u32]) {
     places(counts);
     for &key in &*keys {
@@ -219,8 +221,8 @@ fn bucket(key: u64) -> usize {
     (key >> (u64::BITS - 1 - BUCKET_BITS)) as usize % BUCKETS
 }
 
-/// Writes the keys of the open edges to the start of `keys`, counts them bucket by bucket, and returns their number. `number`: that of
-/// the first pixel's first edge.
+/// Writes the keys of the open edges to the start of `keys`, counts them bucket by bucket, and returns their number. `number`: the
+/// number of the first pixel's first edge.
 fn open_keys(
     weights: &[f32],
     open: &[u8],
@@ -252,8 +254,9 @@ fn open_keys(
 
 /// Sorts the keys of a bucket, whose numbers ascend.
 ///
-/// A radix sort from the lower digit on (Knuth 5.2.5), O(keys), if `room` is large enough. If not, most weights of the image are
-/// nearly equal: when all are equal the keys are in order already, else they are sorted by comparisons.
+/// A radix sort from the lower digit up (Knuth 5.2.5), O(keys), if `room` is large enough and there are keys enough. Otherwise the
+/// keys are sorted by comparisons, unless they are in order already. `room` is too small only when most weights of the image are
+/// nearly equal.
 fn sort(keys: &mut [u64], room: &mut [u64]) {
     let Some(spare) = room.get_mut(..keys.len()).filter(|spare| spare.len() >= FEW) else {
         if !keys.is_sorted() {
@@ -276,7 +279,7 @@ fn sort(keys: &mut [u64], room: &mut [u64]) {
     pass(spare, keys, u32::BITS + DIGIT_BITS);
 }
 
-/// Turns counts into the places where each begins.
+/// Turns counts into start places.
 fn places(counts: &mut [u32]) {
     let mut place = 0;
     for count in counts {

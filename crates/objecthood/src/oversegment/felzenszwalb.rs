@@ -17,28 +17,28 @@ pub struct Components {
 }
 
 impl Components {
-    /// The pixel that stands for the component of each pixel.
+    /// For each pixel, the root of its component: the pixel that represents it.
     pub fn root(&self) -> &[u32] {
         &self.root
     }
 
-    /// Number of pixels of the component that each root stands for; 0 at pixels that are no root.
+    /// At each root, the number of pixels of its component; 0 at other pixels.
     pub fn size_px(&self) -> &[u32] {
         &self.size_px
     }
 }
 
-/// Joins pixels over ever heavier edges, as long as both components tolerate the weight of the edge.
+/// Segments the pixel graph: visits the edges by ascending weight, and joins two components if both tolerate the edge's weight.
 ///
 /// A component of s pixels whose heaviest joining edge is w tolerates w + k/s, k = `size_preference_grey`. Pixels in
 /// `borders` are never joined. Afterwards each component below `min_size_px` is joined to the neighbour over its lightest edge.
 ///
-/// The result is that of the article's loop over all edges, bit for bit. Pairs that no other edge comes before are joined first
-/// (`settle`). Then the edges come in the order of their weights, equal weights in that of their numbers, without edges that
-/// change nothing (`Edges::between_sets`). For the minimum size only edges at small components are looked at.
+/// The result equals the article's loop over all edges, bit for bit. Pairs whose edge is decided before all others at its pixels
+/// are joined first (`settle`). Then the edges follow by weight, at equal weight by number, without edges that change nothing
+/// (`Edges::between_sets`). The minimum-size pass visits only edges at small components.
 ///
-/// *Differs from the paper:* it says there is a boundary "if `MInt` is larger than `Dif`"; the cited algorithm, and
-/// sense, join when `Dif` <= `MInt`. O(edges · log pixels), sequential: each decision depends on the ones before.
+/// *Differs from the paper:* it sets a boundary "if `MInt` is larger than `Dif`"; the cited algorithm joins when
+/// `Dif` <= `MInt`, and only this makes sense. O(edges · log pixels), sequential: each decision depends on the ones before.
 pub fn segment(graph: &PixelGraph, borders: &Raster<bool>, params: &params::Graph) -> Components {
     let pixels = graph.pixels();
     let mut growing = Growing {
@@ -69,13 +69,13 @@ pub fn segment(graph: &PixelGraph, borders: &Raster<bool>, params: &params::Grap
     Components { root, size_px }
 }
 
-/// The part of a pixel that no edge joins.
+/// Part number of a pixel that no edge joins.
 const SHUT: u32 = PixelGraph::NO_PART;
 
-/// The part of all pixels whose component is large enough.
+/// Part number of all pixels whose component has reached the minimum size.
 const LARGE: u32 = SHUT - 1;
 
-/// Growing components: they join while both tolerate the edge. Their values stand at their roots.
+/// The components while they grow. The entry at a root holds the values of its component.
 struct Growing {
     /// The weight that a single pixel tolerates.
     k: f32,
@@ -85,14 +85,14 @@ struct Growing {
 /// A growing component.
 #[derive(Clone, Copy, Debug)]
 struct Component {
-    /// Number of pixels; 0 where there is no root.
+    /// Number of pixels; 0 at pixels that are no longer a root.
     size_px: u32,
-    /// The heaviest edge that may still join it; infinite where there is no root any more.
+    /// Weight of the heaviest edge that may still join it; infinite at pixels that are no longer a root.
     tolerated: f32,
 }
 
 impl Growing {
-    /// Joins two single pixels as [`join`](Self::join) does, without reading their sizes, each of which would cost a line of the cache.
+    /// Joins two single pixels as [`join`](Self::join) does, but does not read their sizes, which would cost a cache line each.
     #[inline]
     fn pair(&mut self, sets: &mut UnionFind, PixelEdge { weight, p, q }: PixelEdge) {
         let (root, child) = (p as usize, q as usize);
@@ -101,7 +101,7 @@ impl Growing {
         self.of[root] = Component { size_px: 2, tolerated: weight + self.k / 2.0 };
     }
 
-    /// Joins two components below the root of the larger one, below p's on ties.
+    /// Joins two components under the root of the larger one, on ties under p's.
     #[inline]
     fn join(&mut self, sets: &mut UnionFind, weight: f32, (p, q): (usize, usize)) {
         let size_px = [p, q].map(|root| self.of[root].size_px);
@@ -128,7 +128,7 @@ impl Rule for Growing {
     }
 }
 
-/// Components that join while one of them is smaller than the minimum size.
+/// The rule of the minimum-size pass: joins two components if one of them is too small.
 struct TooSmall<'a> {
     min_size: u32,
     growing: &'a mut Growing,
@@ -159,7 +159,7 @@ mod tests {
     use crate::oversegment::graph::testing::naive_edges;
     use crate::oversegment::smoothing::smooth;
 
-    /// The algorithm as the article states it: components as lists, Int and Dif spelled out, no union-find.
+    /// The algorithm as in the article: components as lists, Int and Dif computed directly, no union-find.
     fn textbook(graph: &PixelGraph, borders: &Raster<bool>, k: f32, min_size: u32) -> Vec<u32> {
         let mut component: Vec<u32> = (0..graph.pixels() as u32).collect();
         let mut internal = vec![0.0_f32; graph.pixels()];
@@ -231,12 +231,12 @@ mod tests {
         }
     }
 
-    /// Edges are dealt in bands of rows, of which there are three here.
+    /// Edges are dealt in bands of rows; this image has three bands.
     #[test]
     fn several_bands_equal_the_textbook() {
         let (width, height) = (300, 120);
         let depth = Raster::filled(width, height, 1.0).unwrap();
-        // Patches of few levels with noise, so that equal weights lie in all bands.
+        // Patches of few levels with noise, so that equal weights occur in all bands.
         let level = |i: usize, c: usize| {
             let patch = i % width / 25 * 7 + i / width / 20 * 5 + c;
             let noise = (i as u32 * 3 + c as u32).wrapping_mul(0x9e37_79b9) >> 29;

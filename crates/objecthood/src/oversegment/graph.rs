@@ -12,16 +12,16 @@ use crate::params::{self, Channels};
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
-/// Weight of an edge that only the minimum-size pass may cross: above any difference of colour or disparity.
+/// Weight of an edge that only the minimum-size pass may cross: larger than any difference of colour or disparity.
 const APART: f32 = f32::INFINITY;
 
-/// Rows of a band, the share of one thread.
+/// Rows of a band, which one task processes.
 pub(crate) const BAND_ROWS: usize = 64;
 
 /// How pixels without depth enter the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unmeasured {
-    /// Apart from everything with depth, and equal among themselves: their colour changes nothing elsewhere.
+    /// Separate from all pixels with depth, and equal among themselves. Their colour has no influence.
     Apart,
     /// By colour alone (PARITY.md 2), for the paper's comparison without curvature.
     ByColor,
@@ -58,8 +58,8 @@ impl PixelGraph {
     /// (grey levels 0..255, [`super::smoothing::smooth`]) and D = disparity in quanta of the sensor. Where a pixel
     /// has no depth, `unmeasured` decides. Without colour, `params.channels` has to be [`Channels::Depth`].
     ///
-    /// *Differs from the paper:* eq. 1 says depth, its text disparity. In metres the term would vanish beside colours, so it is
-    /// disparity, counted in the steps that the sensor resolves. O(pixels); parallel over bands of rows.
+    /// *Differs from the paper:* eq. 1 has depth, the text disparity. In metres the term would be negligible beside colour, so it is
+    /// disparity, counted in quanta of the sensor. O(pixels); parallel over bands of rows.
     pub fn new(
         frame: &Frame,
         smoothed: Option<&[Raster<f32>; 3]>,
@@ -87,12 +87,12 @@ impl PixelGraph {
         Self { width, weights }
     }
 
-    /// The edges between different parts, without those of pixels whose part is [`Self::NO_PART`].
+    /// The edges between different parts, except at pixels whose part is [`Self::NO_PART`].
     pub(crate) fn edges_between(&self, part: &[u32]) -> Edges {
         self.edges(&self.between(part))
     }
 
-    /// Finds the edges between different parts, without those of pixels whose part is [`Self::NO_PART`]. Bit d of a pixel stands for
+    /// Finds the edges between different parts, except at pixels whose part is [`Self::NO_PART`]. Bit d of a pixel stands for
     /// its edge in direction d. O(pixels).
     pub(crate) fn between(&self, part: &[u32]) -> Buffer<u8> {
         self.open(part, |p, q| (p != q) & (p != Self::NO_PART) & (q != Self::NO_PART))
@@ -103,7 +103,7 @@ impl PixelGraph {
         self.open(shut.as_slice(), |p, q| !p & !q)
     }
 
-    /// Finds the edges that are open by the values of both their pixels.
+    /// Finds the edges for whose two pixels `is_open` holds, given their values in `of`.
     fn open<T: Copy + Sync>(&self, of: &[T], is_open: impl Fn(T, T) -> bool + Sync) -> Buffer<u8> {
         let width = self.width;
         let mut open = Buffer::stale(of.len(), 0);
@@ -126,21 +126,21 @@ impl PixelGraph {
         open
     }
 
-    /// The edges whose bits are set in `open`; bits from 4 on mean nothing.
+    /// The edges whose bits are set in `open`; bits from 4 on are ignored.
     ///
-    /// Only these are dealt and sorted, so that a stage that needs few edges pays for few. O(pixels + edges found).
+    /// Only these edges are dealt and sorted. O(pixels + edges found).
     pub(crate) fn edges(&self, open: &[u8]) -> Edges {
         Edges::new(&self.weights, open, self.width)
     }
 
-    /// The part of a pixel none of whose edges is wanted.
+    /// Part number of a pixel whose edges are all left out.
     pub(crate) const NO_PART: u32 = u32::MAX;
 }
 
-/// Red, green, blue and disparity of pixels that stand in one row. Disparities are in quanta; `NaN` = none.
+/// Red, green, blue and disparity (quanta, `NaN` = none) of pixels in one row.
 type Part<'a> = ([&'a [f32]; 3], &'a [f32]);
 
-/// How edges are weighed, see [`PixelGraph::new`].
+/// The settings of the weights, see [`PixelGraph::new`].
 struct Weighing {
     alpha: f32,
     by_color: bool,
@@ -322,7 +322,7 @@ mod tests {
 
     #[test]
     fn edges_of_several_bands_are_those_of_a_sort_by_comparisons() {
-        // Few weights, so that ties lie in all bands.
+        // Few weights, so that ties occur in all bands.
         let weight = |i: u32| (i.wrapping_mul(0x9e37_79b9) >> 26) as f32;
         let pixels: Vec<_> = (0..300 * 160).map(|p| [0, 1, 2, 3].map(|d| weight(4 * p + d))).collect();
         let graph = of_weights(300, &pixels);
@@ -334,7 +334,7 @@ mod tests {
         #[test]
         fn edges_are_those_of_a_sort_by_comparisons(
             (width, pixels) in prop_oneof![(1_usize..30, 1_usize..9), (1_usize..4, 60_usize..140)].prop_flat_map(|(w, h)| {
-                // Weights of all magnitudes, and many equal ones.
+                // Weights of all magnitudes, many of them equal.
                 let spread = prop_oneof![0.0_f32..1e-30, 0.0_f32..4.0, 0.0_f32..1e30];
                 let weight = prop_oneof![spread, 1.0_f32..1.1, Just(0.5), Just(APART)];
                 (Just(w), prop::collection::vec((prop::array::uniform4(weight), 0_u32..4), w * h))

@@ -1,4 +1,4 @@
-//! Stage 1 of `context` after the structure: superpixels by watershed, with what merging them needs (docs/CONTEXT.md 1.2).
+//! Stage 1 of `context` after the structure: superpixels by watershed, with their links and moments (docs/CONTEXT.md 1.2).
 
 use crate::error::{Error, Result};
 use crate::oversegment::linked_pairs::count_linked_pairs;
@@ -11,7 +11,7 @@ use crate::regions::{RegionGraph, Segments};
 use crate::surface::moments::Moments;
 use crate::surface::surfaces::Surfaces;
 
-/// Superpixels where no structure is, and how they hang together.
+/// The superpixels outside the structure, with the links between them.
 #[derive(Clone, Debug)]
 pub struct LinkedSuperpixels {
     /// The label map; -1 on structure and without depth.
@@ -22,7 +22,7 @@ pub struct LinkedSuperpixels {
     pub moments: Vec<Moments>,
 }
 
-/// Floods how badly a plane fits, from one seed a block, across links between pixels of one surface. O(pixels).
+/// Finds superpixels: floods the residuals of the plane fits from one seed a block, across links only. O(pixels).
 pub fn flood_superpixels(
     surfaces: &Surfaces,
     structure: &Structure,
@@ -36,7 +36,7 @@ pub fn flood_superpixels(
 }
 
 impl LinkedSuperpixels {
-    /// Superpixels from elsewhere in the place of [`flood_superpixels`]: a grid, or the labels of another segmenter. Pixels
+    /// Superpixels from another source instead of [`flood_superpixels`]: a grid, or the labels of another segmenter. Pixels
     /// with a negative label, on structure or without depth belong to none. O(pixels log pixels).
     ///
     /// # Errors

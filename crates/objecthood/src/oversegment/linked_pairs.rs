@@ -1,4 +1,4 @@
-//! How many links join two superpixels.
+//! Counts the links between superpixels.
 
 use rayon::prelude::*;
 
@@ -7,11 +7,11 @@ use crate::raster::marked;
 use crate::regions::{RegionEdge, RegionGraph, SegmentId, Segments};
 use crate::simd::vectorized;
 
-/// A pair of superpixels, the smaller number first, with a number of links between them.
+/// A pair of superpixels, the smaller number first, and a number of links between them.
 type Count = ([u32; 2], u32);
 
-/// Counts the linked pairs of 4-neighbours that join any two superpixels. O(pixels); parallel over rows.
-pub fn count_linked_pairs(superpixels: &Segments, links: &Links) -> RegionGraph<u32> {
+/// Counts, for any two superpixels, the linked 4-neighbours between them. O(pixels); parallel over rows.
+pub(crate) fn count_linked_pairs(superpixels: &Segments, links: &Links) -> RegionGraph<u32> {
     let (width, height) = superpixels.labels().size();
     let of_row = |marks: &mut Vec<i32>, v: usize| {
         mark_links(superpixels, links, v, marks);
@@ -28,7 +28,7 @@ fn mark_links(superpixels: &Segments, links: &Links, v: usize, marks: &mut [i32]
     let start = v * width;
     let own = &labels[start..start + width];
     let sides = &links.sides.as_slice()[start..start + width];
-    // Beside and below the image any label will do: no link leads there.
+    // Beyond the right and lower image border any label will do: no link leads there.
     let right = &labels[start + 1..labels.len().min(start + width + 1)];
     let below = if v + 1 < height { &labels[start + width..start + 2 * width] } else { own };
     vectorized(
@@ -47,7 +47,7 @@ fn mark_links(superpixels: &Segments, links: &Links, v: usize, marks: &mut [i32]
     );
 }
 
-/// Counts the links that are marked in row `v`. A pair that comes several times in succession is one entry.
+/// Counts the marked links of row `v`. Successive links of the same pair make one entry.
 fn count_marked(superpixels: &Segments, v: usize, marks: &[i32]) -> Vec<Count> {
     let labels = superpixels.labels();
     let width = labels.width();
@@ -67,12 +67,13 @@ fn count_marked(superpixels: &Segments, v: usize, marks: &[i32]) -> Vec<Count> {
     counts
 }
 
-/// Sums the counts of each pair. A superpixel has few neighbours, so a search through its list takes less time than sorting all
-/// counts. O(counts · neighbours).
+/// Sums the counts of each pair. A superpixel has few neighbours, so searching its list is faster than sorting all counts.
+/// O(counts · neighbours).
 fn sum_counts(superpixels: usize, counts: impl Iterator<Item = Count>) -> RegionGraph<u32> {
+    // Marks the end of a list.
     const END: u32 = u32::MAX;
     let mut firsts = vec![END; superpixels];
-    // The other superpixel, the number of links, and the place of the next entry of the same list.
+    // Linked lists, one for each first superpixel: the second one, the number of links, the place of the next entry.
     let mut entries: Vec<(u32, u32, u32)> = Vec::new();
     for ([a, b], times) in counts {
         let first = &mut firsts[a as usize];

@@ -13,28 +13,30 @@ use crate::surface::disparity::DisparitySpace;
 /// The links between measured pixels outside the structure: which 4-neighbours lie on one surface.
 #[derive(Debug)]
 pub struct Links {
-    /// One byte a pixel says everything about its four neighbours.
+    /// For each pixel the bits `RIGHT`, `LEFT`, `DOWN`, `UP` and `FREE`.
     pub(super) sides: Raster<u8>,
 }
 
-/// The pixel is linked to the one on its right.
+/// Bit: the pixel is linked to its right neighbour.
 pub(super) const RIGHT: u8 = 1;
-/// The pixel is linked to the one on its left.
+/// Bit: the pixel is linked to its left neighbour.
 const LEFT: u8 = 2;
-/// The pixel is linked to the one below.
+/// Bit: the pixel is linked to the neighbour below.
 pub(super) const DOWN: u8 = 4;
-/// The pixel is linked to the one above.
+/// Bit: the pixel is linked to the neighbour above.
 const UP: u8 = 8;
-/// The pixel is measured and no structure.
+/// Bit: the pixel is free, that is measured and no structure.
 pub(super) const FREE: u8 = 16;
 
-/// Pixels of a row that are passed over together when none of them is free.
+/// A link allows for this share of the disparity by which sideways noise moves a pixel on the slope.
+const NOISE_SHARE: f32 = 0.5;
+/// Pixels of a row that are skipped together when none of them is free.
 pub(super) const STRETCH: usize = 64;
 
 impl Links {
-    /// Links two 4-neighbours when their disparities differ by no more than the slope of either explains, give or take
-    /// `link_jump_quanta` and the sideways noise. `slope`: change of disparity along u and v (quanta/px). `structure`: -1 = none.
-    /// O(pixels); parallel over rows.
+    /// Links two 4-neighbours when the difference of their disparities agrees with the slope of one of them, within
+    /// `link_jump_quanta` plus the effect of sideways noise. `slope`: change of disparity along u and v (quanta/px). `structure`:
+    /// -1 = none. O(pixels); parallel over rows.
     pub fn new(
         disparity: &Raster<f32>,
         slope: &Raster<[f32; 2]>,
@@ -72,7 +74,7 @@ impl Links {
     }
 }
 
-/// What decides about links.
+/// The inputs of the decision about links.
 struct LinkRule<'a> {
     disparity: &'a Raster<f32>,
     slope: &'a Raster<[f32; 2]>,
@@ -100,7 +102,7 @@ impl<'a> LinkRule<'a> {
         if sides.iter().fold(0, |any, sides| any | sides) == 0 {
             return;
         }
-        // Columns whose left, and whose right neighbour lies in the image.
+        // The left neighbour lies in the image from column `inner` on, the right neighbour before column `outer`.
         let (inner, outer) = (left.max(1), right.min(width - 1));
         let to_right = [self.pixels(v, left..outer), self.pixels(v, left + 1..outer + 1)];
         self.link(to_right, 0, RIGHT, &mut sides[..outer - left]);
@@ -125,7 +127,7 @@ impl<'a> LinkRule<'a> {
         }
     }
 
-    /// Marks with `side` where a pixel is linked to the next one along the axis (0: to its right, 1: below).
+    /// Marks with `side` the pixels that are linked to the next one along the axis (0: to the right, 1: downwards).
     #[inline(always)]
     fn link(&self, [own, next]: [Pixels<'_>; 2], axis: usize, side: u8, sides: &mut [u8]) {
         let own = own.disparity.iter().zip(own.slope).zip(own.structure);
@@ -134,9 +136,10 @@ impl<'a> LinkRule<'a> {
             sides.iter_mut().zip(own.zip(next))
         {
             let (rise, rise_i, rise_j) = (d_j - d_i, slope_i[axis], slope_j[axis]);
-            // NaN without one of the disparities, and then below no limit.
+            // NaN when one of the disparities is missing; then the comparison fails.
             let misfit = (rise - rise_i).abs().min((rise - rise_j).abs());
-            let limit = self.jump_quanta + 0.5 * self.lateral_noise_px * rise_i.abs().min(rise_j.abs());
+            let limit =
+                self.jump_quanta + NOISE_SHARE * self.lateral_noise_px * rise_i.abs().min(rise_j.abs());
             *sides |= side * u8::from((misfit < limit) & (structure_i & structure_j < 0));
         }
     }

@@ -1,7 +1,8 @@
 //! Stage 1: over-segmentation of the image into superpixels.
 //!
 //! `paper`: on colour, depth and curvature (III-A): [`smoothing`], [`graph`], [`felzenszwalb`], [`absorb`].
-//! `context`: large planes are taken out ([`structure`]); a watershed of the fit residual ([`watershed`]) grows superpixels over [`links`].
+//! `context`: large planes are taken out ([`structure`]); a watershed of the fit residual ([`watershed`]) grows superpixels over
+//! [`links`].
 //!
 //! On a box of 10 cm, seen from above:
 //!
@@ -29,7 +30,7 @@ mod edges;
 pub mod felzenszwalb;
 pub mod graph;
 pub mod linked;
-pub mod linked_pairs;
+mod linked_pairs;
 pub mod links;
 pub mod paper;
 pub(crate) mod pixel_edge;
@@ -41,11 +42,11 @@ pub mod watershed;
 use crate::raster::Raster;
 use crate::regions::Segments;
 
-/// Superpixels, and the pixels from which their statistics are taken.
+/// Superpixels of `paper`, and the pixels from which their statistics are taken.
 #[derive(Clone, Debug)]
 pub struct Superpixels {
     /// The label map.
     pub segments: Segments,
-    /// Pixels away from high curvature, from which later stages take statistics.
+    /// Pixels from which later stages take statistics: those without high curvature that were not absorbed.
     pub core: Raster<bool>,
 }

@@ -1,8 +1,8 @@
-//! The edges between 8-neighbours, and where each direction leads.
+//! The edges between 8-neighbours, and their directions.
 
 use std::ops::Range;
 
-/// Steps along columns and rows to the four neighbours that come after a pixel: right, down, down-right, down-left.
+/// Steps along columns and rows to the four neighbours after a pixel in scan order: right, down, down-right, down-left.
 pub(crate) const STEPS: [(isize, usize); 4] = [(1, 0), (0, 1), (1, 1), (-1, 1)];
 
 /// An edge between two 8-neighbours.
@@ -16,7 +16,7 @@ pub(crate) struct PixelEdge {
     pub(crate) q: u32,
 }
 
-/// Splits the weights of a row of pixels, which stand direction by direction.
+/// Splits the weights of a row of pixels by direction.
 pub(crate) fn by_direction(row: &[f32]) -> [&[f32]; 4] {
     let (level, below) = row.split_at(row.len() / 2);
     let ((right, down), (down_right, down_left)) =

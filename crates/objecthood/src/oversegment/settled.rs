@@ -10,13 +10,13 @@ use crate::raster::Raster;
 use crate::simd::vectorized;
 
 /// Settles some of the `open` edges. Single pixels tolerate the weight `tolerated`; `shut` pixels join nothing. Afterwards bit d of
-/// a pixel says that its edge in direction d is still open, bit 4 + d that this edge joins its pixels.
+/// a pixel is set if its edge in direction d is still open, bit 4 + d if this edge joins its pixels.
 ///
-/// An edge lighter than all others at both its pixels comes before either of them is joined to anything. So it joins them if a
-/// single pixel tolerates its weight (one step of Borůvka's algorithm, for pairs). In a triangle with it, the two other edges then
-/// lead from one set to one pixel. The lighter of them decides: if it is refused, one side tolerates less than its weight and never
-/// will tolerate more, so the heavier one would be refused too. The heavier one changes nothing and is closed. O(pixels); parallel
-/// over bands of rows.
+/// If an edge is lighter than all other edges at both its pixels, it is decided before either of them is joined to anything. So it
+/// joins them if a single pixel tolerates its weight (one step of Borůvka's algorithm, for pairs). In a triangle with it, the two
+/// other edges then connect one set with one pixel. The lighter of them decides: if it is refused, one side tolerates less than its
+/// weight and will never tolerate more, so the heavier one would be refused too. The heavier one changes nothing and is closed.
+/// O(pixels); parallel over bands of rows.
 pub(crate) fn settle(graph: &PixelGraph, shut: &Raster<bool>, tolerated: f32, open: &mut [u8]) {
     let width = graph.width();
     open.par_chunks_mut(BAND_ROWS * width).enumerate().for_each(|(band, open)| {
@@ -28,7 +28,7 @@ pub(crate) fn settle(graph: &PixelGraph, shut: &Raster<bool>, tolerated: f32, op
     });
 }
 
-/// Calls `join` with the edges that join their pixels, in scan order. No pixel has two of them. O(pixels).
+/// Calls `join` with the edges that join their pixels, in scan order. No pixel has two such edges. O(pixels).
 pub(crate) fn join_settled(graph: &PixelGraph, settled: &[u8], mut join: impl FnMut(PixelEdge)) {
     let width = graph.width();
     let mut found = vec![0; width];
@@ -47,8 +47,8 @@ pub(crate) fn join_settled(graph: &PixelGraph, settled: &[u8], mut join: impl Fn
     }
 }
 
-/// As [`settle`], for some rows. Row after row passes through four states: its weights are read, its lightest edges are known, its joining
-/// edges are known, its idle edges are known.
+/// As [`settle`], for some rows. Each row passes through four steps: find its lightest edges, its joining edges, its idle edges,
+/// then update its open edges. Rows in different steps are held at the same time.
 #[inline(always)]
 fn settle_rows(graph: &PixelGraph, shut: &Raster<bool>, tolerated: f32, rows: Range<usize>, open: &mut [u8]) {
     let (width, height) = shut.size();
@@ -78,20 +78,22 @@ fn settle_rows(graph: &PixelGraph, shut: &Raster<bool>, tolerated: f32, rows: Ra
     }
 }
 
-/// A row of pixels. They are the upper pixels of blocks of two by two: a and b, below them c and d.
+/// A row of pixels. Two adjacent pixels of the row are the upper pixels a and b of a block of two by two; c and d lie below.
 struct Row {
-    /// The weight of each pixel's lightest edge; `NaN` when it is not the only one, or joins nothing.
+    /// The weight of each pixel's lightest edge; `NaN` when another edge is as light, or when the edge joins nothing.
     lightest: Vec<f32>,
     /// The weight of the second lightest edge.
     second: Vec<f32>,
     /// Bit d: the edge in direction d joins its pixels.
     joined: Vec<u32>,
-    /// The idle edges, which change nothing, of the block whose a is one column to the left: bit d of a, bit `OF_B` + d of b, bit
-    /// `OF_C` + d of c. Both ends stand for no block.
+    /// The idle edges, which change nothing. Entry u is for the block whose pixel a is in column u - 1: bit d for a, bit
+    /// `OF_B` + d for b, bit `OF_C` + d for c. The first and the last entry belong to no block.
     idle: Vec<u32>,
 }
 
+/// In a word that holds the edges of three pixels, the first bit of the second pixel, b.
 const OF_B: u32 = 8;
+/// In a word that holds the edges of three pixels, the first bit of the third pixel, c.
 const OF_C: u32 = 16;
 
 impl Row {
@@ -172,6 +174,7 @@ impl Row {
     }
 }
 
+/// The bit of the edge from a to b, and so on for the other edges of a block.
 const AB: u32 = 1;
 const AC: u32 = 1 << 1;
 const AD: u32 = 1 << 2;
@@ -206,7 +209,7 @@ mod tests {
         #[test]
         fn each_edge_is_settled_as_by_looking_at_all_others(
             (width, pixels) in prop_oneof![(1_usize..20, 1_usize..9), (1_usize..4, 60_usize..140)].prop_flat_map(|(w, h)| {
-                // Many equal ones, and some that are lighter than all around.
+                // Many equal weights, and some that are lighter than all around them.
                 let weight = prop_oneof![0.0_f32..9.0, (0_u8..4).prop_map(f32::from), Just(f32::INFINITY)];
                 (Just(w), prop::collection::vec((prop::array::uniform4(weight), 0_u8..9), w * h))
             }),
@@ -220,7 +223,7 @@ mod tests {
             let mut joined = Vec::new();
             join_settled(&graph, &settled, |edge| joined.push(edge));
 
-            // In the order of their turns.
+            // In the order of the algorithm.
             let edges = naive_edges(&graph);
             let has = |e: &PixelEdge, pixel: u32| e.p == pixel || e.q == pixel;
             let lightest_of_all = |edge: &PixelEdge| {

@@ -14,10 +14,10 @@ const TILE_PX: usize = 64;
 
 /// Smooths the colour image by a separable Gaussian: red, green and blue in grey levels 0..255, not rounded.
 ///
-/// Pixels with depth and pixels without are smoothed each among themselves, the weights normalised over those in the window
-/// (normalised convolution, Knutsson and Westin 1993): the colour of what was not measured does not bleed into what was. The kernel
-/// reaches 4σ, rounded up (5 taps at the default); the border is mirrored without repeating the edge pixel. Where all pixels of a
-/// tile are of one kind, the other kind costs nothing. O(pixels · taps); parallel over bands of rows.
+/// Pixels with depth and pixels without are smoothed separately, with the weights normalised over the pixels of one kind in the
+/// window (normalised convolution, Knutsson and Westin 1993). So the colour of unmeasured pixels does not bleed into measured
+/// ones. The kernel reaches 4σ, rounded up (5 taps at the default); the image is mirrored at its border without repeating the edge
+/// pixel. If all pixels of a tile are of one kind, the other kind costs nothing. O(pixels · taps); parallel over bands of rows.
 pub fn smooth(
     color: &Raster<[u8; 3]>,
     depth_m: &Raster<f32>,
@@ -26,7 +26,7 @@ pub fn smooth(
     let kernel = kernel(params.sigma_px);
     let image = Image { color, depth_m, kernel: &kernel };
     let (width, height) = color.size();
-    // Every pixel is of one kind or the other, so every value is written.
+    // Every pixel is of one of the two kinds, so every value is written.
     let mut smoothed = [(); 3].map(|()| Buffer::stale(color.len(), 0.0));
     let bands = smoothed.each_mut().map(|plane| plane.par_chunks_mut(TILE_PX * width));
     let [red, green, blue] = bands;
@@ -49,7 +49,7 @@ pub fn smooth(
     smoothed.map(|plane| color.with_data(plane))
 }
 
-/// The image to be smoothed, and how.
+/// The image to be smoothed, and the kernel.
 struct Image<'a> {
     color: &'a Raster<[u8; 3]>,
     depth_m: &'a Raster<f32>,
@@ -67,7 +67,7 @@ impl Image<'_> {
     }
 }
 
-/// Red, green, blue and one, a row each.
+/// Red, green, blue and one (the weight of the pixel), a row each.
 type Planes = [[f32; TILE_PX]; 4];
 
 /// The working memory of one tile.
@@ -75,13 +75,13 @@ struct Tile {
     reach: usize,
     /// The columns of the tile and its surroundings, mirrored into the image.
     columns: Vec<usize>,
-    /// Places in `columns` of those that are not mirrored.
+    /// Places in `columns` of the columns that are not mirrored.
     inside: Range<usize>,
     /// One row of the image and its surroundings; zero where pixels are of the other kind.
     source: [Vec<f32>; 4],
-    /// Number of planes that are smoothed. Without pixels of the other kind the ones need not be: their sum is known.
+    /// Number of planes that are smoothed: 4, or 3 when no pixel of the other kind is near and the sum of the weights is known.
     planes: usize,
-    /// The rows around the present one, smoothed along themselves; row v has place v modulo their number.
+    /// The rows around the present one, smoothed horizontally; row v is at place v modulo their number.
     along: Vec<Planes>,
 }
 
@@ -97,8 +97,7 @@ impl Tile {
         }
     }
 
-    /// Smooths the pixels of the tile that are measured, or those that are not, into their places in `smoothed`: the rows of the
-    /// band.
+    /// Smooths the measured or the unmeasured pixels of the tile, and writes them to `smoothed`, the rows of the band.
     #[inline(always)]
     fn smooth(
         &mut self,
@@ -122,7 +121,7 @@ impl Tile {
         let mut sums = [[one; TILE_PX]; 4];
         for v in rows.start as isize - reach..rows.end as isize + reach {
             self.smooth_along(image, measured, v);
-            // The row whose surroundings are complete.
+            // The row whose neighbouring rows are now complete.
             let v = v - reach;
             if v >= rows.start as isize {
                 self.smooth_down(image.kernel, v, &mut sums);
@@ -135,7 +134,7 @@ impl Tile {
         }
     }
 
-    /// Finds the columns of the image that the tile and its surroundings have.
+    /// Finds the image columns of the tile and its surroundings.
     #[inline(always)]
     fn move_to(&mut self, columns: &Range<usize>, width: usize) {
         let left = columns.start as isize - self.reach as isize;
@@ -146,7 +145,7 @@ impl Tile {
         self.inside = at(0)..at(width);
     }
 
-    /// Smooths row `v` along itself; beyond the image it is mirrored.
+    /// Smooths row `v` horizontally; beyond the image it is mirrored.
     #[inline(always)]
     fn smooth_along(&mut self, image: &Image<'_>, measured: bool, v: isize) {
         let (width, height) = image.color.size();
@@ -176,7 +175,7 @@ impl Tile {
         }
     }
 
-    /// Smooths row `v` across the rows around it.
+    /// Smooths row `v` vertically, over the rows around it.
     #[inline(always)]
     fn smooth_down(&self, kernel: &[f32], v: isize, sums: &mut Planes) {
         let at = |t: isize| &self.along[(v + t).rem_euclid(self.along.len() as isize) as usize];
@@ -186,8 +185,8 @@ impl Tile {
     }
 }
 
-/// Divides the sums of colours by the sums of weights and writes them to a row of the tile. `others`: the row's depths and the kind
-/// that is written, where pixels of the other kind have to stay as they are.
+/// Divides the sums of colours by the sums of weights and writes the results to a row of the tile. `others`: the depths of the row
+/// and the kind that is written, if pixels of the other kind have to stay as they are.
 #[inline(always)]
 fn normalise(sums: &Planes, others: Option<(&[f32], bool)>, smoothed: [&mut [f32]; 3]) {
     let [colors @ .., one] = sums;
@@ -204,7 +203,7 @@ fn normalise(sums: &Planes, others: Option<(&[f32], bool)>, smoothed: [&mut [f32
     }
 }
 
-/// Sums the middle values and the pairs at every distance from them, each weighted by its tap.
+/// Sums the middle value and the pairs of values at each distance from it, weighted by the taps.
 #[inline(always)]
 fn filter<'a>(sums: &mut [f32; TILE_PX], kernel: &[f32], pair: impl Fn(usize) -> (&'a [f32], &'a [f32])) {
     for (sum, middle) in sums.iter_mut().zip(pair(0).0) {
@@ -218,7 +217,7 @@ fn filter<'a>(sums: &mut [f32; TILE_PX], kernel: &[f32], pair: impl Fn(usize) ->
     }
 }
 
-/// The sum that [`filter`] makes of equal values.
+/// The result of [`filter`] for equal values.
 fn filtered_alike(kernel: &[f32], value: f32) -> f32 {
     kernel[1..].iter().fold(kernel[0] * value, |sum, weight| sum + weight * (value + value))
 }
@@ -233,7 +232,7 @@ fn kernel(sigma_px: f64) -> Vec<f32> {
     taps.iter().map(|t| (t / sum) as f32).collect()
 }
 
-/// The index that stands in for `i` when it lies outside 0..n: mirrored at the first and last pixel.
+/// The index `i`; outside 0..n, mirrored at the first and the last pixel.
 fn mirror(i: isize, n: usize) -> usize {
     let period = (2 * n as isize - 2).max(1);
     let i = i.rem_euclid(period) as usize;

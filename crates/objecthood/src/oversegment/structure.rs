@@ -1,7 +1,7 @@
 //! Structure planes: large surfaces that carry or enclose the objects (docs/CONTEXT.md 1.1).
 //!
-//! They are taken out first: objects stand on them or before them, "up" and "height" follow from them, and every later
-//! stage is cheaper without them.
+//! They are taken out first: objects stand on them or in front of them, "up" and "height" follow from them, and every later
+//! stage is cheaper without their pixels.
 
 mod candidates;
 mod labels;
@@ -35,7 +35,7 @@ pub struct Structure {
     pub surfaces: Vec<StructureSurface>,
     /// The surface of every pixel; -1 = none.
     pub labels: Raster<i32>,
-    /// The surface on which objects stand: the first that faces up as the camera is held, else the first of all.
+    /// The surface on which objects stand: the first one whose normal points up, else the first of all.
     pub support: Option<usize>,
     /// Every surface as a plane, fitted to its own pixels.
     pub planes: Vec<StructurePlane>,
@@ -49,7 +49,7 @@ const LONG_M: f64 = 0.5;
 const DOMINANT_SHARE: f64 = 0.2;
 /// ... and has a larger area than this.
 const DOMINANT_M2: f64 = 0.03;
-/// Things stand on a surface whose normal has a larger component upwards.
+/// A surface can carry things when its normal has a larger component along the camera's own up.
 pub(crate) const UPWARD: f64 = 0.3;
 
 /// Finds the structure of a scene.
@@ -94,7 +94,7 @@ fn find_surfaces(view: &View<'_>, fits: &PlaneFits) -> Vec<StructureSurface> {
     surfaces
 }
 
-/// The first surface that faces up, else the first of all.
+/// The first surface whose normal points up, else the first of all.
 fn find_support(surfaces: &[StructureSurface], camera_up: [f32; 3]) -> Option<usize> {
     let camera_up = Vec3::from(camera_up).as_dvec3();
     let facing_up = surfaces.iter().position(|s| s.normal.dot(camera_up) > UPWARD);
@@ -107,7 +107,7 @@ impl Structure {
         Segments::from_numbered(self.labels.clone(), self.surfaces.len())
     }
 
-    /// One label map of both: first the surfaces, then the segments, which lie where no surface is.
+    /// One label map of both: first the surfaces, then the segments of the other pixels.
     pub(crate) fn with(&self, segments: &Segments) -> Segments {
         let surfaces = self.surfaces.len();
         let both = self.labels.as_slice().iter().zip(segments.labels().as_slice());

@@ -12,9 +12,9 @@ use crate::surface::disparity::DisparitySpace;
 
 /// Levels of the relief per quantum of residual.
 const LEVELS_PER_QUANTUM: f32 = 40.0;
-/// The level of pixels without a fit, and the number of levels below it.
+/// The level of pixels without a fit; it is flooded last.
 const HIGHEST: usize = 255;
-/// Between frames the queue of a level keeps room for this share of the pixels, all queues together for 16 bytes a pixel.
+/// Between frames each queue keeps room for 1 in 64 pixels; all together take at most 16 bytes a pixel.
 const KEPT_SHARE: usize = 64;
 
 /// One seed per block of `seed_block_px`: its first free pixel of least residual (quanta). Blocks without free pixels have none.
@@ -33,7 +33,7 @@ pub fn find_seeds(
 /// The seeds of the blocks whose top row is `top`.
 fn find_seeds_from(top: usize, block: usize, residual: &Raster<f32>, links: &Links) -> Vec<usize> {
     let (width, height) = residual.size();
-    // The least residual of each column and the first row that has it. Residuals are not negative, so their bits sort as they do.
+    // The least residual of each column and its first row. Residuals are not negative, so their bits sort in the same order.
     let (mut least, mut rows) = (vec![i32::MAX; width], vec![0; width]);
     vectorized(
         #[inline(always)]
@@ -56,11 +56,14 @@ fn find_seeds_from(top: usize, block: usize, residual: &Raster<f32>, links: &Lin
     firsts.filter_map(seed).collect()
 }
 
-/// Floods the relief of fit residuals (quanta) from the seeds, across links only: a superpixel for each seed, and one for each
+/// Floods the relief of fit residuals (quanta) from the seeds, across links only. Each seed gives one superpixel, and so does each
 /// connected group of free pixels that no seed reaches.
 ///
-/// Watershed by flooding (Meyer 1994): regions grow over flat surface first and meet at edges. Superpixels cover the measured
-/// pixels outside the structure. O(pixels).
+/// Watershed by flooding (Meyer 1994): regions first grow where residuals are small and meet at edges. Superpixels cover all free
+/// pixels. `seeds`: indices of free pixels, each once. O(pixels).
+///
+/// # Panics
+/// When a seed lies outside the image, or when `links` belong to an image of another size.
 pub fn flood(residual: &Raster<f32>, seeds: &[usize], links: &Links) -> Segments {
     let mut queues: Buffer<Vec<u32>> = Buffer::stale(HIGHEST + 1, Vec::new());
     queues.iter_mut().for_each(Vec::clear);
@@ -76,7 +79,7 @@ pub fn flood(residual: &Raster<f32>, seeds: &[usize], links: &Links) -> Segments
         queues[level(i)].push(i as u32);
     }
     for now in 0..=HIGHEST {
-        // Pixels that are reached from this level belong to it, however low they lie.
+        // A pixel reached at this level is flooded now, even if its own level is lower.
         let (mut queue, mut first) = (std::mem::take(&mut queues[now]), 0);
         while let Some(&i) = queue.get(first) {
             let label = labels[i as usize];
@@ -98,8 +101,8 @@ pub fn flood(residual: &Raster<f32>, seeds: &[usize], links: &Links) -> Segments
     Segments::from_numbered(residual.with_data(labels), count as usize)
 }
 
-/// Labels the free pixels that have no label yet, one connected group after the other from label `first` on. Returns the number of
-/// groups.
+/// Labels the free pixels that are still unlabelled: one new label, from `first` on, for each connected group. Returns the number
+/// of groups.
 fn flood_the_rest(links: &Links, labels: &mut [i32], first: i32) -> i32 {
     let mut next = first;
     let mut open = Vec::new();

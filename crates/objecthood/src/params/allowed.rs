@@ -5,9 +5,9 @@ use std::fmt;
 use crate::error::{Error, Result};
 use crate::params::choices::{Channels, UpFrom};
 
-/// Between the limits of a range.
+/// The text between the two limits of a range.
 pub(super) const TO: &str = " ..= ";
-/// Between the values of a choice.
+/// The text between the values of a choice.
 pub(super) const OR: &str = " | ";
 
 /// The values a parameter may take.
@@ -25,7 +25,7 @@ impl<T: PartialOrd + fmt::Display> Allowed<T> for std::ops::RangeInclusive<T> {
     }
 }
 
-/// A choice between named values; its type leaves nothing to check.
+/// A choice between named values. The type admits no others, so there is nothing to check.
 pub(super) struct OneOf(pub(super) &'static str);
 
 impl<T> Allowed<T> for OneOf {
@@ -39,9 +39,9 @@ impl<T> Allowed<T> for OneOf {
 
 /// A value that may be a number.
 pub(super) trait Number: Sized {
-    /// The number, as it is written: a 32-bit 0.14 is 0.14.
+    /// The number as printed: the 32-bit value 0.14 gives 0.14, not the nearest 32-bit number.
     fn number(&self) -> Option<f64>;
-    /// The value that a number is, if it is one.
+    /// The value of this type with this number, if there is one.
     fn from_number(number: f64) -> Option<Self>;
 }
 
@@ -60,7 +60,7 @@ macro_rules! numbers {
 
 numbers!(f64, f32, usize, u32);
 
-/// A choice is none.
+/// A choice is no number.
 macro_rules! no_numbers {
     ($($Type:ty),+) => {
         $(impl Number for $Type {

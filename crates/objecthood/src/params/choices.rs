@@ -22,9 +22,9 @@ macro_rules! choice {
 }
 
 choice! {
-    /// A way of doing the four stages.
+    /// A method: an implementation of the four stages.
     Method {
-        /// Surfaces fitted in disparity, and what their borders and surroundings tell.
+        /// Surfaces fitted in disparity, joined by their borders and surroundings.
         #[default]
         Context = "context",
         /// The published method, equation by equation.
@@ -33,7 +33,7 @@ choice! {
 }
 
 choice! {
-    /// What the weight of an edge between two pixels is made of (the paper's comparison).
+    /// The terms in the weight of an edge between two pixels (the paper's comparison).
     Channels {
         /// Colour difference only.
         Color = "color",
@@ -46,12 +46,12 @@ choice! {
 }
 
 choice! {
-    /// Where the direction "up" comes from.
+    /// Source of the direction "up".
     UpFrom {
         /// The normal of the dominant plane.
         #[default]
         Plane = "plane",
-        /// The camera's own up, by its tilt and roll; held horizontally against its y axis.
+        /// The camera's own up, from its tilt and roll. When it is held horizontally, up is opposite to its y axis.
         Camera = "camera",
     }
 }

@@ -1,6 +1,6 @@
-//! The macro that makes struct, default, validation and table of parameters from one text, so they cannot disagree.
+//! The macro that generates structs, defaults, validation and the table of parameters from one text, so they cannot disagree.
 
-/// The methods that read a parameter, each with its first stage that does.
+/// The methods that read a parameter, each with the first stage that reads it.
 macro_rules! readers {
     ([$($method:ident: $stage:ident),+]) => { &[$(Reader { method: Method::$method, first_stage: Stage::$stage }),+] };
 }
@@ -88,7 +88,7 @@ macro_rules! parameters {
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         #[serde(default, deny_unknown_fields)]
         pub struct Params {
-            /// Which method looks at the frame.
+            /// The method.
             pub method: Method,
             $($(#[doc = $group_doc])+ pub $group: $Group,)+
         }
@@ -97,13 +97,13 @@ macro_rules! parameters {
             /// Checks every value against its range.
             ///
             /// # Errors
-            /// [`Error::BadParameter`] names the first value outside its range.
+            /// [`Error::BadParameter`](crate::Error::BadParameter) names the first value outside its range.
             pub fn validate(&self) -> Result<()> {
                 $(self.$group.validate()?;)+
                 Ok(())
             }
 
-            /// The value of the parameter `group.name`; `None` when it is no number.
+            /// The value of the parameter `group.name`; `None` when it is not a number or there is no such parameter.
             pub fn number(&self, name: &str) -> Option<f64> {
                 let (group, name) = name.split_once('.')?;
                 match group {
@@ -123,7 +123,7 @@ macro_rules! parameters {
                 params.validate().is_ok().then_some(params)
             }
 
-            /// The first stage of a method that reads a parameter with another value; `None` when all that it reads are equal.
+            /// The first stage of a method that reads a parameter whose value differs; `None` when all parameters that it reads are equal.
             pub(crate) fn first_reader_of_change(&self, other: &Self, method: Method) -> Option<Stage> {
                 let groups = [$(self.$group.first_reader_of_change(&other.$group, method)),+];
                 groups.into_iter().flatten().min()

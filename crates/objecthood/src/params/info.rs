@@ -1,4 +1,4 @@
-//! What the table of parameters says of each of them.
+//! The lines of the table of parameters.
 
 use serde::Serialize;
 
@@ -18,11 +18,11 @@ pub struct ParameterInfo {
     pub range: String,
     /// The unit, or "dimensionless: meaning".
     pub unit: &'static str,
-    /// What it does.
+    /// Its meaning.
     pub meaning: String,
-    /// Where the default comes from.
+    /// The source of the default.
     pub source: &'static str,
-    /// The methods that read it.
+    /// The methods that read it, each with the first stage that does.
     pub readers: &'static [Reader],
 }
 
@@ -47,13 +47,13 @@ impl ParameterInfo {
         self.readers.iter().find(|reader| reader.method == method).map(|reader| reader.first_stage)
     }
 
-    /// The least and the greatest value allowed of a number; `None` of a choice.
+    /// The least and the greatest allowed value of a number; `None` for a choice.
     pub fn limits(&self) -> Option<(f64, f64)> {
         let (least, greatest) = self.range.split_once(TO)?;
         Some((least.parse().ok()?, greatest.parse().ok()?))
     }
 
-    /// The values allowed of a choice; none of a number.
+    /// The allowed values of a choice; empty for a number.
     pub fn choices(&self) -> Vec<&str> {
         if self.limits().is_some() { Vec::new() } else { self.range.split(OR).collect() }
     }

@@ -1,4 +1,4 @@
-//! What the common border of two facets shows: how it folds, and where one hides the other (docs/CONTEXT.md 3.1).
+//! Evidence from the common border of two facets: folds and steps (docs/CONTEXT.md 3.1).
 
 mod side;
 
@@ -13,14 +13,14 @@ use crate::raster::{Raster, marked};
 use crate::regions::{RegionGraph, SegmentId};
 use crate::surface::disparity::{DisparitySpace, position};
 
-/// What the border of two facets shows.
+/// Evidence from the border of two facets.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BorderEvidence {
     /// The folds, in scan order.
     pub folds: Vec<Fold>,
-    /// Length of the border (m) where depth steps: one facet hides what lies behind it.
+    /// Length of the border (m) that is a step: one facet lies in front of the other by more than noise.
     pub step_m: f64,
-    /// How far the first facet is before the second where they meet, summed over all samples.
+    /// How far the first facet lies in front of the second at the border, summed over all samples.
     pub gaps: Gaps,
 }
 
@@ -40,26 +40,26 @@ pub struct Gaps {
 pub struct Fold {
     /// Angle between the surfaces (degrees): above 0 = ridge, convex; below 0 = valley, concave.
     pub angle_deg: f64,
-    /// Length of border for which it stands (m).
+    /// Length of border that it represents (m).
     pub length_m: f64,
 }
 
-/// The step between two single pixels counts beyond this multiple of the gap between surfaces.
+/// Two single pixels make a step when they differ by more than this multiple of `border.gap_quanta`.
 const RAW_GAPS: f64 = 2.5;
-/// It hides something beyond this multiple of the depth that a step between surfaces needs.
+/// Two single pixels hide something when they differ by more than this multiple of `border.step_depth_m`.
 const RAW_DEPTHS: f64 = 2.0;
-/// A small step that folds by more than this (degrees) may be a torn ridge.
+/// A step that hides nothing is a torn ridge when the sides fold outwards by at least this (degrees).
 const TORN_RIDGE_DEG: f64 = 25.0;
 /// A torn ridge counts as a fold of this share of its length.
 const TORN_RIDGE_SHARE: f64 = 0.5;
-/// Every other pair of pixels is a sample, so each stands for two.
+/// Every other pair of pixels is a sample, so each sample represents two pairs.
 const PAIRS_PER_SAMPLE: f64 = 2.0;
 
-/// Marks of a pixel whose right or lower neighbour lies on another facet.
+/// Marks a pixel whose right (`RIGHT`) or lower (`BELOW`) neighbour lies on another facet.
 const RIGHT: i32 = 1;
 const BELOW: i32 = 2;
 
-/// What one place of a border shows.
+/// The evidence from one place of a border.
 struct Sample {
     kind: Kind,
     gaps: Gaps,
@@ -70,9 +70,9 @@ enum Kind {
     Step { length_m: f64 },
 }
 
-/// Measures the common borders of facets, but for those between two facets of the structure. Every other pair of pixels along a
-/// border is a sample, for which a plane is fitted to either side within `radius_px`: locally, because curved and L-shaped
-/// facets have no one direction. O(border pixels · radius^2); parallel over rows.
+/// Measures the common borders of facets, except between two facets of the structure. Every other pair of pixels along a border is
+/// a sample. Each sample fits a plane to either side within `radius_px`: locally, because curved and L-shaped facets have no
+/// single direction. O(border pixels · radius^2); parallel over rows.
 pub fn measure_borders(
     facets: &Facets,
     disparity: &Raster<f32>,
@@ -82,7 +82,7 @@ pub fn measure_borders(
     let (width, height) = disparity.size();
     let surroundings = Surroundings { facets, disparity, space, radius: space.length_px(params.radius_px) };
     let borders = Borders { surroundings, params };
-    let look_at_row = |marks: &mut Vec<i32>, v: usize| {
+    let sample_row = |marks: &mut Vec<i32>, v: usize| {
         mark_borders(facets.segments.labels(), v, marks);
         let mut samples = Vec::new();
         for u in marked(marks) {
@@ -96,11 +96,11 @@ pub fn measure_borders(
         }
         samples
     };
-    let rows: Vec<Vec<_>> = (0..height).into_par_iter().map_init(|| vec![0; width], look_at_row).collect();
+    let rows: Vec<Vec<_>> = (0..height).into_par_iter().map_init(|| vec![0; width], sample_row).collect();
     RegionGraph::gather(facets.segments.count(), rows.into_iter().flatten(), BorderEvidence::add)
 }
 
-/// Marks the samples of row `v`: in odd rows pairs along the row, in odd columns pairs along the column.
+/// Marks the samples of row `v`: horizontal pairs in odd rows, vertical pairs in odd columns.
 fn mark_borders(labels: &Raster<i32>, v: usize, marks: &mut [i32]) {
     let (width, height) = labels.size();
     let row = |v: usize| &labels.as_slice()[v * width..(v + 1) * width];
@@ -116,15 +116,15 @@ fn mark_borders(labels: &Raster<i32>, v: usize, marks: &mut [i32]) {
     }
 }
 
-/// Looks at the borders of facets.
+/// Measures the borders of facets.
 struct Borders<'a> {
     surroundings: Surroundings<'a>,
     params: &'a params::Border,
 }
 
-/// How large a step between two sides is.
+/// The difference between the two sides at one place.
 struct Step {
-    /// Between their planes in the middle (quanta).
+    /// Between the planes of the sides at the place (quanta).
     gap: f64,
     /// Between the two pixels (quanta).
     raw: f64,
@@ -151,7 +151,7 @@ impl Borders<'_> {
         let (di, dj) = (f64::from(disparity[i]), f64::from(disparity[j]));
         let z_m = space.depth_m(0.5 * (di + dj));
         let camera = space.camera();
-        // A pair along a row stands for border along the column.
+        // A horizontal pair represents a vertical piece of border.
         let focal_px = if i.abs_diff(j) == 1 { camera.fy_px } else { camera.fx_px };
         let length_m = PAIRS_PER_SAMPLE * z_m / focal_px;
         let before = sides[0].value - sides[1].value;
@@ -162,7 +162,7 @@ impl Borders<'_> {
         Some((a, b, Sample { kind, gaps }))
     }
 
-    /// Tells a fold from a step. A step that hides nothing may be a torn ridge.
+    /// Decides between fold and step. A step that hides nothing may be a torn ridge.
     fn tell_kind(&self, sides: &[SidePlane; 2], step: &Step, middle: [f64; 2], length_m: f64) -> Kind {
         let is_step = self.is_step(sides, step);
         if is_step && self.hides(step) {
@@ -176,7 +176,7 @@ impl Borders<'_> {
         }
     }
 
-    /// Whether noise does not explain the step.
+    /// Whether the difference is larger than noise explains.
     fn is_step(&self, [a, b]: &[SidePlane; 2], step: &Step) -> bool {
         let turn = length([a.slope[0] - b.slope[0], a.slope[1] - b.slope[1]]);
         let gentler = length(a.slope).min(length(b.slope));
@@ -184,14 +184,14 @@ impl Borders<'_> {
             || step.raw > RAW_GAPS * self.params.gap_quanta + gentler
     }
 
-    /// Whether the step is so deep that one side hides what lies behind it.
+    /// Whether the step is deep enough for one side to hide things behind it.
     fn hides(&self, step: &Step) -> bool {
         let depth_m = |quanta: f64| self.surroundings.space.step_m(quanta, step.z_m);
         depth_m(step.gap) > self.params.step_depth_m
             || depth_m(step.raw) > RAW_DEPTHS * self.params.step_depth_m
     }
 
-    /// Angle between the normals of the sides (degrees), below 0 when they lean towards each other.
+    /// Angle between the sides (degrees): above 0 for a ridge, below 0 for a valley.
     fn angle_deg(&self, sides: &[SidePlane; 2], middle: [f64; 2]) -> f64 {
         let space = self.surroundings.space;
         let [a, b] = sides.each_ref().map(|side| {
@@ -205,7 +205,8 @@ impl Borders<'_> {
     }
 }
 
-/// Angle (degrees) between two surfaces, each given by a point and the normal there, below 0 when they lean towards each other.
+/// Angle (degrees) between two surfaces, each given by a point and its normal: above 0 when they fold outwards (ridge), below 0 when
+/// they fold inwards (valley).
 pub(crate) fn fold_angle_deg(
     (point_a, normal_a): (DVec3, DVec3),
     (point_b, normal_b): (DVec3, DVec3),
@@ -216,8 +217,8 @@ pub(crate) fn fold_angle_deg(
 }
 
 impl Fold {
-    /// Its vote (m): above 0 for one shape, below 0 for two. It is 0 for a valley of `reflex_offset_deg` and reaches the whole length
-    /// at `full_vote_deg` to either side of that.
+    /// Its vote (m): above 0 for one shape, below 0 for two. It is 0 for a valley of `reflex_offset_deg`, and plus or minus the whole
+    /// length from `full_vote_deg` away from there on.
     pub fn vote_m(&self, params: &params::Contraction) -> f64 {
         let signed = (self.angle_deg + params.reflex_offset_deg) / params.full_vote_deg;
         self.length_m * signed.clamp(-1.0, 1.0)
@@ -237,12 +238,12 @@ impl BorderEvidence {
 
     /// Length of the border (m) that is a fold.
     pub fn fold_m(&self) -> f64 {
-        // A sum of nothing is -0.0.
+        // Not `sum`, which gives -0.0 for no folds.
         self.folds.iter().fold(0.0, |sum, fold| sum + fold.length_m)
     }
 
-    /// The vote of the border (m): above 0 for one shape, below 0 for two. Its folds vote; its steps count against one shape with
-    /// `occlusion_weight`.
+    /// The vote of the border (m): above 0 for one shape, below 0 for two. It is the sum of the votes of the folds, minus
+    /// `occlusion_weight` times the length of the steps.
     pub fn vote_m(&self, params: &params::Contraction) -> f64 {
         let folds = self.folds.iter().map(|fold| fold.vote_m(params)).sum::<f64>();
         folds - params.occlusion_weight * self.step_m

@@ -1,4 +1,4 @@
-//! Which regions are close to each other in space (paper, III-C: "close in 3-D Euclidean space").
+//! Contacts: regions that are close to each other in space (paper, III-C: "close in 3-D Euclidean space").
 
 use glam::Vec3;
 
@@ -6,14 +6,14 @@ use crate::params;
 use crate::raster::{Raster, marked, part};
 use crate::regions::{RegionGraph, Segments};
 
-/// Right, down, down-right and down-left.
+/// The number of directions of the walks: right, down, down-right and down-left.
 const DIRECTIONS: usize = 4;
 
-/// Counts the point pairs in contact between any two regions.
+/// Counts, for any two regions, the pairs of points in contact.
 ///
-/// From every pixel with depth a walk goes right, down, down-right and down-left for at most `reach_px`, across pixels without
-/// depth or region and of the same region, to the first pixel of another region. The pair counts when its points are nearer than
-/// `distance_m`. O(pixels + pairs log pairs).
+/// From every pixel of a region walks lead right, down, down-right and down-left for at most `reach_px`. A walk crosses pixels of
+/// the same region, of no region or without depth, and ends at the first pixel of another region. The two pixels are in contact when
+/// their points are nearer than `distance_m`. O(pixels + pairs log pairs).
 pub fn find_contacts(
     segments: &Segments,
     points_m: &Raster<[f32; 3]>,
@@ -24,10 +24,10 @@ pub fn find_contacts(
     RegionGraph::from_pairs(segments.count(), regions)
 }
 
-/// Finds the pairs that [`find_contacts`] counts. Pairs with one second pixel and one direction follow each other.
+/// Finds the pairs of pixels that [`find_contacts`] counts. Pairs with the same second pixel and direction follow each other.
 ///
-/// Where a walk meets another region the label changes, so walks start at changes only: the pixels of the same label before a
-/// change meet the same pixel. O(pixels + changes · `reach_px`).
+/// A walk leaves its region where the label changes. So walks start only at changes: all pixels of the region before a change meet
+/// the same pixel. O(pixels + changes · `reach_px`).
 pub(crate) fn find_touching_pairs(
     segments: &Segments,
     points_m: &Raster<[f32; 3]>,
@@ -52,16 +52,16 @@ pub(crate) fn find_touching_pairs(
 
 /// A walk in one direction.
 struct Walk {
-    /// From one pixel index to the next.
+    /// Difference of the indices of successive pixels.
     step: usize,
-    /// Number of pixels to the edge of the image, forwards and backwards.
+    /// Number of pixels to the edge of the image, forwards (`ahead`) and backwards (`behind`).
     ahead: usize,
     behind: usize,
 }
 
 impl Walk {
-    /// Adds the pairs of which the second pixel is the first one of another region after pixel `i`, and the first pixel is `i` or one of
-    /// the same label before it.
+    /// Adds pairs of pixels in contact. The second pixel is the first one of another region after pixel `i`. The first pixel is `i`, or
+    /// one of the pixels of the same label directly before it.
     fn find_pairs(
         &self,
         i: usize,
@@ -87,7 +87,7 @@ impl Walk {
                 break;
             }
             let point = Vec3::from(points_m[p]);
-            // Most differ too much in depth alone. NaN is not near.
+            // The depths alone rule out most pairs. NaN compares false.
             if (point.z - met.z).abs() < distance_m && point.distance(met) < distance_m {
                 pairs.push((p as u32, q as u32));
             }
@@ -95,13 +95,13 @@ impl Walk {
     }
 }
 
-/// Finds the pixels of regions with another label to the right or below, and those at the edge of the image: column and row in scan
-/// order. O(pixels).
+/// Finds the pixels of regions that have a neighbour of another label to the right or below, and all region pixels in the first and
+/// the last column: (column, row) in scan order. O(pixels).
 fn find_changes(segments: &Segments) -> Vec<(usize, usize)> {
     let width = segments.labels().width();
     let mut rows = segments.labels().as_slice().chunks_exact(width).enumerate().peekable();
     let mut changes = Vec::new();
-    // The first and the last pixel of a row stay marked.
+    // The first and the last pixel of a row are always marked.
     let mut marks = vec![1; width];
     let inner = width.saturating_sub(2);
     while let Some((v, own)) = rows.next() {
@@ -109,7 +109,7 @@ fn find_changes(segments: &Segments) -> Vec<(usize, usize)> {
         let (label, right) = (part(own, 1, inner), part(own, 2, inner));
         let below = [0, 1, 2].map(|u| part(below, u, inner));
         let marks_inner = &mut marks[1.min(width)..][..inner];
-        // Slices of one length and no branches, so that vector units compare many at once.
+        // Slices of one length and no branches let vector units compare many pixels at once.
         for k in 0..inner {
             let own = label[k];
             let differs =

@@ -1,4 +1,4 @@
-//! Shapes of `context`: a signed graph, contracted greedily (docs/CONTEXT.md 3.3).
+//! Shapes of `context`: greedy contraction of a graph with signed weights (docs/CONTEXT.md 3.3).
 
 use std::collections::{BTreeMap, BinaryHeap};
 
@@ -8,7 +8,7 @@ use crate::regions::{RegionGraph, SegmentId, Segments};
 use crate::shapes::border::BorderEvidence;
 use crate::union_find::UnionFind;
 
-/// An edge on the heap: by weight, then by both regions, greatest first.
+/// An edge on the heap: the greatest weight comes first, then the greatest region numbers.
 #[derive(Clone, Copy, PartialEq)]
 struct Contraction {
     weight: f64,
@@ -30,7 +30,7 @@ impl PartialOrd for Contraction {
     }
 }
 
-/// Which facets are one shape.
+/// The grouping of facets to shapes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Shapes {
     /// The shape of each facet that is no structure, numbered in the order of their first facets.
@@ -48,7 +48,8 @@ impl Shapes {
     }
 }
 
-/// Sums the votes (m) of the borders between facets outside the structure. Facets are numbered from the first one outside. O(E log E).
+/// Sums the votes (m) of the borders between facets outside the structure. `structure`: the number of facets that are structure, the
+/// first ones. Node k of the result is facet `structure` + k; if all facets are structure, there is no node. O(E log E).
 pub fn sum_votes(
     borders: &RegionGraph<BorderEvidence>,
     structure: usize,
@@ -57,11 +58,13 @@ pub fn sum_votes(
     let free = |facet: SegmentId| facet.index().checked_sub(structure).map(|f| SegmentId(f as u32));
     let votes =
         borders.edges().iter().filter_map(|e| Some((free(e.a)?, free(e.b)?, e.evidence.vote_m(params))));
-    RegionGraph::gather(borders.regions() - structure, votes, |sum: &mut f64, vote| *sum += vote)
+    RegionGraph::gather(borders.regions().saturating_sub(structure), votes, |sum: &mut f64, vote| {
+        *sum += vote;
+    })
 }
 
-/// Groups regions so that those that agree are together and those that disagree are apart: greedy additive edge contraction
-/// (Keuper et al., ICCV 2015). The edge of greatest weight is contracted and parallel edges add up, until no weight is above 0.
+/// Groups regions by greedy additive edge contraction (Keuper et al., ICCV 2015). Positive weights attract, negative weights repel.
+/// The edge of greatest weight is contracted, and parallel edges add up, until no weight is above 0.
 ///
 /// The weights are metres of border, so a long valley outvotes a short ridge. O(E log E), as long as no region has very many
 /// neighbours.
@@ -78,7 +81,7 @@ pub fn contract(weights: &RegionGraph<f64>) -> Shapes {
     }
     let mut sets = UnionFind::new(weights.regions());
     while let Some(Contraction { weight, a, b }) = heap.pop() {
-        // Out of date when one of them was merged or the weight has changed since.
+        // Out of date: one of the regions was merged, or the weight has changed.
         if neighbours[a as usize].get(&b) != Some(&weight) {
             continue;
         }
@@ -115,7 +118,7 @@ mod tests {
         RegionGraph::gather(REGIONS as usize, edges, |sum: &mut f64, weight| *sum += weight)
     }
 
-    /// Adds up all weights between all groups, joins the two with the greatest sum, and begins anew.
+    /// Sums the weights between any two groups, joins the two groups with the greatest sum, and starts again.
     fn naive(weights: &RegionGraph<f64>) -> Vec<u32> {
         let mut group: Vec<u32> = (0..REGIONS).collect();
         loop {
@@ -126,7 +129,7 @@ mod tests {
                     *sums.entry((a.min(b), a.max(b))).or_default() += edge.evidence;
                 }
             }
-            // The last of equal ones.
+            // On ties the last one.
             let best = sums.into_iter().reduce(|best, next| if next.1 >= best.1 { next } else { best });
             let Some(((a, b), _)) = best.filter(|&(_, sum)| sum > 0.0) else { break };
             group.iter_mut().filter(|k| **k == b).for_each(|k| *k = a);

@@ -1,4 +1,4 @@
-//! Facets that meet in a convex edge are one shape (paper, eq. 5).
+//! Joins facets that meet in a convex edge to shapes (paper, eq. 5).
 
 use glam::DVec3;
 
@@ -6,25 +6,26 @@ use crate::regions::{RegionGraph, Segments};
 use crate::shapes::descriptor::Descriptor;
 use crate::union_find::UnionFind;
 
-/// How far one facet rises above the other's plane at its centre, the larger of both views (m):
-/// below 0 = ridge, the edge is convex; above 0 = valley.
-///
-/// *Differs from the paper:* eq. 5 is not symmetric and does not say which facet is "2"; here both views must
-/// be convex (PARITY.md 4: any other reading glues the table to the objects).
-pub fn convexity_m(a: &Descriptor, b: &Descriptor) -> f64 {
+/// Height (m) of the centre of one facet above the plane of the other, the larger of both heights: below 0 = ridge, the edge is
+/// convex; above 0 = valley.
+pub(crate) fn convexity_m(a: &Descriptor, b: &Descriptor) -> f64 {
     let [center_a, center_b] = [a, b].map(|d| DVec3::from(d.centroid_m));
     let rise_of_a = (center_a - center_b).dot(DVec3::from(b.normal));
     let rise_of_b = (center_b - center_a).dot(DVec3::from(a.normal));
     rise_of_a.max(rise_of_b)
 }
 
-/// Measures the convexity of every contact (m), see [`convexity_m`]. O(E).
+/// Measures the convexity of every contact: the height (m) of the centre of one facet above the plane of the other, the larger of both
+/// heights. Below 0 the edge is convex. O(E).
+///
+/// *Differs from the paper:* eq. 5 is not symmetric and does not define which facet is "2". Here both heights must be below 0
+/// (PARITY.md 4: any other reading joins the table to the objects).
 pub fn measure_convexities(contacts: &RegionGraph<u32>, facets: &[Descriptor]) -> RegionGraph<f64> {
     contacts.map(|e| convexity_m(&facets[e.a.index()], &facets[e.b.index()]))
 }
 
 /// Joins facets to shapes: connected components over convex edges between facets that both have a core pixel with a normal.
-/// Shapes are numbered in the order of the facets that stand for them. O(E).
+/// Shapes are numbered in the order of their roots in the union-find. O(E).
 pub fn join_shapes(
     facets: &Segments,
     descriptors: &[Descriptor],

@@ -1,4 +1,4 @@
-//! Where a region lies and which way it faces (paper, eq. 4).
+//! The position and direction of a region: mean point and mean normal (paper, eq. 4).
 
 use std::ops::Range;
 
@@ -15,13 +15,13 @@ const MIN_CORE_POINTS: u32 = 10;
 pub struct Descriptor {
     /// Mean of its points, camera frame (m); zero without points.
     pub centroid_m: [f64; 3],
-    /// Mean of its unit normals, not made unit again: the shorter, the more the region bends. Zero without any.
+    /// Mean of its unit normals, not normalised: the more the region bends, the shorter it is. Zero without normals.
     pub normal: [f64; 3],
     /// Core pixels with a normal.
     pub core_normals: u32,
 }
 
-/// Describes every region by its core pixels with depth; a region with fewer than ten by all its pixels with depth.
+/// Describes every region by its core pixels with depth, or by all its pixels with depth if the core has fewer than ten.
 ///
 /// Sums are f64 in scan order. O(pixels).
 pub fn describe_regions(
@@ -67,7 +67,7 @@ struct RegionSums {
 }
 
 impl RegionSums {
-    /// Adds one more point; a normal that is zero changes nothing.
+    /// Adds a point and its normal; a normal of zero is not counted.
     #[inline]
     fn add(&mut self, core: bool, point: [f32; 3], normal: [f32; 3]) {
         let has_normal = normal != [0.0; 3];

@@ -1,7 +1,7 @@
 //! Stage 3: facets joined across convex edges to shapes (paper, III-C).
 //!
-//! `paper` looks at centres and mean normals: [`contact`], [`descriptor`], [`convexity`]. `context` gathers evidence along the whole
-//! common border ([`border`]) and lets it vote ([`contraction`]).
+//! `paper` compares centres and mean normals: [`contact`], [`descriptor`], [`convexity`]. `context` collects evidence along the
+//! whole common border ([`border`]), and the votes of borders decide ([`contraction`]).
 //!
 //! On a box of 10 cm, seen from above:
 //!

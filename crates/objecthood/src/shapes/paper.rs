@@ -8,8 +8,8 @@ use crate::shapes::contact::find_contacts;
 use crate::shapes::convexity::{join_shapes, measure_convexities};
 use crate::shapes::descriptor::describe_regions;
 
-/// Finds the facets in contact, measures how convex they meet, and joins those that do. As [`find_contacts`] and
-/// [`join_shapes`].
+/// Finds the facets in contact, measures the convexity of each contact, and joins facets across convex ones. See
+/// [`find_contacts`] and [`join_shapes`].
 pub fn join_convex(
     superpixels: &Superpixels,
     facets: &Segments,

@@ -1,11 +1,11 @@
-//! Support edges without cycles.
+//! Collects support edges and keeps them free of cycles.
 
 use crate::discovery::support_graph::{SupportEdge, SupportKind};
 
 /// Edges of a support graph without cycles.
 pub(crate) struct Acyclic {
     edges: Vec<SupportEdge>,
-    /// What each node carries.
+    /// For each node, the nodes that it carries.
     carries: Vec<Vec<usize>>,
     /// Whether each node stands on or lies in something.
     is_held: Vec<bool>,
@@ -22,7 +22,7 @@ impl Acyclic {
         self.is_held[node]
     }
 
-    /// Adds an edge unless it closes a cycle, and says whether it did. O(nodes + edges).
+    /// Adds an edge unless it closes a cycle. Returns whether it was added. O(nodes + edges).
     pub(crate) fn add(&mut self, edge: SupportEdge) -> bool {
         let (lower, upper) = (edge.lower.0 as usize, edge.upper.0 as usize);
         let mut open = vec![upper];
@@ -41,7 +41,7 @@ impl Acyclic {
         true
     }
 
-    /// P(O) of every node (eq. 8), carriers before what they carry. O(nodes + edges).
+    /// P(O) of every node (eq. 8). Carriers are computed before the nodes that they carry. O(nodes + edges).
     pub(crate) fn hand_up(&self, p_s: &[f32]) -> Vec<f32> {
         let mut carriers = vec![0_usize; p_s.len()];
         self.carries.iter().flatten().for_each(|&upper| carriers[upper] += 1);

@@ -1,4 +1,4 @@
-//! Bodies: regions seen against gravity. How high they stand, where they are in the plan view, how they are tilted.
+//! Bodies: regions described against gravity, by their heights, their place in the plan view and their tilt.
 
 use std::ops::Range;
 
@@ -15,63 +15,63 @@ use crate::support::plan::{DIRECTIONS, FORESHORTENED, Plan};
 use crate::support::scene::SupportScene;
 use crate::surface::disparity::DisparitySpace;
 
-/// Heights that differ by less (m) count as the same: what rises less above its surroundings is a part of them as well
-/// (`height.min_top_m`). Beyond 1.9 m the sensor does not resolve this, and the limit is [`LEVEL_QUANTA`].
+/// Heights that differ by less than this (m) count as equal: 1 cm, as in the default of `height.min_top_m`. Beyond 1.9 m the sensor
+/// does not resolve this, and the limit is [`LEVEL_QUANTA`].
 const LEVEL_M: f64 = 0.01;
-/// Heights within this many quanta are the same: a foot, the 2nd percentile of heights, lies two standard deviations of depth too
+/// Heights within this many quanta count as equal: a foot, the 2nd percentile of heights, lies two standard deviations of depth too
 /// low, each half a quantum.
 const LEVEL_QUANTA: f64 = 1.0;
-/// Directions in which the surroundings of a place are looked at.
+/// Number of directions into which the surroundings of a place are divided.
 pub(crate) const SECTORS: usize = 12;
-/// The foot of a region is above this share of its heights: single noisy pixels lie low anywhere.
+/// The foot of a thing is this quantile of its heights: single noisy pixels lie low anywhere.
 const FOOT_SHARE: f64 = 0.02;
-/// The top of a region is above this share of its heights.
+/// The top of a thing is this quantile of its heights.
 const TOP_SHARE: f64 = 0.98;
-/// A face whose normal has more than this along up (25 degrees from level) is a top and no side.
+/// A face whose normal has a larger component along up (within 25 degrees of level) is a top and no side.
 const TOP_FACE: f64 = 0.9;
-/// Sides of a flat thing are tilted alike up to this (sine; 9 degrees, the noise of normals of small faces).
+/// Sides are tilted alike when the sines of their tilts differ by at most this: 9 degrees, the noise of normals of small faces.
 const ALIKE: f64 = 0.15;
-/// A side tilted by less (sine; 8 degrees) stands upright.
+/// A side whose normal has a smaller component along up (within 8 degrees of upright) does not lean.
 const LEAST_TILT: f64 = 0.14;
-/// Something leans when at least this share of its tilted pixels is tilted alike: a board does, a ball or a rounded edge does not.
+/// Least share of a leaning thing's tilted pixels that are tilted alike: a board has it, a ball or a rounded edge has not.
 const LEAST_ALIKE: f64 = 0.6;
-/// The pixels tilted alike are at least this share of all its pixels, ...
+/// Least share of all pixels of a leaning thing that are tilted alike.
 const LEAST_TILTED: f64 = 0.2;
-/// ... at least this long up its slope (m) ...
+/// Least length (m) of a leaning face up its slope: handles and cables are shorter.
 const LEAST_SLOPE_M: f64 = 0.07;
-/// ... and at least this large (m²): boards are, cables, handles and slivers of a bowl's wall are not.
+/// Least area (m²) of a leaning face: slivers of a bowl's wall are smaller.
 const LEAST_FACE_M2: f64 = 0.004;
 
-/// A region as something that stands.
+/// A region described against gravity. Foot, top, normal, cells and tilt are measured for things only, not for structure.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Body {
-    /// Its first pixel: ties are broken by it, because region numbers may differ.
+    /// Its first pixel. It breaks ties, because region numbers may differ between label maps.
     pub(crate) first: usize,
     /// Pixels with depth.
     pub(crate) size_px: usize,
     /// Mean height (m).
     pub(crate) mean_m: f64,
-    /// Height of its lowest visible part (m); things only, and so is all that follows but middle and outline.
+    /// Height of its lowest visible part (m).
     pub(crate) foot_m: f64,
     /// Height of its highest part (m).
     pub(crate) top_m: f64,
-    /// Heights that differ by less (m) count as the same at its depth.
+    /// Heights that differ by less than this (m) count as equal at its depth.
     pub(crate) level_m: f64,
-    /// Its mean normal, the shorter the more it bends; zero without any.
+    /// Mean of its unit normals: the more the region bends, the shorter it is. Zero without normals.
     pub(crate) normal: DVec3,
     /// Mean place (m).
     pub(crate) middle_m: DVec2,
-    /// Its outline in the plan view: how far it reaches in each of the [`DIRECTIONS`] (m).
+    /// Its outline in the plan view: the farthest reach in each of the [`DIRECTIONS`] (m).
     reach_m: [f64; DIRECTIONS],
-    /// How high it is cell by cell.
+    /// Its heights, cell by cell.
     cells: Cells,
     /// The pixels that are level with its lowest visible part.
     pub(crate) foot: Vec<u32>,
-    /// How its sides lean, if they are one flat and tilted face.
+    /// The tilt of its sides, if they are one flat and tilted face.
     pub(crate) tilt: Option<Tilt>,
 }
 
-/// How something flat leans.
+/// The tilt of a flat thing that leans.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tilt {
     /// Unit vector in the plan view from its foot to its top.
@@ -80,17 +80,18 @@ pub(crate) struct Tilt {
     pub(crate) alike: f64,
 }
 
-/// The regions of a scene against gravity.
+/// The bodies of a scene.
 pub(crate) struct Bodies<'a> {
     pub(crate) plan: Plan,
-    /// One a region.
+    /// One for each region.
     pub(crate) all: Vec<Body>,
-    /// The first regions are these; the others stand about.
+    /// The planes of the structure, which are the first regions; the other regions are things.
     pub(crate) planes: &'a [StructurePlane],
 }
 
 impl<'a> Bodies<'a> {
-    /// The bodies of a scene. Pixels without depth do not count. O(pixels + pixels of things · log of them); parallel over regions.
+    /// Measures the bodies of a scene. Pixels without depth do not count. O(pixels + n log n) for n pixels of things; parallel over
+    /// regions.
     pub(crate) fn new(scene: &SupportScene<'a>) -> Self {
         let plan = Plan::new(scene.up);
         let view = View { points_m: scene.points_m, normals: scene.normals, plan: &plan, space: scene.space };
@@ -99,7 +100,7 @@ impl<'a> Bodies<'a> {
         Self { plan, all, planes: scene.planes }
     }
 
-    /// The regions that are no structure and have points.
+    /// The things: regions outside the structure that have points.
     pub(crate) fn things(&self) -> impl Iterator<Item = usize> + '_ {
         (self.planes.len()..self.all.len()).filter(|&region| self.all[region].size_px > 0)
     }
@@ -127,20 +128,20 @@ impl<'a> Bodies<'a> {
             .all(|(direction, reach_m)| place_m.dot(*direction) <= *reach_m)
     }
 
-    /// How high a thing is at a place and about 1 cm around it (m); `None` where nothing of it is seen.
+    /// Height of a thing (m) at a place and about 1 cm around it; `None` where no part of it is seen.
     pub(crate) fn top_near_m(&self, region: usize, place_m: DVec2) -> Option<f64> {
         self.all[region].cells.top_near_m(place_m)
     }
 
-    /// Length of a region in the plan view (m), in the direction in which it is longest.
+    /// Greatest length of a region in the plan view (m).
     pub(crate) fn length_m(&self, region: usize) -> f64 {
         let reach_m = &self.all[region].reach_m;
         let lengths_m = (0..DIRECTIONS).map(|k| reach_m[k] + reach_m[(k + DIRECTIONS / 2) % DIRECTIONS]);
         lengths_m.fold(0.0, f64::max)
     }
 
-    /// How far the outlines of two regions overlap in the plan view (m): the shortest way along any of [`DIRECTIONS`] that takes
-    /// them apart.
+    /// Overlap of the outlines of two regions in the plan view (m): the shortest shift along any of the [`DIRECTIONS`] that separates
+    /// them.
     pub(crate) fn overlap_m(&self, a: usize, b: usize) -> f64 {
         let [a, b] = [a, b].map(|region| &self.all[region].reach_m);
         let apart = (0..DIRECTIONS).map(|k| a[k] + b[(k + DIRECTIONS / 2) % DIRECTIONS]);
@@ -155,7 +156,7 @@ impl<'a> Bodies<'a> {
         -f64::from(distance_m) / self.plan.upward(plane.normal)
     }
 
-    /// In how many of the [`SECTORS`] around a place a region is seen above a height (m).
+    /// The number of [`SECTORS`] around a place in which a region is seen above a height (m).
     pub(crate) fn sectors_above(&self, region: usize, place_m: DVec2, height_m: f64) -> usize {
         let mut seen = [false; SECTORS];
         for (cell, _) in self.all[region].cells.iter().filter(|of_cell| of_cell.1 > height_m) {
@@ -199,7 +200,7 @@ impl Body {
         body
     }
 
-    /// Adds what follows from the single pixels of a thing.
+    /// Adds the measurements that need the single pixels of a thing.
     fn add_details(&mut self, details: Details, view: View<'_>) {
         let mut heights_m = details.heights_m.clone();
         self.foot_m = element_at(&mut heights_m, FOOT_SHARE);
@@ -212,7 +213,7 @@ impl Body {
     }
 }
 
-/// What bodies are computed from.
+/// The inputs from which bodies are computed.
 #[derive(Clone, Copy)]
 struct View<'a> {
     points_m: &'a Raster<[f32; 3]>,
@@ -221,14 +222,14 @@ struct View<'a> {
     space: &'a DisparitySpace,
 }
 
-/// What is known of the single pixels of a thing.
+/// The single pixels of a thing.
 #[derive(Default)]
 struct Details {
     /// Every pixel, in scan order.
     pixels: Vec<u32>,
     /// Its height (m).
     heights_m: Vec<f64>,
-    /// Successive points in one cell of the plan view: the cell, and where they begin among the heights.
+    /// Runs of successive points in one cell of the plan view: the cell, and the first point.
     runs: Vec<(Cell, u32)>,
     /// Sum of the normals, and their number.
     normal: DVec3,
@@ -236,11 +237,11 @@ struct Details {
     tilted: Vec<TiltedPixel>,
 }
 
-/// A pixel of a side that is tilted.
+/// A pixel of a tilted side.
 #[derive(Clone, Copy, Default)]
 struct TiltedPixel {
     pixel: u32,
-    /// The part of its normal along up.
+    /// The component of its normal along up.
     upward: f64,
     height_m: f64,
 }
@@ -290,7 +291,7 @@ impl Details {
 }
 
 impl Tilt {
-    /// How a thing of `size_px` pixels leans, if enough of its tilted pixels are tilted alike and they are long and large enough.
+    /// The tilt of a thing of `size_px` pixels, if enough of its tilted pixels are tilted alike and their face is long and large enough.
     fn of(tilted: &[TiltedPixel], size_px: usize, view: View<'_>) -> Option<Self> {
         let mut upward: Vec<f64> = tilted.iter().map(|side| side.upward).collect();
         let middle = element_at(&mut upward, 0.5);
@@ -301,7 +302,7 @@ impl Tilt {
         }
         let at = |raster: &Raster<[f32; 3]>, side: &TiltedPixel| raster[side.pixel as usize];
         let outward: DVec2 = alike.iter().map(|side| view.plan.place_m(at(view.normals, side))).sum();
-        // A side that faces up leans away from where it faces.
+        // A side that faces up leans away from its own direction.
         let toward = (-middle.signum() * outward).try_normalize()?;
         let mut heights_m: Vec<f64> = alike.iter().map(|side| side.height_m).collect();
         let rise_m = element_at(&mut heights_m, TOP_SHARE) - element_at(&mut heights_m, FOOT_SHARE);
@@ -313,11 +314,11 @@ impl Tilt {
     }
 }
 
-/// Area of the face that a pixel shows (m²).
+/// Area of the surface seen by a pixel (m²).
 fn area_m2(point_m: [f32; 3], normal: [f32; 3], space: &DisparitySpace) -> f64 {
     let camera = space.camera();
     let [point, normal] = [point_m, normal].map(|v| Vec3::from(v).as_dvec3());
-    // Seen along the face the area would be unbounded, and normals err.
+    // Limited, because the area of a face seen edge-on would be unbounded and normals have errors.
     let slant = (normal.dot(point) / point.length()).abs().max(FORESHORTENED);
     point.z * point.z * point.z / (camera.fx_px * camera.fy_px * point.length() * slant)
 }
@@ -332,7 +333,7 @@ mod tests {
     use crate::support::cell::CELL_SHARE;
 
     proptest! {
-        /// Of every region: what its pixels reach, one by one.
+        /// The outline of every region, pixel by pixel.
         #[test]
         fn outlines_are_as_far_out_as_any_pixel(
             pixels in (1_usize..80, 1_usize..6).prop_flat_map(|size| crate::testing::raster(
@@ -344,7 +345,7 @@ mod tests {
             let up = Up { direction: up, source: UpSource::Camera };
             let points = pixels.map(|&(_, point, is_measured)| if is_measured { point } else { [f32::NAN; 3] });
             let regions = Segments::from_numbered(pixels.map(|pixel| pixel.0), 2);
-            // Some have none.
+            // Some regions have no pixels.
             let normals = pixels.map(|&(_, vector, _)| if vector[0] < 0.5 { vector } else { [0.0; 3] });
             let space = &crate::testing::kinect();
             let (points_m, normals) = (&points, &normals);

@@ -12,12 +12,12 @@ use crate::shapes::descriptor::Descriptor;
 /// A shape with fewer points has height 0.
 const MIN_POINTS: usize = 3;
 
-/// Builds the support graph of the shapes in contact and hands P(O) up through it.
+/// Builds the support graph of the shapes in contact and passes P(O) up through it.
 ///
-/// * eq. 6: of two shapes in contact the one of greater mean height stands on the other (equal: the greater number), so there are no
-///   cycles;
-/// * eq. 7: P(S) = the part of the mean normal along up, clamped to [0, 1];
-/// * eq. 8: P(O) = the greatest P(S) or P(O) of any parent, 0 without parents, in ascending height.
+/// * eq. 6: of two shapes in contact, the one with the greater mean height stands on the other (on ties the one with the greater
+///   number), so there are no cycles;
+/// * eq. 7: P(S) = the component of the mean normal along up, clamped to [0, 1];
+/// * eq. 8: P(O) = the greatest P(S) or P(O) of any parent, 0 without parents; computed in ascending height.
 ///
 /// All nodes start as [`NodeKind::Surface`]. *Differs from the paper:* its "vertical position" is read as the mean
 /// height. O(pixels + E log E).
@@ -39,7 +39,7 @@ pub fn build_by_height(
     let mut edges: Vec<SupportEdge> = pairs.map(edge).collect();
     edges.sort_by_key(|e| (e.lower, e.upper));
 
-    // Adding 0 takes the sign from a negative zero.
+    // Adding 0 turns a negative zero into zero.
     let upward = |d: &Descriptor| DVec3::from(d.normal).dot(up).clamp(0.0, 1.0) + 0.0;
     let p_s: Vec<f64> = descriptors.iter().map(upward).collect();
     let p_o = hand_up(&p_s, &edges, &rank);
@@ -67,7 +67,7 @@ fn measure_heights(shapes: &Segments, points_m: &Raster<[f32; 3]>, up: DVec3) ->
     (sum_m.iter().zip(&size_px).map(mean).collect(), size_px)
 }
 
-/// The place of every value among all in ascending order; of equal ones the first comes first.
+/// The rank of every value in ascending order; equal values keep their order.
 fn rank_by(values: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -80,7 +80,7 @@ fn rank_by(values: &[f64]) -> Vec<usize> {
 fn hand_up(p_s: &[f64], edges: &[SupportEdge], rank: &[usize]) -> Vec<f64> {
     let mut p_o = vec![0.0_f64; p_s.len()];
     let mut upwards: Vec<&SupportEdge> = edges.iter().collect();
-    // What leads to a parent comes before what leads on from it.
+    // Edges to a parent come before edges from it.
     upwards.sort_by_key(|e| rank[e.upper.0 as usize]);
     for edge in upwards {
         let (parent, child) = (edge.lower.0 as usize, edge.upper.0 as usize);
@@ -96,7 +96,7 @@ mod tests {
     use crate::regions::SegmentId;
 
     /// One column of shapes, the last one lowest: shape s has three points at height `heights[s]` and a
-    /// mean normal with the part `upward[s]` along up.
+    /// mean normal with the component `upward[s]` along up.
     fn stack(heights: &[f32], upward: &[f64], contacts: &[(u32, u32)]) -> SupportGraph {
         let n = heights.len();
         let labels = Raster::from_vec(3, n, (0..3 * n as i32).map(|i| i / 3).collect()).unwrap();

@@ -1,4 +1,4 @@
-//! How high a region is, cell by cell of the plan view.
+//! The heights of a region, cell by cell of the plan view.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -7,9 +7,9 @@ use glam::DVec2;
 
 use crate::quantile::element_at;
 
-/// Side of a cell of the plan view (m): half the distance of contact, so that points in contact lie in neighbouring cells.
+/// Side of a cell of the plan view (m): half of the default `contact.distance_m`.
 pub(crate) const CELL_M: f64 = 0.01;
-/// The height of a cell is above this share of the heights of its points.
+/// The height of a cell is this quantile of the heights of its points.
 pub(crate) const CELL_SHARE: f64 = 0.8;
 
 /// A cell of the plan view as one number, which sorts fast: by column, then by row.
@@ -34,19 +34,19 @@ impl Cell {
     }
 }
 
-/// The heights of a region by cell. Few cells are asked for, so the height of each is computed on demand.
+/// The heights of a region by cell. Few cells are needed, so the height of each is computed on demand.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cells {
-    /// Of every point (m).
+    /// The height of every point (m).
     heights_m: Vec<f64>,
-    /// Successive points in one cell, sorted by cell.
+    /// Runs of successive points in one cell, sorted by cell.
     runs: Vec<(Cell, Range<u32>)>,
-    /// Per cell its runs, and its height (m) once it is known; sorted by cell.
+    /// For each cell its runs, and its height (m) once it is computed; sorted by cell.
     all: Vec<(Cell, Range<u32>, OnceLock<f64>)>,
 }
 
 impl Cells {
-    /// The cells of points at these heights. `starts`: where each run of points in one cell begins. O(runs · log of them).
+    /// The cells of points at these heights. `starts`: the cell and the first point of each run. O(runs · log(runs)).
     pub(crate) fn new(heights_m: Vec<f64>, starts: &[(Cell, u32)]) -> Self {
         let ends = starts.iter().skip(1).map(|run| run.1).chain([heights_m.len() as u32]);
         let mut runs: Vec<(Cell, Range<u32>)> =
@@ -91,7 +91,7 @@ impl Cells {
     }
 }
 
-/// The largest integer not above `x`, saturating: a conversion and a comparison. On the oldest x86-64 a library's `floor` is a call.
+/// The largest integer not above `x`, saturating: a conversion and a comparison. On the oldest x86-64, `f64::floor` is a library call.
 #[inline(always)]
 fn floor(x: f64) -> i32 {
     let toward_zero = x as i32;

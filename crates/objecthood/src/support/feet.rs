@@ -1,4 +1,4 @@
-//! Feet: what is seen below the lowest visible part of a thing.
+//! Feet: examines the image below the lowest visible part of each thing.
 
 use glam::Vec3;
 
@@ -7,12 +7,12 @@ use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::support::body::Bodies;
 
-/// What is seen below the foot of a region, in pixels of the foot.
+/// The pixels of a region's foot, counted by their surroundings below.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Foot {
-    /// Another region that touches it or is nearer, the border of the image, or a hole: the region may go on there.
+    /// Below is another region that touches it or is nearer, the border of the image, or a hole: the region may continue there.
     pub(crate) ended: u32,
-    /// Something farther: the region ends there, above the ground.
+    /// Below is something farther: the region ends there, above the ground.
     pub(crate) open: u32,
 }
 
@@ -23,9 +23,9 @@ impl Foot {
     }
 }
 
-/// Looks below the feet of all things. The foot of a thing is its pixels level with its lowest visible part. From each the first
-/// pixel with region and depth is looked for, along gravity in the image and within `reach_px`. If it is the thing's own, the foot
-/// goes on and does not count. O(pixels of feet · `reach_px`).
+/// Examines the image below the feet of all things. The foot of a thing is its pixels level with its lowest visible part. From each
+/// of them, the search follows gravity in the image for up to `reach_px`, to the first pixel with a region and depth. A pixel of the
+/// thing itself is not counted: the thing continues there. O(pixels of feet · `reach_px`).
 pub(crate) fn find_feet(
     regions: &Segments,
     points_m: &Raster<[f32; 3]>,

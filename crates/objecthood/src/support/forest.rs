@@ -1,7 +1,7 @@
-//! The support forest of `context`: what stands on, lies in or leans on what, also where the contact is hidden.
+//! The support forest of `context`: which thing stands on, lies in or leans on which, also where the contact is hidden.
 //!
-//! The paper takes the lower of any two shapes in contact for the carrier (eq. 6). Here the place of the contact and the direction
-//! of gravity decide: what stands on something touches it with its foot, from above.
+//! In the paper, the lower of two shapes in contact is the carrier (eq. 6). Here the place of the contact and the direction of
+//! gravity decide: a thing stands on another if it touches it with its foot, from above.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use crate::discovery::ids::NodeId;
 use crate::discovery::support_graph::{NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode};
-use crate::params::{self, Params};
+use crate::params;
 use crate::shapes::contact::find_touching_pairs;
 use crate::support::acyclic::Acyclic;
 use crate::support::body::{Bodies, Body, SECTORS};
@@ -18,56 +18,60 @@ use crate::support::feet::{Foot, find_feet};
 use crate::support::meeting::{Meeting, UNDER_M, find_meetings};
 use crate::support::scene::SupportScene;
 
-/// Fewer pairs of points in contact are chance (docs/CONTEXT.md 4.2: 4 touching pixels, each here in up to four directions).
+/// Least number of pairs of points that make a contact: fewer are chance (the 4 touching pixels of docs/CONTEXT.md 4.2 give as many).
 const LEAST_CONTACTS: u32 = 8;
-/// A carrier has at least this share of the contacts of the foot. At least this share of them is where the carrier goes on below,
-/// or of the foot is over its edge.
+/// Least share of the foot's contacts that a carrier has. Also the least share of these contacts behind which the carrier goes on, and
+/// the least share of the foot that hangs over an edge.
 const LEAST_SHARE: f64 = 0.2;
-/// What encloses something is seen in at least this many of the [`SECTORS`] around it: a far wall alone is seen in half of them.
+/// A vessel is seen around a thing inside it in at least this many of the [`SECTORS`]: a far wall alone is seen in half of them.
 const LEAST_ENCLOSED: usize = 8;
-/// Something leans on what lies where it leans to, up to this angle (cosine, 60 degrees).
+/// Least cosine between a thing's direction of lean and the direction to the thing that it leans on (60 degrees).
 const TOWARD: f64 = 0.5;
-/// A hidden contact is half as sure as one that is seen.
+/// Confidence of a hidden contact, relative to a visible one.
 const HIDDEN: f64 = 0.5;
 
-/// Finds what carries what among the regions of any label map: our own, or the true one. Node k of the graph is region k.
+/// Finds the support relations among the regions of any label map: our own, or the true one. Node k of the graph is region k.
 ///
-/// Two regions meet where points are in contact (`contact`). The foot of a thing is the lowest visible 10 mm of it; beyond
-/// 1.9 m, where the sensor resolves less, it is one quantum. A thing
+/// Two regions meet where points are in contact (`contact`). The foot of a thing is its lowest visible 10 mm; beyond 1.9 m, where
+/// the sensor resolves less, it is one quantum. A thing
 ///
-/// * stands *on* what its foot is level with, from above. What merely stands behind something and is hidden by it below does not
-///   stand on it. So the lower must go on 3 cm behind the contact, or hold the middle of the upper, or the foot must hang over.
-///   `confidence`: share of the contacts of the foot;
-/// * lies *in* what has a rim around it: something graspable (`objectness.max_side_m`) that rises above the foot, and above the
-///   floor seen under the middle, by 1 cm or by what the sensor resolves, in two of three directions around the middle.
-///   `confidence`: the share of directions; half of it if the two are not seen to touch (`hidden`);
-/// * *leans* on what its side touches in the direction in which it leans, if that is no plane that faces up. It must be flat,
-///   tilted by 8 degrees or more, 7 cm long up its slope and 40 cm² large: thin or small things lean by noise.
+/// * stands *on* another if its foot touches it from above, level with a top. A thing behind another that hides its lower part does
+///   not stand on it. So the lower must be a plane, or go on 3 cm behind the contact, or hold the middle of the upper, or the foot of
+///   the upper must hang over an edge. `confidence`: the share of the foot's contacts;
+/// * lies *in* another whose rim surrounds it. The outer one is graspable (`objectness.max_side_m`). It rises above the foot, and
+///   above the floor seen under the middle, by 1 cm or by the resolution of the sensor, in two thirds of the directions around the
+///   middle. `confidence`: the share of directions; half of it if the two are not seen to touch (`hidden`);
+/// * *leans* on another if its side touches it in the direction of the lean, and the other is no plane that faces up. The leaning
+///   thing must be flat, tilted by 8 degrees or more, 7 cm long up its slope and 40 cm² large: thin or small things lean by noise.
 ///   `confidence`: the share of its tilted pixels that are tilted alike;
-/// * else merely touches it side by side, which is no edge.
+/// * else merely touches the other side by side, which gives no edge.
 ///
-/// A thing that then stands on and lies in nothing has a hidden contact. Behind what hides its foot it goes on along gravity: to
-/// the highest thing below that holds its middle, or that it hangs over level with its top; else to the plane there; else to the
-/// highest plane below. Or it lies in what is around it. `confidence`: a half if it is level with its carrier or lies in it; else
-/// half the share of its foot that something ends, 0 for what floats.
+/// A thing that then neither stands on nor lies in anything has a hidden contact. It is extended along gravity behind its occluder:
+/// to the highest thing below that holds its middle, or over which it hangs level with its top; else to the plane there; else to the
+/// highest plane below. Or it lies in the thing around it. `confidence`: a half if it is level with its carrier or lies in it; else
+/// half the share of its foot below which it is not seen to end, 0 if it floats.
 ///
-/// Edges are taken in this order: *on* and *in*, *leans*, hidden contacts; the surest first. None is taken whose upper already
-/// carries its lower, directly or through others, so there are no cycles. P(S) is eq. 7, for a plane by its own normal. P(O) is
-/// eq. 8 over the edges, whatever their confidence: it says which carrier it is, and eq. 8 asks what that could carry.
+/// Edges are added in this order: *on* and *in*, *leans*, hidden contacts; the surest first. An edge is left out if its upper already
+/// carries its lower, directly or through others, so there are no cycles. P(S) is eq. 7; a plane has the P(S) of its own normal.
+/// P(O) is eq. 8 over the edges. Their confidence does not enter: it measures the choice of the carrier, eq. 8 its ability to carry.
 /// `contact.reach_px` holds at a focal length of 525 px.
 ///
-/// Source: ours, in place of eq. 6. O(pixels · `reach_px` + n log n + pairs · cells + edges · (regions + edges)) for n pixels of
-/// things, pairs of things, cells of 1 cm² of the outer thing of a pair; the last term is the search for cycles.
-pub fn build_forest(scene: &SupportScene<'_>, params: &Params) -> SupportGraph {
+/// Source: ours, because it replaces eq. 6. O(pixels · `reach_px` + n log n + pairs · cells + edges · (regions + edges)) for n pixels
+/// of things, pairs of things, and cells of 1 cm² of the outer thing of a pair; the last term is the search for cycles.
+pub fn build_forest(
+    scene: &SupportScene<'_>,
+    contact: &params::Contact,
+    objectness: &params::Objectness,
+) -> SupportGraph {
     let &SupportScene { regions, points_m, space, .. } = scene;
-    let contact = params::Contact { reach_px: space.length_px(params.contact.reach_px), ..params.contact };
+    let contact = params::Contact { reach_px: space.length_px(contact.reach_px), ..*contact };
     let (bodies, touching) =
         rayon::join(|| Bodies::new(scene), || find_touching_pairs(regions, points_m, &contact));
     let (feet, meetings) = rayon::join(
         || find_feet(regions, points_m, &bodies, &contact),
         || find_meetings(&touching, regions, points_m, &bodies),
     );
-    let max_side_m = f64::from(params.objectness.max_side_m);
+    let max_side_m = f64::from(objectness.max_side_m);
     let relations = Relations { bodies: &bodies, feet: &feet, meetings: &meetings, max_side_m };
 
     let mut edges = Acyclic::new(regions.count());
@@ -90,7 +94,7 @@ pub fn build_forest(scene: &SupportScene<'_>, params: &Params) -> SupportGraph {
     SupportGraph { nodes: nodes.collect(), edges: edges.into_sorted() }
 }
 
-/// Some of the things, the one with the highest foot first.
+/// The wanted things, the one with the highest foot first.
 fn from_above(bodies: &Bodies<'_>, is_wanted: impl Fn(usize) -> bool) -> Vec<usize> {
     let mut things: Vec<usize> = bodies.things().filter(|&thing| is_wanted(thing)).collect();
     things.sort_by(|&a, &b| {
@@ -100,13 +104,13 @@ fn from_above(bodies: &Bodies<'_>, is_wanted: impl Fn(usize) -> bool) -> Vec<usi
     things
 }
 
-/// P(S) of every region (eq. 7): the part of its normal along up.
+/// P(S) of every region (eq. 7): the component of its normal along up.
 fn measure_p_s(scene: &SupportScene<'_>, bodies: &Bodies<'_>) -> Vec<f32> {
     let up = Vec3::from(scene.up.direction).as_dvec3();
     let p_s = |(region, body): (usize, &Body)| {
         let plane = scene.planes.get(region);
         let normal = plane.map_or(body.normal, |plane| Vec3::from(plane.normal).as_dvec3());
-        // Adding 0 takes the sign from a negative zero.
+        // Adding 0 turns a negative zero into zero.
         (normal.dot(up).clamp(0.0, 1.0) + 0.0) as f32
     };
     bodies.all.iter().enumerate().map(p_s).collect()
@@ -116,10 +120,10 @@ fn node(region: usize) -> NodeId {
     NodeId(region as u32)
 }
 
-/// How the bodies of a scene stand to each other.
+/// Decides the support relations between the bodies of a scene.
 struct Relations<'a> {
     bodies: &'a Bodies<'a>,
-    /// Per region.
+    /// One for each region.
     feet: &'a [Foot],
     /// By (lower, upper).
     meetings: &'a BTreeMap<(usize, usize), Meeting>,
@@ -127,12 +131,12 @@ struct Relations<'a> {
     max_side_m: f64,
 }
 
-/// What may carry something whose contact is hidden.
+/// A possible carrier of a thing whose contact is hidden.
 struct Carrier {
     region: usize,
-    /// Whether the middle of the upper is over it, or its edge.
+    /// Whether the middle or an edge of the upper is over it.
     is_under: bool,
-    /// How high the upper stands there (m).
+    /// Height at which the upper would stand on it (m).
     height_m: f64,
     kind: SupportKind,
 }
@@ -159,21 +163,21 @@ impl Relations<'_> {
         seen
     }
 
-    /// What lies in what. O(pairs of things + cells of the outer thing of those pairs that may be one in the other).
+    /// The edges of things that lie in others. O(pairs of things + cells of the outer things that may hold the inner).
     fn find_enclosed(&self) -> Vec<SupportEdge> {
         let things = || self.bodies.things();
         let pairs = things().flat_map(|upper| things().map(move |lower| (lower, upper)));
         pairs.filter(|(lower, upper)| lower != upper).filter_map(|pair| self.within(pair)).collect()
     }
 
-    /// The edge that says that the upper lies in the lower, if it does.
+    /// The edge for an upper that lies in the lower, if it does.
     fn within(&self, (lower, upper): (usize, usize)) -> Option<SupportEdge> {
         let (outer, inner) = (&self.bodies.all[lower], &self.bodies.all[upper]);
         let may_hold = outer.foot_m <= inner.foot_m && self.is_cavity(lower, upper);
         if !may_hold {
             return None;
         }
-        // The rim rises above the foot, and above the floor around it as far as that is seen.
+        // The rim rises above the foot, and above the floor under the middle if that is seen.
         let floor_m = self.bodies.top_near_m(lower, inner.middle_m).unwrap_or(inner.foot_m);
         let rim_m = inner.foot_m.max(floor_m) + inner.level_m;
         let sectors = self.bodies.sectors_above(lower, inner.middle_m, rim_m);
@@ -187,8 +191,8 @@ impl Relations<'_> {
         })
     }
 
-    /// Whether the lower may hold the upper: it is graspable, as a vessel is, its outline holds the middle of the upper, and nothing
-    /// of it is seen above the foot of the upper there; else it would be solid.
+    /// Whether the lower may hold the upper. It is graspable, as vessels are; its outline holds the middle of the upper; and no part of it
+    /// is seen there above the foot of the upper, else it would be solid.
     fn is_cavity(&self, lower: usize, upper: usize) -> bool {
         let (bodies, body) = (self.bodies, &self.bodies.all[upper]);
         let may_hold = bodies.length_m(lower) <= self.max_side_m && bodies.holds(lower, body.middle_m);
@@ -196,7 +200,7 @@ impl Relations<'_> {
         may_hold && floor_m().is_none_or(|floor_m| floor_m <= body.foot_m + body.level_m)
     }
 
-    /// The edge that says that the upper stands on the lower, if the meeting shows it. `in_contact`: all contacts of its foot.
+    /// The edge for an upper that stands on the lower, if the meeting shows it. `in_contact`: all contacts of the upper's foot.
     fn on(&self, (lower, upper): (usize, usize), meeting: &Meeting, in_contact: u32) -> Option<SupportEdge> {
         let bodies = self.bodies;
         let is_share = |part: u32, whole: u32| f64::from(part) >= LEAST_SHARE * f64::from(whole);
@@ -213,7 +217,7 @@ impl Relations<'_> {
         })
     }
 
-    /// The edge that says that the upper leans on the lower, if the meeting shows it.
+    /// The edge for an upper that leans on the lower, if the meeting shows it.
     fn leans(&self, (lower, upper): (usize, usize), meeting: &Meeting) -> Option<SupportEdge> {
         if self.bodies.planes.get(lower).is_some_and(|plane| self.bodies.faces_up(plane)) {
             return None;
@@ -227,7 +231,8 @@ impl Relations<'_> {
         })
     }
 
-    /// The edges to the carriers that something with a hidden contact may have, the likeliest first: those under it, then the highest.
+    /// The edges to the possible carriers of a thing with a hidden contact, the likeliest first: the carriers under it before others, and
+    /// among these the highest first.
     fn find_hidden(&self, upper: usize) -> Vec<SupportEdge> {
         let (bodies, body) = (self.bodies, &self.bodies.all[upper]);
         let others = (0..bodies.all.len()).filter(|&lower| lower != upper && bodies.all[lower].size_px > 0);
@@ -238,7 +243,7 @@ impl Relations<'_> {
             b.is_under.cmp(&a.is_under).then_with(by_height).then_with(|| first(a).cmp(&first(b)))
         });
         let edge = |carrier: Carrier| {
-            // What is level with its carrier does not float, whatever is seen below.
+            // A thing that is level with its carrier does not float, even if something farther is seen below its foot.
             let is_level = body.foot_m - carrier.height_m <= body.level_m;
             let ended = if is_level { 1.0 } else { 1.0 - self.feet[upper].open_share() };
             SupportEdge {
@@ -251,7 +256,7 @@ impl Relations<'_> {
         carriers.into_iter().map(edge).collect()
     }
 
-    /// Whether and how the lower may carry the upper, whose contact is hidden.
+    /// The lower as a possible carrier of the upper, whose contact is hidden.
     fn carrier(&self, lower: usize, upper: usize) -> Option<Carrier> {
         let (bodies, body, other) = (self.bodies, &self.bodies.all[upper], &self.bodies.all[lower]);
         let holds_middle = bodies.holds(lower, body.middle_m);
@@ -261,7 +266,7 @@ impl Relations<'_> {
             let is_below = bodies.faces_up(plane) && height_m <= body.foot_m + body.level_m;
             return is_below.then(|| carrier(holds_middle, height_m, SupportKind::On));
         }
-        // What a thing hangs over does not hold its middle.
+        // A thing may also hang over a carrier that does not hold its middle.
         let hangs_over =
             || (other.top_m - body.foot_m).abs() <= body.level_m && bodies.overlap_m(lower, upper) >= UNDER_M;
         if other.top_m <= body.foot_m + body.level_m && (holds_middle || hangs_over()) {

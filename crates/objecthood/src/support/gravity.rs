@@ -9,22 +9,22 @@ use crate::planes::{Plane, StructurePlane};
 use crate::random::Lcg;
 use crate::raster::Raster;
 
-/// The best plane is fitted again to all its points this many times.
+/// Number of least-squares fits after the best trial, each to the points near the previous plane.
 const REFITS: usize = 3;
 /// Where the random numbers of the trial planes begin: fixed, so the same cloud gives the same plane.
 const SEED: u32 = 12345;
 
-/// Finds the plane that holds most points, if it holds a share of at least `min_inlier_share`.
+/// Finds the plane that holds most points, if its share of the points is at least `min_inlier_share`.
 ///
-/// RANSAC (Fischler and Bolles 1981): `trials` planes are laid through three random points each of an even sample of `samples`
-/// points. The one with most of the sample within `inlier_distance_m` is fitted to all its points by total least squares, three
-/// times. The random numbers are fixed. O(trials · samples + points).
+/// RANSAC (Fischler and Bolles 1981): draws `trials` planes, each through three random points of an evenly spaced sample of `samples`
+/// points. The plane with most of the sample within `inlier_distance_m` is fitted to all points near it by total least squares,
+/// three times. The random numbers are fixed. O(trials · samples + points).
 pub fn find_dominant_plane(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> Option<StructurePlane> {
     let measured = points_m.as_slice().iter().copied().filter(|p| !p[2].is_nan());
     fit_plane_of_most(&measured.collect::<Buffer<_>>(), params)
 }
 
-/// As [`find_dominant_plane`], of points that are all measured.
+/// As [`find_dominant_plane`], for points that are all measured.
 fn fit_plane_of_most(points: &[[f32; 3]], params: &params::Gravity) -> Option<StructurePlane> {
     let point = |p: &[f32; 3]| Vec3::from(*p).as_dvec3();
     let sampled = params.samples.min(points.len());
@@ -63,23 +63,23 @@ pub(crate) fn mark_plane(
     let Some(plane) = plane else { return labels.map(|_| 0) };
     let normal = Vec3::from(plane.normal).as_dvec3();
     let distance_m = |p: &[f32; 3]| (normal.dot(Vec3::from(*p).as_dvec3()) + f64::from(plane.offset_m)).abs();
-    // False without depth.
+    // False for NaN, that is without depth.
     let is_near = |p: &[f32; 3]| distance_m(p) < params.inlier_distance_m;
     let pixels = points_m.as_slice().iter().zip(labels.as_slice());
     labels.with_data(pixels.map(|(p, &object)| u16::from(object == 0 && is_near(p))).collect())
 }
 
-/// The camera's own up by its tilt and roll (`tilt_deg`, `roll_deg`): a unit vector in its frame, -y when it is held horizontally.
+/// The camera's own up, from `tilt_deg` and `roll_deg`: a unit vector in the camera frame, -y when the camera is held horizontally.
 pub fn camera_up(params: &params::Gravity) -> [f32; 3] {
     let (sin_tilt, cos_tilt) = libm::sincos(params.tilt_deg.to_radians());
     let (sin_roll, cos_roll) = libm::sincos(params.roll_deg.to_radians());
-    // Adding 0 takes the sign from a negative zero.
+    // Adding 0 turns a negative zero into zero.
     [-sin_roll * cos_tilt, -cos_roll * cos_tilt, -sin_tilt].map(|x| (x + 0.0) as f32)
 }
 
-/// Finds the direction up: the normal of `plane`, or the camera's own up when there is no plane or `up_from` says so.
+/// Finds the direction up: the normal of `plane`, or the camera's own up when there is no plane or with `up_from = camera`.
 ///
-/// *Differs from the paper:* it holds the camera horizontally (`up_from = camera`, and neither tilt nor roll).
+/// *Differs from the paper:* there the camera is held horizontally (`up_from = camera`, and neither tilt nor roll).
 pub fn find_up(plane: Option<&StructurePlane>, params: &params::Gravity) -> Up {
     match (params.up_from, plane) {
         (UpFrom::Plane, Some(plane)) => Up { direction: plane.normal, source: UpSource::Plane },
@@ -87,16 +87,17 @@ pub fn find_up(plane: Option<&StructurePlane>, params: &params::Gravity) -> Up {
     }
 }
 
-/// What everything stands on in `paper`.
+/// The ground of `paper`, and the direction up.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Ground {
-    /// The plane that holds most points, if it holds enough of them.
+    /// The dominant plane, if one holds enough points.
     pub plane: Option<StructurePlane>,
     /// The direction against gravity.
     pub up: Up,
 }
 
-/// Finds the dominant plane and up. As [`find_dominant_plane`].
+/// Finds the dominant plane and the direction up. See [`find_dominant_plane`].
 pub fn find_ground(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> Ground {
     let plane = find_dominant_plane(points_m, params);
     Ground { up: find_up(plane.as_ref(), params), plane }
@@ -130,7 +131,7 @@ mod tests {
 
     #[test]
     fn refits_better_the_plane_through_three_points() {
-        // A plane with noise of 4 mm: three points alone err by more than all together.
+        // A plane with noise of 4 mm: the plane through three points has a larger error than the fit to all.
         let mut random = Lcg::new(3);
         let mut draw = || random.below(2001) as f64 / 1000.0 - 1.0;
         let points = (0..4000).map(|_| [draw() as f32, draw() as f32, (2.0 + 0.004 * draw()) as f32]);
@@ -158,7 +159,7 @@ mod tests {
             (45.0, 0.0, [0.0, -half, -half]),
             (90.0, 30.0, [0.0, 0.0, -1.0]),
             (0.0, 180.0, [0.0, 1.0, 0.0]),
-            // Its right hand points down.
+            // The camera's right points down.
             (0.0, 90.0, [-1.0, 0.0, 0.0]),
             (45.0, -90.0, [half, 0.0, -half]),
         ] {

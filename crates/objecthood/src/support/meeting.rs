@@ -1,4 +1,4 @@
-//! Meetings: where two regions touch, seen against gravity.
+//! Meetings: the contacts between two regions, described against gravity.
 
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
@@ -10,27 +10,29 @@ use crate::regions::Segments;
 use crate::support::body::Bodies;
 use crate::support::plan::Plan;
 
-/// A carrier goes on below what it carries, at least this far (m) behind the line of contact: only that line of a foot is seen.
+/// A carrier reaches at least this far (m) behind the visible line of contact, under the hidden rest of the foot.
 pub(crate) const UNDER_M: f64 = 0.03;
 
-/// How an upper region touches a lower one that may carry it, in pairs of points in contact.
+/// The contacts of an upper region with a lower one that may carry it, in pairs of points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Meeting {
-    /// The foot of the upper is level with a top of the lower.
+    /// Pairs in which the foot of the upper is level with a top of the lower.
     pub(crate) on: u32,
-    /// Of these: the lower goes on below the upper.
+    /// The part of `on` behind which the lower goes on below the upper.
     pub(crate) under: u32,
-    /// The foot of the upper touches the lower, on a top or not.
+    /// Pairs in which the foot of the upper touches the lower, on a top or not.
     pub(crate) foot: u32,
-    /// The upper touches the lower above its foot.
+    /// Pairs in which the upper touches the lower above its foot.
     pub(crate) side: u32,
-    /// Sum of the ways from the middle of the upper to these contacts, in the plan view (m).
+    /// Sum of the vectors from the middle of the upper to the contacts of `side`, in the plan view (m).
     pub(crate) side_way_m: DVec2,
 }
 
-/// How any two touching regions meet, by (lower, upper), each pair both ways round. A plane is never the upper one.
+/// Finds the meetings of all touching regions, by (lower, upper). Each pair of regions occurs in both orders, but a plane is never the
+/// upper one.
 ///
-/// `touching`: pairs of pixels in contact; those with the same second pixel best follow each other. O(pairs of pixels + changes from one pair of regions to another · log of them).
+/// `touching`: pairs of pixels in contact; fastest if pairs with the same second pixel follow each other. O(pairs of pixels + n log n)
+/// for n changes between pairs of regions in this list.
 pub(crate) fn find_meetings(
     touching: &[(u32, u32)],
     regions: &Segments,
@@ -70,7 +72,7 @@ pub(crate) fn find_meetings(
 struct Spot {
     height_m: f64,
     place_m: DVec2,
-    /// Whether its region ends upwards there, once it was asked; valid for one other region.
+    /// Whether its region ends upwards there, once computed; valid for one other region.
     is_end: Option<bool>,
 }
 
@@ -132,7 +134,7 @@ mod tests {
     use crate::testing::{kinect, raster};
 
     proptest! {
-        /// Pair of points by pair of points, each asked for itself.
+        /// The reference: every pair of points by itself.
         #[test]
         fn meetings_are_those_of_single_pairs(
             pixels in (2_usize..12, 2_usize..12)
@@ -155,7 +157,7 @@ mod tests {
             let mut expected: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
             for (upper, lower) in touching.iter().flat_map(|&(i, j)| [(i, j), (j, i)]) {
                 let [of_upper, of_lower] = [upper, lower].map(|i| regions.at(i as usize).unwrap().index());
-                // A plane stands on nothing.
+                // A plane does not stand on anything.
                 if of_upper < planes.len() {
                     continue;
                 }

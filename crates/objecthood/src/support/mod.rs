@@ -1,6 +1,6 @@
-//! Support: the direction up, and what stands on what (paper, III-D, eq. 6 to 8).
+//! Support: the direction up and the support graph (paper, III-D, eq. 6 to 8).
 //!
-//! `paper`: [`by_height`]. `context`: the [`forest`], from bodies seen against gravity, their feet and their meetings.
+//! `paper`: [`by_height`]. `context`: the [`forest`], from bodies described against gravity, their feet and their meetings.
 //!
 //! On a box of 10 cm, seen from above:
 //!
@@ -16,7 +16,7 @@
 //! # use objecthood::clusters::rules::{Rules, find_clusters};
 //! # use objecthood::clusters::scene::Scene;
 //! # use objecthood::clusters::steps::StepLimits;
-//! use objecthood::support::standing::find_standing;
+//! use objecthood::support::standing::{StandingParams, find_standing};
 //!
 //! # use objecthood::{Camera, Frame, Params, Raster};
 //! # let seen_m = |i: usize| if (60..100).contains(&(i % 160)) && (40..80).contains(&(i / 160)) { 0.9 } else { 1.0 };
@@ -34,7 +34,7 @@
 //! # let points_m = frame.points_m();
 //! # let scene = Scene::new(&frame, &surfaces, &structure, &filled, &points_m, steps);
 //! # let clusters = find_clusters(&scene, &shapes, Rules::of(&params));
-//! let standing = find_standing(&frame, &scene, &clusters, &structure.planes, &params);
+//! let standing = find_standing(&frame, &scene, &clusters, &structure.planes, StandingParams::of(&params));
 //! assert_eq!(standing.graph().edges.len(), 1); // the table carries the box
 //! # Ok::<(), objecthood::Error>(())
 //! ```

@@ -10,7 +10,7 @@ use crate::shapes::contact::find_contacts;
 use crate::shapes::descriptor::describe_regions;
 use crate::support::by_height::build_by_height;
 
-/// Finds the shapes in contact, and which of them carries which. As [`find_contacts`] and [`build_by_height`].
+/// Finds the shapes in contact and builds their support graph. See [`find_contacts`] and [`build_by_height`].
 pub fn stack_by_height(
     superpixels: &Superpixels,
     shapes: &Segments,

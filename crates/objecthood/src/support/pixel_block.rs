@@ -1,4 +1,4 @@
-//! Blocks of pixels of one region: their points are taken to heights and to the plan view many at once.
+//! Blocks of pixels of one region. Heights and places in the plan view are computed for a whole block at once.
 
 use std::ops::Range;
 
@@ -8,13 +8,12 @@ use crate::simd::vectorized;
 use crate::support::cell::Cell;
 use crate::support::plan::{DIRECTIONS, Plan};
 
-/// Pixels that are looked at together.
+/// Pixels of a block.
 pub(crate) const BLOCK_PX: usize = 64;
-/// Sums that are kept side by side.
+/// Partial sums kept side by side.
 const LANES: usize = 8;
 
-/// Successive pixels of a region, in scan order, with their heights and their places in the plan view. They lie close together
-/// there.
+/// Successive pixels of a region, in scan order, with their heights and their places in the plan view, which lie close together.
 pub(crate) struct PixelBlock {
     count: usize,
     pixels: [u32; BLOCK_PX],
@@ -24,7 +23,7 @@ pub(crate) struct PixelBlock {
     places_m: [[f64; BLOCK_PX]; 2],
 }
 
-/// How many points a region has, where they are in the mean, and how far it reaches.
+/// The number of points of a region, their means, and the outline of the region.
 pub(crate) struct RegionExtent {
     /// Its first pixel.
     pub(crate) first: Option<u32>,
@@ -33,7 +32,7 @@ pub(crate) struct RegionExtent {
     height_m: [f64; LANES],
     depth_m: [f64; LANES],
     place_m: [[f64; LANES]; 2],
-    /// How far it reaches in the plan view in each of the [`DIRECTIONS`] (m).
+    /// Its outline in the plan view: the farthest reach in each of the [`DIRECTIONS`] (m).
     pub(crate) reach_m: [f64; DIRECTIONS],
 }
 
@@ -76,7 +75,7 @@ impl PixelBlock {
         }
     }
 
-    /// Takes these pixels. Whenever the block is full, `look` sees it and it is emptied.
+    /// Adds these pixels. Whenever the block is full, it is passed to `look` and emptied.
     pub(crate) fn take(
         &mut self,
         mut pixels: Range<usize>,
@@ -118,7 +117,7 @@ impl PixelBlock {
         &self.heights_m[..self.count]
     }
 
-    /// Their cells of the plan view, once they are [surveyed](Self::survey). Beyond the last pixel cells mean nothing.
+    /// Their cells of the plan view, once they are [surveyed](Self::survey). Entries beyond the last pixel have no meaning.
     pub(crate) fn cells(&self) -> [Cell; BLOCK_PX] {
         let [x_m, y_m] = &self.places_m;
         let mut cells = [Cell::default(); BLOCK_PX];
@@ -142,7 +141,7 @@ impl PixelBlock {
         let Some(&first) = self.pixels().first() else { return };
         extent.first.get_or_insert(first);
         extent.size_px += self.count;
-        // Free places repeat the first point, which widens nothing.
+        // Unused places repeat the first point, so they do not widen the outline.
         let first_m = self.points_m[0];
         self.points_m[self.count..].fill(first_m);
         vectorized(
@@ -177,8 +176,8 @@ fn add(sums: &mut [f64; LANES], values: &[f64]) {
     sums.iter_mut().zip(rest).for_each(|(sum, value)| *sum += value);
 }
 
-/// Pushes an outline out to where some places reach. Most blocks lie inside the outline, and so does the box around them, which is
-/// quicker to test. Rounding keeps the order of products and sums, so no point of a block reaches farther than its box.
+/// Widens an outline to contain some places. Most blocks, and the boxes around them, lie inside the outline already; a box is quicker
+/// to test. Rounding keeps the order of products and sums, so no point of a block reaches farther than its box.
 #[inline(always)]
 fn push_out(
     reach_m: &mut [f64; DIRECTIONS],
@@ -210,8 +209,8 @@ fn limits(values: &[f64; BLOCK_PX]) -> (f64, f64) {
             high[k] = larger(block[k], high[k]);
         }
     }
-    // By halves: no comparison waits for all others.
-    const { assert!(LANES == 8, "as many halves as follow") }
+    // The halves are compared with each other again and again, so that no comparison waits for all others.
+    const { assert!(LANES == 8, "the loop below halves eight lanes") }
     for half in [4, 2, 1] {
         for k in 0..half {
             low[k] = smaller(low[k + half], low[k]);
@@ -221,7 +220,7 @@ fn limits(values: &[f64; BLOCK_PX]) -> (f64, f64) {
     (low[0], high[0])
 }
 
-/// The smaller of two numbers in one instruction; `f64::min` also minds NaN.
+/// The smaller of two numbers in one instruction; `f64::min` also handles NaN.
 #[inline(always)]
 fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }

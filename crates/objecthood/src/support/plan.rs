@@ -5,21 +5,22 @@ use glam::{DVec2, DVec3, Vec3};
 use crate::discovery::up::Up;
 use crate::tangents::tangents;
 
-/// Directions in which the outline of a region is known in the plan view.
+/// Number of directions in which the outline of a region is measured in the plan view.
 pub(crate) const DIRECTIONS: usize = 16;
-/// Sine of the angle (6 degrees) between the line of sight and gravity, or a face, below which directions mean nothing.
+/// Least sine of the angle (6 degrees) between the line of sight and gravity, or between the line of sight and a face: below it,
+/// directions are noise.
 pub(crate) const FORESHORTENED: f64 = 0.1;
 
-/// Sine of 22.5 degrees: a direction with a larger component along an axis of the image is nearer to a step along that axis than to none.
+/// Sine of 22.5 degrees, half the angle between neighbours of a pixel.
 const OFF_AXIS: f64 = 0.38;
 
-/// Takes points to heights and to places in the plan view.
+/// Converts points to heights and to places in the plan view.
 pub(crate) struct Plan {
-    /// Against gravity.
+    /// The direction against gravity.
     pub(crate) up: DVec3,
     /// The axes of the plan view.
     pub(crate) across: [DVec3; 2],
-    /// Unit vectors in which the outline of a region is known.
+    /// The unit vectors along which the outline of a region is measured.
     pub(crate) directions: [DVec2; DIRECTIONS],
 }
 
@@ -39,7 +40,7 @@ impl Plan {
         self.up.dot(Vec3::from(point_m).as_dvec3())
     }
 
-    /// The part of a normal along up.
+    /// The component of a normal along up.
     #[inline(always)]
     pub(crate) fn upward(&self, normal: [f32; 3]) -> f64 {
         self.height_m(normal)
@@ -51,8 +52,8 @@ impl Plan {
         DVec2::new(self.across[0].dot(point), self.across[1].dot(point))
     }
 
-    /// The step to the neighbouring pixel, of eight, that leads most nearly along gravity at a point; pixels are taken to be square.
-    /// `None` where the camera looks along gravity, within about 6 degrees.
+    /// The step to one of the eight neighbouring pixels that is nearest to the direction of gravity at a point; pixels count as square.
+    /// `None` where the line of sight is within about 6 degrees of gravity.
     pub(crate) fn step_down(&self, point_m: [f32; 3]) -> Option<[i64; 2]> {
         let [x, y, z] = point_m.map(f64::from);
         let down = DVec2::new(-self.up.x + x / z * self.up.z, -self.up.y + y / z * self.up.z);

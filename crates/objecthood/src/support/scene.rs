@@ -1,4 +1,4 @@
-//! The scene: regions in space. Some carry others.
+//! The scene: regions in space, some of which carry others.
 
 use crate::discovery::up::Up;
 use crate::planes::StructurePlane;
@@ -9,7 +9,7 @@ use crate::surface::disparity::DisparitySpace;
 /// Regions in space, and the direction up. All rasters are of one size.
 #[derive(Clone, Copy, Debug)]
 pub struct SupportScene<'a> {
-    /// First the structure, of which region k lies on `planes[k]`, then the things that stand about.
+    /// First the structure, where region k lies on `planes[k]`, then the things.
     pub regions: &'a Segments,
     /// Points (m); `NaN` without depth.
     pub points_m: &'a Raster<[f32; 3]>,
@@ -19,6 +19,6 @@ pub struct SupportScene<'a> {
     pub planes: &'a [StructurePlane],
     /// The direction against gravity.
     pub up: &'a Up,
-    /// The camera and its noise.
+    /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
 }

@@ -6,19 +6,19 @@ use crate::clusters::scene::Scene;
 use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::up::Up;
 use crate::frame::Frame;
-use crate::params::Params;
+use crate::params::{self, Params};
 use crate::planes::StructurePlane;
 use crate::regions::Segments;
 use crate::support::forest::build_forest;
 use crate::support::gravity::find_up;
 use crate::support::scene::SupportScene;
 
-/// What stands on what, and the regions that the nodes are.
+/// The support graph of `context`, and the regions that are its nodes.
 #[derive(Clone, Debug)]
 pub struct Standing {
     /// The regions: first the structure, then the clusters that are large enough.
     pub(crate) candidates: Candidates,
-    /// The planes of the structure, with the share of the points that is theirs.
+    /// The planes of the structure, with their shares of the points.
     pub(crate) planes: Vec<StructurePlane>,
     /// The direction against gravity.
     pub(crate) up: Up,
@@ -26,22 +26,41 @@ pub struct Standing {
     pub(crate) graph: SupportGraph,
 }
 
-/// Finds the candidates, the direction up, and what stands on what. `planes`: those of the structure. O(pixels), and as
+/// The parameters of [`find_standing`].
+#[derive(Clone, Copy, Debug)]
+pub struct StandingParams<'a> {
+    /// For regions in contact.
+    pub contact: &'a params::Contact,
+    /// For the direction up.
+    pub gravity: &'a params::Gravity,
+    /// For the size of candidates and of vessels.
+    pub objectness: &'a params::Objectness,
+}
+
+impl<'a> StandingParams<'a> {
+    /// Selects the groups of [`find_standing`] from all parameters.
+    pub fn of(params: &'a Params) -> Self {
+        let Params { contact, gravity, objectness, .. } = params;
+        Self { contact, gravity, objectness }
+    }
+}
+
+/// Finds the candidates, the direction up and the support graph. `planes`: the planes of the structure. O(pixels), plus the cost of
 /// [`build_forest`].
 pub fn find_standing(
     frame: &Frame,
     scene: &Scene<'_>,
     clusters: &Clustering,
     planes: &[StructurePlane],
-    params: &Params,
+    params: StandingParams<'_>,
 ) -> Standing {
-    let candidates = find_candidates(scene, clusters, &params.objectness);
+    let candidates = find_candidates(scene, clusters, params.objectness);
     let planes = candidates.count_inliers(planes.to_vec(), frame.measured_px());
-    let up = find_up(scene.support_facet.map(|facet| &planes[facet.index()]), &params.gravity);
+    let up = find_up(scene.support_facet.map(|facet| &planes[facet.index()]), params.gravity);
     let &Scene { points_m, normals, space, .. } = scene;
     let support_scene =
         SupportScene { regions: &candidates.regions, points_m, normals, planes: &planes, up: &up, space };
-    let graph = build_forest(&support_scene, params);
+    let graph = build_forest(&support_scene, params.contact, params.objectness);
     Standing { candidates, planes, up, graph }
 }
 
@@ -51,7 +70,7 @@ impl Standing {
         &self.candidates.regions
     }
 
-    /// What stands on what: node k is region k.
+    /// The support graph: node k is region k.
     pub fn graph(&self) -> &SupportGraph {
         &self.graph
     }

@@ -7,19 +7,19 @@ use crate::params;
 use crate::raster::{Raster, part};
 use crate::simd::vectorized;
 
-/// Curvature of a pixel around which no pair of normals is usable: beyond every threshold.
+/// Curvature of a pixel without a usable pair of normals: above every threshold.
 pub const UNKNOWN: f32 = f32::INFINITY;
 
 /// Measures the curvature of every pixel: one minus the mean cosine between the normals of opposite neighbours at `offset_px`,
 /// over the horizontal, the vertical and the two diagonal pairs. 0 = flat, 2 = folded back, [`UNKNOWN`] without a usable pair.
 ///
-/// *Differs from the paper:* printed is 1/(4σ) with a bracket missing; here the mean is over the usable pairs
-/// and divided by σ = `scale`. A straight crease bends only three of the four pairs, so it counts from 35.6° at
-/// the default threshold. O(pixels); parallel over rows.
+/// *Differs from the paper:* it prints the factor 1/(4σ), and a bracket is missing. Here the mean is over the usable pairs and
+/// divided by σ = `scale`. A straight crease bends only three of the four pairs, so at the default threshold a crease is
+/// curved from 35.6° on. O(pixels); parallel over rows.
 pub fn measure_curvature(normals: &Raster<[f32; 3]>, params: &params::Curvature) -> Raster<f32> {
     let (width, height) = normals.size();
     let offset = params.offset_px;
-    // Empty above and below the image.
+    // A row above or below the image is empty.
     let row = |v: Option<usize>| {
         v.filter(|v| *v < height).map_or(&[][..], |v| &normals.as_slice()[v * width..][..width])
     };
@@ -47,15 +47,15 @@ pub fn measure_curvature(normals: &Raster<[f32; 3]>, params: &params::Curvature)
     normals.with_data(curvature)
 }
 
-/// The usable pairs around a pixel: both pixels have a normal.
+/// Sums over the usable pairs around a pixel. A pair is usable when both its pixels have a normal.
 #[derive(Clone, Copy, Default)]
 struct Pairs {
     cosines: f32,
     count: f32,
 }
 
-/// Adds one pair to every pixel of a row: the pixel this many `columns` to the right in the row `right`, and the one as far to the
-/// left in the row `left`.
+/// Adds one pair to every pixel of a row: the pixel `columns` to the right of it in the row `right`, and the pixel as far to
+/// its left in the row `left`.
 #[inline(always)]
 fn add_pairs(pairs: &mut [Pairs], columns: usize, right: &[[f32; 3]], left: &[[f32; 3]]) {
     let count = right.len().min(left.len()).saturating_sub(2 * columns);

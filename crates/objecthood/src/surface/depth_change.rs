@@ -1,4 +1,4 @@
-//! Where the depth changes so much that two pixels cannot lie on one surface.
+//! Depth changes: neighbouring pixels too far apart in depth to lie on one surface.
 //!
 //! Source: the smart-depth-change windows of integral-image normals (Holzer et al., IROS 2012), PARITY.md 1.
 //! *Differs:* their windows also grow with depth; ours do not. The distance is exact, not a chamfer approximation.
@@ -8,14 +8,14 @@ use rayon::prelude::*;
 use crate::buffers::Buffer;
 use crate::raster::Raster;
 
-/// Depths that differ by more than this share of the greater one are on two surfaces, whatever the sensor's noise.
+/// Depths that differ by more than this share of the greater one lie on two surfaces, whatever the sensor's noise.
 const GREATEST_STEP: f32 = 0.5;
 
-/// Whether depth changes between two neighbours: exactly one is missing, or they differ by more than
+/// Whether depth changes between two neighbours: exactly one depth is missing, or they differ by more than
 /// `change_per_m`·z² (m), z the greater depth. Missing depth is `NaN`.
 ///
-/// *Differs:* beyond z = 1/`change_per_m` that bound exceeds z itself and would let everything pass, so it is at
-/// most half of z; at the default this begins at 25 m.
+/// *Differs:* beyond z = 1/`change_per_m` that bound exceeds z itself, and no difference would be a change. So it is limited
+/// to half of z; at the default the limit applies from 25 m on.
 #[inline]
 pub fn changes(z_p: f32, z_q: f32, change_per_m: f32) -> bool {
     match (z_p.is_nan(), z_q.is_nan()) {
@@ -27,7 +27,7 @@ pub fn changes(z_p: f32, z_q: f32, change_per_m: f32) -> bool {
     }
 }
 
-/// The farthest that distances are measured (px): the square of one more fits 16 bits.
+/// The farthest distance that is measured (px): the square of one pixel more fits 16 bits.
 const FARTHEST_REACH_PX: usize = 180;
 
 /// Measures the squared distance (px²) of every pixel from the nearest pixel beside a depth change, at most `reach_px`² + 1. A
@@ -35,13 +35,17 @@ const FARTHEST_REACH_PX: usize = 180;
 ///
 /// A pixel is beside a change when it differs from its right, left, lower or upper neighbour ([`changes`]). Two passes, columns
 /// then rows, exact in integers of 16 bits. O(pixels · `reach_px`); the second pass is parallel over rows.
-pub fn measure_squared_distances(depth_m: &Raster<f32>, change_per_m: f32, reach_px: usize) -> Raster<i16> {
+pub(crate) fn measure_squared_distances(
+    depth_m: &Raster<f32>,
+    change_per_m: f32,
+    reach_px: usize,
+) -> Raster<i16> {
     let width = depth_m.width();
     let reach_px = reach_px.min(FARTHEST_REACH_PX);
     let mut column = Buffer::filled(depth_m.len(), (reach_px + 1) as i16);
     mark_changes(depth_m, change_per_m, &mut column);
     spread_along_columns(&mut column, width);
-    // Then the best column within reach.
+    // Second pass: the nearest change in any column within reach.
     let mut squared = Buffer::filled(depth_m.len(), (reach_px * reach_px + 1) as i16);
     squared.par_chunks_mut(width).zip(column.par_chunks_mut(width)).for_each(|(squared, column)| {
         column.iter_mut().for_each(|rows| *rows *= *rows);
@@ -107,7 +111,7 @@ fn one_farther(distance: &mut [i16], neighbour: &[i16]) {
     }
 }
 
-/// Lowers squared distances to those by way of another column, `columns_squared` away.
+/// Lowers squared distances to the distances from changes in another column, `columns_squared` away.
 fn nearest(squared: &mut [i16], rows_squared: &[i16], columns_squared: i16) {
     for (squared, &rows) in squared.iter_mut().zip(rows_squared) {
         *squared = (*squared).min(rows.saturating_add(columns_squared));

@@ -1,7 +1,7 @@
-//! Disparity space: where the sensor's noise is constant and planes are affine (docs/CONTEXT.md 0.2).
+//! Disparity space: the sensor's noise is constant in it, and planes are affine (docs/CONTEXT.md 0.2).
 //!
-//! The disparity of a pixel is its inverse depth d = 1/(z Q), counted in *quanta* Q of the sensor. One tolerance in quanta serves
-//! near and far alike, and a plane in space is exactly d = value + slope · (u, v).
+//! The disparity of a pixel is its inverse depth d = 1/(z Q), counted in *quanta* Q of the sensor. One tolerance in quanta holds
+//! at any depth, and a plane in space is exactly d = value + slope · (u, v).
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,13 +12,13 @@ use crate::params;
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
-/// Range of depths (m) that `context` takes for measured.
+/// Range of depths (m) that count as measured in `context`.
 const RANGE_M: std::ops::Range<f32> = 0.1..20.0;
 
-/// Parameters in pixels hold at this focal length (px) and scale with it.
+/// The focal length (px) at which parameters in pixels hold; at others they scale with it.
 const REFERENCE_FOCAL_PX: f64 = 525.0;
 
-/// The camera and the sensor's noise: converts pixels with disparity to points in space and back.
+/// The camera and the sensor's noise. Converts between depth and disparity, and disparities to points and planes in space.
 #[derive(Clone, Copy, Debug)]
 pub struct DisparitySpace {
     camera: Camera,
@@ -80,12 +80,12 @@ impl DisparitySpace {
         (-self.across(at, value, slope).normalize()).to_array()
     }
 
-    /// Distance (m) of the camera from that plane.
+    /// Distance (m) of the camera from the plane with this value (quanta) and slope (quanta/px) at pixel (u, v).
     pub fn distance_m(&self, at: [f64; 2], value: f64, slope: [f64; 2]) -> f64 {
         1.0 / (self.quantum_per_m * self.across(at, value, slope).length())
     }
 
-    /// The vector g with g · X = 1/Q for every point X of that plane.
+    /// The vector g with g · X = 1/Q for every point X of the plane with this value and slope at pixel (u, v).
     #[inline]
     fn across(&self, [u, v]: [f64; 2], value: f64, [a, b]: [f64; 2]) -> DVec3 {
         let Camera { fx_px, fy_px, cx_px, cy_px } = self.camera;
@@ -99,8 +99,8 @@ impl DisparitySpace {
         quanta * self.quantum_per_m * z_m * z_m
     }
 
-    /// The noise of a surface with this slope (quanta/px), as a multiple of that of a surface seen face-on. Noise also moves points
-    /// sideways, which on a slope looks like noise of disparity.
+    /// The noise of a surface with this slope (quanta/px), relative to a surface seen face-on. Noise also moves points sideways; on a
+    /// slope this looks like noise of disparity.
     #[inline]
     pub fn slope_noise(&self, slope: f64) -> f64 {
         let sideways = self.lateral_noise_px * slope;
@@ -174,7 +174,7 @@ mod tests {
             pixels in prop::collection::vec(prop::array::uniform2(0.0..640.0), 20),
         ) {
             let space = space(focal_px, center_px);
-            // Nowhere in the image below 60 quanta: before the camera.
+            // At least 60 quanta everywhere in the image: in front of the camera.
             let value = 700.0;
             let normal = DVec3::from(space.normal(at, value, slope));
             let distance_m = space.distance_m(at, value, slope);
@@ -238,10 +238,10 @@ mod tests {
         assert_eq!([half, same, double].map(|space| space.length_px(7)), [4, 7, 14]);
         assert_eq!([half, same, double].map(|space| space.area_px(100)), [25, 100, 400]);
         assert_eq!((half.length_px(1), half.length_px(0), half.area_px(0)), (1, 1, 0));
-        // A surface twice as large in pixels is half as steep: its noise is the same.
+        // At twice the focal length a surface has half the slope, and the same noise.
         let noise = [(half, 1.5), (same, 0.75), (double, 0.375)].map(|(space, g)| space.slope_noise(g));
         assert!(noise.iter().all(|noise| (noise - (1.0_f64 + 0.36).sqrt()).abs() < 1e-12), "{noise:?}");
-        // Of two focal lengths their geometric mean counts.
+        // With two focal lengths, their geometric mean counts.
         let oblong = space([1050.0, 262.5], [0.0; 2]);
         assert_eq!((oblong.length_px(7), oblong.area_px(100), oblong.lateral_noise_px()), (7, 100, 0.8));
     }

@@ -1,11 +1,11 @@
-//! What single pixels tell about the surface they lie on.
+//! The surface at single pixels.
 //!
 //! `paper`: depth changes bound the windows ([`depth_change`]), tangents averaged over them give normals ([`normals`]),
-//! and how the normals turn gives curvature ([`curvature`]).
+//! and the angles between normals give curvature ([`curvature`]).
 //!
-//! `context`: in [`disparity`] the noise is constant and planes are affine, so a plane is fitted around every pixel
-//! ([`plane_fit`]) and the best of the windows that contain it speaks for it ([`window_choice`]). Larger surfaces are
-//! fitted from their [`moments`].
+//! `context`: in [`disparity`] the noise is constant and planes are affine, so a plane is fitted to the window around every pixel
+//! ([`plane_fit`]). Each pixel takes its orientation from the best window that contains it ([`window_choice`]). Larger surfaces
+//! are fitted from their [`moments`].
 //!
 //! On a box of 10 cm, seen from above:
 //!

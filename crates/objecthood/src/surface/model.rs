@@ -5,7 +5,7 @@ use crate::linear::length;
 /// Exponents of x and y of the six terms of a quadratic; a plane uses the first three.
 pub(super) const TERMS: [(usize, usize); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
 
-/// The terms of which the disparity of a surface is a sum.
+/// The terms of the polynomial that gives the disparity of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Basis {
     /// 1, x, y.
@@ -17,13 +17,13 @@ pub enum Basis {
 /// A surface: disparity (quanta) as a polynomial of the pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
-    /// Column and row (px) from which x and y are counted.
+    /// Origin of x and y: column and row (px).
     pub(super) center: [f64; 2],
-    /// Factors of [`TERMS`], with x and y counted from the centre.
+    /// Coefficients of [`TERMS`], with x and y counted from the centre.
     pub(super) weights: [f64; 6],
 }
 
-/// A surface and how well it fits.
+/// A surface with the error of its fit.
 #[derive(Clone, Copy, Debug)]
 pub struct Fit {
     /// The surface.
@@ -49,7 +49,7 @@ impl Model {
         [cx + 2.0 * cxx * x + cxy * y, cy + cxy * x + 2.0 * cyy * y]
     }
 
-    /// How steep it is in the middle of its region (quanta/px).
+    /// The length of its slope at the centre (quanta/px).
     #[inline]
     pub fn steepness(&self) -> f64 {
         length([self.weights[1], self.weights[2]])

@@ -1,7 +1,7 @@
 //! Moments of regions, from which surfaces are fitted (docs/CONTEXT.md 2.1).
 //!
-//! The moments of a union are the sum of the moments of its parts. So the surface of a union and its residual are known
-//! without a look at any pixel.
+//! The moments of a union are the sum of the moments of its parts. So the surface of a union and its residual follow without
+//! a visit to any pixel.
 
 #![allow(clippy::needless_range_loop, reason = "indices are exponents, as in the formulae")]
 
@@ -13,7 +13,7 @@ use crate::regions::Segments;
 use crate::surface::disparity::position;
 use crate::surface::model::{Basis, Fit, Model, TERMS};
 
-/// Keeps the normal equations solvable; x and y are scaled to a spread of 1.
+/// Added to the diagonal of the normal equations, in which x and y are scaled to a spread of 1, so that they have a solution.
 const RIDGE: f64 = 1e-7;
 /// The least mean squared distance from the centre (px^2) by which x and y are scaled.
 const LEAST_SPREAD: f64 = 1e-3;
@@ -21,7 +21,7 @@ const LEAST_SPREAD: f64 = 1e-3;
 /// Sums over the pixels of a region, with x and y counted from a centre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments {
-    /// Where x and y are counted from: column and row (px).
+    /// Origin of x and y: column and row (px).
     pub center: [f64; 2],
     /// Σ x^i y^j at \[i\]\[j\], for i + j <= 4.
     powers: [[f64; 5]; 5],
@@ -37,7 +37,7 @@ impl Moments {
         Self { center, powers: [[0.0; 5]; 5], products: [[0.0; 3]; 3], squares: 0.0 }
     }
 
-    /// The moments of every segment of a label map about its centroid; of an empty segment about the first pixel.
+    /// The moments of every segment of a label map about its centroid; for an empty segment about the first pixel of the image.
     /// O(pixels), parallel over segments.
     pub fn of_segments(segments: &Segments, disparity: &Raster<f32>) -> Vec<Self> {
         segments.runs_of_each().map(|_, runs| Self::of_runs(runs, disparity))
@@ -111,7 +111,7 @@ impl Moments {
         self.powers[0][0]
     }
 
-    /// The same moments about another centre, by the binomial theorem: exact but for rounding. O(1).
+    /// The same moments about another centre, by the binomial theorem; exact except for rounding. O(1).
     pub fn shifted(&self, center: [f64; 2]) -> Self {
         self.shifted_for::<2>(center)
     }
@@ -121,16 +121,16 @@ impl Moments {
         self.merged_for::<2>(other)
     }
 
-    /// The least-squares surface of the union of two disjoint regions, to the bit that of [`Self::merged`]. It moves only the
-    /// moments that the basis needs, which for a plane is a quarter of the work. O(1).
-    pub fn fit_with(&self, other: &Self, basis: Basis) -> Fit {
+    /// The least-squares surface of the union of two disjoint regions, equal to the bit to `merged(other).fit(basis)`. It moves only
+    /// the moments that the basis needs; for a plane this is a quarter of the work. O(1).
+    pub(crate) fn fit_with(&self, other: &Self, basis: Basis) -> Fit {
         match basis {
             Basis::Plane => self.merged_for::<1>(other).fit(basis),
             Basis::Quadratic => self.merged_for::<2>(other).fit(basis),
         }
     }
 
-    /// The moments that a surface of this degree needs, those of up to twice its degree, about another centre. The others are 0.
+    /// The moments about another centre that a surface of this degree needs: up to twice its degree. The others are 0.
     #[inline]
     fn shifted_for<const DEGREE: usize>(&self, center: [f64; 2]) -> Self {
         let shift = [self.center[0] - center[0], self.center[1] - center[1]];
@@ -232,7 +232,7 @@ fn shifted<const N: usize, const ORDER: usize>(
     let [along_x, along_y] = along;
     let mut half = [[0.0; N]; N];
     let mut moved = [[0.0; N]; N];
-    // No bound depends on an index, so that the compiler unrolls the loops.
+    // No loop bound depends on an index, so the compiler unrolls the loops.
     for i in 0..N {
         for j in 0..N {
             if i + j <= ORDER {

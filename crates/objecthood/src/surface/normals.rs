@@ -18,8 +18,8 @@ use crate::surface::depth_change::measure_squared_distances;
 /// Rows whose sums along columns begin together. Fixed, so that rounding does not depend on the number of threads.
 const BAND_ROWS: usize = 32;
 
-/// Measures the unit normal of every pixel, towards the camera (n · X < 0). It is zero where there is none: no depth, or a
-/// depth change so near that no window fits.
+/// Measures the unit normal of every pixel, towards the camera (n · X < 0). It is zero without depth, or where a depth change is
+/// so near that no window fits.
 ///
 /// No window holds a depth change, so its tangents form chains of neighbours, and the sum of a chain is its last point less its
 /// first (a telescoping sum). The end points are summed along rows and columns in f64; four sums give the average tangent of a
@@ -79,7 +79,7 @@ impl<'a> Windows<'a> {
         sums.clear(width, self.half_limit, first);
         let mut next = first;
         for (v, normals) in rows.zip(normals.chunks_exact_mut(width)) {
-            // The tangents of the largest window end in this row.
+            // The tangents of the largest window end in row v + `half_limit` + 1.
             while next < height.min(v + self.half_limit + 2) {
                 sums.add(next, &self.points_m.as_slice()[next * width..][..width]);
                 next += 1;
@@ -96,22 +96,22 @@ impl<'a> Windows<'a> {
     }
 }
 
-/// Sums of points along rows and along columns, for the rows that the windows of one row need. x, y and z have lists of their own.
+/// Sums of points along rows and along columns, for the rows that the windows of one row need. x, y and z have separate lists.
 #[derive(Default)]
 struct LineSums {
     width: usize,
-    /// Number of rows that are held; row v has place v % `held`.
+    /// Number of rows held; row v is at place v % `held`.
     held: usize,
-    /// The points of one row; zero where there is none.
+    /// The points of one row; zero without depth.
     row: [Vec<f64>; 3],
-    /// The sum over the row before each pixel, and one more: over the whole row.
+    /// The sum over the pixels before each pixel in its row; one entry more holds the sum over the whole row.
     before: [Vec<f64>; 3],
-    /// The sum over the column above each pixel, and one row more: over the whole columns.
+    /// The sum over the pixels above each pixel in its column, from the first row added on; one row more than was added.
     above: [Vec<f64>; 3],
 }
 
 impl LineSums {
-    /// Begins anew at row `first`, for windows of half size up to `half_limit`.
+    /// Starts again at row `first`, for windows of half size up to `half_limit`.
     #[inline(always)]
     fn clear(&mut self, width: usize, half_limit: usize, first: usize) {
         (self.width, self.held) = (width, 2 * half_limit + 3);
@@ -153,14 +153,14 @@ impl LineSums {
         &self.above[axis][v % self.held * self.width + u..][..count]
     }
 
-    /// The sums before them.
+    /// The sums before `count` pixels of row `v` from column `u` on, along one axis.
     #[inline(always)]
     fn before(&self, axis: usize, u: usize, v: usize, count: usize) -> &[f64] {
         &self.before[axis][v % self.held * (self.width + 1) + u..][..count]
     }
 }
 
-/// The tangents of the pixels of a row, x, y and z in lists of their own.
+/// The tangents of the pixels of a row; x, y and z have separate lists.
 struct Tangents {
     /// Half size of each pixel's window; 0 where there is none.
     half: Vec<u16>,
@@ -174,14 +174,14 @@ impl Tangents {
         Self { half: vec![0; width], along_u: empty(), along_v: empty() }
     }
 
-    /// Takes the tangents from the sums. Pixels side by side with windows of one size are taken together.
+    /// Computes the tangents from the sums. Stretches of pixels with windows of one size are computed together.
     #[inline(always)]
     fn take(&mut self, sums: &LineSums, v: usize, height: usize) {
         let width = sums.width;
         let mut next = 0;
         while let Some(&half) = self.half.get(next) {
             let (u, h) = (next, usize::from(half));
-            // The windows and tangents of a stretch lie in the image; beside its edge a stretch is a single pixel.
+            // The windows and tangents of a stretch must lie in the image; near the image border a stretch is one pixel.
             let inner = h..width.saturating_sub(h + 1);
             let end = if inner.contains(&u) { inner.end } else { u + 1 };
             let pixels = self.half[u..end].iter().take_while(|other| **other == half).count();
@@ -220,7 +220,7 @@ impl Tangents {
     }
 }
 
-/// The sums over the last points of windows less those over the first points. Each is the difference of two line sums.
+/// The sums over the last points of the windows minus the sums over their first points. Each is the difference of two line sums.
 #[inline(always)]
 fn telescope(along: &mut [f64], [[last, before_last], [first, before_first]]: [[&[f64]; 2]; 2]) {
     let ends = last.iter().zip(before_last).zip(first.iter().zip(before_first));
@@ -229,7 +229,7 @@ fn telescope(along: &mut [f64], [[last, before_last], [first, before_first]]: [[
     }
 }
 
-/// The largest half size h up to `limit` (px) whose square stays nearer than the depth change.
+/// The largest half size h up to `limit` (px) whose window does not reach the depth change, not even with its corners.
 #[inline]
 fn half_window(squared_distance: usize, limit: usize) -> usize {
     let mut half = 0;
@@ -247,7 +247,7 @@ mod tests {
     use crate::camera::Camera;
     use crate::frame::Frame;
 
-    /// What a camera of 60 x 40 pixels sees of z = `depth(u, v)`.
+    /// The points of a camera of 60 x 40 pixels with z = `depth(u, v)`.
     fn points(depth: impl Fn(usize, usize) -> f32) -> Raster<[f32; 3]> {
         let z = (0..60 * 40).map(|i| depth(i % 60, i / 60)).collect();
         let camera = Camera::new(60.0, 60.0, 29.5, 19.5).unwrap();
@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn no_window_reaches_across_a_depth_change() {
-        // Two walls that face the camera, 0.5 m apart: no normal may be bent by the step.
+        // Two walls that face the camera, 0.5 m apart: the step must not bend any normal.
         let points = points(|u, _| if u < 30 { 1.0 } else { 1.5 });
         let normals = measure_normals(&points, &params::Normals::default());
         for (i, &got) in normals.as_slice().iter().enumerate() {
@@ -294,7 +294,7 @@ mod tests {
         );
     }
 
-    /// The normal of pixel `i` from the words of the documentation: window by search, tangents by loops.
+    /// The normal of pixel `i` as documented: window by search, tangents by loops.
     fn naive(points: &Raster<[f32; 3]>, i: usize, params: &params::Normals) -> Vec3 {
         let (width, height) = points.size();
         let at = |u: usize, v: usize| (u < width && v < height).then(|| Vec3::from(points[v * width + u]));
@@ -338,7 +338,7 @@ mod tests {
     proptest! {
         #[test]
         fn normals_are_the_naive_ones(
-            // Small images, and some that are higher than a band.
+            // Small images, and images higher than a band.
             (width, pixels) in prop_oneof![
                 3 => (1_usize..15, 1_usize..15),
                 1 => (1_usize..9, BAND_ROWS - 2..2 * BAND_ROWS),
@@ -347,7 +347,7 @@ mod tests {
             (step_u, step_v) in (0_usize..20, 0_usize..20),
             window_px in 2.0_f64..15.0,
         ) {
-            // A rough wall with holes and spikes; what is right of and below the step lies deeper.
+            // A rough wall with holes and spikes; right of and below the step it lies deeper.
             let z = pixels.iter().enumerate().map(|(i, &(rough, kind))| match kind {
                 0 => f32::NAN,
                 1 => 1.2,

@@ -14,14 +14,14 @@ use crate::simd::vectorized;
 pub struct PlaneFit {
     /// Its value at the pixel (quanta).
     pub value: f32,
-    /// Its change along u and v (quanta/px).
+    /// Its slope along u and v (quanta/px).
     pub slope: [f32; 2],
-    /// Standard deviation of the window's disparities from it (quanta); infinite when there is no fit.
+    /// Standard deviation of the window's disparities from the plane (quanta); infinite when there is no fit.
     pub residual: f32,
 }
 
 impl PlaneFit {
-    /// No plane: the pixel has no depth, or its window has too few pixels with depth.
+    /// No plane: the pixel has no depth, or its window has too few pixels with depth, or these lie almost in a line.
     pub const NONE: Self =
         Self { value: NO_PLANE[0], slope: [NO_PLANE[1], NO_PLANE[2]], residual: NO_PLANE[3] };
 
@@ -32,7 +32,7 @@ impl PlaneFit {
     }
 }
 
-/// The plane around every pixel. Each of its numbers has an image of its own, so that vector units read and write many at once.
+/// The plane fitted around every pixel. Each number has its own image, so that vector units read and write many at once.
 #[derive(Clone, Debug)]
 pub struct PlaneFits {
     /// As [`PlaneFit::value`].
@@ -64,18 +64,18 @@ const MOST_RADIUS_PX: usize = 199;
 /// Fits the least-squares plane through the disparities (quanta, `NaN` = none) in the square window of half size `radius_px`
 /// around every measured pixel. A half size beyond 199 px counts as 199 px.
 ///
-/// The residual is an estimate of the noise, an edge detector and the relief of the watershed. The fit is in disparity because
-/// there the noise is constant; in z its tolerance would have to grow with z^2, and slanted planes would be biased.
+/// The residual estimates the noise, detects edges, and is the relief of the watershed. The fit is in disparity because the noise
+/// is constant there; in z the tolerance would have to grow with z^2, and slanted planes would be biased.
 ///
-/// Windows slide down the rows of a tile, many side by side. The part of a row that enters a window is summed pixel by pixel.
-/// O(pixels · radius). Differences of sums from the start of the row would cost O(pixels), but each sum would wait for the one
-/// before; at a radius of 3 px that takes twice as long. Memory beside the result: that of one tile for each band of rows.
+/// Windows slide down the rows of a tile, many side by side. The part of a row that enters a window is summed pixel by pixel:
+/// O(pixels · radius). Differences of running sums along the row would cost O(pixels), but each sum would wait for the one
+/// before; at a radius of 3 px that takes twice as long. Extra memory: the sums of one tile for each band of rows.
 pub fn fit_planes(disparity: &Raster<f32>, radius_px: usize) -> PlaneFits {
     let (width, height) = disparity.size();
     let side = 2.0 * radius_px as f64 + 1.0;
     let mut fits = NO_PLANE.map(|none| Buffer::stale(disparity.len(), none));
     if LEAST_FILL * side * side > disparity.len() as f64 {
-        // Not even the whole image would fill a window.
+        // The whole image has fewer pixels than the least fill of a window.
         fits.iter_mut().zip(NO_PLANE).for_each(|(image, none)| image.fill(none));
     } else {
         let radius_px = radius_px.min(MOST_RADIUS_PX);

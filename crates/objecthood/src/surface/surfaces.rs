@@ -1,4 +1,4 @@
-//! What single pixels tell in `context`: the plane that fits the surroundings of each best (docs/CONTEXT.md 0.3, 3.2).
+//! The surface at every pixel in `context`: the plane that fits its surroundings best (docs/CONTEXT.md 0.3, 0.4).
 
 use crate::frame::Frame;
 use crate::params;
@@ -9,10 +9,11 @@ use crate::surface::window_choice::{Orientation, choose_windows};
 
 /// The surface at every pixel.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Surfaces {
-    /// The camera and its noise: the units of all that follows.
+    /// The camera and the sensor's noise, which convert between pixels, quanta and metres.
     pub space: DisparitySpace,
-    /// Disparity (quanta); `NaN` without depth.
+    /// Disparity (quanta); `NaN` without depth from 0.1 to 20 m.
     pub disparity: Raster<f32>,
     /// The plane fitted to the window around every pixel.
     pub fits: PlaneFits,

@@ -1,4 +1,4 @@
-//! Chooses the window that speaks for a pixel (docs/CONTEXT.md 0.4).
+//! Chooses the window that gives a pixel its orientation (docs/CONTEXT.md 0.4).
 //!
 //! Near an edge the window around a pixel mixes two surfaces. Another window that contains the pixel may lie on one of them.
 
@@ -22,14 +22,14 @@ pub struct Orientation {
 
 /// Weight of the distance between a pixel and a window's plane, against the window's residual.
 const MISFIT_WEIGHT: f32 = 0.5;
-/// The score of a pixel's own window counts as this share: near-ties go to it.
+/// Factor on the score of the pixel's own window, so that it wins near-ties.
 const OWN_PREFERENCE: f32 = 0.8;
 
 /// Chooses the best of nine windows that contain each pixel and takes its orientation (Kuwahara et al. 1976).
 ///
-/// The nine windows lie around the pixel and `local_fit.radius_px` - 1 to its sides and corners. A pixel keeps its own window
-/// when that has a residual below `own_window_residual_quanta`; otherwise the window of least residual and misfit wins, the
-/// first one on ties. Without the choice normals bend round at edges. O(9 pixels); parallel over rows.
+/// The windows are centred at the pixel and at the eight positions `local_fit.radius_px` - 1 away along u, v or both. A pixel keeps
+/// its own window if the residual is below `own_window_residual_quanta`. Otherwise the window with the least sum of residual and
+/// weighted misfit wins, the first one on ties. Without the choice, normals bend at edges. O(9 pixels); parallel over rows.
 pub fn choose_windows(
     disparity: &Raster<f32>,
     fits: &PlaneFits,
@@ -52,19 +52,19 @@ pub fn choose_windows(
     Orientation { slope: disparity.with_data(slope), normal: disparity.with_data(normal) }
 }
 
-/// What the choice looks at.
+/// The inputs of the choice.
 struct Choice<'a> {
     disparity: &'a Raster<f32>,
     fits: &'a PlaneFits,
     space: &'a DisparitySpace,
-    /// Distance (px) of the other windows' middles along u and v.
+    /// Distance (px) of the other windows' centres along u and v.
     reach: isize,
     /// Residual (quanta) below which a pixel keeps its own window.
     limit: f32,
 }
 
 impl Choice<'_> {
-    /// Gives the pixels of row `v` that keep their own windows the orientation of these; the others get 0.
+    /// Gives each pixel of row `v` that keeps its own window the orientation of that window; the other pixels get 0.
     #[inline(always)]
     fn take_own(&self, v: usize, slope: &mut [[f32; 2]], normal: &mut [[f32; 3]]) {
         let row = v * slope.len()..(v + 1) * slope.len();
@@ -81,7 +81,7 @@ impl Choice<'_> {
         }
     }
 
-    /// Gives the other measured pixels of row `v` the orientation of their best windows.
+    /// Gives each other measured pixel of row `v` the orientation of its best window.
     fn take_best(&self, v: usize, slope: &mut [[f32; 2]], normal: &mut [[f32; 3]]) {
         let width = slope.len();
         let measured = &self.disparity.as_slice()[v * width..(v + 1) * width];
@@ -117,11 +117,11 @@ fn orient(space: &DisparitySpace, [u, v]: [usize; 2], fit: &PlaneFit) -> ([f32; 
 /// Pixels of a row whose windows are compared side by side.
 const STRETCH: usize = 32;
 
-/// The window of least score for each of some pixels side by side; the first one on ties.
+/// The window of least score for each pixel of a stretch; the first one on ties.
 struct BestWindows {
-    /// Its score (quanta), from its residual and the misfit of the pixel; infinite when there is no window.
+    /// Score (quanta), from the residual and the misfit of the pixel; infinite when there is no window.
     score: [f32; STRETCH],
-    /// The pixel in its middle.
+    /// The pixel at the centre of the window.
     middle: [i32; STRETCH],
 }
 
@@ -134,7 +134,7 @@ impl BestWindows {
         for dv in [-reach, 0, reach] {
             let Some(row) = v.checked_add_signed(dv).filter(|row| *row < height) else { continue };
             for du in [-reach, 0, reach] {
-                // The pixels whose windows lie in the image.
+                // The pixels for which the centre of this window lies in the image.
                 let start = u.max(du.min(0).unsigned_abs());
                 let end = (u + disparity.len()).min(width.saturating_sub(du.max(0).unsigned_abs()));
                 if start < end {
@@ -146,8 +146,8 @@ impl BestWindows {
         best
     }
 
-    /// Replaces the best windows so far by those around the pixels from `first` on, where these have a lower score. They belong
-    /// to the pixels with these disparities, which stand from `lane` on, and lie (du, dv) away from them.
+    /// Replaces the best windows so far by the windows around the pixels from `first` on, where these have a lower score. The
+    /// windows are compared for the pixels from `lane` on, with these disparities; their centres lie (du, dv) away.
     #[inline(always)]
     fn prefer(
         &mut self,
@@ -165,7 +165,7 @@ impl BestWindows {
         let (du, dv) = (du as f32, dv as f32);
         for (k, ((least, middle), ((((value, a), b), residual), d))) in best.zip(windows).enumerate() {
             let at_pixel = value - a * du - b * dv;
-            // Infinite without a fit.
+            // Infinite when the window has no fit.
             let score = (residual + MISFIT_WEIGHT * (at_pixel - d).abs()) * preference;
             let is_less = score < *least;
             *least = if is_less { score } else { *least };
@@ -182,7 +182,7 @@ mod tests {
     use crate::surface::disparity::position;
     use crate::testing::{coarse_disparity, kinect, plane_fits, raster, small_size};
 
-    /// Fits in coarse steps, so that scores tie; one in five is none.
+    /// Fits in coarse steps, so that scores tie; one in five is missing.
     fn fit() -> impl Strategy<Value = PlaneFit> {
         let some =
             (200_u8..=208, prop::array::uniform2(-1_i8..=1), 0_u8..4).prop_map(|(value, slope, rest)| {
@@ -211,7 +211,7 @@ mod tests {
             let params = params::LocalFit { radius_px, own_window_residual_quanta: 0.8 };
             let got = choose_windows(&disparity, &plane_fits(&fits), &space, &params);
             for i in 0..disparity.len() {
-                // All windows whose middle lies at one of the nine places, in scan order.
+                // All windows centred at one of the nine places, in scan order.
                 let place = |d: usize| d == 0 || d == radius_px - 1;
                 let mut windows = Vec::new();
                 for j in 0..disparity.len() {

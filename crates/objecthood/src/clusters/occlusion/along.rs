@@ -1,4 +1,4 @@
-//! A frame along the gap between two pieces, in which their planes are compared.
+//! A coordinate frame along the gap between two pieces. Their planes are compared in it.
 
 use glam::DVec3;
 
@@ -7,24 +7,24 @@ use super::surface::{RIDGE, Surface};
 use crate::linear::{length, solve};
 use crate::surface::disparity::DisparitySpace;
 
-/// Facets nearer to each other in the image (px) have no clear direction between them.
+/// Least distance of two centroids in the image (px): nearer, the direction of the gap is undefined.
 const LEAST_APART_PX: f64 = 3.0;
-/// Normals computed from the spread and from all samples differ by rounding only: in images 2000 px wide by less than a twentieth
-/// of this angle, even for facets one pixel wide (see the tests).
+/// Margin (degrees) for the rounding between the quick fit from the spread and the fit to all samples. In images 2000 px wide the
+/// normals of the two fits differ by less than a twentieth of it, even for facets one pixel wide (see the tests).
 pub(super) const ROUNDING_DEG: f64 = 0.01;
 
-/// A frame that lies along the gap between two pieces: S from one centroid to the other, T across, in units of their distance.
+/// A frame along the gap between two pieces: S from one centroid to the other, T across, in units of their distance.
 #[derive(Clone, Copy)]
 pub(super) struct Along {
     middle: [f64; 2],
-    /// How S grows in the image (1/px).
+    /// Gradient of S in the image (1/px).
     axis: [f64; 2],
-    /// Disparity (quanta) that counts as 0.
+    /// Disparity (quanta) from which disparities are counted.
     origin: f64,
 }
 
 impl Along {
-    /// From one piece to another, with disparities counted from `origin`; `None` when they are too near for a direction.
+    /// The frame from one centroid to another, with disparities counted from `origin`; `None` when they are too near for a direction.
     pub(super) fn between([from, to]: [[f64; 2]; 2], origin: f64) -> Option<Self> {
         let apart = [0, 1].map(|k| to[k] - from[k]);
         let length_px = length(apart);
@@ -42,18 +42,18 @@ impl Along {
         [x * along + y * across, y * along - x * across]
     }
 
-    /// Disparity of a surface in this frame at a pixel (quanta).
+    /// Disparity (quanta) at a pixel of a surface given in this frame.
     #[inline(always)]
     pub(super) fn disparity(&self, surface: &Surface<4>, at: [f64; 2]) -> f64 {
         self.origin + surface.value(self.coordinates(at))
     }
 
-    /// Takes samples to this frame.
+    /// Transforms samples to this frame.
     pub(super) fn take(&self, samples: &[Sample]) -> Vec<Sample> {
         samples.iter().map(|&(at, d)| (self.coordinates(at), d - self.origin)).collect()
     }
 
-    /// The plane through samples with this spread: but for rounding the same as [`Surface::fit`] of all samples. O(1).
+    /// The plane through samples with this spread, equal to [`Surface::fit`] of all samples except for rounding. O(1).
     pub(super) fn plane(&self, spread: &Spread) -> Surface<3> {
         let Turned { mean: [s, t, d], products: [ss, st, tt, sd, td] } =
             spread.turned(self.middle, self.axis, self.origin);
@@ -67,7 +67,7 @@ impl Along {
         [s * along - t * across, s * across + t * along]
     }
 
-    /// Normal of a plane, in the middle.
+    /// Normal of a plane at the middle of the gap.
     pub(super) fn normal(&self, plane: &Surface<3>, space: &DisparitySpace) -> DVec3 {
         space.normal(self.middle, self.origin + plane.weights[0], self.slope(plane)).into()
     }
@@ -100,7 +100,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
-        /// Also where hardly anything says how a facet is turned: it is one pixel wide, and as near to the other as may be.
+        /// Also for facets whose direction is hardly determined: one pixel wide, and as near to each other as allowed.
         #[test]
         fn normals_by_spread_differ_by_rounding(
             [from, to] in prop::array::uniform2(prop::array::uniform2(0_u16..2000)),
@@ -123,7 +123,7 @@ mod tests {
             let space = space([1640.0; 2], [999.5; 2]);
             let by_spread = along.normal(&along.plane(&Spread::of(&samples)), &space);
             let by_samples = along.normal(&Surface::<3>::fit(along.take(&samples).iter()), &space);
-            // Both normals of a pair may be off.
+            // Both normals of a pair may have an error.
             let apart_deg = (by_spread - by_samples).length().to_degrees();
             prop_assert!(apart_deg < ROUNDING_DEG / 20.0, "{} degrees", apart_deg);
         }

@@ -1,12 +1,12 @@
-//! Lines of sight: the pixels between two pixels.
+//! Lines of sight: the pixels on the line between two pixels.
 
-/// The pixels nearest to the line between two, without its ends: a pixel for each step along the longer side.
+/// The pixels nearest to the line between two pixels, without its ends: one pixel for each step along the longer side.
 pub(super) struct Line {
     /// Column and row of the last pixel plus half a pixel, in units of 2^-32 px.
     at: [i64; 2],
-    /// From one pixel to the next, rounded up: exactly half a pixel goes to the later one.
+    /// Step from one pixel to the next, rounded up, so that an exact half is rounded to the greater column or row.
     step: [i64; 2],
-    /// The number of pixels that are left.
+    /// Number of pixels left.
     pub(super) steps: usize,
 }
 

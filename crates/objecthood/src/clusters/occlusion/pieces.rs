@@ -1,4 +1,4 @@
-//! Pieces: facets that something may cut.
+//! Pieces: facets that may be cut by something nearer.
 
 use glam::DVec3;
 
@@ -8,20 +8,20 @@ use crate::clusters::scene::Scene;
 use crate::regions::SegmentId;
 use crate::surface::disparity::position;
 
-/// A facet is a piece when it has at least this many pixels (at a focal length of 525 px) ...
+/// Least number of pixels of a piece (px at a focal length of 525 px).
 const FACET_PX: usize = 80;
-/// ... and, however small the image, this many (px), because fewer determine no surface, ...
+/// Least number of pixels of a piece in an image of any size: fewer do not fix a surface.
 pub(super) const LEAST_FACET_PX: usize = 12;
-/// ... and is this share of its cluster.
+/// Least share of its cluster's pixels that a piece has.
 const FACET_SHARE: f64 = 0.15;
-/// A cluster counts as cut when something is in front of it along at least this many pixel pairs (px at 525 px).
+/// A cluster counts as cut when other clusters are in front of it along at least this many pixel pairs (px at 525 px).
 const OCCLUDED_PX: usize = 8;
-/// Samples of a facet, evenly spaced; a small facet repeats some.
+/// Number of samples of a piece, evenly spaced over its pixels; a small piece repeats some.
 pub(super) const SAMPLES: usize = 150;
 /// Bits of each colour channel in the histograms.
 const COLOR_BITS: u32 = 2;
 
-/// A facet that something may cut.
+/// A facet that may be cut by something nearer.
 pub(super) struct Piece {
     /// Its label.
     pub(super) facet: SegmentId,
@@ -30,9 +30,9 @@ pub(super) struct Piece {
     pub(super) pixels: Vec<u32>,
     /// Mean column and row (px).
     pub(super) centroid: [f64; 2],
-    /// Where the surface of the facet is at the centroid (m).
+    /// Point on the facet's surface at the centroid (m).
     pub(super) middle_m: DVec3,
-    /// Places of [`SAMPLES`] pixels, evenly spaced, with their disparities (quanta).
+    /// Positions of [`SAMPLES`] pixels, evenly spaced, with their disparities (quanta).
     pub(super) samples: Vec<Sample>,
     pub(super) spread: Spread,
     /// Share of its pixels in each cell of colour; empty without colour.
@@ -54,20 +54,20 @@ impl Piece {
         let samples: Vec<Sample> = (0..SAMPLES).map(sample).collect();
         let spread = Spread::of(&samples);
         let colors = scene.color.map(|color| histogram(&pixels, |i| color[i])).unwrap_or_default();
-        // A bent surface may reach beyond what can be seen.
+        // At least 1 quantum: a curved surface may have no positive disparity at the centroid.
         let disparity = scene.facets.models[facet.index()].value(centroid).max(1.0);
         let middle_m = DVec3::from(scene.space.point_m(centroid, disparity));
         Self { facet, cluster, pixels, centroid, middle_m, samples, spread, colors }
     }
 
-    /// Overlap of the colour histograms, in [0, 1]. Shares may add up to more than 1 by rounding.
+    /// Overlap of the colour histograms, in [0, 1]; limited to 1 because of rounding.
     pub(super) fn color_overlap(&self, other: &Self) -> f64 {
         let common = |(x, y): (&f64, &f64)| x.min(*y);
         self.colors.iter().zip(&other.colors).map(common).sum::<f64>().min(1.0)
     }
 }
 
-/// The large facets of clusters that something is in front of. O(pixels of those clusters).
+/// The large facets of cut clusters. O(pixels of those clusters).
 pub(super) fn find_pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
     let scene = clusters.scene;
     let least_px = scene.space.area_px(FACET_PX).max(LEAST_FACET_PX);
@@ -81,7 +81,7 @@ pub(super) fn find_pieces(clusters: &Clusters<'_>) -> Vec<Piece> {
     cut_facets(clusters).into_iter().enumerate().filter_map(judge).collect()
 }
 
-/// The pixels of every facet after the structure that is of a cut cluster, in scan order; none of the others.
+/// The pixels of each facet outside the structure, in scan order; empty for facets of clusters that are not cut.
 fn cut_facets(clusters: &Clusters<'_>) -> Vec<Vec<u32>> {
     let (facets, space) = (clusters.scene.facets, clusters.scene.space);
     let least_hidden = space.length_px(OCCLUDED_PX) as u32;

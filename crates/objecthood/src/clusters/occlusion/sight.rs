@@ -1,4 +1,4 @@
-//! What is seen in the gap between two pieces.
+//! Examines the gap between two pieces: is something nearer or farther than their surface?
 
 use std::cmp::Reverse;
 
@@ -10,35 +10,35 @@ use crate::raster::marked;
 use crate::regions::SegmentId;
 use crate::simd::vectorized;
 
-/// Lines of sight through the gap.
+/// Number of lines of sight through the gap.
 const LINES: usize = 60;
-/// What is farther than the surface in the gap by this many quanta is seen through it; ...
+/// A pixel farther than the joint surface by more than this (quanta) shows that nothing is there: it is seen through.
 const SEEN_THROUGH_QUANTA: f64 = 3.0;
-/// ... what is nearer by this many hides it.
+/// A pixel nearer than the joint surface by more than this (quanta) hides it.
 const HIDDEN_QUANTA: f64 = 2.0;
-/// The surface may be seen through in less than this share of the gap, ...
+/// The joint surface is seen through in less than this share of the gap.
 pub(super) const SEEN_THROUGH_SHARE: f64 = 0.15;
-/// ... and is hidden in more than this share.
+/// The joint surface is hidden in more than this share of the gap.
 pub(super) const HIDDEN_SHARE: f64 = 0.5;
-/// A pair that misses a limit by more than this factor is not looked at further.
+/// A pair that misses a limit by more than this factor is dropped without a report.
 pub(super) const HOPELESS: f64 = 2.0;
-/// Pixels of a line that are looked at together.
+/// Pixels of a line that are compared in one vectorised loop.
 const STRETCH_PX: usize = 64;
 /// Where the random numbers of the lines begin: fixed, so the same frame gives the same lines.
 const SEED: u32 = 777;
 
-/// What lies in the gap between two pieces, as shares of its measured pixels.
+/// The gap between two pieces, as shares of its measured pixels.
 #[derive(Debug, PartialEq)]
 pub(super) struct Seen {
     pub(super) hidden_share: f64,
     pub(super) seen_through_share: f64,
-    /// The facet that hides most; of equal ones the first.
+    /// The facet that hides most pixels, on ties the first one.
     pub(super) hider: Option<SegmentId>,
 }
 
-/// What is seen along lines from random pixels of one piece to random pixels of the other. Only measured pixels of neither piece
-/// count. `None` as soon as too much is seen through, or too little is hidden, whatever the lines that are left would show.
-/// `surface`: the disparity (quanta) that is expected at a column and row. O(pixels of the lines + facets).
+/// Compares the gap with the joint surface, along lines from random pixels of one piece to random pixels of the other. Measured pixels
+/// outside both pieces count. `None` as soon as the lines left cannot change that too much is seen through, or too little is
+/// hidden. `surface`: the disparity (quanta) of the joint surface at a column and row. O(pixels of the lines + facets).
 pub(super) fn look_into_gap(
     clusters: &Clusters<'_>,
     pieces: [&Piece; 2],
@@ -74,11 +74,11 @@ struct Tally<'a> {
     pieces: [&'a Piece; 2],
     /// Farther than the surface.
     through: u32,
-    /// Level with it, or of a cluster of the pieces.
+    /// Level with the surface, or nearer but of a cluster of the pieces.
     level: u32,
-    /// Nearer.
+    /// Nearer than the surface.
     hidden: u32,
-    /// The nearer ones by facet.
+    /// The nearer pixels of each facet.
     hidden_by: Vec<u32>,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Tally<'a> {
         Self { clusters, pieces, through: 0, level: 0, hidden: 0, hidden_by }
     }
 
-    /// Adds a pixel that is nearer than the surface. Nothing hides itself.
+    /// Adds a pixel that is nearer than the surface. It counts as level if it belongs to a cluster of the pieces: nothing hides itself.
     fn add_nearer(&mut self, label: i32) {
         let facet = usize::try_from(label).ok();
         let free = facet.and_then(|facet| facet.checked_sub(self.clusters.scene.facets.structure));
@@ -101,7 +101,7 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Whether too much is seen through, or too little hidden, even if something nearer is seen in all pixels that are `left`.
+    /// Whether too much is seen through, or too little is hidden, even if all pixels `left` are nearer than the surface.
     fn is_hopeless(&self, left: usize) -> bool {
         let most = f64::from(self.through + self.level + self.hidden) + left as f64;
         f64::from(self.through) > HOPELESS * SEEN_THROUGH_SHARE * most
@@ -126,14 +126,14 @@ fn draw_lines(pieces: [&Piece; 2], width: usize) -> [Line; LINES] {
     })
 }
 
-/// Pixels of a line that follow each other.
+/// Successive pixels of a line.
 struct Stretch {
     /// Columns and rows.
     at: [[i32; STRETCH_PX]; 2],
     labels: [i32; STRETCH_PX],
-    /// Beyond the end of the line it is not measured.
+    /// `NaN` beyond the end of the line.
     disparity: [f32; STRETCH_PX],
-    /// Not 0 where something is nearer than the surface.
+    /// 1 where the pixel is nearer than the surface, else 0.
     is_nearer: [i32; STRETCH_PX],
 }
 
@@ -156,8 +156,8 @@ impl Stretch {
         own_disparity[taken..].fill(f32::NAN);
     }
 
-    /// Of the measured pixels with other labels than these: how many are farther than a surface, and how many are level with it;
-    /// marks the nearer ones. All at once, without branches.
+    /// Counts the measured pixels with other labels than `own`: returns how many are farther than the surface and how many are level with
+    /// it, and marks the nearer ones.
     fn compare(&mut self, own: [i32; 2], surface: impl Fn([f64; 2]) -> f64 + Copy) -> (u32, u32) {
         let Self { at: [columns, rows], labels, disparity, is_nearer } = self;
         vectorized(
@@ -188,7 +188,7 @@ mod tests {
     use super::*;
     use crate::clusters::testing::{Table, merge, single};
 
-    /// Pixel by pixel, to the end of every line.
+    /// The reference: pixel by pixel, to the end of every line.
     fn look_to_the_end(
         clusters: &Clusters<'_>,
         [a, b]: [&Piece; 2],
@@ -228,7 +228,7 @@ mod tests {
     }
 
     proptest! {
-        /// Between two parts of a plank, row by row: a hole, the table, something level, and bars, of which one is the plank's own.
+        /// A gap between two parts of a plank, row by row: a hole, the table, a level thing, and bars. One bar belongs to the plank.
         #[test]
         fn lines_that_end_early_tell_what_all_of_them_would(
             rows in prop::collection::vec(prop_oneof![
@@ -241,7 +241,7 @@ mod tests {
             let table = Table::new((110, 60), |u, v| match v {
                 10..40 if (10..30).contains(&u) => Some((1, 0.05)),
                 10..40 if (30 + wide..80).contains(&u) => Some((2, 0.05)),
-                // So that something hides a part of either.
+                // These bars hide a part of each piece.
                 10..20 if (30..30 + wide).contains(&u) => Some((3, 0.15)),
                 20..40 if (30..30 + wide).contains(&u) => rows[v - 20],
                 _ => Some((0, 0.0)),

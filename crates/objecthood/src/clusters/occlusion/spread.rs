@@ -1,6 +1,6 @@
 //! The spread of samples of a facet: their first and second moments, which give the plane through them in any frame.
 
-/// A place and the disparity there (quanta).
+/// A position and its disparity (quanta).
 pub(crate) type Sample = ([f64; 2], f64);
 
 /// Means of some samples, and means of products of their deviations.
@@ -11,7 +11,7 @@ pub(crate) struct Spread {
     products: [f64; 5],
 }
 
-/// Means of 1, s, t and d times s, t: [`Spread`] in a frame in which places are turned, scaled and shifted.
+/// A [`Spread`] in a frame that is turned, scaled and shifted: means of s, t, d and of their products about the origin.
 pub(crate) struct Turned {
     /// Mean s, t and d.
     pub(crate) mean: [f64; 3],
@@ -32,7 +32,7 @@ impl Spread {
         Self { place: [x, y], disparity, products: products.map(|sum| sum / n) }
     }
 
-    /// The same in a frame with its origin at `middle` and the first axis along `axis`; disparities count from `origin`. O(1).
+    /// The spread in a frame with its origin at `middle` and the first axis along `axis`; disparities are counted from `origin`. O(1).
     pub(crate) fn turned(&self, middle: [f64; 2], [a, b]: [f64; 2], origin: f64) -> Turned {
         let [x, y] = [0, 1].map(|k| self.place[k] - middle[k]);
         let (s, t, d) = (x * a + y * b, y * a - x * b, self.disparity - origin);

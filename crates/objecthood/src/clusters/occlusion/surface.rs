@@ -3,9 +3,9 @@
 use super::spread::Sample;
 use crate::linear::solve;
 
-/// Added per sample to the diagonal of the normal equations, so that they can always be solved.
+/// Added per sample to the diagonal of the normal equations, so that they have a solution.
 pub(super) const RIDGE: f64 = 1e-6;
-/// A facet is curved when a squared term across the gap divides its residual by this: a cylinder that lies along the gap.
+/// A facet is curved when a squared term across the gap lowers its residual by more than this factor, as for a cylinder along the gap.
 const CURVED_RATIO: f64 = 1.3;
 
 /// Disparity as a polynomial in the frame along the gap (see [`Along`](super::along::Along)): the first K of the terms 1, S, T, T^2.
@@ -57,14 +57,15 @@ impl<const K: usize> Surface<K> {
 }
 
 impl Surface<3> {
-    /// The same surface with a squared term, of weight 0.
+    /// The same surface with a squared term of weight 0.
     fn curved(self) -> Surface<4> {
         let [value, along, across] = self.weights;
         Surface { weights: [value, along, across, 0.0] }
     }
 }
 
-/// Fits one surface to two pieces. With it comes how much worse it fits than one surface for each, in units of `noise` (quanta).
+/// Fits one surface to two pieces. Returns it with the disagreement (quanta): the error that it adds to the errors of one surface for
+/// each piece, divided by `noise`, the factor by which the slope raises the noise.
 pub(super) fn fit_jointly(
     of_a: &[Sample],
     of_b: &[Sample],
@@ -78,7 +79,7 @@ pub(super) fn fit_jointly(
         let error = Surface::<4>::fit(of[k].iter()).mean_squared_error(of[k].iter());
         (flat_error[k].sqrt() > CURVED_RATIO * error.sqrt()).then_some(error)
     };
-    // Both have to be curved; most often the first is not.
+    // Both pieces have to be curved. The first one usually is not; then the second is not tried.
     let curved_error = curved_error(0).and_then(|of_a| Some([of_a, curved_error(1)?]));
     let (joint, single) = match curved_error {
         Some(curved_error) => (Surface::<4>::fit(both()), curved_error),
@@ -92,7 +93,7 @@ pub(super) fn fit_jointly(
 mod tests {
     use super::*;
 
-    /// It was curved along the gap, where a lying can is straight.
+    /// A regression: the surface was curved along the gap, where a lying can is straight.
     #[test]
     fn a_curved_surface_is_a_cylinder_along_the_gap() {
         let samples = |bend: fn([f64; 2]) -> f64| -> Vec<([f64; 2], f64)> {

@@ -7,13 +7,13 @@ use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::discovery::join::JoinEvidence;
 use crate::regions::SegmentId;
 
-/// A piece of an inside has at least this many pixels (at a focal length of 525 px).
+/// Least number of pixels of a piece of an inside (px at a focal length of 525 px).
 const INSIDE_PX: usize = 60;
-/// The smaller piece must be this much as concave as the larger one.
+/// The smaller piece needs this share of the concavity that the larger one needs.
 const SMALLER_SHARE: f64 = 0.5;
 
-/// Joins the first two pieces of one inside that it finds, and says whether there were any: both concave, and the smaller one no
-/// higher than the larger.
+/// Joins the first two pieces of one inside that it finds, and returns whether it found any. Both are concave, and the smaller one
+/// is not higher than the larger one by more than the tops of a vessel differ.
 pub(super) fn join_insides(clusters: &mut Clusters<'_>, limits: Limits<'_>, misses: &mut Vec<Miss>) -> bool {
     let check_concave = |what, convexity, share| {
         Check::new(what, "", convexity, Bound::AtMost, -limits.params.concavity * share).set_by(CONCAVITY)
@@ -38,7 +38,8 @@ pub(super) fn join_insides(clusters: &mut Clusters<'_>, limits: Limits<'_>, miss
     false
 }
 
-/// Pairs of large clusters that touch, the larger one first (of equal ones the first); by ascending numbers.
+/// The pairs of large clusters that touch, ordered by ascending numbers. In each pair the larger cluster comes first, on ties the one
+/// with the smaller number.
 fn touching_pairs(clusters: &Clusters<'_>) -> Vec<[SegmentId; 2]> {
     let space = clusters.scene.space;
     let (least_px, least_touch) = (space.area_px(INSIDE_PX), space.length_px(INSIDE_TOUCH_PX) as u32);

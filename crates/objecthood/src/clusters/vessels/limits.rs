@@ -6,15 +6,16 @@ use crate::oversegment::structure::StructureSurface;
 use crate::params;
 use crate::regions::SegmentId;
 
-/// Pieces of one inside touch along at least this many pixels (px at a focal length of 525 px); so does what clings to an inside.
+/// Pieces of one inside touch along at least this many pixel pairs (px at a focal length of 525 px). The same limit applies
+/// to a piece that touches an inside within the rim.
 pub(super) const INSIDE_TOUCH_PX: usize = 8;
 
-/// The parameter that limits how far an inside bends outwards.
+/// The parameter that sets the limits on convexity.
 pub(super) const CONCAVITY: &str = "vessels.concavity";
-/// The parameter that limits how far tops of one vessel differ.
+/// The parameter that sets the limits on differences of tops.
 pub(super) const RIM_HEIGHT: &str = "vessels.rim_height_m";
 
-/// What the rules measure heights from, and their parameters.
+/// The surface above which the rules measure heights, and their parameters.
 #[derive(Clone, Copy)]
 pub(super) struct Limits<'a> {
     pub support: &'a StructureSurface,
@@ -22,12 +23,12 @@ pub(super) struct Limits<'a> {
 }
 
 impl Limits<'_> {
-    /// How high a cluster stands above the support (m).
+    /// Height of a cluster's top above the support (m).
     pub(super) fn top_m(&self, clusters: &Clusters<'_>, id: SegmentId) -> f64 {
         clusters.top_m(id, self.support)
     }
 
-    /// Checks that `id` stands no higher above `other` than tops of one vessel differ.
+    /// Checks that the top of `id` is not higher than the top of `other` by more than the tops of one vessel differ.
     pub(super) fn check_no_higher(&self, clusters: &Clusters<'_>, id: SegmentId, other: SegmentId) -> Check {
         let above_m = self.top_m(clusters, id) - self.top_m(clusters, other);
         Check::new("its top above the other's", "m", above_m, Bound::AtMost, self.params.rim_height_m)

@@ -9,14 +9,14 @@ use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::discovery::join::JoinEvidence;
 use crate::regions::SegmentId;
 
-/// A remainder touches the vessel along at least this many pixels (px at a focal length of 525 px) ...
+/// A remainder touches its vessel along at least this many pixel pairs (px at a focal length of 525 px).
 const REMAINDER_TOUCH_PX: usize = 6;
-/// ... and with this share of all its contacts, ...
+/// Least share of its contacts that a remainder has with the vessel.
 const REMAINDER_SHARE: f64 = 0.8;
-/// ... and has at most this share of the vessel's pixels.
+/// A remainder has at most this share of the vessel's pixels.
 const REMAINDER_SIZE: f64 = 0.3;
 
-/// Joins the first remainder that it finds to its vessel, and says whether there was one.
+/// Joins the first remainder that it finds to its vessel, and returns whether it found one.
 pub(super) fn join_remainder(
     clusters: &mut Clusters<'_>,
     limits: Limits<'_>,
@@ -48,7 +48,7 @@ pub(super) fn join_remainder(
     false
 }
 
-/// The vessel that a cluster touches most, the first of equal ones, and along how many pixels.
+/// The vessel that a cluster touches most, on ties the first one, and the number of touching pixel pairs.
 fn find_nearest_vessel(
     clusters: &Clusters<'_>,
     id: SegmentId,

@@ -1,7 +1,7 @@
 //! Rule 2: an inside and the wall in front of it are one vessel (docs/CONTEXT.md 4.4.2).
 //!
-//! Both are equally high. They are joined when their rims lie on one circle, or else when the inside is concave enough. With the
-//! circle comes everything else that stands within it.
+//! Their tops are equally high. They are joined when their rims lie on one circle, or else when the inside is concave enough. If there
+//! is a circle, the other clusters within it are joined to them too.
 
 use std::collections::BTreeSet;
 
@@ -14,39 +14,39 @@ use crate::clusters::rim::{check_circle, fit_rim_circle, measure_share_within};
 use crate::discovery::join::{JoinEvidence, RimCircle};
 use crate::regions::SegmentId;
 
-/// An inside and a wall have at least this many pixels (at a focal length of 525 px).
+/// Least number of pixels of an inside, and of a wall (px at a focal length of 525 px).
 const PART_PX: usize = 100;
-/// An inside bends outwards by no more than this, a wall inwards by no more.
+/// An inside bends outwards by at most this convexity, a wall inwards by at most this.
 const FLAT: f64 = 0.1;
-/// A wall is in front of the inside along at least this many pixels (px at 525 px), ...
+/// A wall is in front of the inside along at least this many pixel pairs (px at 525 px).
 const FRONT_PX: usize = 8;
-/// ... this many times as many as it is behind.
+/// A wall is in front of the inside at least this many times as often as behind it.
 const FRONT_RATIO: u32 = 4;
-/// Without a circle the wall is in front along at least this many (px at 525 px).
+/// Without a circle, the wall is in front of the inside along at least this many pixel pairs (px at 525 px).
 const FRONT_ALONE_PX: usize = 12;
-/// A part of the vessel stands within its rim's circle with this share of its pixels.
+/// Least share of a part's pixels within the circle of the vessel's rim.
 const WITHIN_SHARE: f64 = 0.8;
 
 /// A cluster that may be the wall in front of an inside.
 struct Wall {
     id: SegmentId,
-    /// Pixel pairs in which it is in front.
+    /// Number of pixel pairs in which it is in front.
     in_front: u32,
-    /// To give the inside to it.
+    /// The proposal to give the inside to it.
     join: Proposal,
 }
 
 /// The circle of a rim, and the clusters near it.
 struct Rim {
     circle: RimCircle,
-    /// Those that stand within it, each to be given to the wall.
+    /// The clusters within it, each with the proposal to give it to the wall.
     members: Vec<(SegmentId, Proposal)>,
-    /// Those that do not.
+    /// The refusals of the other clusters.
     others: Vec<Miss>,
 }
 
-/// Joins the first inside that it finds to its wall, and says whether there was one. The wall is then in `vessels`, and no inside
-/// any more.
+/// Joins the first inside that it finds to its wall, and returns whether it found one. The wall is added to `vessels` and is not
+/// tried as an inside any more.
 pub(super) fn join_wall(
     clusters: &mut Clusters<'_>,
     limits: Limits<'_>,
@@ -58,7 +58,7 @@ pub(super) fn join_wall(
             continue;
         }
         let walls = find_walls(clusters, limits, inside, misses);
-        // Of equally many pixels in front the first wall.
+        // On ties the first wall wins.
         let foremost =
             walls.iter().reduce(|best, next| if next.in_front > best.in_front { next } else { best });
         let Some(wall) = foremost else { continue };
@@ -78,12 +78,12 @@ pub(super) fn join_wall(
     false
 }
 
-/// Whether a cluster is large and hardly bends outwards.
+/// Whether a cluster may be an inside: it is large and hardly bends outwards.
 fn is_inside(clusters: &Clusters<'_>, id: SegmentId) -> bool {
     clusters.get(id).pixels.len() >= clusters.scene.space.area_px(PART_PX) && clusters.convexity(id) <= FLAT
 }
 
-/// Joins an inside and whatever else stands within the circle of its rim to the wall.
+/// Joins to the wall the inside and the other clusters within the circle of the rim.
 fn join_within_rim(clusters: &mut Clusters<'_>, inside: SegmentId, wall: &Wall, found: Rim) {
     let Rim { circle, members, others } = found;
     let (convexity, wall_in_front) = (clusters.convexity(inside), wall.in_front);
@@ -96,7 +96,7 @@ fn join_within_rim(clusters: &mut Clusters<'_>, inside: SegmentId, wall: &Wall, 
     clusters.history.note_misses(others);
 }
 
-/// Joins an inside to the wall if it is concave enough to need no circle; says whether it did.
+/// Joins an inside to the wall if it is concave enough to need no circle. Returns whether it did.
 fn join_concave(
     clusters: &mut Clusters<'_>,
     limits: Limits<'_>,
@@ -137,7 +137,7 @@ fn find_walls(
     let (least_px, least_front) = (space.area_px(PART_PX), space.length_px(FRONT_PX));
     let mut walls = Vec::new();
     for (&other, borders) in &clusters.get(inside).neighbours {
-        // In front of the inside is where the inside is behind.
+        // The counts are seen from the inside, so they are swapped for the wall.
         let &BorderCounts { in_front: behind, behind: in_front, .. } = borders;
         let Some(id) = other else { continue };
         if clusters.get(id).pixels.len() < least_px || (in_front as usize) < least_front {
@@ -178,14 +178,14 @@ struct RimSearch<'a> {
     clusters: &'a Clusters<'a>,
     limits: Limits<'a>,
     inside: SegmentId,
-    /// The one that is in front most, ...
+    /// The foremost wall.
     wall: &'a Wall,
-    /// ... among all of them.
+    /// All walls.
     walls: &'a [Wall],
 }
 
 impl RimSearch<'_> {
-    /// The circle of the rim and the clusters within it, if a wall is among these; whatever else is refused.
+    /// The circle of the rim and the clusters within it, if a wall is within it; other clusters are noted as refused.
     fn find_rim(&self, misses: &mut Vec<Miss>) -> Option<Rim> {
         if !self.limits.params.rim_circle {
             return None;
@@ -215,7 +215,8 @@ impl RimSearch<'_> {
         None
     }
 
-    /// The circle through the rims of the inside and of all walls, else of the inside and the foremost wall; with these parts.
+    /// The circle through the rims of the inside and of all walls; if that fails, of the inside and the foremost wall only. Returned with
+    /// these parts.
     ///
     /// # Errors
     /// The checks of the last circle; one of them fails.
@@ -229,14 +230,15 @@ impl RimSearch<'_> {
         if self.walls.len() > 1 { all.or_else(|_| fit(vec![self.wall.id, self.inside])) } else { all }
     }
 
-    /// The clusters that are parts or beside one, but for the inside; by ascending number.
+    /// The parts and their neighbours except the inside, by ascending number.
     fn near(&self, parts: &[SegmentId]) -> BTreeSet<SegmentId> {
         let beside = |&part: &SegmentId| self.clusters.get(part).neighbours.keys().copied().flatten();
         let near = parts.iter().flat_map(beside).chain(parts.iter().copied());
         near.filter(|&id| id != self.inside).collect()
     }
 
-    /// Whether a cluster stands within the circle and as high as the inside. What clings to the inside may be lower.
+    /// Whether a cluster stands within the circle and its top is as high as the inside's. The top of a cluster that clings to the inside
+    /// may be lower.
     fn is_within(&self, id: SegmentId, parts: &[SegmentId], circle: &RimCircle, join: &mut Proposal) -> bool {
         let &Self { clusters, limits, inside, .. } = self;
         let above_m = limits.top_m(clusters, id) - limits.top_m(clusters, inside);

@@ -16,11 +16,12 @@ use crate::surface::window_choice::Orientation;
 
 /// Distance of the samples along columns and rows (px at a focal length of 525 px).
 pub(super) const GRID_PX: usize = 6;
-/// Number of surfaces that are sought: a room has a table, a floor, walls, shelves.
+/// Rounds of the search, each for one surface: a room has a table, a floor, walls, shelves.
 const ROUNDS: usize = 8;
-/// The search ends when fewer samples are left.
+/// The search ends when no more samples than this are left.
 const LEAST_POOL: usize = 150;
-/// A surface is fitted three times: to the samples this near to the plane, then to those this near to the surface (quanta).
+/// Tolerances (quanta) of the three fits of a surface: the first fit takes the samples near the plane, the others the samples near
+/// the previous fit.
 const REFIT_QUANTA: [f64; 3] = [3.5, 3.0, 3.0];
 /// Least number of samples of such a fit.
 const LEAST_REFIT: usize = 50;
@@ -35,7 +36,7 @@ pub(super) struct Candidate {
     pub(super) inliers: Vec<Sample>,
 }
 
-/// What the search looks at.
+/// The inputs of the search.
 pub(super) struct View<'a> {
     pub(super) disparity: &'a Raster<f32>,
     pub(super) orientation: &'a Orientation,
@@ -60,7 +61,8 @@ impl View<'_> {
         pixels.filter(|&pixel| fits.at(pixel).is_some()).map(sample).collect()
     }
 
-    /// Finds up to eight surfaces, the one near most samples first. Each takes the samples near it out of the pool.
+    /// Finds up to eight surfaces. Each round takes the plane near most samples, and removes the samples near its surface from the
+    /// pool.
     pub(super) fn find_candidates(&self, mut pool: Vec<Sample>) -> Vec<Candidate> {
         let mut random = Lcg::new(SEED);
         let mut candidates = Vec::new();
@@ -79,7 +81,7 @@ impl View<'_> {
         candidates
     }
 
-    /// Fits a quadratic to the samples near a plane that are tilted as it is; `None` of fewer than fifty.
+    /// Fits a quadratic to the samples near a plane that have its tilt; `None` for fewer than fifty.
     fn refit(&self, pool: &[Sample], [a, b, c]: [f64; 3], normal: DVec3) -> Option<Model> {
         let (width, height) = self.disparity.size();
         let center = [(width / 2) as f64, (height / 2) as f64];

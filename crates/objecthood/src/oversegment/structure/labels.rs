@@ -11,11 +11,11 @@ use crate::regions::Segments;
 use crate::simd::vectorized;
 use crate::surface::window_choice::Orientation;
 
-/// Pixels of a row that are passed over together when none lies near a surface.
+/// Pixels of a row that are skipped together when none of them lies near the surface.
 const STRETCH: usize = 64;
 
-/// Labels every pixel with the first surface within `tolerance_quanta` of it that has the same tilt; -1 = none. A pixel without a
-/// normal has any tilt. O(pixels · surfaces); parallel over rows.
+/// Labels every pixel with the first surface that lies within `tolerance_quanta` of it and has its tilt; -1 = none. A pixel without
+/// a normal needs no equal tilt. O(pixels · surfaces); parallel over rows.
 pub(super) fn label_pixels(
     surfaces: &[StructureSurface],
     disparity: &Raster<f32>,
@@ -60,7 +60,7 @@ pub(super) fn label_pixels(
 }
 
 impl StructureSurface {
-    /// Marks the pixels near this surface that belong to none yet. (u, v): the first pixel.
+    /// Marks the unlabelled pixels near this surface. (u, v): the first pixel.
     #[inline(always)]
     fn mark_near(
         &self,
@@ -76,7 +76,7 @@ impl StructureSurface {
         }
     }
 
-    /// Labels the marked pixels whose slope is that of this surface, and removes their marks. `slope_squared`: the tolerance.
+    /// Labels the marked pixels whose slope agrees with the surface's, and removes their marks. `slope_squared`: the squared tolerance.
     #[inline(always)]
     fn claim(
         &self,
@@ -110,10 +110,10 @@ mod tests {
         #[test]
         fn each_pixel_is_of_the_first_surface_it_lies_on(
             pixels in (1_usize..3 * STRETCH / 2, 1_usize..4).prop_flat_map(|size| raster(size, (
-                // Near the surfaces below, and none.
+                // Disparities near the surfaces below, or none.
                 prop_oneof![9 => 97.0_f32..106.0, 1 => Just(f32::NAN)],
                 prop::array::uniform2(-0.4_f32..0.4),
-                // Turned like them or not, and none.
+                // Orientations like those of the surfaces, others, or none.
                 prop::sample::select(vec![[0.0, 0.0, -1.0], [0.0, -0.6, -0.8], [1.0, 0.0, 0.0], [0.0; 3]]),
             ))),
             slope_squared in 0.0_f64..0.2,

@@ -9,8 +9,8 @@ use crate::raster::Raster;
 use crate::regions::runs;
 use crate::simd::vectorized;
 
-/// The surfaces as planes, each fitted to its own pixels. How much is theirs is known in the end:
-/// [`counted`](crate::clusters::candidates::Candidates::counted). O(pixels).
+/// The surfaces as planes, each fitted to its own pixels. Their inlier shares are counted later, by `Candidates::count_inliers`.
+/// O(pixels).
 pub(super) fn fit_planes(
     surfaces: &[StructureSurface],
     labels: &Raster<i32>,
@@ -37,10 +37,10 @@ pub(super) fn fit_planes(
     surfaces.iter().zip(own).map(plane).collect()
 }
 
-/// Points that are added side by side.
+/// Lanes of the sums, to which points are added side by side.
 const LANES: usize = 8;
 
-/// Sums over points, each of which adds to one of the lanes.
+/// Sums over points in lanes; each point adds to one lane.
 #[derive(Clone, Default)]
 struct LaneSums {
     /// 1, x, y, z, xx, yy, zz, xy, yz, zx.
@@ -48,12 +48,12 @@ struct LaneSums {
 }
 
 impl LaneSums {
-    /// Adds points of one row: those at depths `z_m` along rays with these x, and this y, at a depth of 1.
+    /// Adds points of one row, with depths `z_m`. Their rays have z = 1, these x and this y.
     #[inline(always)]
     fn add(&mut self, rays_x: &[f64], ray_y: f64, z_m: &[f32]) {
         let mut sums = self.sums;
         let (rays, depths) = (rays_x.chunks_exact(LANES), z_m.chunks_exact(LANES));
-        // A depth of 0 adds nothing.
+        // The free lanes at the end have depth 0 and count 0 and add nothing.
         let (mut last_rays, mut last_depths, mut last_counts) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for (lane, (ray, z)) in rays.remainder().iter().zip(depths.remainder()).enumerate() {
             (last_rays[lane], last_depths[lane], last_counts[lane]) = (*ray, *z, 1.0);
@@ -61,7 +61,7 @@ impl LaneSums {
         let mut add = |rays: &[f64; LANES], depths: &[f32; LANES], counts: &[f64; LANES]| {
             for lane in 0..LANES {
                 let z = f64::from(depths[lane]);
-                // Rounded as points are.
+                // Rounded to 32 bits, as the points of a frame are.
                 let [x, y] = [rays[lane] * z, ray_y * z].map(|x| f64::from(x as f32));
                 let terms = [counts[lane], x, y, z, x * x, y * y, z * z, x * y, y * z, z * x];
                 for (sum, term) in sums.iter_mut().zip(terms) {
@@ -103,7 +103,7 @@ mod tests {
                 let terms = [1.0, x, y, z, x * x, y * y, z * z, x * y, y * z, z * x];
                 expected.iter_mut().zip(terms).for_each(|(sum, term)| sum[u % LANES] += term);
             }
-            // To the bit, but for the sign of zeros: the order of the sums is that of the published planes.
+            // Equal to the bit except for the sign of zeros: the sums have the same order as in the released planes.
             prop_assert_eq!(lanes.sums, expected);
         }
     }

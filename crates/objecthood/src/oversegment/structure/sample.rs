@@ -1,4 +1,4 @@
-//! The pixels among which surfaces are sought.
+//! The pixels on which the search for surfaces works.
 
 /// A pixel of the grid.
 pub(super) struct Sample {

@@ -1,4 +1,4 @@
-//! The size of a surface, which tells structure from faces of things.
+//! The size of a surface, by which structure is distinguished from faces of things.
 
 use std::ops::Range;
 
@@ -11,8 +11,12 @@ use crate::tangents::tangents;
 
 /// Samples are connected when they are at most this many places of the grid apart.
 const PIECE_GAP: usize = 2;
-/// The least cosine between normal and ray: pixels seen at a smaller one count as if seen at this.
+/// Least cosine between normal and ray in the area of a pixel: smaller cosines are raised to it.
 const LEAST_COSINE: f64 = 0.15;
+/// A side of a surface begins at this quantile of its points ...
+const LOW_SHARE: f64 = 0.05;
+/// ... and ends at this one.
+const HIGH_SHARE: f64 = 0.95;
 
 /// Bits of a word.
 const WORD: usize = u64::BITS as usize;
@@ -20,12 +24,12 @@ const WORD: usize = u64::BITS as usize;
 /// The size of a surface.
 pub(super) struct SurfaceSize {
     pub(super) area_m2: f64,
-    /// Its longer side.
+    /// Its longer side, from the 5th to the 95th percentile of its points.
     pub(super) longest_m: f64,
 }
 
 impl SurfaceSize {
-    /// Measures the largest connected piece of the samples. Tops of boxes that happen to be equally high are no surface together.
+    /// Measures the largest connected piece of the samples, because the tops of boxes of equal height are not one surface.
     pub(super) fn measure(Candidate { surface, inliers }: &Candidate, view: &View<'_>) -> Self {
         let width = view.disparity.width();
         let camera = view.space.camera();
@@ -43,15 +47,15 @@ impl SurfaceSize {
         });
         let width_m = |axis: DVec3| {
             let mut along: Vec<f64> = points_m.iter().map(|p| p.dot(axis)).collect();
-            element_at(&mut along, 0.95) - element_at(&mut along, 0.05)
+            element_at(&mut along, HIGH_SHARE) - element_at(&mut along, LOW_SHARE)
         };
         let [t1, t2] = tangents(surface.normal);
         Self { area_m2: area_m2.sum(), longest_m: width_m(t1).max(width_m(t2)) }
     }
 }
 
-/// Finds the largest connected piece among places of a grid (column, row) and returns the indices of its places. Of pieces of equal
-/// size, that with the first place column by column. No place comes twice. O(columns · rows).
+/// Finds the largest connected piece among places of a grid (column, row) and returns the indices of its places. Among pieces of
+/// equal size the first one wins, column by column. No place occurs twice. O(columns · rows).
 fn find_largest_piece(places: &[[usize; 2]]) -> Vec<usize> {
     let [columns, rows] = [0, 1].map(|k| places.iter().map(|place| place[k] + 1).max().unwrap_or(0));
     let mut open = Open::new(columns, rows);
@@ -82,7 +86,7 @@ fn find_largest_piece(places: &[[usize; 2]]) -> Vec<usize> {
     largest
 }
 
-/// Places of a grid, one bit each, column by column: one word answers for many.
+/// A set of grid places, one bit each, column by column, so that one word covers 64 rows.
 struct Open {
     /// `words_a_column` words of each column. The last one is empty, so that two words can always be read.
     words: Vec<u64>,
@@ -99,7 +103,7 @@ impl Open {
         self.words[column * self.words_a_column + row / WORD] |= 1 << (row % WORD);
     }
 
-    /// Takes out the first place of a column. There is none before word `from`, which moves on to the word of the place.
+    /// Takes out the first place of a column, searching from word `from` on; `from` moves on to the word of this place.
     fn take_first(&mut self, column: usize, from: &mut usize) -> Option<usize> {
         let words = &mut self.words[column * self.words_a_column..][..self.words_a_column];
         *from += words[*from..].iter().position(|&word| word != 0)?;
@@ -131,7 +135,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Grids also of more rows than a word has bits.
+        /// Also grids with more rows than a word has bits.
         #[test]
         fn the_largest_piece_is_the_naive_one(
             grid in (1_usize..12, prop_oneof![1_usize..12, 60_usize..140]).prop_flat_map(|(columns, rows)| {
@@ -144,7 +148,7 @@ mod tests {
                 taken.map(|(v, _)| [u, v]).collect::<Vec<_>>()
             };
             let mut places: Vec<[usize; 2]> = grid.iter().enumerate().flat_map(places_of).collect();
-            // What hangs together gets one name, that of its first place, until nothing changes any more.
+            // Connected places take the name of their first place, until nothing changes.
             let mut names: Vec<usize> = (0..places.len()).collect();
             let near = |a: [usize; 2], b: [usize; 2]| (0..2).all(|k| a[k].abs_diff(b[k]) <= 2);
             let mut before = Vec::new();

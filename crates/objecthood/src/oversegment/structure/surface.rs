@@ -5,15 +5,15 @@ use glam::DVec3;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::model::Model;
 
-/// The height (m) of everything before a surface that is behind its horizon there.
+/// Height (m) given to a pixel whose ray meets no surface below it: it lies beyond the horizon of the surface.
 pub(super) const BEYOND_M: f64 = 10.0;
 
 /// A large surface: almost a plane.
 #[derive(Clone, Debug)]
 pub struct StructureSurface {
-    /// Its disparity. It is quadratic, because the sensor's own distortion bends a table by more than its noise.
+    /// Its disparity, a quadratic, because the sensor's distortion bends a table by more than the noise.
     pub model: Model,
-    /// Unit normal of the plane it started from, towards the camera.
+    /// Unit normal, towards the camera, of the plane from which the fit started.
     pub(crate) normal: DVec3,
     /// Distance of the camera from that plane (m).
     pub offset_m: f64,

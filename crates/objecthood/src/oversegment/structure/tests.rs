@@ -15,7 +15,7 @@ fn half() -> DisparitySpace {
     space([262.5, 262.5], [159.5, 119.5])
 }
 
-/// The structure of what is seen at these depths (m), in whole quanta as a Kinect sees it.
+/// The structure of a frame with these depths (m), rounded to whole quanta as by a Kinect.
 fn seen(depth_m: impl Fn(usize) -> f64) -> Structure {
     seen_with(&params::Structure::default(), depth_m)
 }
@@ -67,7 +67,7 @@ fn a_table_and_a_wall_are_found() {
     assert!(std::ptr::eq(&found.surfaces[top as usize], wall), "the wall is above the table");
 }
 
-/// A wall 3 m away, of which noise as wide as a window makes waves of 12 mm, came to pieces.
+/// A regression: a wall 3 m away broke into pieces, because noise as wide as a window makes waves of 12 mm.
 #[test]
 fn a_far_wall_is_one_surface() {
     let quantum_per_m = params::Sensor::default().disparity_quantum_per_m;
@@ -85,7 +85,7 @@ fn a_far_wall_is_one_surface() {
     assert!(with_slopes > 0.95 && without < 0.8, "{with_slopes} {without}");
 }
 
-/// Tops of boxes as high as a shelf passed for one large plane, and were lost.
+/// A regression: tops of boxes as high as a shelf were taken for one large plane, and the boxes were lost.
 #[test]
 fn what_does_not_hang_together_is_no_surface() {
     let [floor_m, tops_m] = [2.0, 1.7];
@@ -123,14 +123,14 @@ fn nothing_is_found_in_nothing_and_in_noise() {
     let noise: Vec<f64> = (0..SIZE.0 * SIZE.1).map(|_| 0.5 + random.below(1000) as f64 / 500.0).collect();
     let found = seen(|i| noise[i]);
     assert!(found.surfaces.is_empty(), "{:?}", found.surfaces);
-    // A plate of 10 cm is no structure of anything larger.
+    // A plate of 10 cm is no structure.
     let plate = |i: usize| (i % SIZE.0).abs_diff(160) < 15 && (i / SIZE.0).abs_diff(120) < 15;
     assert!(seen(|i| if plate(i) { 1.0 } else { noise[i] }).surfaces.is_empty());
 }
 
 #[test]
 fn a_pixel_without_a_normal_may_lie_on_a_surface() {
-    // Alone in a hole of 9 x 9 pixels, which no window spans.
+    // A single pixel in a hole of 9 x 9 pixels, larger than a window.
     let far = |i: usize| (i % SIZE.0).abs_diff(100).max((i / SIZE.0).abs_diff(100));
     let found = seen(|i| if (1..5).contains(&far(i)) { f64::NAN } else { plane(i, table_normal(), 0.6) });
     assert_eq!([100, 101].map(|u| found.labels[100 * SIZE.0 + u]), [0, -1]);

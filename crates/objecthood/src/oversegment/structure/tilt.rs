@@ -1,10 +1,10 @@
-//! How surfaces are tilted, and which tilts count as the same.
+//! The tilt of surfaces, and which tilts count as equal.
 
 use glam::{DVec3, Vec3};
 
 use crate::surface::window_choice::Orientation;
 
-/// How a surface is tilted at a pixel.
+/// The tilt of a surface at a pixel.
 pub(super) struct Tilt {
     /// Unit normal, towards the camera; zero where it is not known.
     pub(super) normal: DVec3,
@@ -19,14 +19,14 @@ impl Tilt {
     }
 }
 
-/// Two tilts count as the same when their normals or their slopes differ little.
+/// The tolerances within which two tilts count as equal: either their normals or their slopes differ little.
 ///
-/// The normal tells the sides of low objects from the table they stand on. Where depth is coarse, noise turns normals by any angle:
-/// with them alone a wall 2 m away fell to pieces. The noise of slopes in disparity is the same at any distance.
+/// Normals distinguish the sides of low objects from the table below. Where depth is coarse, noise turns normals by any angle: with
+/// normals alone a wall 2 m away broke into pieces. The noise of slopes in disparity is the same at any distance.
 pub(super) struct Alike {
     /// Least cosine of the angle between the normals.
     pub(super) least_cosine: f64,
-    /// The squared difference of the slopes is below this ((quanta/px)^2).
+    /// Limit on the squared difference of the slopes ((quanta/px)^2).
     pub(super) slope_squared: f64,
 }
 

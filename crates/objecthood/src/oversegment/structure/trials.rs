@@ -1,4 +1,4 @@
-//! Planes through three samples, and how many others lie near them.
+//! Random planes through three samples, and their votes: the number of samples near each.
 
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
@@ -10,19 +10,19 @@ use crate::random::Lcg;
 use crate::simd::vectorized;
 use crate::surface::disparity::DisparitySpace;
 
-/// Planes tried in a round.
+/// Random planes tried in a round.
 const TRIALS: usize = 300;
-/// Least area of the triangle of a trial, doubled (px^2 at 525 px).
+/// Twice the least area of the triangle of a trial (px^2 at 525 px).
 const LEAST_TRIANGLE_PX: usize = 400;
 /// A sample nearer than this (quanta) votes for a plane.
 const TRIAL_QUANTA: f64 = 2.0;
 /// Least number of votes of a plane.
 const LEAST_VOTES: usize = 100;
 
-/// Finds the plane a u + b v + c through three random samples that passes near most samples; `None` when none is near a hundred.
+/// Finds the plane a u + b v + c through three random samples with the most votes; `None` when no plane has a hundred.
 ///
-/// All planes are drawn first, and their votes are counted in parallel. The first one with the most votes wins, whichever is
-/// counted first.
+/// All planes are drawn first; their votes are counted in parallel. Among planes with the most votes the first one drawn wins,
+/// whatever the order of counting.
 pub(super) fn find_best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpace) -> Option<[f64; 3]> {
     let least_triangle = space.area_px(LEAST_TRIANGLE_PX) as f64;
     let mut trial = |_| {
@@ -51,7 +51,7 @@ pub(super) fn find_best_plane(pool: &[Sample], random: &mut Lcg, space: &Dispari
     counted.into_iter().flatten().reduce(first_best).map(|(_, plane)| plane)
 }
 
-/// Counts the samples near a plane. `None` if they are fewer than `least`: the count ends when it cannot reach that any more.
+/// Counts the samples near a plane. `None` for fewer than `least`; the count stops as soon as it cannot reach `least`.
 fn count_votes(voters: &[Voters], mut left: usize, plane: [f64; 3], least: usize) -> Option<usize> {
     let mut votes = 0;
     for voters in voters {
@@ -67,10 +67,10 @@ fn count_votes(voters: &[Voters], mut left: usize, plane: [f64; 3], least: usize
     (votes >= least).then_some(votes)
 }
 
-/// Samples that are counted together.
+/// Samples of a block, whose votes are counted together.
 const VOTERS: usize = 256;
 
-/// Column, row and disparity of a block of samples, each in a list of its own. Places that stay free vote for nothing.
+/// Column, row and disparity of a block of samples, in separate lists. Unused places never vote.
 struct Voters {
     u: [f64; VOTERS],
     v: [f64; VOTERS],

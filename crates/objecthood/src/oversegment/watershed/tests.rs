@@ -8,7 +8,7 @@ use crate::oversegment::linked_pairs::count_linked_pairs;
 use crate::regions::SegmentId;
 use crate::testing::{coarse_disparity, kinect, raster, small_size};
 
-/// What the watershed looks at, in coarse steps, so that levels and residuals tie.
+/// Inputs of the watershed, in coarse steps, so that levels and residuals tie.
 #[derive(Clone, Debug)]
 struct Relief {
     disparity: Raster<f32>,
@@ -18,11 +18,11 @@ struct Relief {
 }
 
 fn relief() -> impl Strategy<Value = Relief> {
-    // None, and from flat to beyond the highest level.
+    // No fit, and residuals from 0 to beyond the highest level.
     let residual = prop_oneof![1 => Just(f32::INFINITY), 6 => (0_u8..6).prop_map(|k| 1.3 * f32::from(k))];
     let slope = prop::array::uniform2(-2_i8..=2).prop_map(|slope| slope.map(|s| 1.5 * f32::from(s)));
     let structure = prop_oneof![7 => Just(-1), 1 => Just(0)];
-    // Small, and wider than what is looked at together.
+    // Small images, and images wider than a stretch.
     let size = prop_oneof![4 => small_size(), 1 => (STRETCH - 3..STRETCH + 9, 1_usize..5)];
     size.prop_flat_map(move |size| {
         let disparity = raster(size, coarse_disparity());
@@ -50,7 +50,7 @@ fn flooded(relief: &Relief, params: &params::Watershed) -> (Links, Segments) {
     (links, superpixels)
 }
 
-/// The neighbours of a pixel in the order of the flood.
+/// The neighbours of a pixel, in the order in which the flood visits them.
 fn around(i: usize, (width, height): (usize, usize)) -> Vec<(usize, usize)> {
     let (u, v) = ((i % width) as isize, (i / width) as isize);
     [(1, 0), (-1, 0), (0, 1), (0, -1)]
@@ -61,7 +61,7 @@ fn around(i: usize, (width, height): (usize, usize)) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// Whether two measured 4-neighbours that are no structure lie on one surface, from the words of docs/CONTEXT.md 1.2.
+/// Whether two measured 4-neighbours outside the structure lie on one surface, written from docs/CONTEXT.md 1.2.
 fn linked(relief: &Relief, i: usize, j: usize, axis: usize) -> bool {
     let Relief { disparity, slope, structure, .. } = relief;
     let step = if j > i { 1.0 } else { -1.0 };
@@ -72,7 +72,7 @@ fn linked(relief: &Relief, i: usize, j: usize, axis: usize) -> bool {
     structure[i] < 0 && structure[j] < 0 && misfit[0].min(misfit[1]) < 2.5 + 0.5 * sideways
 }
 
-/// Floods pixel by pixel, always from the lowest level, there from the pixel that was reached first.
+/// Floods pixel by pixel, always from the lowest level, and within a level from the pixel reached first.
 fn naive(relief: &Relief, block: usize) -> Vec<i32> {
     let Relief { disparity, residual, structure, .. } = relief;
     let size = disparity.size();
@@ -147,7 +147,7 @@ proptest! {
                 }
             }
         }
-        // In one piece each.
+        // Each superpixel is connected.
         let mut root: BTreeMap<SegmentId, usize> = BTreeMap::new();
         for i in (0..disparity.len()).filter(|&i| superpixels.at(i).is_some()) {
             let found = parts.find(i);

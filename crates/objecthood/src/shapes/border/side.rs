@@ -1,4 +1,4 @@
-//! The surfaces to both sides of a place on a border.
+//! The surfaces on both sides of a place on a border.
 
 use crate::facets::Facets;
 use crate::raster::Raster;
@@ -7,12 +7,12 @@ use crate::simd::vectorized;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::model::Model;
 
-/// A side with fewer pixels in the window (at a focal length of 525 px) shows nothing.
+/// A side with fewer pixels in the window gives no evidence (px at a focal length of 525 px): they do not fix a plane.
 const LEAST_SIDE_PX: usize = 15;
-/// Pulls the slope of a narrow side to that of its facet (px^2).
+/// Weight of the facet's own slope in the fit of a side (px^2), which replaces the slope of a narrow side.
 const RIDGE_PX2: f64 = 1.0;
 
-/// The facets around a place on a border.
+/// The facets and the disparity around a place on a border.
 #[derive(Clone, Copy)]
 pub(super) struct Surroundings<'a> {
     pub(super) facets: &'a Facets,
@@ -28,7 +28,7 @@ pub(super) struct SidePlane {
     pub(super) value: f64,
     /// Change of disparity along u and v (quanta/px).
     pub(super) slope: [f64; 2],
-    /// Mean position of its pixels, counted from the place (px).
+    /// Mean position of its pixels, relative to the place (px).
     pub(super) mean: [f64; 2],
     /// Mean disparity of its pixels (quanta).
     pub(super) mean_disparity: f64,
@@ -82,7 +82,7 @@ impl SideSums {
     }
 }
 
-/// The sum of all values, half by half.
+/// The sum of all values: the halves are added to each other again and again.
 #[inline(always)]
 fn total(values: &[f64; LANES]) -> f64 {
     let mut sums = *values;
@@ -107,16 +107,16 @@ fn first<T: Copy + Default>(row: &[T]) -> [T; LANES] {
 }
 
 impl Surroundings<'_> {
-    /// Fits a plane to the pixels of each facet around `middle`; `None` when one has few.
+    /// Fits a plane to the pixels of each facet around `middle`; `None` when one facet has too few.
     pub(super) fn fit_sides(&self, facets: [SegmentId; 2], middle: [f64; 2]) -> Option<[SidePlane; 2]> {
         let [sums_a, sums_b] = self.sum_sides(facets, middle);
         let [a, b] = facets;
         Some([self.fit_side(a, middle, &sums_a)?, self.fit_side(b, middle, &sums_b)?])
     }
 
-    /// Sums over the pixels of two facets around `middle`, many columns side by side. The order changes no bit: places are whole
-    /// numbers, and disparities have 24 bits and differ by less than a factor of 200, so in windows of up to 100 px to either side
-    /// nothing is rounded.
+    /// Sums over the pixels of two facets around `middle`, many columns side by side. The order of the sums does not matter, because
+    /// they are exact: positions are whole numbers, disparities have 24 bits and differ by less than a factor of 200, so nothing is
+    /// rounded in windows of up to 100 px to either side.
     fn sum_sides(&self, facets: [SegmentId; 2], middle: [f64; 2]) -> [SideSums; 2] {
         let (width, height) = self.disparity.size();
         let [u, v] = middle.map(|x| x as usize);
@@ -131,7 +131,7 @@ impl Surroundings<'_> {
                     let inside: [bool; LANES] = std::array::from_fn(|k| start + k < end);
                     let mut columns = [Columns::default(); 2];
                     for v_row in rows.clone() {
-                        // Pixels beyond the row are not inside.
+                        // May read on into the next row; `inside` excludes those pixels.
                         let i = v_row * width + start;
                         let (labels, disparity) = (first(&labels[i..]), first(&disparity[i..]));
                         for (columns, facet) in columns.iter_mut().zip(facets) {
@@ -148,7 +148,7 @@ impl Surroundings<'_> {
         sums
     }
 
-    /// Fits the plane of one side; `None` when it has few pixels.
+    /// Fits the plane of one side; `None` when it has too few pixels.
     fn fit_side(&self, facet: SegmentId, middle: [f64; 2], sums: &SideSums) -> Option<SidePlane> {
         let &SideSums { n, terms: sums } = sums;
         if n < self.space.area_px(LEAST_SIDE_PX).max(1) {

@@ -65,7 +65,7 @@ fn the_angle_and_the_length_of_a_fold_are_measured() {
             let evidence = Walls::new(fold_deg, 0.0, scale).seen(0.013);
             assert_eq!(evidence.step_m, 0.0, "{fold_deg}");
             for fold in &evidence.folds {
-                // The ridge draws the slopes of a narrow side to the facet's own, which here are the same.
+                // The ridge term pulls the slope of a narrow side to the facet's own; here both are equal.
                 assert!((fold.angle_deg - fold_deg).abs() < 1.0, "{fold_deg} at {scale}: {fold:?}");
             }
             let length_m = border_m(&evidence);
@@ -85,7 +85,7 @@ fn a_deep_step_hides_something() {
 
 #[test]
 fn a_small_step_at_a_ridge_is_a_torn_ridge() {
-    // 16 mm are 5.6 quanta: a step, but here not one that hides anything.
+    // 16 mm are 5.6 quanta: a step, but with these parameters it hides nothing.
     let torn = Walls::new(60.0, 0.016, 1).seen(0.02);
     assert!(torn.step_m == 0.0 && (border_m(&torn) / TRUE_M - 0.5).abs() < 0.05, "{torn:?}");
     assert!(torn.folds.iter().all(|fold| fold.angle_deg > 50.0), "{torn:?}");
@@ -97,7 +97,7 @@ fn a_small_step_at_a_ridge_is_a_torn_ridge() {
 
 #[test]
 fn what_noise_explains_is_no_step() {
-    // 6 mm are 2.1 quanta: within the noise, even where such a step would hide something.
+    // 6 mm are 2.1 quanta: within the noise, so no step, even where such a depth would hide something.
     let level = Walls::new(60.0, 0.006, 1).seen(0.001);
     assert!(level.step_m == 0.0 && (border_m(&level) / TRUE_M - 1.0).abs() < 0.05, "{level:?}");
     // 13 mm are 4.6 quanta: a step, unless the surfaces turn so much that sideways noise makes it.

@@ -1,4 +1,4 @@
-//! Scenes of boxes seen from the front and above, one colour a box, and noise that is no scene at all.
+//! Scenes of boxes seen from the front and above, and scenes of pure noise.
 
 use std::collections::BTreeMap;
 
@@ -7,6 +7,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::discovery::up::{Up, UpSource};
+use crate::params::Params;
 use crate::planes::StructurePlane;
 use crate::raster::Raster;
 use crate::regions::Segments;
@@ -18,7 +19,7 @@ const SIZE: (usize, usize) = (320, 240);
 const UP: DVec3 = DVec3::new(0.0, -0.8, -0.6);
 const BELOW_M: f64 = 0.6;
 
-/// A box in the frame of the table: its middle is `at` to the right, `at` away and so high; it is tilted about its right.
+/// A box in the frame of the table (right, away, up): its centre, half its sides, and its tilt about the right axis.
 #[derive(Clone, Copy)]
 struct Block {
     middle_m: [f64; 3],
@@ -50,6 +51,10 @@ fn params() -> Params {
     params
 }
 
+fn build(scene: &SupportScene<'_>, params: &Params) -> SupportGraph {
+    build_forest(scene, &params.contact, &params.objectness)
+}
+
 fn up() -> Up {
     Up { direction: UP.as_vec3().to_array(), source: UpSource::Plane }
 }
@@ -64,7 +69,7 @@ struct Picture {
 impl Picture {
     fn of(blocks: &[Block]) -> Self {
         let [right, away, up] = axes();
-        // Where the middle of the image meets the table.
+        // The point where the optical axis meets the table.
         let origin = DVec3::new(0.0, 0.0, BELOW_M / 0.6);
         let hit = |i: usize| {
             let [u, v] = [(i % SIZE.0) as f64 - 159.5, (i / SIZE.0) as f64 - 119.5];
@@ -106,7 +111,7 @@ impl Picture {
     fn forest_among(&self, regions: &Segments, planes: &[StructurePlane], params: &Params) -> SupportGraph {
         let (up, space) = (&up(), &camera());
         let Self { points_m, normals, .. } = self;
-        build_forest(&SupportScene { regions, points_m, normals, planes, up, space }, params)
+        build(&SupportScene { regions, points_m, normals, planes, up, space }, params)
     }
 }
 
@@ -125,7 +130,7 @@ use SupportKind::{In, Leans, On};
 fn a_box_on_a_box_stands_on_that_alone() {
     let lower = block([0.0, 0.0, 0.05], [0.12, 0.09, 0.05]);
     for half_m in [0.04, 0.09, 0.15] {
-        // Small, then over the edges of the lower one.
+        // First a small upper box, then one that hangs over the edges of the lower one.
         let graph = Picture::of(&[lower, block([0.0, 0.0, 0.14], [half_m, 0.05, 0.04])]).forest(3);
         assert_eq!(edges(&graph), [(0, 1, On, false), (1, 2, On, false)], "{half_m}");
         assert!(graph.edges.iter().all(|e| e.confidence > 0.6 && e.contacts > 50), "{:?}", graph.edges);
@@ -140,7 +145,7 @@ fn boxes_side_by_side_or_one_behind_the_other_do_not_carry_each_other() {
     let right = block([0.05, 0.0, 0.04], [0.05, 0.05, 0.04]);
     let graph = Picture::of(&[left, right]).forest(3);
     assert_eq!(edges(&graph), [(0, 1, On, false), (0, 2, On, false)]);
-    // The one behind is hidden below the top of the one before it, whose top its face seems to stand on.
+    // The front box hides the lower part of the box behind it, whose face seems to stand on the front box's top.
     let before = block([0.0, -0.05, 0.03], [0.10, 0.05, 0.03]);
     let behind = block([0.0, 0.04, 0.07], [0.05, 0.04, 0.07]);
     let graph = Picture::of(&[before, behind]).forest(3);
@@ -160,7 +165,7 @@ fn a_board_against_a_box_leans_on_it_and_stands_on_the_table() {
     };
     let graph = Picture::of(&[wall, board(20.0, [0.05, 0.008, 0.06])]).forest(3);
     assert_eq!(edges(&graph), [(0, 1, On, false), (0, 2, On, false), (1, 2, Leans, false)]);
-    // Upright it touches the box as well; what is thin or short does not lean.
+    // An upright board touches the box, too; thin or short things do not lean.
     for (tilt_deg, half_m) in
         [(0.0, [0.05, 0.008, 0.06]), (20.0, [0.012, 0.008, 0.06]), (20.0, [0.06, 0.008, 0.025])]
     {
@@ -169,7 +174,7 @@ fn a_board_against_a_box_leans_on_it_and_stands_on_the_table() {
     }
 }
 
-/// A bottom and four walls of one region, so high, around a block.
+/// One region with a bottom and four walls of this height, around a block.
 fn framed(rim_m: f64, within: Block) -> Picture {
     let half_m = rim_m / 2.0;
     let far = block([0.0, 0.1, half_m], [0.11, 0.01, half_m]);
@@ -216,7 +221,7 @@ fn what_lies_in_something_unseen_to_touch_it_is_half_as_sure() {
 
 #[test]
 fn far_away_heights_are_the_same_up_to_what_the_sensor_resolves() {
-    // The table is seen beside the box only; its plane lies 15 mm above where the box ends.
+    // The table is seen only beside the box; its plane lies 15 mm above the lower end of the box.
     for (scale, expected) in [(1.0, vec![]), (3.0, vec![(0, 1, On, true)])] {
         let mut picture = Picture::of(&[block([0.0, 0.0, 0.05], [0.05, 0.05, 0.05])]);
         picture.points_m = picture.points_m.map(|p| p.map(|x| x * scale));
@@ -262,12 +267,12 @@ fn a_ring_around_a_coin_is_the_same_whatever_their_numbers() {
 fn a_hidden_foot_goes_on_to_what_is_below() {
     let lower = block([0.0, 0.05, 0.03], [0.14, 0.09, 0.03]);
     let upper = block([0.0, 0.05, 0.10], [0.05, 0.03, 0.04]);
-    // What stands before hides where the two touch, and the whole front of the lower one.
+    // The front thing hides the contact of the other two and the whole front of the lower one.
     let screen = block([0.0, -0.13, 0.10], [0.08, 0.01, 0.10]);
     let graph = Picture::of(&[lower, upper, screen]).forest(4);
     let of_upper: Vec<_> = edges(&graph).into_iter().filter(|e| e.1 == 2).collect();
     assert_eq!(of_upper, [(1, 2, On, true)], "{:?}", graph.edges);
-    // Alone it stands on the table, and what floats is not believed.
+    // Alone it stands on the table; the confidence of a floating thing is 0.
     let floating = block([0.0, 0.0, 0.2], [0.05, 0.03, 0.04]);
     let graph = Picture::of(&[floating]).forest(2);
     assert_eq!(edges(&graph), [(0, 1, On, true)]);
@@ -298,7 +303,7 @@ fn two_that_carry_each_other_are_one_edge_and_eq_8_is_carried_along() {
     assert_eq!(edges.hand_up(&[0.4, 0.1, 0.9, 0.6]), [0.0, 0.4, 0.6, 0.0]);
 }
 
-/// A label map of up to five regions, of which the first are planes, on points that are anything.
+/// A label map of up to five regions, the first of which are planes, on random points.
 fn anything() -> impl Strategy<Value = (Raster<i32>, Raster<[f32; 3]>, Raster<[f32; 3]>)> {
     let coordinate = || prop_oneof![-0.05_f32..0.05, prop::sample::select(vec![0.0, 0.02, -3.0])];
     let point = (coordinate(), coordinate(), prop_oneof![4 => 0.5_f32..0.6, 1 => Just(f32::NAN)]);
@@ -323,9 +328,9 @@ proptest! {
         let segments = Segments::from_numbered(labels.clone(), 5);
         let (up, space) = (&up(), &camera());
         let scene = SupportScene { regions: &segments, points_m: &points_m, normals: &normals, planes: &planes, up, space };
-        let graph = build_forest(&scene, &params());
+        let graph = build(&scene, &params());
 
-        // Without cycles: whatever carries can be taken away, one after the other.
+        // There are no cycles: nodes without carriers can be removed one after the other.
         let mut left = graph.edges.clone();
         while !left.is_empty() {
             let before = left.len();
@@ -343,7 +348,7 @@ proptest! {
         }
         prop_assert_eq!(graph.nodes.iter().map(|n| n.p_o).collect::<Vec<_>>(), p_o);
 
-        // A plane that is seen, faces up and lies below carries whatever has no other carrier.
+        // A visible plane that faces up and lies below carries every thing without another carrier.
         for thing in planes.len()..5 {
             let own: Vec<DVec3> = segments.members().filter(|m| m.1 == thing && !points_m[m.0][2].is_nan())
                 .map(|m| Vec3::from(points_m[m.0]).as_dvec3()).collect();
@@ -360,12 +365,12 @@ proptest! {
             }
         }
 
-        // Other numbers, the same forest.
+        // The same forest with other region numbers.
         let movable = 5 - planes.len();
         let moved: Vec<usize> = (0..5).map(|r| if r < planes.len() { r } else { planes.len() + (5 - 1 - r + turn) % movable }).collect();
         let renumbered = labels.map(|&l| if l < 0 { l } else { moved[l as usize] as i32 });
         let regions = &Segments::from_numbered(renumbered, 5);
-        let again = build_forest(&SupportScene { regions, ..scene }, &params());
+        let again = build(&SupportScene { regions, ..scene }, &params());
         let named: BTreeMap<_, _> = graph.edges.iter().map(|e| {
             let [lower, upper] = [e.lower, e.upper].map(|n| moved[n.0 as usize] as u32);
             ((lower, upper), (e.kind, e.confidence.to_bits(), e.hidden, e.contacts))

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::testing::{raster, small_size};
 
-/// An image of disparities and two sets of its pixels that have none in common, each with one at least.
+/// An image of disparities and two disjoint, non-empty sets of its pixels.
 fn two_regions() -> impl Strategy<Value = (Raster<f32>, Vec<u32>, Vec<u32>)> {
     small_size()
         .prop_flat_map(|size| (raster(size, 0.0_f32..20.0), raster(size, 0_u8..3)))
@@ -31,7 +31,7 @@ fn summed(pixels: &[u32], disparity: &Raster<f32>, center: [f64; 2]) -> Moments 
     moments
 }
 
-/// The same but for rounding, which grows with the size of the terms.
+/// Equal except for rounding, which grows with the size of the terms.
 fn assert_same(got: &Moments, expected: &Moments) -> Result<(), TestCaseError> {
     let flat = |m: &Moments| {
         let tables = [m.powers.as_flattened(), m.products.as_flattened(), &[m.squares], &m.center];
@@ -54,7 +54,7 @@ proptest! {
         let merged = of_a.merged(&of_b);
         let expected = Moments::of(&union, &disparity);
         assert_same(&merged, &expected)?;
-        // Wherever the parts are counted from.
+        // For any centres of the parts.
         assert_same(&of_a.shifted(center_a).merged(&of_b.shifted(center_b)), &expected)?;
         prop_assert_eq!(merged.count(), union.len() as f64);
         for basis in [Basis::Plane, Basis::Quadratic] {
@@ -91,8 +91,8 @@ proptest! {
         assert_same(&own.shifted(center).shifted(own.center), &own)?;
     }
 
-    /// A fit is best when the residuals are at right angles to every term; only the ridge, in normalised
-    /// coordinates, draws the weights a little to 0.
+    /// A fit is best when the residuals are orthogonal to every term. Only the ridge, in normalised
+    /// coordinates, pulls the weights a little towards 0.
     #[test]
     fn a_fit_has_the_least_squared_error((disparity, pixels, _) in two_regions()) {
         let moments = Moments::of(&pixels, &disparity);
@@ -133,7 +133,7 @@ proptest! {
                 let (x, y) = (u - corner[0] as f64, v - corner[1] as f64);
                 300.0 + a * x + b * y + bend * (xx * x * x + xy * x * y + yy * y * y)
             };
-            // About a centre that is not the centroid, as the structure's.
+            // About a centre other than the centroid, as for the structure.
             let mut moments = Moments::about(at(0));
             (0..side * side).for_each(|k| moments.add(at(k), surface(at(k))));
             let Fit { model, squared_error } = moments.fit(basis);
@@ -170,7 +170,7 @@ fn what_determines_no_surface_is_fitted_all_the_same() {
             assert!(elsewhere.is_finite() && fit.squared_error.is_finite(), "{basis:?} {pixels:?}");
         }
     }
-    // No pixels at all are no panic.
+    // No pixels: no panic.
     let none = Moments::about([3.0, 4.0]);
     assert_eq!((none.count(), none.shifted([0.0; 2]).count(), none.merged(&none).count()), (0.0, 0.0, 0.0));
     none.fit(Basis::Quadratic);

@@ -3,25 +3,25 @@
 /// Value, slope along u and along v, residual of a window without a fit.
 pub(super) const NO_PLANE: [f32; 4] = [0.0, 0.0, 0.0, f32::INFINITY];
 
-/// Width and height (px) of the tiles that are fitted one by one: their sums stay in the first cache. Fixed, so that rounding
-/// does not depend on the number of threads.
+/// Width and height (px) of the tiles that are fitted one by one: their sums stay in the first-level cache. Fixed, so that
+/// rounding does not depend on the number of threads.
 pub(super) const TILE: usize = 64;
 /// A window with a smaller share of measured pixels has no fit.
 pub(super) const LEAST_FILL: f64 = 0.4;
-/// A window whose pixels lie almost in a line has no fit: least determinant of their second moments (px^4).
+/// Least determinant of the second moments of a window's pixels (px^4): below it they lie almost in a line, and there is no fit.
 const LEAST_SPREAD: f64 = 1e-3;
 
-/// Windows that are fitted side by side.
+/// Windows of a block, which are fitted side by side.
 const LANES: usize = 16;
-/// A sum of disparities times whole numbers for each of these windows.
+/// For each window of a block, a sum of disparities times whole numbers.
 type Sum = [f64; LANES];
-/// A sum of whole numbers for each of these windows.
+/// For each window of a block, a sum of whole numbers.
 type Count = [i32; LANES];
 
 /// The sums over the windows around the pixels of one row of a tile.
 ///
-/// All sums but dd are exact, and so do not depend on the order, at radii up to 80 px: the disparities of a frame differ by a
-/// factor of 200 at most, so they are whole multiples below 2^32 of one number, and no sum is 2^21 times as large.
+/// At radii up to 80 px all sums except dd are exact and so independent of the order: the disparities of a frame differ by a factor
+/// of 200 at most, so all are multiples of one number by whole factors below 2^32, and no sum is 2^21 times as large.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SlidingWindows {
     radius: usize,
@@ -29,7 +29,7 @@ pub(super) struct SlidingWindows {
     sums: [WindowSums; TILE / LANES],
     /// The sums over each of the last 2 radius + 1 rows.
     rows: Vec<[RowSums; TILE / LANES]>,
-    /// The row that enters, from the start of the first window to the end of the last: 1 where it is measured, else 0.
+    /// The entering row, from the start of the first window to the end of the last: 1 where it is measured, else 0.
     measured: Vec<i32>,
     /// Its disparity where it is measured, else 0.
     disparity: Vec<f64>,
@@ -65,7 +65,7 @@ impl SlidingWindows {
         self.disparity.resize(TILE + 2 * radius, 0.0);
     }
 
-    /// Moves the windows down until row `v` is their last; below the image it is empty.
+    /// Moves the windows down by one row, so that row `v` is their last. A row below the image is empty.
     #[inline(always)]
     pub(super) fn slide_down(&mut self, v: usize, row: &[f32], left: usize) {
         self.read(row, left);
@@ -78,7 +78,7 @@ impl SlidingWindows {
         }
     }
 
-    /// Reads the part of a row that lies in windows of the tile. Beside the image nothing is measured.
+    /// Reads the part of a row that lies in windows of the tile. Outside the image nothing is measured.
     #[inline(always)]
     fn read(&mut self, row: &[f32], left: usize) {
         let first = left.saturating_sub(self.radius).min(row.len());
@@ -109,9 +109,9 @@ impl SlidingWindows {
 }
 
 impl RowSums {
-    /// Sums over parts of a row that start one pixel after the other.
+    /// Sums over the parts of a row that start at successive pixels.
     ///
-    /// Added from the last pixel to the first, sums of sums are moments about the pixel before the first.
+    /// The pixels are added from the last to the first; then sums of sums are moments about the pixel before the first.
     #[inline(always)]
     fn of(measured: &[i32], disparity: &[f64], radius: usize) -> Self {
         let mut row = Self::default();
@@ -130,7 +130,7 @@ impl RowSums {
         }
         let middle = radius as i32 + 1;
         for lane in 0..LANES {
-            // So far a pixel at x counts x (x + 1) / 2.
+            // Until here a pixel at x adds x (x + 1) / 2 to xx.
             xx[lane] = 2 * xx[lane] - (2 * middle + 1) * x[lane] + middle * middle * n[lane];
             x[lane] -= middle * n[lane];
             dx[lane] -= f64::from(middle) * d[lane];
@@ -147,7 +147,7 @@ impl WindowSums {
         let [[n, x, xx], [n_in, x_in, xx_in]] = [&leaving.counts, &entering.counts];
         let (y, y_in) = (-(radius as i32) - 1, radius as i32);
         for lane in 0..LANES {
-            // Everything in the windows is one row higher now.
+            // The windows moved down, so y decreases by 1 for all their pixels.
             yys[lane] += ns[lane] - 2 * ys[lane] + n_in[lane] * (y_in * y_in) - n[lane] * (y * y);
             ys[lane] += n_in[lane] * y_in - n[lane] * y - ns[lane];
             xys[lane] += x_in[lane] * y_in - x[lane] * y - xs[lane];
@@ -169,7 +169,7 @@ impl WindowSums {
     /// The least-squares planes of the windows with at least `least` pixels: value in the middle, slope along u and v,
     /// residual.
     ///
-    /// From n times the moments about the mean, so that one division serves all four numbers.
+    /// Computed from n times the moments about the mean, so that one division serves all four numbers.
     #[inline(always)]
     fn planes(&self, least: f64) -> [[f32; LANES]; 4] {
         let mut planes = [[0.0; LANES]; 4];

@@ -33,7 +33,7 @@ fn naive(disparity: &Raster<f32>, i: usize, radius: usize) -> PlaneFit {
     }
 }
 
-/// Small images, and such as are higher or wider than a tile.
+/// Small images, and images higher or wider than a tile.
 fn size() -> impl Strategy<Value = (usize, usize)> {
     let (short, long) = (4_usize..9, TILE - 4..2 * TILE + 9);
     prop_oneof![3 => small_size(), 1 => (short.clone(), long.clone()), 1 => (long, short)]
@@ -65,7 +65,7 @@ proptest! {
 }
 
 proptest! {
-    /// Whatever the machine has, and in bands of their own.
+    /// With any vector units, and with each band fitted alone.
     #[test]
     fn vector_units_give_the_same_bits(
         disparity in (1_usize..90, 1_usize..90).prop_flat_map(|size| {
@@ -87,7 +87,7 @@ proptest! {
     }
 }
 
-/// Sums of whole numbers that were rounded gave a flat surface a residual.
+/// A regression: rounded sums of whole numbers gave a flat surface a residual.
 #[test]
 fn wide_windows_round_nothing_away() {
     let plane = |i: usize| 250.0 + 0.5 * (i % 200) as f32 - 0.25 * (i / 200) as f32;
@@ -96,7 +96,7 @@ fn wide_windows_round_nothing_away() {
     assert!(fit.residual < 1e-3 && fit.slope == [0.5, -0.25], "{fit:?}");
 }
 
-/// Sums of squares must not run over, whatever the radius.
+/// Sums of squares must not overflow at any radius.
 #[test]
 fn windows_grow_to_a_limit() {
     let side = 420;
