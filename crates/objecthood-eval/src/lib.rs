@@ -59,8 +59,8 @@ pub use metrics::{ImageMetrics, Prf};
 pub use mosd::{Scene, SceneRef, Split};
 pub use ranking::{Ranked, Ranking, ranked};
 pub use report::{
-    FoldersTable, LossesList, Report, SceneReport, SettingsTable, StagesTable, Sums, SumsTable, Totals,
-    VerdictsTable,
+    FamiliesTable, FamilyFigures, FoldersTable, LossesList, Report, SceneReport, SettingsTable, StagesTable,
+    Totals, VerdictsTable,
 };
 pub use score::{ImageScore, numbered_as_truth, object_map, score};
 pub use settings::{Setting, ablation, ladder, sensitivity};

@@ -1,7 +1,7 @@
 //! The figures of a run over many scenes: per scene, in total, as text and as JSON.
 
+mod families;
 mod json;
-mod sums;
 mod tables;
 
 use std::fmt;
@@ -16,7 +16,7 @@ use crate::stages::Stages;
 use crate::truth::Truth;
 use crate::verdict::{ObjectScore, VerdictCounts};
 
-pub use sums::{Sums, SumsTable};
+pub use families::{FamiliesTable, FamilyFigures};
 pub(crate) use tables::write_table;
 pub use tables::{FoldersTable, LossesList, SettingsTable, StagesTable, VerdictsTable};
 

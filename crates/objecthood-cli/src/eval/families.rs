@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use objecthood::{Params, Pipeline};
-use objecthood_eval::{Prediction, SceneReport, Sums, SumsTable};
+use objecthood_eval::{FamiliesTable, FamilyFigures, Prediction, SceneReport};
 use objecthood_io::output;
 use objecthood_scene::{Exposure, Family, Sensor};
 use serde::Serialize;
@@ -19,7 +19,7 @@ struct Line<'a> {
     family: &'a str,
     sensor: &'a str,
     #[serde(flatten)]
-    sums: Sums,
+    figures: FamilyFigures,
 }
 
 /// Scores the method on the scenes and prints the figures.
@@ -52,10 +52,10 @@ pub(super) fn run(args: &EvalArgs, families: &[Family]) -> Result<Outcome> {
     let rows = rows(families, &sensors.0, &reports);
     if let Some(path) = &args.json {
         let lines: Vec<Line<'_>> =
-            rows.iter().map(|(family, sensor, sums)| Line { family, sensor, sums: *sums }).collect();
+            rows.iter().map(|(family, sensor, figures)| Line { family, sensor, figures: *figures }).collect();
         output::write_atomically(path, super::to_json(&lines)?.as_bytes())?;
     }
-    let (method, last, table) = (params.method, first + scenes - 1, SumsTable(&rows));
+    let (method, last, table) = (params.method, first + scenes - 1, FamiliesTable(&rows));
     terminal::print(&format!(
         "method {method}, synthetic scenes {first} to {last}, holes {holes}\n\n{table}\n"
     ))?;
@@ -95,14 +95,14 @@ fn rows(
     families: &[Family],
     sensors: &[Sensor],
     reports: &[Vec<SceneReport>],
-) -> Vec<(String, String, Sums)> {
+) -> Vec<(String, String, FamilyFigures)> {
     let mut rows = Vec::new();
     let names = families.iter().map(|family| Some(family.name()));
     for of in names.chain((families.len() > 1).then_some(None)) {
         for (k, sensor) in sensors.iter().enumerate() {
             let seen = reports.iter().map(|scene| &scene[k]);
             let own = seen.filter(|report| of.is_none_or(|name| report.folder == name));
-            rows.push((of.unwrap_or("all").to_owned(), sensor.to_string(), Sums::of(own)));
+            rows.push((of.unwrap_or("all").to_owned(), sensor.to_string(), FamilyFigures::of(own)));
         }
     }
     rows

@@ -20,7 +20,7 @@ const FACTORS: [f64; 2] = [0.7, 1.3];
 pub fn sensitivity(params: &Params) -> Result<Vec<Setting>> {
     let values = serde_json::to_value(params)?;
     let mut settings = vec![Setting { name: UNCHANGED.to_owned(), params: params.clone() }];
-    for info in Params::table().iter().filter(|info| info.methods().any(|method| method == params.method)) {
+    for info in Params::table().iter().filter(|info| info.first_stage(params.method).is_some()) {
         let pointer = format!("/{}", info.name.replace('.', "/"));
         let value = values.pointer(&pointer).unwrap_or(&Value::Null);
         for other in others(info, value) {
@@ -87,7 +87,7 @@ mod tests {
                 let settings =
                     names.iter().filter(|name| name.split(" = ").next() == Some(&info.name)).count();
                 let expected = match info.choices().len() {
-                    _ if info.methods().all(|reader| reader != method) => 0,
+                    _ if info.first_stage(method).is_none() => 0,
                     // 30 % of nothing is nothing, and beyond a limit there is nothing.
                     0 => {
                         let (least, greatest) = info.limits().unwrap();
@@ -145,7 +145,7 @@ mod tests {
         for method in [Method::Paper, Method::Context] {
             let params = Params { method, ..Params::default() };
             let mut values = serde_json::to_value(&params).unwrap();
-            for info in Params::table().iter().filter(|info| info.methods().all(|reader| reader != method)) {
+            for info in Params::table().iter().filter(|info| info.first_stage(method).is_none()) {
                 let place = values.pointer_mut(&format!("/{}", info.name.replace('.', "/"))).unwrap();
                 *place = others(info, place).remove(0);
             }

@@ -18,13 +18,12 @@
 
 mod error;
 mod header;
-mod lines;
 mod points;
 
 pub use error::PlyError;
 
+use crate::text::Lines;
 use header::{Header, Property, Shape};
-use lines::Lines;
 use points::Role;
 
 use super::{CloudFormat, Format};

@@ -56,7 +56,7 @@ fn tote([x, y, z]: [f64; 3], paint: Paint) -> Solid {
     tote
 }
 
-/// What lies in bins.
+/// A thing that is small enough for a bin.
 fn small(rng: &mut Rng) -> Solid {
     match rng.below(6) {
         0 | 1 => thing::package(rng),

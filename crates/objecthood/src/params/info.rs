@@ -37,11 +37,6 @@ pub struct Reader {
 }
 
 impl ParameterInfo {
-    /// The methods that read it.
-    pub fn methods(&self) -> impl Iterator<Item = Method> {
-        self.readers.iter().map(|reader| reader.method)
-    }
-
     /// The first stage of a method that reads it; `None` when the method does not.
     pub fn first_stage(&self, method: Method) -> Option<Stage> {
         self.readers.iter().find(|reader| reader.method == method).map(|reader| reader.first_stage)

@@ -2,7 +2,7 @@
 
 use super::error::PcdError;
 use super::header::{Field, Header, Kind};
-use crate::text::preview;
+use crate::text::{Lines, preview};
 
 /// The records that DATA `binary` would hold. Fields that are not used stay zero, whatever their text.
 pub(super) fn records(
@@ -21,14 +21,10 @@ pub(super) fn records(
     let stride = header.stride();
     let mut bytes = vec![0; stride * header.points()];
     let mut records = bytes.chunks_exact_mut(stride);
-    for (number, line) in text.split(|&b| b == b'\n').enumerate() {
-        let line = line.trim_ascii();
-        if line.is_empty() {
-            continue;
-        }
+    for (number, line) in Lines::of(text) {
         let Some(record) = records.next() else { break };
         parse_point(line, &fields, record)
-            .map_err(|problem| PcdError::BadPoint { line: header.lines + number + 1, problem })?;
+            .map_err(|problem| PcdError::BadPoint { line: header.lines + number, problem })?;
     }
     match records.len() {
         0 => Ok(bytes),

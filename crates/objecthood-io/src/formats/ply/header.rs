@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use objecthood::Raster;
 
 use super::error::PlyError;
-use super::lines::Lines;
+use crate::text::Lines;
 use crate::text::preview;
 
 /// The element that holds the points.

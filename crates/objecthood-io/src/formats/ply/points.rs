@@ -2,7 +2,7 @@
 
 use super::error::PlyError;
 use super::header::{Header, Kind, Shape};
-use super::lines::Lines;
+use crate::text::Lines;
 use crate::text::preview;
 
 /// What a property is used for.

@@ -6,9 +6,9 @@ use serde::Serialize;
 
 use super::{SceneReport, Totals, write_table};
 
-/// Sums over scenes.
+/// Figures over the scenes of a family, seen by one sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Sums {
+pub struct FamilyFigures {
     /// How many scenes there are.
     pub scenes: usize,
     /// Objects of the truth.
@@ -23,7 +23,7 @@ pub struct Sums {
     pub average_precision: Option<f64>,
 }
 
-impl Sums {
+impl FamilyFigures {
     /// Of some scenes. O(n log n) for n hypotheses.
     pub fn of<'a>(scenes: impl IntoIterator<Item = &'a SceneReport, IntoIter: Clone>) -> Self {
         let scenes = scenes.into_iter();
@@ -40,25 +40,26 @@ impl Sums {
 }
 
 /// One row for each family of scenes and sensor.
-pub struct SumsTable<'a>(
+pub struct FamiliesTable<'a>(
     /// Family, sensor, figures.
-    pub &'a [(String, String, Sums)],
+    pub &'a [(String, String, FamilyFigures)],
 );
 
-impl fmt::Display for SumsTable<'_> {
+impl fmt::Display for FamiliesTable<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let or_none = |figure: Option<String>| figure.unwrap_or_else(|| "-".to_owned());
-        let row = |(family, sensor, sums): &(String, String, Sums)| {
-            let share = (sums.objects > 0).then(|| sums.correct as f64 / sums.objects as f64);
-            let false_objects = (sums.scenes > 0).then(|| sums.false_objects as f64 / sums.scenes as f64);
+        let row = |(family, sensor, figures): &(String, String, FamilyFigures)| {
+            let share = (figures.objects > 0).then(|| figures.correct as f64 / figures.objects as f64);
+            let false_objects =
+                (figures.scenes > 0).then(|| figures.false_objects as f64 / figures.scenes as f64);
             vec![
                 family.clone(),
                 sensor.clone(),
                 or_none(share.map(|share| format!("{share:.3}"))),
-                sums.objects.to_string(),
-                sums.hypotheses.to_string(),
+                figures.objects.to_string(),
+                figures.hypotheses.to_string(),
                 or_none(false_objects.map(|count| format!("{count:.2}"))),
-                or_none(sums.average_precision.map(|precision| format!("{precision:.3}"))),
+                or_none(figures.average_precision.map(|precision| format!("{precision:.3}"))),
             ]
         };
         let header =
@@ -75,17 +76,17 @@ mod tests {
     #[test]
     fn scenes_without_objects_count_too() {
         let scenes = report(&["a0", "a1"]).scenes;
-        let sums = Sums::of(&scenes);
-        assert_eq!((sums.scenes, sums.objects, sums.correct, sums.hypotheses), (2, 4, 2, 6));
-        let empty = Sums::of(&[bare("b0"), bare("b1")]);
+        let figures = FamilyFigures::of(&scenes);
+        assert_eq!((figures.scenes, figures.objects, figures.correct, figures.hypotheses), (2, 4, 2, 6));
+        let empty = FamilyFigures::of(&[bare("b0"), bare("b1")]);
         assert_eq!((empty.objects, empty.false_objects, empty.average_precision), (0, 18, None));
         let expected = "\
 | family | sensor | correct | objects | hypotheses | false an image | average precision |
 | ------ | ------ | ------: | ------: | ---------: | -------------: | ----------------: |
 | a      | kinect |   0.500 |       4 |          6 |           1.00 |                 - |
 | b      | kinect |       - |       0 |         18 |           9.00 |                 - |";
-        let rows =
-            [("a", sums), ("b", empty)].map(|(name, sums)| (name.to_owned(), "kinect".to_owned(), sums));
-        assert_eq!(SumsTable(&rows).to_string(), expected);
+        let rows = [("a", figures), ("b", empty)]
+            .map(|(name, figures)| (name.to_owned(), "kinect".to_owned(), figures));
+        assert_eq!(FamiliesTable(&rows).to_string(), expected);
     }
 }
