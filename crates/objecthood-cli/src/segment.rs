@@ -102,6 +102,12 @@ impl<'a> Plan<'a> {
         let next = recording.as_mut().map_or(&mut none as &mut dyn Observer, |recording| recording);
         let mut watch = Watch { laps, next };
         let discovery = pipeline.discover_observed(&capture.frame, &self.params, &mut watch)?;
+        if let Some(noise) = discovery.noise {
+            let (path, white, waves) = (input.path.display(), noise.white, noise.waves());
+            tracing::info!(
+                "{path}: noise of the sensor: {white:.2} times a Kinect's, its waves {waves:.2} times"
+            );
+        }
 
         let found = Found {
             source: &input.path.display().to_string(),

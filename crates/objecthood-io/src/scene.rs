@@ -51,8 +51,24 @@ pub struct SceneFile {
     pub objects: Vec<SceneObject>,
     /// What stands on what.
     pub support: Support,
+    /// The noise of the sensor that was estimated; absent when no tolerance follows it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "SensorNoise")]
+    pub noise: Option<SensorNoise>,
     /// What the user should know about how this came about.
     pub notices: Vec<String>,
+}
+
+/// The noise of a depth sensor, relative to a Kinect v1 whose disparity has the steps that the parameters name.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SensorNoise {
+    /// Standard deviation of single pixels.
+    #[schemars(range(min = 0))]
+    pub white: f64,
+    /// Waves of 16 to 40 px, which do not average out in a window.
+    #[schemars(range(min = 0))]
+    pub waves: f64,
 }
 
 /// Size of an image.
@@ -382,6 +398,7 @@ impl SceneFile {
             structure_planes: discovery.structure_planes.iter().map(StructurePlane::from).collect(),
             objects: discovery.objects.iter().map(SceneObject::from).collect(),
             support: (&discovery.support).into(),
+            noise: discovery.noise.map(|noise| SensorNoise { white: noise.white, waves: noise.waves() }),
             notices: notices(capture, discovery),
         }
     }

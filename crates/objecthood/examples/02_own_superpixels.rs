@@ -18,7 +18,6 @@ use objecthood::oversegment::linked::LinkedSuperpixels;
 use objecthood::oversegment::structure::find_structure;
 use objecthood::shapes::border::measure_borders;
 use objecthood::shapes::contraction::{contract, sum_votes};
-use objecthood::support::gravity::camera_up;
 use objecthood::support::standing::{StandingParams, find_standing};
 use objecthood::surface::surfaces::find_surfaces;
 use objecthood::{Discovery, Frame, Params, Raster};
@@ -36,8 +35,7 @@ fn grid(width: usize, height: usize) -> objecthood::Result<Raster<i32>> {
 
 fn discover_with(labels: &Raster<i32>, frame: &Frame, params: &Params) -> objecthood::Result<Discovery> {
     let surfaces = find_surfaces(frame, &params.sensor, &params.local_fit);
-    let up = camera_up(&params.gravity);
-    let structure = find_structure(frame.depth_m(), &surfaces, up, &params.structure);
+    let structure = find_structure(frame.depth_m(), &surfaces, &params.gravity, &params.structure);
 
     // 1. Over-segmentation: ours would be `flood_superpixels`.
     let superpixels = LinkedSuperpixels::from_labels(labels, &surfaces, &structure, &params.watershed)?;
@@ -48,7 +46,7 @@ fn discover_with(labels: &Raster<i32>, frame: &Frame, params: &Params) -> object
     let borders = measure_borders(&facets, &surfaces.disparity, &surfaces.space, &params.border);
     let shapes = contract(&sum_votes(&borders, facets.structure, &params.contraction));
     // 4. Objectness.
-    let steps = StepLimits::of(&params.watershed);
+    let steps = StepLimits::of(&params.watershed, &surfaces.space);
     let filled = fill_facets(&facets, &surfaces.disparity, steps);
     let points_m = frame.points_m();
     let scene = Scene::new(frame, &surfaces, &structure, &filled, &points_m, steps);
@@ -56,7 +54,7 @@ fn discover_with(labels: &Raster<i32>, frame: &Frame, params: &Params) -> object
     let standing = find_standing(frame, &scene, &clusters, &structure.planes, StandingParams::of(params));
     let Params { gravity, contraction, objectness, .. } = params;
     let hypotheses = find_cluster_hypotheses(&scene, &clusters, &standing, objectness, contraction);
-    conclude_context(&filled.segments, &points_m, &standing, &hypotheses, gravity, objectness)
+    conclude_context(&scene, &standing, &hypotheses, gravity, objectness)
 }
 
 #[expect(clippy::print_stdout, reason = "an example talks to its reader")]

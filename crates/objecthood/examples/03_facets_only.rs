@@ -8,7 +8,6 @@ use objecthood::Params;
 use objecthood::facets::find_facets;
 use objecthood::oversegment::linked::flood_superpixels;
 use objecthood::oversegment::structure::find_structure;
-use objecthood::support::gravity::camera_up;
 use objecthood::surface::surfaces::find_surfaces;
 use world::{Solid, snapshot};
 
@@ -23,8 +22,7 @@ pub(crate) fn main() -> objecthood::Result<()> {
     let params = Params::default();
 
     let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
-    let up = camera_up(&params.gravity);
-    let structure = find_structure(frame.depth_m(), &surfaces, up, &params.structure);
+    let structure = find_structure(frame.depth_m(), &surfaces, &params.gravity, &params.structure);
     let superpixels = flood_superpixels(&surfaces, &structure, &params.watershed);
     let facets = find_facets(&surfaces, &structure, &superpixels, &params.merging, &params.refinement);
 

@@ -76,7 +76,7 @@ mod testing;
 mod union_find;
 
 pub use camera::Camera;
-pub use discovery::{Discovery, Notice, Object, ObjectId, ObjectnessParts, OrientedBox};
+pub use discovery::{Discovery, Noise, Notice, Object, ObjectId, ObjectnessParts, OrientedBox};
 pub use error::{Error, Result};
 pub use frame::Frame;
 pub use observe::{LabelMap, Observer, Output};

@@ -23,7 +23,7 @@ use crate::params::{Channels, Params};
 use crate::shapes::border::measure_borders;
 use crate::shapes::contraction::{contract, sum_votes};
 use crate::shapes::paper::join_convex;
-use crate::support::gravity::{camera_up, find_ground};
+use crate::support::gravity::find_ground;
 use crate::support::paper::stack_by_height;
 use crate::support::standing::{StandingParams, find_standing};
 use crate::surface::curvature::measure_curvature;
@@ -97,7 +97,7 @@ pub(crate) fn context<'k>(
 
     // 1. Over-segmentation: large planes, then a watershed of the residuals of the plane fits.
     let structure = recall(&mut kept.structure, || {
-        find_structure(frame.depth_m(), surfaces, camera_up(&params.gravity), &params.structure)
+        find_structure(frame.depth_m(), surfaces, &params.gravity, &params.structure)
     });
     observer.observe(Output::Structure(LabelMap::structure(structure)));
     let superpixels =
@@ -120,7 +120,7 @@ pub(crate) fn context<'k>(
     observer.observe(Output::Shapes(LabelMap::shapes(facets, shapes)));
 
     // 4. Objectness: shapes joined by their surroundings, support against gravity, and the score.
-    let steps = StepLimits::of(&params.watershed);
+    let steps = StepLimits::of(&params.watershed, &surfaces.space);
     let filled = recall(&mut kept.filled, || fill_facets(facets, &surfaces.disparity, steps));
     let points_m = recall(&mut kept.points_m, || frame.points_m());
     let scene = &Scene::new(frame, surfaces, structure, filled, points_m, steps);
@@ -136,7 +136,7 @@ pub(crate) fn context<'k>(
     observer.observe(Output::Hypotheses(hypotheses));
     let discovery = try_recall(&mut kept.discovery, || {
         let Params { gravity, objectness, .. } = params;
-        conclude_context(&filled.segments, points_m, standing, hypotheses, gravity, objectness)
+        conclude_context(scene, standing, hypotheses, gravity, objectness)
     })?;
     observer.observe(Output::Objects(discovery));
     Ok(discovery)

@@ -5,11 +5,12 @@
 
 mod allowed;
 mod choices;
+mod gravity;
 #[macro_use]
 mod declare;
 mod info;
 
-pub use choices::{Channels, Method, UpFrom};
+pub use choices::{Channels, Method, NoiseFrom, UpFrom};
 pub use info::{ParameterInfo, Reader};
 
 use serde::{Deserialize, Serialize};
@@ -26,6 +27,8 @@ parameters! {
             "measured on mOSD learn, a Kinect v1; 1/348 by its disparity law (docs/CONTEXT.md 0.2)";
         /// Sideways noise of points, which looks like noise of disparity on slopes (`context`).
         lateral_noise_px: f64 = 0.8, 0.0..=100.0, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 1.2)", read by [Context: Normals];
+        /// Source of the noise that tolerances follow (`context`): estimated from each frame, or given by the quantum alone, as a Kinect's.
+        noise: NoiseFrom = NoiseFrom::Estimated, OneOf("estimated | given"), "dimensionless: switch", "ours, because no constant fits every sensor (docs/CONTEXT.md 0.5)", read by [Context: Normals];
     }
 
     /// Gaussian smoothing of the colour image before eq. 1.

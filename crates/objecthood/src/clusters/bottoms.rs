@@ -53,11 +53,13 @@ const MAJORITY: f64 = 0.5;
 /// support surface. O(pixels log pixels).
 pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let scene = clusters.scene;
-    let Some(support) = scene.support_facet else { return };
+    if scene.supports.is_empty() {
+        return;
+    }
     let least_px = scene.space.area_px(BOTTOM_PX);
     let mut misses = Vec::new();
     let mut gains: BTreeMap<SegmentId, Vec<u32>> = BTreeMap::new();
-    for patch in find_patches(scene, &find_owners(clusters, support.index())) {
+    for patch in find_patches(scene, &find_owners(clusters)) {
         // On ties the cluster with the smallest number wins.
         let Some((&id, &most)) = patch.touch.iter().rev().max_by_key(|(_, touch)| **touch) else { continue };
         let mut join = Proposal::new(Rule::VesselBottom, Source::Patch(patch.runs[0].start as u32), Some(id));
@@ -110,10 +112,10 @@ impl Patch {
 }
 
 /// The owner of every facet.
-fn find_owners(clusters: &Clusters<'_>, support: usize) -> Vec<Owner> {
-    let Facets { segments, structure, .. } = clusters.scene.facets;
+fn find_owners(clusters: &Clusters<'_>) -> Vec<Owner> {
+    let Scene { facets: Facets { segments, structure, .. }, supports, .. } = clusters.scene;
     let owner = |facet: usize| match facet.checked_sub(*structure) {
-        None if facet == support => Owner::Background,
+        None if supports.contains(&facet) => Owner::Background,
         None => Owner::Nobody,
         Some(free) => clusters.of_facet(free).map_or(Owner::Background, Owner::Cluster),
     };
@@ -349,8 +351,8 @@ mod tests {
     #[test]
     fn a_wall_is_no_bottom() {
         let table = Table::drawn(&["aaaa", "a__a", "aaaa"], &[0.005]);
-        for support_facet in [None, Some(SegmentId(7))] {
-            let scene = Scene { support_facet, ..table.scene() };
+        for supports in [&[][..], &[7]] {
+            let scene = Scene { supports, ..table.scene() };
             let mut clusters = single(&scene);
             join_bottoms(&mut clusters, &params::Vessels::default());
             assert_eq!(clusters.get(SegmentId(0)).pixels.len(), 10);

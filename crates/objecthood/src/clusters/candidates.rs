@@ -41,8 +41,8 @@ pub(crate) fn find_candidates(
     let facets = &scene.facets.segments;
     let mut labels = facets.labels().map(|&l| if l < structure as i32 { l } else { Segments::NONE });
     let painted = labels.as_mut_slice();
-    if let Some(support) = scene.support_facet {
-        clusters.remains.iter().for_each(|&i| painted[i as usize] = support.0 as i32);
+    for &i in &clusters.remains {
+        painted[i as usize] = scene.nearest_support(i as usize).map_or(Segments::NONE, |s| s.0 as i32);
     }
     for (k, cluster) in kept.iter().enumerate() {
         cluster.pixels.iter().for_each(|&i| painted[i as usize] = (structure + k) as i32);

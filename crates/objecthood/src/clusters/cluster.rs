@@ -109,10 +109,9 @@ impl<'a> Clusters<'a> {
 
     /// The clusters that remain after all rules. O(clusters + the pixels whose heights are not computed yet).
     pub(crate) fn finish(mut self) -> Clustering {
-        let support = self.scene.support;
         let left = self.alive().into_iter().map(|id| FinalCluster {
             id,
-            top_m: support.map(|support| self.top_m(id, support) as f32),
+            top_m: self.own_top_m(id).map(|top_m| top_m as f32),
             joins: self.joins(id).cloned().collect(),
             pixels: Vec::new(),
         });
@@ -177,13 +176,20 @@ impl<'a> Clusters<'a> {
     }
 
     /// Height (m) of the top of a cluster above a surface, from every other pixel; kept until the cluster changes.
-    pub(crate) fn top_m(&self, id: SegmentId, support: &StructureSurface) -> f64 {
-        let cluster = self.get(id);
-        *cluster.top_m.get_or_init(|| {
-            let sample = cluster.pixels.iter().step_by(TOP_STEP);
-            let mut heights: Vec<f64> = sample.map(|&i| self.scene.height_m(i as usize, support)).collect();
-            element_at(&mut heights, TOP_SHARE)
-        })
+    pub(crate) fn top_m(&self, id: SegmentId, ground: &StructureSurface) -> f64 {
+        *self.get(id).top_m.get_or_init(|| self.top_over_m(id, ground))
+    }
+
+    /// Height of the top of a cluster above the support below it (m); `None` without a support.
+    pub(crate) fn own_top_m(&self, id: SegmentId) -> Option<f64> {
+        let support = self.scene.own_support(&self.get(id).pixels)?;
+        Some(self.top_over_m(id, support))
+    }
+
+    fn top_over_m(&self, id: SegmentId, surface: &StructureSurface) -> f64 {
+        let sample = self.get(id).pixels.iter().step_by(TOP_STEP);
+        let mut heights: Vec<f64> = sample.map(|&i| self.scene.height_m(i as usize, surface)).collect();
+        element_at(&mut heights, TOP_SHARE)
     }
 
     /// The convexity of a cluster, see [`measure_convexity`]; kept until the cluster changes. O(1).

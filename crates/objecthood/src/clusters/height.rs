@@ -10,12 +10,12 @@ use crate::params;
 /// Gives clusters whose top is less than `min_top_m` above the support surface to the background. They are remains of the table, or
 /// small pieces at the edge of the view. Does nothing without a support surface. O(pixels of clusters).
 pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
-    let Some(support) = clusters.scene.support else { return };
     let alive = clusters.alive();
     let before = &*clusters;
     // Giving a cluster away changes no other cluster's top.
-    let tops_m: Vec<f64> = alive.par_iter().map(|&id| before.top_m(id, support)).collect();
+    let tops_m: Vec<Option<f64>> = alive.par_iter().map(|&id| before.own_top_m(id)).collect();
     for (id, top_m) in alive.into_iter().zip(tops_m) {
+        let Some(top_m) = top_m else { continue };
         let mut drop = Proposal::new(Rule::Low, Source::Cluster(id), None);
         let is_low = drop.check(
             Check::new("its top above the support", "m", top_m, Bound::Below, params.min_top_m)
@@ -46,7 +46,7 @@ mod tests {
             (named, clusters.remains.len(), clusters.clusters.len())
         };
         assert_eq!(dropped(&table.scene()), (vec![None, Some(1)], 8, 1));
-        let unsupported = Scene { support: None, ..table.scene() };
+        let unsupported = Scene { supports: &[], ..table.scene() };
         assert_eq!(dropped(&unsupported), (vec![Some(0), Some(1)], 0, 2));
     }
 

@@ -9,7 +9,6 @@
 //! ```
 //! # use objecthood::surface::surfaces::find_surfaces;
 //! # use objecthood::oversegment::structure::find_structure;
-//! # use objecthood::support::gravity::camera_up;
 //! # use objecthood::oversegment::linked::flood_superpixels;
 //! # use objecthood::facets::find_facets;
 //! # use objecthood::shapes::border::measure_borders;
@@ -25,12 +24,12 @@
 //! # let frame = Frame::new(depth_m, None, Camera::new(131.0, 131.0, 79.5, 59.5)?)?;
 //! let params = Params::default();
 //! # let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
-//! # let structure = find_structure(frame.depth_m(), &surfaces, camera_up(&params.gravity), &params.structure);
+//! # let structure = find_structure(frame.depth_m(), &surfaces, &params.gravity, &params.structure);
 //! # let superpixels = flood_superpixels(&surfaces, &structure, &params.watershed);
 //! # let facets = find_facets(&surfaces, &structure, &superpixels, &params.merging, &params.refinement);
 //! # let borders = measure_borders(&facets, &surfaces.disparity, &surfaces.space, &params.border);
 //! # let shapes = contract(&sum_votes(&borders, facets.structure, &params.contraction));
-//! let steps = StepLimits::of(&params.watershed);
+//! let steps = StepLimits::of(&params.watershed, &surfaces.space);
 //! let filled = fill_facets(&facets, &surfaces.disparity, steps);
 //! let points_m = frame.points_m();
 //! let scene = Scene::new(&frame, &surfaces, &structure, &filled, &points_m, steps);
@@ -50,6 +49,7 @@ pub(crate) mod fragments;
 pub(crate) mod height;
 pub mod history;
 pub(crate) mod occlusion;
+mod own_support;
 mod rim;
 pub mod rules;
 pub mod scene;

@@ -157,7 +157,7 @@ impl<'a> Comparer<'a> {
             color_overlap,
         };
         let is_horizontal =
-            scene.support.is_some_and(|support| normal.dot(support.normal).abs() > HORIZONTAL);
+            scene.ground().is_some_and(|support| normal.dot(support.normal).abs() > HORIZONTAL);
         let mut checks = self.check(&continuation);
         if is_horizontal {
             checks.extend(self.check_horizontal(&continuation));
@@ -196,8 +196,13 @@ impl<'a> Comparer<'a> {
         let steepness = flat.each_ref().map(|surface| length(along.slope(surface)));
         let noise = space.slope_noise(steepness[0].min(steepness[1]));
         let (surface, disagreement_quanta) = fit_jointly(&of_a, &of_b, &flat, noise);
-        let is_hopeless = disagreement_quanta > HOPELESS * self.params.disagreement_quanta;
+        let is_hopeless = disagreement_quanta > HOPELESS * self.disagreement_limit();
         (!is_hopeless).then_some(Common { surface, normal: normals[0], disagreement_quanta, angle_deg })
+    }
+
+    /// Disagreement (quanta) up to which two pieces lie on one surface.
+    fn disagreement_limit(&self) -> f64 {
+        self.clusters.scene.space.noise().step_scale() * self.params.disagreement_quanta
     }
 
     /// Checks that one piece continues the other.
@@ -207,7 +212,7 @@ impl<'a> Comparer<'a> {
         let disagreement = found.disagreement_quanta;
         let mut checks = vec![
             check_no_farther("distance of the parts", found, params.max_distance_m),
-            below("disagreement of the surfaces", "quanta", disagreement, params.disagreement_quanta)
+            below("disagreement of the surfaces", "quanta", disagreement, self.disagreement_limit())
                 .set_by("occlusion.disagreement_quanta"),
             below("angle between the surfaces", "degrees", found.angle_deg, params.angle_deg)
                 .set_by("occlusion.angle_deg"),

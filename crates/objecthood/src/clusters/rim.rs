@@ -197,7 +197,7 @@ mod tests {
 
     fn circle(table: &Table) -> Option<RimCircle> {
         let scene = table.scene();
-        fit_rim_circle(&single(&scene), &[SegmentId(0)], TOP_M, scene.support.unwrap()).ok()
+        fit_rim_circle(&single(&scene), &[SegmentId(0)], TOP_M, scene.ground().unwrap()).ok()
     }
 
     #[test]
@@ -209,7 +209,7 @@ mod tests {
             assert_eq!(rim.covered, 1.0);
             let scene = table.scene();
             let middle =
-                tangents(scene.support.unwrap().normal).map(|t| t.x * MIDDLE_M[0] + t.y * MIDDLE_M[1]);
+                tangents(scene.ground().unwrap().normal).map(|t| t.x * MIDDLE_M[0] + t.y * MIDDLE_M[1]);
             let off = [0, 1].map(|k| rim.center_m[k] - middle[k]);
             assert!(off[0].hypot(off[1]) < 0.001, "{radius_m}: {rim:?}");
         }
@@ -242,7 +242,7 @@ mod tests {
         let table = ring(0.05, |_| true);
         let scene = table.scene();
         let clusters = single(&scene);
-        let support = scene.support.unwrap();
+        let support = scene.ground().unwrap();
         let rim = circle(&table).unwrap();
         let within =
             |rim: &RimCircle| [0, 1].map(|k| measure_share_within(&clusters, SegmentId(k), rim, support));

@@ -24,10 +24,12 @@ pub struct Scene<'a> {
     pub color: Option<&'a Raster<[u8; 3]>>,
     /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
-    /// The surface on which objects stand.
-    pub support: Option<&'a StructureSurface>,
-    /// The facet of that surface.
-    pub support_facet: Option<SegmentId>,
+    /// The surfaces of the structure; surface k is facet k.
+    pub surfaces: &'a [StructureSurface],
+    /// The surfaces on which things stand, the ground first.
+    pub supports: &'a [usize],
+    /// How far the camera is turned clockwise about its optical axis beyond what was given (degrees).
+    pub turned_deg: u16,
     /// The largest differences in disparity that are no step.
     pub steps: StepLimits,
 }
@@ -49,14 +51,32 @@ impl<'a> Scene<'a> {
             points_m,
             color: frame.color(),
             space: &surfaces.space,
-            support: structure.support.map(|surface| &structure.surfaces[surface]),
-            support_facet: structure.support.map(|surface| SegmentId(surface as u32)),
+            surfaces: &structure.surfaces,
+            supports: &structure.supports.surfaces,
+            turned_deg: structure.supports.turned_deg,
             steps,
         }
     }
 }
 
-impl Scene<'_> {
+impl<'a> Scene<'a> {
+    /// The surface on which most stands.
+    pub(crate) fn ground(&self) -> Option<&'a StructureSurface> {
+        self.supports.first().map(|&ground| &self.surfaces[ground])
+    }
+
+    /// The facet of that surface.
+    pub(crate) fn ground_facet(&self) -> Option<SegmentId> {
+        self.supports.first().map(|&ground| SegmentId(ground as u32))
+    }
+
+    /// The facet of the support nearest to a pixel, along the normals of the supports.
+    pub(crate) fn nearest_support(&self, i: usize) -> Option<SegmentId> {
+        let distance_m = |&k: &usize| self.height_m(i, &self.surfaces[k]).abs();
+        let nearest = self.supports.iter().copied().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
+        nearest.map(|k| SegmentId(k as u32))
+    }
+
     /// Height (m) of a pixel above a surface.
     pub(crate) fn height_m(&self, i: usize, support: &StructureSurface) -> f64 {
         support.height_m(position(i, self.disparity.width()), f64::from(self.disparity[i]), self.space)

@@ -2,6 +2,7 @@
 
 use crate::params;
 use crate::raster::Raster;
+use crate::surface::disparity::DisparitySpace;
 
 /// Disparities of adjacent pixels may differ by this much more, because the sensor rounds to whole quanta.
 const ROUNDING_QUANTA: f32 = 1.0;
@@ -17,11 +18,10 @@ pub struct StepLimits {
 
 impl StepLimits {
     /// The limit of the watershed's links; between adjacent pixels one quantum more, which rounding may add.
-    pub fn of(params: &params::Watershed) -> Self {
-        Self {
-            touch_quanta: params.link_jump_quanta + ROUNDING_QUANTA,
-            level_quanta: params.link_jump_quanta,
-        }
+    pub fn of(params: &params::Watershed, space: &DisparitySpace) -> Self {
+        let scale = space.noise().step_scale() as f32;
+        let level_quanta = scale * params.link_jump_quanta;
+        Self { touch_quanta: level_quanta + scale * ROUNDING_QUANTA, level_quanta }
     }
 
     /// Whether there is no step between two adjacent pixels.

@@ -67,7 +67,7 @@ impl Table {
         let params = params::LocalFit::default();
         let fits = fit_planes(&disparity, params.radius_px);
         let normals = choose_windows(&disparity, &fits, &space, &params).normal;
-        let support = StructureSurface { model: table, normal: DVec3::NEG_Z, offset_m: TABLE_M };
+        let support = StructureSurface { model: table, normal: DVec3::NEG_Z, offset_m: TABLE_M, scale: 1.0 };
         let facets = Facets { segments, models, structure: 1 };
         Self { facets, disparity, color: None, normals, points_m, space, support }
     }
@@ -92,9 +92,10 @@ impl Table {
             points_m: &self.points_m,
             color: self.color.as_ref(),
             space: &self.space,
-            support: Some(&self.support),
-            support_facet: Some(SegmentId(0)),
-            steps: StepLimits::of(&params::Watershed::default()),
+            surfaces: std::slice::from_ref(&self.support),
+            supports: &[0],
+            turned_deg: 0,
+            steps: StepLimits::of(&params::Watershed::default(), &self.space),
         }
     }
 }

@@ -30,7 +30,7 @@ const MERGES: usize = 12;
 /// Joins the parts of vessels. Does nothing without a support surface or with `concavity` 0.
 /// O(merges · clusters · neighbours + the pixels of all insides and walls tried, up to 12 times each).
 pub(crate) fn join_vessels(clusters: &mut Clusters<'_>, params: &params::Vessels) {
-    let Some(support) = clusters.scene.support.filter(|_| params.concavity > 0.0) else { return };
+    let Some(support) = clusters.scene.ground().filter(|_| params.concavity > 0.0) else { return };
     let limits = Limits { support, params };
     let mut vessels = BTreeSet::new();
     repeat(clusters, INSIDE_MERGES, |clusters, misses| join_insides(clusters, limits, misses));

@@ -18,6 +18,7 @@ pub use self::up::{Up, UpSource};
 pub use crate::planes::StructurePlane;
 pub use crate::raster::PixelBox;
 use crate::raster::Raster;
+pub use crate::surface::noise::Noise;
 
 /// Everything found in one frame.
 #[derive(Clone, Debug)]
@@ -35,6 +36,8 @@ pub struct Discovery {
     pub structure: Raster<u16>,
     /// The support graph: which region stands on which.
     pub support: SupportGraph,
+    /// The noise of the sensor by which `context` set its tolerances; `None` in `paper`.
+    pub noise: Option<Noise>,
     /// Notices to the user about this result.
     pub notices: Vec<Notice>,
 }
@@ -50,6 +53,7 @@ impl Discovery {
             up: Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera },
             structure_planes: Vec::new(),
             support: SupportGraph::default(),
+            noise: None,
             notices: Vec::new(),
         }
     }
@@ -63,15 +67,25 @@ pub enum Notice {
     NoPlane,
     /// The frame has no colour, so depth alone decides.
     NoColor,
+    /// The ground shows that the camera is turned about its optical axis.
+    Turned {
+        /// By this much clockwise (degrees): 90, 180 or 270.
+        degrees: u16,
+    },
 }
 
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NoPlane => {
-                "no plane dominates the scene: up is taken from the camera, as if it were held horizontally"
-            }
-            Self::NoColor => "the frame has no colour: surfaces are told apart by depth alone",
-        })
+        match self {
+            Self::NoPlane => f.write_str(
+                "no plane dominates the scene: up is taken from the camera, as if it were held horizontally",
+            ),
+            Self::NoColor => f.write_str("the frame has no colour: surfaces are told apart by depth alone"),
+            Self::Turned { degrees } => write!(
+                f,
+                "the camera seems to be turned clockwise by about {degrees} degrees: up follows the plane on which most \
+                 things stand (if that is wrong, give gravity.tilt_deg and gravity.roll_deg)"
+            ),
+        }
     }
 }

@@ -251,6 +251,8 @@ impl Island<'_> {
         let [x, y] = pair.map(|k| &self.regions[k as usize]);
         debug_assert!(x.since.is_some() && y.since.is_some(), "neighbours are alive");
         let cost = costs.cost(x, y, basis) as f32;
+        let side_px = costs.space.length_at_525_px(x.moments.count().min(y.moments.count()).sqrt());
+        let tolerance = tolerance * costs.space.noise().merge_scale(side_px) as f32;
         (cost < tolerance).then(|| Merge::new(cost, pair, self.merges))
     }
 
@@ -310,6 +312,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::oversegment::structure::Supports;
     use crate::regions::RegionGraph;
     use crate::regions::SegmentId;
     use crate::surface::disparity::position;
@@ -400,7 +403,7 @@ mod tests {
 
     fn no_structure(like: &Segments) -> Structure {
         let labels = like.labels().map(|_| -1);
-        Structure { surfaces: Vec::new(), labels, support: None, planes: Vec::new() }
+        Structure { surfaces: Vec::new(), labels, supports: Supports::default(), planes: Vec::new() }
     }
 
     proptest! {
@@ -480,6 +483,7 @@ mod tests {
             model,
             normal: glam::DVec3::NEG_Z,
             offset_m: 1.0,
+            scale: 1.0,
         };
         let superpixels = Segments::from_numbered(labels.map(|l| -1 - l), 1);
         let linked = LinkedSuperpixels {
@@ -487,8 +491,12 @@ mod tests {
             moments: Moments::of_segments(&superpixels, &disparity),
             segments: superpixels,
         };
-        let structure =
-            Structure { surfaces: vec![surface], labels: labels.clone(), support: None, planes: Vec::new() };
+        let structure = Structure {
+            surfaces: vec![surface],
+            labels: labels.clone(),
+            supports: Supports::default(),
+            planes: Vec::new(),
+        };
         let facets = merge_surfaces(&linked, &structure, &kinect(), &params::Merging::default());
         assert_eq!((facets.structure, facets.models.len(), facets.models[0]), (1, 2, model));
         assert_eq!(facets.segments.labels(), &labels.map(|l| -l));

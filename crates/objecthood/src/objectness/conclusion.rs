@@ -1,5 +1,6 @@
 //! The end of both methods: assembles the discovery.
 
+use crate::clusters::scene::Scene;
 use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::{Discovery, Notice};
 use crate::error::Result;
@@ -51,6 +52,7 @@ pub fn conclude_paper(
         structure: mark_plane(plane, &labels, points_m, gravity),
         structure_planes: plane.copied().into_iter().collect(),
         labels,
+        noise: None,
         notices: notices.into_iter().filter_map(|(holds, notice)| holds.then_some(notice)).collect(),
     })
 }
@@ -60,8 +62,7 @@ pub fn conclude_paper(
 /// # Errors
 /// As [`make_objects`].
 pub fn conclude_context(
-    facets: &Segments,
-    points_m: &Raster<[f32; 3]>,
+    scene: &Scene<'_>,
     standing: &Standing,
     hypotheses: &[Hypothesis],
     gravity: &params::Gravity,
@@ -69,8 +70,9 @@ pub fn conclude_context(
 ) -> Result<Discovery> {
     let Standing { candidates, planes, up, graph } = standing;
     let kept = decide(hypotheses, Method::Context, objectness);
-    let (objects, labels) = make_objects(kept, facets, points_m, graph)?;
+    let (objects, labels) = make_objects(kept, &scene.facets.segments, scene.points_m, graph)?;
     let missing_plane = planes.is_empty() && gravity.up_from == UpFrom::Plane;
+    let turned = (scene.turned_deg != 0).then_some(Notice::Turned { degrees: scene.turned_deg });
     Ok(Discovery {
         support: mark_objects(graph, &objects),
         objects,
@@ -78,6 +80,7 @@ pub fn conclude_context(
         up: *up,
         structure: candidates.structure_labels(),
         structure_planes: planes.clone(),
-        notices: missing_plane.then_some(Notice::NoPlane).into_iter().collect(),
+        noise: Some(*scene.space.noise()),
+        notices: missing_plane.then_some(Notice::NoPlane).into_iter().chain(turned).collect(),
     })
 }

@@ -48,7 +48,7 @@ impl Links {
             disparity,
             slope,
             structure,
-            jump_quanta: params.link_jump_quanta,
+            jump_quanta: space.noise().step_scale() as f32 * params.link_jump_quanta,
             lateral_noise_px: space.lateral_noise_px() as f32,
         };
         let mut sides = Buffer::stale(disparity.len(), 0);

@@ -4,6 +4,7 @@
 //! stage is cheaper without their pixels.
 
 mod candidates;
+mod ground;
 mod labels;
 mod planes;
 mod sample;
@@ -12,10 +13,11 @@ mod surface;
 mod tilt;
 mod trials;
 
-use glam::Vec3;
 use rayon::prelude::*;
 
 use self::candidates::{Candidate, GRID_PX, View};
+pub use self::ground::Supports;
+use self::ground::find_supports;
 use self::labels::label_pixels;
 use self::planes::fit_planes;
 use self::size::SurfaceSize;
@@ -35,8 +37,8 @@ pub struct Structure {
     pub surfaces: Vec<StructureSurface>,
     /// The surface of every pixel; -1 = none.
     pub labels: Raster<i32>,
-    /// The surface on which objects stand: the first one whose normal points up, else the first of all.
-    pub support: Option<usize>,
+    /// The surfaces on which things stand.
+    pub supports: Supports,
     /// Every surface as a plane, fitted to its own pixels.
     pub planes: Vec<StructurePlane>,
 }
@@ -52,15 +54,17 @@ const DOMINANT_M2: f64 = 0.03;
 /// A surface can carry things when its normal has a larger component along the camera's own up.
 pub(crate) const UPWARD: f64 = 0.3;
 
+/// A surface as long as structure with a larger area than this is a board: structure if things stand on it.
+const BOARD_M2: f64 = 0.06;
+
 /// Finds the structure of a scene.
 ///
 /// RANSAC (Fischler and Bolles 1981) with fixed random numbers over a grid of pixels. The best plane is fitted again as a
-/// quadratic and kept when it is large. `camera_up`: the camera's own up, see
-/// [`camera_up`](crate::support::gravity::camera_up). O(rounds · trials · pixels / 36).
+/// quadratic and kept when it is large. `gravity`: how the camera is held. O(rounds · trials · pixels / 36).
 pub fn find_structure(
     depth_m: &Raster<f32>,
     surfaces_at: &Surfaces,
-    camera_up: [f32; 3],
+    gravity: &params::Gravity,
     params: &params::Structure,
 ) -> Structure {
     let Surfaces { space, disparity, fits, orientation, .. } = surfaces_at;
@@ -69,36 +73,55 @@ pub fn find_structure(
         slope_squared: least_square(space.slope_per_px(params.slope_quanta_per_px)),
     };
     let view = View { disparity, orientation, depth_m, space, grid: space.length_px(GRID_PX), alike };
-    let surfaces = find_surfaces(&view, fits);
-    let labels = label_pixels(&surfaces, disparity, orientation, &view.alike, params.tolerance_quanta);
-    let support = find_support(&surfaces, camera_up);
+    let Found { mut surfaces, large } = find_surfaces(&view, fits);
+    let mut labels = label_pixels(&surfaces, disparity, orientation, &view.alike, params.tolerance_quanta);
+    let mut supports = find_supports(&surfaces, large, &labels, disparity, space, gravity);
+    let kept = supports.keep(surfaces.len(), large);
+    surfaces = kept.iter().map(|&s| surfaces[s].clone()).collect();
+    renumber(&mut labels, &kept);
     let planes = fit_planes(&surfaces, &labels, depth_m, &space.camera());
-    Structure { surfaces, labels, support, planes }
+    Structure { surfaces, labels, supports, planes }
 }
 
-/// Finds the surfaces that are large enough to be structure.
-fn find_surfaces(view: &View<'_>, fits: &PlaneFits) -> Vec<StructureSurface> {
+/// Surfaces that may be structure.
+struct Found {
+    /// First those that are large, then those that are structure only if things stand on them.
+    surfaces: Vec<StructureSurface>,
+    /// The number of large surfaces.
+    large: usize,
+}
+
+/// Finds the surfaces that are large enough to be structure, or long enough to be the board of a shelf.
+fn find_surfaces(view: &View<'_>, fits: &PlaneFits) -> Found {
     let samples = view.sample(fits);
     let all = samples.len() as f64;
     let candidates = view.find_candidates(samples);
     let sizes: Vec<SurfaceSize> = candidates.par_iter().map(|c| SurfaceSize::measure(c, view)).collect();
-    let mut surfaces = Vec::new();
+    let (mut surfaces, mut boards) = (Vec::new(), Vec::new());
     for (Candidate { surface, inliers }, size) in candidates.into_iter().zip(sizes) {
         let is_large = size.area_m2 > LARGE_M2 && size.longest_m > LONG_M;
         let dominates =
             surfaces.is_empty() && inliers.len() as f64 > DOMINANT_SHARE * all && size.area_m2 > DOMINANT_M2;
         if is_large || dominates {
             surfaces.push(surface);
+        } else if size.area_m2 > BOARD_M2 && size.longest_m > LONG_M {
+            boards.push(surface);
         }
     }
-    surfaces
+    let large = surfaces.len();
+    surfaces.append(&mut boards);
+    Found { surfaces, large }
 }
 
-/// The first surface whose normal points up, else the first of all.
-fn find_support(surfaces: &[StructureSurface], camera_up: [f32; 3]) -> Option<usize> {
-    let camera_up = Vec3::from(camera_up).as_dvec3();
-    let facing_up = surfaces.iter().position(|s| s.normal.dot(camera_up) > UPWARD);
-    facing_up.or((!surfaces.is_empty()).then_some(0))
+/// Labels the pixels of the kept surfaces by their new numbers, and removes the labels of the others. O(pixels).
+fn renumber(labels: &mut Raster<i32>, kept: &[usize]) {
+    if kept.iter().enumerate().all(|(new, &old)| new == old)
+        && !labels.as_slice().iter().any(|&l| l >= kept.len() as i32)
+    {
+        return;
+    }
+    let new = |old: i32| kept.iter().position(|&s| s as i32 == old).map_or(Segments::NONE, |new| new as i32);
+    labels.as_mut_slice().iter_mut().for_each(|label| *label = new(*label));
 }
 
 impl Structure {

@@ -33,6 +33,17 @@ choice! {
 }
 
 choice! {
+    /// Source of the sensor's noise in `context`.
+    NoiseFrom {
+        /// Estimated from the frame.
+        #[default]
+        Estimated = "estimated",
+        /// A Kinect's noise, counted in the given quanta.
+        Given = "given",
+    }
+}
+
+choice! {
     /// The terms in the weight of an edge between two pixels (the paper's comparison).
     Channels {
         /// Colour difference only.

@@ -180,8 +180,9 @@ impl Borders<'_> {
     fn is_step(&self, [a, b]: &[SidePlane; 2], step: &Step) -> bool {
         let turn = length([a.slope[0] - b.slope[0], a.slope[1] - b.slope[1]]);
         let gentler = length(a.slope).min(length(b.slope));
-        step.gap > self.params.gap_quanta + self.surroundings.space.lateral_noise_px() * turn
-            || step.raw > RAW_GAPS * self.params.gap_quanta + gentler
+        let space = self.surroundings.space;
+        let gap_quanta = space.noise().step_scale() * self.params.gap_quanta;
+        step.gap > gap_quanta + space.lateral_noise_px() * turn || step.raw > RAW_GAPS * gap_quanta + gentler
     }
 
     /// Whether the step is deep enough for one side to hide things behind it.

@@ -69,21 +69,13 @@ pub(crate) fn mark_plane(
     labels.with_data(pixels.map(|(p, &object)| u16::from(object == 0 && is_near(p))).collect())
 }
 
-/// The camera's own up, from `tilt_deg` and `roll_deg`: a unit vector in the camera frame, -y when the camera is held horizontally.
-pub fn camera_up(params: &params::Gravity) -> [f32; 3] {
-    let (sin_tilt, cos_tilt) = libm::sincos(params.tilt_deg.to_radians());
-    let (sin_roll, cos_roll) = libm::sincos(params.roll_deg.to_radians());
-    // Adding 0 turns a negative zero into zero.
-    [-sin_roll * cos_tilt, -cos_roll * cos_tilt, -sin_tilt].map(|x| (x + 0.0) as f32)
-}
-
 /// Finds the direction up: the normal of `plane`, or the camera's own up when there is no plane or with `up_from = camera`.
 ///
 /// *Differs from the paper:* there the camera is held horizontally (`up_from = camera`, and neither tilt nor roll).
 pub fn find_up(plane: Option<&StructurePlane>, params: &params::Gravity) -> Up {
     match (params.up_from, plane) {
         (UpFrom::Plane, Some(plane)) => Up { direction: plane.normal, source: UpSource::Plane },
-        _ => Up { direction: camera_up(params), source: UpSource::Camera },
+        _ => Up { direction: params.camera_up(), source: UpSource::Camera },
     }
 }
 
@@ -149,26 +141,6 @@ mod tests {
         let line = Raster::from_vec(3, 1, vec![[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, 3.0]]).unwrap();
         assert_eq!(find_dominant_plane(&line, &params), None, "points on a line are no plane");
         assert_eq!(find_up(None, &params), Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera });
-    }
-
-    #[test]
-    fn the_camera_may_look_down_and_be_rolled() {
-        let half = 0.5_f32.sqrt();
-        for (tilt_deg, roll_deg, expected) in [
-            (0.0, 0.0, [0.0, -1.0, 0.0]),
-            (45.0, 0.0, [0.0, -half, -half]),
-            (90.0, 30.0, [0.0, 0.0, -1.0]),
-            (0.0, 180.0, [0.0, 1.0, 0.0]),
-            // The camera's right points down.
-            (0.0, 90.0, [-1.0, 0.0, 0.0]),
-            (45.0, -90.0, [half, 0.0, -half]),
-        ] {
-            let up = camera_up(&params::Gravity { tilt_deg, roll_deg, ..Default::default() });
-            let error = Vec3::from(up).distance(Vec3::from(expected));
-            assert!(error < 1e-6, "{tilt_deg} {roll_deg}: {up:?}");
-        }
-        let level = camera_up(&params::Gravity::default());
-        assert_eq!(level.map(f32::to_bits), [0.0_f32, -1.0, 0.0].map(f32::to_bits));
     }
 
     #[test]

@@ -56,7 +56,7 @@ pub fn find_standing(
 ) -> Standing {
     let candidates = find_candidates(scene, clusters, params.objectness);
     let planes = candidates.count_inliers(planes.to_vec(), frame.measured_px());
-    let up = find_up(scene.support_facet.map(|facet| &planes[facet.index()]), params.gravity);
+    let up = find_up(scene.ground_facet().map(|facet| &planes[facet.index()]), params.gravity);
     let &Scene { points_m, normals, space, .. } = scene;
     let support_scene =
         SupportScene { regions: &candidates.regions, points_m, normals, planes: &planes, up: &up, space };

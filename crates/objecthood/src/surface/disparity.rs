@@ -11,6 +11,7 @@ use crate::camera::Camera;
 use crate::params;
 use crate::raster::Raster;
 use crate::simd::vectorized;
+use crate::surface::noise::Noise;
 
 /// Range of depths (m) that count as measured in `context`.
 const RANGE_M: std::ops::Range<f32> = 0.1..20.0;
@@ -25,10 +26,11 @@ pub struct DisparitySpace {
     quantum_per_m: f64,
     lateral_noise_px: f64,
     scale: f64,
+    noise: Noise,
 }
 
 impl DisparitySpace {
-    /// The space of a camera and a sensor.
+    /// The space of a camera and a sensor with a Kinect's noise.
     pub fn new(camera: Camera, sensor: &params::Sensor) -> Self {
         let scale = (camera.fx_px * camera.fy_px).sqrt() / REFERENCE_FOCAL_PX;
         Self {
@@ -36,7 +38,19 @@ impl DisparitySpace {
             quantum_per_m: sensor.disparity_quantum_per_m,
             lateral_noise_px: sensor.lateral_noise_px * scale,
             scale,
+            noise: Noise::KINECT,
         }
+    }
+
+    /// The same space with another noise of the sensor.
+    pub fn with_noise(self, noise: Noise) -> Self {
+        Self { noise, ..self }
+    }
+
+    /// The noise of the sensor; a Kinect's unless it was estimated.
+    #[inline]
+    pub fn noise(&self) -> &Noise {
+        &self.noise
     }
 
     /// The camera.
@@ -111,6 +125,12 @@ impl DisparitySpace {
     #[inline]
     pub fn lateral_noise_px(&self) -> f64 {
         self.lateral_noise_px
+    }
+
+    /// A length in pixels of this image, in pixels at a focal length of 525 px.
+    #[inline]
+    pub fn length_at_525_px(&self, length_px: f64) -> f64 {
+        length_px / self.scale
     }
 
     /// A length in pixels at a focal length of 525 px, in whole pixels of this image; at least 1.

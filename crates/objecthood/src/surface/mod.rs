@@ -27,11 +27,13 @@
 //! # Ok::<(), objecthood::Error>(())
 //! ```
 
+pub mod blocks;
 pub mod curvature;
 pub mod depth_change;
 pub mod disparity;
 pub mod model;
 pub mod moments;
+pub mod noise;
 pub mod normals;
 pub mod plane_fit;
 pub mod surfaces;

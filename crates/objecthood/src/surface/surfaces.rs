@@ -1,8 +1,9 @@
 //! The surface at every pixel in `context`: the plane that fits its surroundings best (docs/CONTEXT.md 0.3, 0.4).
 
 use crate::frame::Frame;
-use crate::params;
+use crate::params::{self, NoiseFrom};
 use crate::raster::Raster;
+use crate::surface::blocks::estimate_noise;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::plane_fit::{PlaneFits, fit_planes};
 use crate::surface::window_choice::{Orientation, choose_windows};
@@ -26,6 +27,10 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
     let space = DisparitySpace::new(frame.camera(), sensor);
     let disparity = space.disparity(frame.depth_m());
     let fits = fit_planes(&disparity, space.length_px(params.radius_px));
+    let space = match sensor.noise {
+        NoiseFrom::Estimated => space.with_noise(estimate_noise(&disparity, &fits.residual, &space)),
+        NoiseFrom::Given => space,
+    };
     let orientation = choose_windows(&disparity, &fits, &space, params);
     Surfaces { space, disparity, fits, orientation }
 }

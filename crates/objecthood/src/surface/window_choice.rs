@@ -37,7 +37,8 @@ pub fn choose_windows(
     params: &params::LocalFit,
 ) -> Orientation {
     let reach = space.length_px(params.radius_px) as isize - 1;
-    let choice = Choice { disparity, fits, space, reach, limit: params.own_window_residual_quanta };
+    let limit = space.noise().step_scale() as f32 * params.own_window_residual_quanta;
+    let choice = Choice { disparity, fits, space, reach, limit };
     let width = disparity.width();
     let mut slope = Buffer::stale(disparity.len(), [0.0; 2]);
     let mut normal = Buffer::stale(disparity.len(), [0.0; 3]);

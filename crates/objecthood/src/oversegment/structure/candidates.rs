@@ -6,6 +6,7 @@ use super::sample::Sample;
 use super::surface::StructureSurface;
 use super::tilt::{Alike, Tilt};
 use super::trials::find_best_plane;
+use crate::quantile::element_at;
 use crate::random::Lcg;
 use crate::raster::Raster;
 use crate::surface::disparity::{DisparitySpace, position};
@@ -27,6 +28,18 @@ const REFIT_QUANTA: [f64; 3] = [3.5, 3.0, 3.0];
 const LEAST_REFIT: usize = 50;
 /// Samples nearer than this to a surface (quanta) are taken out with it.
 const INLIER_QUANTA: f64 = 3.0;
+/// Refits before this one measure the spread of the surface.
+const LAST_SPREAD: usize = 2;
+/// Samples less than this (quanta) behind a surface tell its spread.
+const BEHIND_QUANTA: f64 = 12.0;
+/// Least number of such samples.
+const LEAST_BEHIND: usize = 60;
+/// A spread (quanta) below this is a Kinect's: 0.97 to 1.04 on mOSD learn.
+const LEAST_SPREAD: f64 = 1.3;
+/// Tolerances grow by this factor at most.
+const MOST_SPREAD: f64 = 3.5;
+/// Median distance from the mean of a normal distribution, in standard deviations.
+const MEDIAN_OF_NORMAL: f64 = 0.6745;
 /// Where the random numbers of the trial planes begin: fixed, so the same frame gives the same planes.
 const SEED: u32 = 12345;
 
@@ -72,36 +85,76 @@ impl View<'_> {
             }
             let Some([a, b, c]) = find_best_plane(&pool, &mut random, self.space) else { break };
             let normal = DVec3::from(self.space.normal([0.0; 2], c, [a, b]));
-            let Some(model) = self.refit(&pool, [a, b, c], normal) else { continue };
+            let Some((model, scale)) = self.refit(&pool, [a, b, c], normal) else { continue };
             let offset_m = self.space.distance_m([0.0; 2], c, [a, b]);
-            let is_inlier = |s: &mut Sample| (s.disparity - model.value(s.at)).abs() < INLIER_QUANTA;
+            let is_inlier = |s: &mut Sample| (s.disparity - model.value(s.at)).abs() < scale * INLIER_QUANTA;
             let inliers = pool.extract_if(.., is_inlier).collect();
-            candidates.push(Candidate { surface: StructureSurface { model, normal, offset_m }, inliers });
+            candidates
+                .push(Candidate { surface: StructureSurface { model, normal, offset_m, scale }, inliers });
         }
         candidates
     }
 
-    /// Fits a quadratic to the samples near a plane that have its tilt; `None` for fewer than fifty.
-    fn refit(&self, pool: &[Sample], [a, b, c]: [f64; 3], normal: DVec3) -> Option<Model> {
+    /// Fits a quadratic to the samples near a plane that have its tilt; `None` for fewer than fifty. Also returns the factor on
+    /// tolerances that the spread of these samples demands.
+    fn refit(&self, pool: &[Sample], [a, b, c]: [f64; 3], normal: DVec3) -> Option<(Model, f64)> {
         let (width, height) = self.disparity.size();
         let center = [(width / 2) as f64, (height / 2) as f64];
         let plane = Tilt { normal, slope: [a, b] };
         let mut surface: Option<Model> = None;
-        for tolerance in REFIT_QUANTA {
+        let mut scale = self.space.noise().pixel_scale();
+        for (round, tolerance) in REFIT_QUANTA.into_iter().enumerate() {
             let value = |at: [f64; 2]| surface.map_or(a * at[0] + b * at[1] + c, |model| model.value(at));
             let mut moments = Moments::about(center);
             for s in pool {
-                if (s.disparity - value(s.at)).abs() < tolerance
-                    && self.alike.are(&plane, &Tilt::at(s.pixel, self.orientation))
-                {
+                if (s.disparity - value(s.at)).abs() < scale * tolerance && self.has_tilt(&plane, s, scale) {
                     moments.add(s.at, s.disparity);
                 }
             }
             if moments.count() < LEAST_REFIT as f64 {
                 break;
             }
-            surface = Some(moments.fit(Basis::Quadratic).model);
+            let model = moments.fit(Basis::Quadratic).model;
+            surface = Some(model);
+            if round < LAST_SPREAD {
+                scale = self.space.noise().pixel_scale() * self.measure_spread(pool, &model, &plane, scale);
+            }
         }
-        surface
+        surface.map(|model| (model, scale))
+    }
+
+    /// Whether a sample has the tilt of a surface.
+    fn has_tilt(&self, surface: &Tilt, sample: &Sample, scale: f64) -> bool {
+        self.alike.are(surface, &Tilt::at(sample.pixel, self.orientation), scale)
+    }
+
+    /// How much farther than a Kinect's the samples of a surface scatter about it; 1 on a Kinect.
+    ///
+    /// Only samples behind the surface count, because things stand before it: those that have its tilt and lie beside samples on
+    /// it, so that no other surface close behind it counts. Their spread is the median distance of a normal distribution. O(samples).
+    fn measure_spread(&self, pool: &[Sample], model: &Model, tilt: &Tilt, scale: f64) -> f64 {
+        let most = self.space.noise().most_spread().min(MOST_SPREAD);
+        if most <= LEAST_SPREAD {
+            return 1.0;
+        }
+        let near = scale * INLIER_QUANTA;
+        let own: Vec<&Sample> = pool.iter().filter(|s| self.has_tilt(tilt, s, scale)).collect();
+        let behind = |s: &Sample| model.value(s.at) - s.disparity;
+        let columns = self.disparity.width() / self.grid + 2;
+        let cell = |s: &Sample| {
+            let [u, v] = s.at.map(|x| (x / self.grid as f64) as usize);
+            v * columns + u + columns + 1
+        };
+        let mut on_it = vec![false; columns * (self.disparity.height() / self.grid + 3)];
+        own.iter().filter(|s| behind(s).abs() < near).for_each(|s| on_it[cell(s)] = true);
+        let beside =
+            |k: usize| [1, columns, columns - 1, columns + 1].iter().any(|d| on_it[k - d] || on_it[k + d]);
+        let is_noise = |s: &&&Sample| (0.0..BEHIND_QUANTA).contains(&behind(s)) && beside(cell(s));
+        let mut distances: Vec<f64> = own.iter().filter(is_noise).map(|s| behind(s)).collect();
+        if distances.len() < LEAST_BEHIND {
+            return 1.0;
+        }
+        let spread = element_at(&mut distances, 0.5) / MEDIAN_OF_NORMAL;
+        if spread < LEAST_SPREAD { 1.0 } else { spread.min(most) }
     }
 }

@@ -38,9 +38,16 @@ pub(super) fn label_pixels(
                     for (left, ((labels, unsure), (disparity, slopes))) in
                         (0..).step_by(STRETCH).zip(stretches.zip(seen))
                     {
-                        surface.mark_near(labels, disparity, [left, v], tolerance_quanta, unsure);
+                        surface.mark_near(
+                            labels,
+                            disparity,
+                            [left, v],
+                            surface.scale * tolerance_quanta,
+                            unsure,
+                        );
                         if unsure.iter().fold(0, |any, near| any | near) != 0 {
-                            surface.claim(s, labels, slopes, [left, v], alike.slope_squared, unsure);
+                            let slope_squared = alike.slope_squared * surface.scale * surface.scale;
+                            surface.claim(s, labels, slopes, [left, v], slope_squared, unsure);
                         }
                     }
                 },
@@ -49,7 +56,7 @@ pub(super) fn label_pixels(
                 let tilt = Tilt::at(row.start + u, orientation);
                 let slope = surface.model.slope([u as f64, v as f64]);
                 let own = Tilt { normal: surface.normal, slope };
-                if tilt.normal == DVec3::ZERO || alike.are(&own, &tilt) {
+                if tilt.normal == DVec3::ZERO || alike.are(&own, &tilt, surface.scale) {
                     labels[u] = s as i32;
                 }
             }
@@ -126,7 +133,7 @@ mod tests {
                     moments.add(at, middle + 0.1 * at[0] - 0.05 * at[1]);
                 }
                 let model = moments.fit(Basis::Plane).model;
-                StructureSurface { model, normal: normal.into(), offset_m: 1.0 }
+                StructureSurface { model, normal: normal.into(), offset_m: 1.0, scale: 1.0 }
             };
             let surfaces = [surface(100.0, [0.0, 0.0, -1.0]), surface(103.0, [0.0, -0.6, -0.8])];
             let alike = Alike { least_cosine: 0.9, slope_squared };
@@ -138,7 +145,7 @@ mod tests {
                 let lies_on = |s: &StructureSurface| {
                     let own = Tilt { normal: s.normal, slope: s.model.slope(at) };
                     (f64::from(disparity[i]) - s.model.value(at)).abs() < 2.0
-                        && (tilt.normal == DVec3::ZERO || alike.are(&own, &tilt))
+                        && (tilt.normal == DVec3::ZERO || alike.are(&own, &tilt, s.scale))
                 };
                 let expected = surfaces.iter().position(lies_on).map_or(-1, |s| s as i32);
                 prop_assert_eq!(labels[i], expected);

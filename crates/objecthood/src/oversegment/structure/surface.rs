@@ -17,6 +17,8 @@ pub struct StructureSurface {
     pub(crate) normal: DVec3,
     /// Distance of the camera from that plane (m).
     pub offset_m: f64,
+    /// Factor on the tolerances of `structure`: how far its pixels scatter, relative to a Kinect's table.
+    pub scale: f64,
 }
 
 impl StructureSurface {

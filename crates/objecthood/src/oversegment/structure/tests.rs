@@ -31,7 +31,7 @@ fn seen_with(params: &params::Structure, depth_m: impl Fn(usize) -> f64) -> Stru
     let fits = fit_planes(&disparity, 2);
     let orientation = choose_windows(&disparity, &fits, &space, &params::LocalFit::default());
     let surfaces = Surfaces { space, disparity, fits, orientation };
-    find_structure(&depth, &surfaces, [0.0, -1.0, 0.0], params)
+    find_structure(&depth, &surfaces, &params::Gravity::default(), params)
 }
 
 /// The depth of the plane normal · X = -offset along the ray of a pixel.
@@ -60,7 +60,7 @@ fn a_table_and_a_wall_are_found() {
     let (table, wall) = if is_table(first) { (first, second) } else { (second, first) };
     assert!(table.normal.dot(table_normal()) > 0.999 && (table.offset_m - 0.6).abs() < 0.01, "{table:?}");
     assert!(wall.normal.dot(WALL) > 0.999 && (wall.offset_m - 1.0).abs() < 0.02, "{wall:?}");
-    assert_eq!(found.support, Some(usize::from(!is_table(first))), "the table faces up");
+    assert_eq!(found.supports.surfaces, [usize::from(!is_table(first))], "the table faces up");
     let labelled = found.labels.as_slice().iter().filter(|&&label| label >= 0).count();
     assert!(labelled as f64 > 0.97 * found.labels.len() as f64, "{labelled}");
     let top = found.labels[SIZE.0 / 2];
@@ -101,7 +101,7 @@ fn what_does_not_hang_together_is_no_surface() {
 #[test]
 fn heights_are_above_the_surface_it_is_supported_by() {
     let found = seen(|i| plane(i, table_normal(), 0.6));
-    let (space, table) = (half(), &found.surfaces[found.support.unwrap()]);
+    let (space, table) = (half(), &found.surfaces[found.supports.surfaces[0]]);
     for i in [20_000, 40_000, 60_000] {
         for height_m in [0.0, 0.02, 0.1] {
             let z = plane(i, table_normal(), 0.6 - height_m);
@@ -114,10 +114,67 @@ fn heights_are_above_the_surface_it_is_supported_by() {
     assert_eq!(table.height_m(horizon, 300.0, &space), BEYOND_M);
 }
 
+/// The depth of the nearer of two surfaces that are seen.
+fn nearer(a: f64, b: f64) -> f64 {
+    let positive = |z: f64| if z > 0.0 { z } else { f64::INFINITY };
+    positive(a).min(positive(b))
+}
+
+/// A regression: a far wall was the ground because it is larger, and nothing spoke against objects many metres above it.
+#[test]
+fn the_ground_is_what_things_stand_on_however_large_the_wall() {
+    // A wall that fills most of the image, a floor below it, and two posts of 20 cm on the floor.
+    let (floor, wall) = (DVec3::new(0.0, -0.97, -0.24), DVec3::new(0.0, 0.24, -0.97));
+    let empty = |i: usize| nearer(plane(i, floor, 1.0), plane(i, wall, 2.4));
+    let post = |i: usize| {
+        let [u, v] = position(i, SIZE.0);
+        ([80.0, 200.0].iter().any(|left| (0.0..25.0).contains(&(u - left))) && (175.0..215.0).contains(&v))
+            .then(|| plane(i, wall, 1.55))
+    };
+    let found = seen(|i| post(i).unwrap_or(empty(i)));
+    let of_wall = found.labels.as_slice().iter().filter(|&&label| label == 0).count();
+    assert!(of_wall > found.labels.len() / 2, "{of_wall}");
+    let ground = &found.surfaces[found.supports.surfaces[0]];
+    assert!(ground.normal.dot(floor) > 0.99, "{ground:?}");
+    assert_eq!(found.supports.turned_deg, 0);
+}
+
+#[test]
+fn a_camera_may_be_turned_by_quarters() {
+    // A floor that lies right of, above or left of the image, with a box on it, and a wall.
+    for (turned_deg, floor, lift) in [
+        (90, DVec3::new(-0.95, 0.0, -0.31), [-1.0, 0.0]),
+        (180, DVec3::new(0.0, 0.8, -0.6), [0.0, 1.0]),
+        (270, DVec3::new(0.95, 0.0, -0.31), [1.0, 0.0]),
+    ] {
+        let on_box = |i: usize| {
+            let [u, v] = position(i, SIZE.0);
+            let (across, along) =
+                if lift[0] == 0.0 { (u - 160.0, v - 120.0) } else { (v - 120.0, u - 160.0) };
+            across.abs() < 20.0 && along.abs() < 20.0
+        };
+        let found = seen(|i| plane(i, floor, if on_box(i) { 0.5 } else { 0.6 }));
+        assert_eq!(found.supports.turned_deg, turned_deg);
+        assert!(found.surfaces[found.supports.surfaces[0]].normal.dot(floor) > 0.99);
+    }
+}
+
+/// A shelf of two boards: both are supports, and a box on the upper one is measured from there.
+#[test]
+fn boards_that_are_parallel_are_supports() {
+    let normal = table_normal();
+    let is_upper = |i: usize| i / SIZE.0 < 110;
+    let found = seen(|i| plane(i, normal, if is_upper(i) { 0.6 } else { 0.95 }));
+    assert_eq!(found.surfaces.len(), 2, "{:?}", found.surfaces);
+    let mut supports = found.supports.surfaces;
+    supports.sort_unstable();
+    assert_eq!(supports, [0, 1]);
+}
+
 #[test]
 fn nothing_is_found_in_nothing_and_in_noise() {
     let nothing = seen(|_| f64::NAN);
-    assert!(nothing.surfaces.is_empty() && nothing.support.is_none());
+    assert!(nothing.surfaces.is_empty() && nothing.supports == Supports::default());
     assert!(nothing.labels.as_slice().iter().all(|&label| label == -1));
     let mut random = Lcg::new(5);
     let noise: Vec<f64> = (0..SIZE.0 * SIZE.1).map(|_| 0.5 + random.below(1000) as f64 / 500.0).collect();
@@ -154,7 +211,7 @@ fn the_structure_is_the_same_on_any_number_of_threads() {
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let found = pool.install(|| seen(table_and_wall));
-        (found.labels.clone(), format!("{:?} {:?}", found.surfaces, found.support))
+        (found.labels.clone(), format!("{:?} {:?}", found.surfaces, found.supports))
     };
     assert!([2, 8].into_iter().all(|threads| on(threads) == on(1)));
 }

@@ -31,8 +31,10 @@ pub(super) struct Alike {
 }
 
 impl Alike {
-    pub(super) fn are(&self, a: &Tilt, b: &Tilt) -> bool {
-        a.normal.dot(b.normal) > self.least_cosine || squared_between(a.slope, b.slope) < self.slope_squared
+    /// Whether two tilts count as equal. `scale`: factor on the tolerance of the slopes.
+    pub(super) fn are(&self, a: &Tilt, b: &Tilt, scale: f64) -> bool {
+        a.normal.dot(b.normal) > self.least_cosine
+            || squared_between(a.slope, b.slope) < self.slope_squared * scale * scale
     }
 }
 

@@ -14,7 +14,7 @@ use crate::surface::disparity::DisparitySpace;
 const TRIALS: usize = 300;
 /// Twice the least area of the triangle of a trial (px^2 at 525 px).
 const LEAST_TRIANGLE_PX: usize = 400;
-/// A sample nearer than this (quanta) votes for a plane.
+/// A sample nearer than this (quanta of a Kinect) votes for a plane.
 const TRIAL_QUANTA: f64 = 2.0;
 /// Least number of votes of a plane.
 const LEAST_VOTES: usize = 100;
@@ -24,6 +24,7 @@ const LEAST_VOTES: usize = 100;
 /// All planes are drawn first; their votes are counted in parallel. Among planes with the most votes the first one drawn wins,
 /// whatever the order of counting.
 pub(super) fn find_best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpace) -> Option<[f64; 3]> {
+    let tolerance_quanta = space.noise().pixel_scale() * TRIAL_QUANTA;
     let least_triangle = space.area_px(LEAST_TRIANGLE_PX) as f64;
     let mut trial = |_| {
         let [p, q, r] = std::array::from_fn(|_| &pool[random.below(pool.len())]);
@@ -42,7 +43,7 @@ pub(super) fn find_best_plane(pool: &[Sample], random: &mut Lcg, space: &Dispari
     let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
     let most = AtomicUsize::new(LEAST_VOTES);
     let count = |&plane: &[f64; 3]| {
-        let votes = count_votes(&voters, pool.len(), plane, most.load(Relaxed))?;
+        let votes = count_votes(&voters, pool.len(), plane, tolerance_quanta, most.load(Relaxed))?;
         most.fetch_max(votes, Relaxed);
         Some((votes, plane))
     };
@@ -52,7 +53,13 @@ pub(super) fn find_best_plane(pool: &[Sample], random: &mut Lcg, space: &Dispari
 }
 
 /// Counts the samples near a plane. `None` for fewer than `least`; the count stops as soon as it cannot reach `least`.
-fn count_votes(voters: &[Voters], mut left: usize, plane: [f64; 3], least: usize) -> Option<usize> {
+fn count_votes(
+    voters: &[Voters],
+    mut left: usize,
+    plane: [f64; 3],
+    tolerance_quanta: f64,
+    least: usize,
+) -> Option<usize> {
     let mut votes = 0;
     for voters in voters {
         if votes + left < least {
@@ -60,7 +67,7 @@ fn count_votes(voters: &[Voters], mut left: usize, plane: [f64; 3], least: usize
         }
         votes += vectorized(
             #[inline(always)]
-            || voters.count_near(plane),
+            || voters.count_near(plane, tolerance_quanta),
         );
         left = left.saturating_sub(VOTERS);
     }
@@ -88,11 +95,10 @@ impl Voters {
 
     /// Counts the samples near a plane.
     #[inline(always)]
-    fn count_near(&self, [a, b, c]: [f64; 3]) -> usize {
+    fn count_near(&self, [a, b, c]: [f64; 3], quanta: f64) -> usize {
         let Self { u, v, disparity } = self;
-        (0..VOTERS)
-            .map(|k| u64::from((disparity[k] - (a * u[k] + b * v[k] + c)).abs() < TRIAL_QUANTA))
-            .sum::<u64>() as usize
+        (0..VOTERS).map(|k| u64::from((disparity[k] - (a * u[k] + b * v[k] + c)).abs() < quanta)).sum::<u64>()
+            as usize
     }
 }
 
@@ -112,9 +118,13 @@ mod tests {
                 (s.disparity - (plane[0] * u + plane[1] * v + plane[2])).abs() < TRIAL_QUANTA
             };
             let all = pool.iter().filter(near).count();
-            assert_eq!(count_votes(&voters, pool.len(), plane, all), Some(all), "as many as the best so far");
-            assert_eq!(count_votes(&voters, pool.len(), plane, 0), Some(all));
-            assert_eq!(count_votes(&voters, pool.len(), plane, all + 1), None);
+            assert_eq!(
+                count_votes(&voters, pool.len(), plane, TRIAL_QUANTA, all),
+                Some(all),
+                "as many as the best so far"
+            );
+            assert_eq!(count_votes(&voters, pool.len(), plane, TRIAL_QUANTA, 0), Some(all));
+            assert_eq!(count_votes(&voters, pool.len(), plane, TRIAL_QUANTA, all + 1), None);
         }
     }
 }

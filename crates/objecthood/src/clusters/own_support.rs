@@ -1,0 +1,59 @@
+//! The support below a cluster, over which its height is measured (docs/CONTEXT.md 4.1).
+
+use glam::DVec3;
+
+use crate::clusters::scene::Scene;
+use crate::oversegment::structure::StructureSurface;
+use crate::quantile::element_at;
+use crate::surface::disparity::position;
+
+/// About this many pixels of a cluster are looked at.
+const SAMPLED_PX: usize = 200;
+/// The foot of a cluster is this quantile of its heights.
+const FOOT_SHARE: f64 = 0.1;
+/// A foot may lie this much (m) below its support: noise, and rounded edges.
+const SLACK_M: f64 = 0.02;
+
+impl<'a> Scene<'a> {
+    /// The highest support below the foot of some pixels that goes on below them; without one, the ground. O(1).
+    pub(crate) fn own_support(&self, pixels: &[u32]) -> Option<&'a StructureSurface> {
+        let (ground, others) = self.supports.split_first()?;
+        if others.is_empty() {
+            return self.surfaces.get(*ground);
+        }
+        let step = pixels.len().div_ceil(SAMPLED_PX).max(1);
+        let sample: Vec<usize> = pixels.iter().step_by(step).map(|&i| i as usize).collect();
+        let foot_m = |support: &StructureSurface| {
+            let mut heights: Vec<f64> = sample.iter().map(|&i| self.height_m(i, support)).collect();
+            element_at(&mut heights, FOOT_SHARE)
+        };
+        let below = self.supports.iter().filter_map(|&k| {
+            let foot_m = foot_m(&self.surfaces[k]);
+            (foot_m > -SLACK_M && self.goes_on_below(&sample, k)).then_some((foot_m, k))
+        });
+        let nearest = below.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(*ground, |(_, k)| k);
+        self.surfaces.get(nearest)
+    }
+
+    /// Whether a support goes on below most of some pixels: dropped onto it, they lie on it, behind something nearer, on a hole or
+    /// outside the image.
+    fn goes_on_below(&self, sample: &[usize], support: usize) -> bool {
+        let (width, height) = self.disparity.size();
+        let (surface, camera) = (&self.surfaces[support], self.space.camera());
+        let is_over = |&&i: &&usize| {
+            let height_m = self.height_m(i, surface);
+            let point = DVec3::from(self.space.point_m(position(i, width), self.disparity[i].into()));
+            let foot = point - height_m * surface.normal;
+            let (u, v) = camera.project(foot.as_vec3().to_array());
+            let is_inside = (0.0..width as f64 - 0.5).contains(&u) && (0.0..height as f64 - 0.5).contains(&v);
+            if foot.z <= 0.0 || !is_inside {
+                return true;
+            }
+            let at = v.round() as usize * width + u.round() as usize;
+            let seen_m = self.space.depth_m(self.disparity[at].into());
+            let is_it = self.facets.segments.at(at).is_some_and(|facet| facet.index() == support);
+            is_it || seen_m.is_nan() || seen_m < foot.z
+        };
+        2 * sample.iter().filter(is_over).count() >= sample.len()
+    }
+}

@@ -1,0 +1,255 @@
+//! The ground and the other supports: the surfaces on which things stand (docs/CONTEXT.md 1.1, ours, because the largest surface of
+//! a room is often a wall).
+
+use glam::{DVec3, Vec3};
+
+use super::surface::StructureSurface;
+use crate::params;
+use crate::raster::Raster;
+use crate::surface::disparity::{DisparitySpace, position};
+use crate::union_find::UnionFind;
+
+/// A thing rises from the surface on which it stands by at least this much (m) ...
+const LEAST_RISE_M: f64 = 0.02;
+/// ... and by at least this many quanta, so that waves of the surface are no things.
+const LEAST_RISE_QUANTA: f64 = 4.0;
+/// Pixels farther apart than this many times their distance in the image lie on both sides of a step.
+const MOST_STRETCH: f64 = 4.0;
+/// Distance (px at a focal length of 525 px) of the cells in which the frame is looked at.
+const CELL_PX: usize = 3;
+/// A thing touches a surface within this many cells.
+const CONTACT_CELLS: usize = 2;
+/// Least number of places where a thing touches the surface on which it stands.
+const LEAST_CONTACTS: u32 = 3;
+/// Pieces of fewer pixels than this (at a focal length of 525 px) are noise, as fragments are.
+const LEAST_THING_PX: usize = 250;
+/// Pieces longer than this (m) along an axis of the camera are furniture, as for `objectness.max_side_m`.
+const MOST_SIDE_M: f64 = 0.6;
+/// Cosine of the angle between surfaces that are supports of one scene (15 degrees).
+const PARALLEL: f64 = 0.966;
+/// Weight of a ground for which the camera would have to be turned about its optical axis.
+const TURNED_WEIGHT: f64 = 0.4;
+
+/// The surfaces on which things stand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Supports {
+    /// Their numbers: the ground first, that is the one on which most stands.
+    pub surfaces: Vec<usize>,
+    /// How far the camera is turned clockwise about its optical axis beyond what was given: 0, 90, 180 or 270 degrees.
+    pub turned_deg: u16,
+}
+
+/// What speaks for a surface as a support.
+struct Evidence {
+    normal: DVec3,
+    /// Things that touch it more than any other surface; an empty surface counts as much as its share of the image.
+    things: f64,
+}
+
+/// Finds the ground and all supports that are parallel to it.
+///
+/// For each surface, the things are counted that touch it more than any other: a wall touches furniture, a board what stands on it.
+/// Surfaces that are parallel speak for the same direction up. It counts the less the farther it turns from the camera's own up to below the horizon.
+/// Unless tilt and roll are given, the camera may also be turned by quarters. Without surfaces there is no support. O(pixels / 9 + surfaces²).
+pub(super) fn find_supports(
+    surfaces: &[StructureSurface],
+    large: usize,
+    labels: &Raster<i32>,
+    disparity: &Raster<f32>,
+    space: &DisparitySpace,
+    gravity: &params::Gravity,
+) -> Supports {
+    let step = space.length_px(CELL_PX);
+    let (width, height) = labels.size();
+    let (columns, rows) = (width.div_ceil(step), height.div_ceil(step));
+    let seen = Seen { labels, disparity, space, step, columns, rows };
+    let evidence = count_things(&seen, surfaces, MOST_SIDE_M);
+    let turns: &[u16] = if gravity.is_attitude_given() { &[0] } else { &[0, 90, 180, 270] };
+    let camera_up = Vec3::from(gravity.camera_up()).as_dvec3();
+    let mut best: Option<(f64, usize, u16)> = None;
+    for &turned_deg in turns {
+        let up = turn(camera_up, turned_deg);
+        let weight = if turned_deg == 0 { 1.0 } else { TURNED_WEIGHT };
+        for (k, leader) in evidence.iter().enumerate() {
+            let together = evidence.iter().filter(|other| are_parallel(leader, other));
+            let score = weight * facing(leader.normal, up) * together.map(|other| other.things).sum::<f64>();
+            if best.is_none_or(|(most, ..)| score > most) {
+                best = Some((score, k, turned_deg));
+            }
+        }
+    }
+    let Some((_, leader, turned_deg)) = best else { return Supports::default() };
+    let mut surfaces: Vec<usize> =
+        (0..evidence.len()).filter(|&k| are_parallel(&evidence[leader], &evidence[k])).collect();
+    surfaces.retain(|&k| k < large || evidence[k].things >= 1.0);
+    surfaces.sort_by(|&a, &b| evidence[b].things.total_cmp(&evidence[a].things));
+    Supports { surfaces, turned_deg }
+}
+
+impl Supports {
+    /// Keeps the first `large` of `count` surfaces, and the supports among the others. Returns them in their order, and renumbers the
+    /// supports accordingly.
+    pub(super) fn keep(&mut self, count: usize, large: usize) -> Vec<usize> {
+        let kept: Vec<usize> = (0..count).filter(|k| *k < large || self.surfaces.contains(k)).collect();
+        for surface in &mut self.surfaces {
+            *surface = kept.iter().position(|k| k == surface).unwrap_or_default();
+        }
+        kept
+    }
+}
+
+fn are_parallel(a: &Evidence, b: &Evidence) -> bool {
+    a.normal.dot(b.normal) > PARALLEL
+}
+
+/// How plausible a normal is as up, from 0.05 to 1. It falls below 17 degrees above the camera's horizon, because a camera that looks
+/// straight down sees the ground's normal on its horizon; and beyond a roll of 30 degrees.
+fn facing(normal: DVec3, camera_up: DVec3) -> f64 {
+    let pitch = (normal.dot(camera_up) + 0.2) / 0.5;
+    let sideways = normal.dot(camera_up.cross(DVec3::Z).normalize_or_zero()).abs();
+    let roll = (0.9 - sideways) / 0.4;
+    pitch.clamp(0.05, 1.0).min(roll.clamp(0.05, 1.0))
+}
+
+/// The camera's up if the camera is turned clockwise about its optical axis by quarters.
+fn turn(up: DVec3, degrees: u16) -> DVec3 {
+    match degrees {
+        90 => DVec3::new(up.y, -up.x, up.z),
+        180 => DVec3::new(-up.x, -up.y, up.z),
+        270 => DVec3::new(-up.y, up.x, up.z),
+        _ => up,
+    }
+}
+
+/// Counts the things on each surface: pieces of what lies on no surface that hang together, have a graspable size, and touch this
+/// surface more than the others.
+fn count_things(scene: &Seen<'_>, surfaces: &[StructureSurface], max_side_m: f64) -> Vec<Evidence> {
+    let of_cell = scene.find_pieces();
+    let count = of_cell.iter().flatten().max().map_or(0, |most| most + 1);
+    let mut pieces = vec![Piece::new(surfaces.len()); count];
+    let mut evidence: Vec<Evidence> =
+        surfaces.iter().map(|s| Evidence { normal: s.normal, things: 0.0 }).collect();
+    let cells = of_cell.len().max(1) as f64;
+    for cell in 0..of_cell.len() {
+        if let Ok(s) = usize::try_from(scene.labels[scene.pixel(cell)]) {
+            evidence[s].things += 1.0 / cells;
+        }
+        if let Some(piece) = of_cell[cell] {
+            pieces[piece].add(scene.point_m(cell), surfaces);
+        }
+        for beside in scene.beside(cell, CONTACT_CELLS) {
+            for (on, above) in [(cell, beside), (beside, cell)] {
+                let (Some(s), Some(piece)) = (scene.surface(on), of_cell[above]) else { continue };
+                if scene.are_near([on, above].map(|cell| scene.point_m(cell)), CONTACT_CELLS) {
+                    pieces[piece].contacts[s] += 1;
+                }
+            }
+        }
+    }
+    for piece in pieces.iter().filter(|piece| piece.is_thing(scene, max_side_m)) {
+        // On ties the first surface wins.
+        let rises = |&s: &usize| {
+            let least_m = scene.space.step_m(LEAST_RISE_QUANTA * surfaces[s].scale, piece.far_m);
+            piece.contacts[s] >= LEAST_CONTACTS && piece.top_m[s] > least_m.max(LEAST_RISE_M)
+        };
+        if let Some(s) = (0..surfaces.len()).rev().filter(rises).max_by_key(|&s| piece.contacts[s]) {
+            evidence[s].things += 1.0;
+        }
+    }
+    evidence
+}
+
+/// A piece of what lies on no surface.
+#[derive(Clone)]
+struct Piece {
+    cells: usize,
+    low_m: DVec3,
+    high_m: DVec3,
+    /// Its greatest depth (m).
+    far_m: f64,
+    /// Places where it touches each surface.
+    contacts: Vec<u32>,
+    /// Its greatest height above each surface (m).
+    top_m: Vec<f64>,
+}
+
+impl Piece {
+    fn new(surfaces: usize) -> Self {
+        let (low_m, high_m) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        Self { cells: 0, low_m, high_m, far_m: 0.0, contacts: vec![0; surfaces], top_m: vec![0.0; surfaces] }
+    }
+
+    fn add(&mut self, point_m: DVec3, surfaces: &[StructureSurface]) {
+        self.cells += 1;
+        self.far_m = self.far_m.max(point_m.z);
+        for (top_m, surface) in self.top_m.iter_mut().zip(surfaces) {
+            *top_m = top_m.max(surface.normal.dot(point_m) + surface.offset_m);
+        }
+        (self.low_m, self.high_m) = (self.low_m.min(point_m), self.high_m.max(point_m));
+    }
+
+    fn is_thing(&self, scene: &Seen<'_>, max_side_m: f64) -> bool {
+        let least_cells = scene.space.area_px(LEAST_THING_PX) / (scene.step * scene.step);
+        self.cells > least_cells && (self.high_m - self.low_m).max_element() < max_side_m
+    }
+}
+
+/// The frame, looked at in cells: every few pixels along rows and columns.
+struct Seen<'a> {
+    labels: &'a Raster<i32>,
+    disparity: &'a Raster<f32>,
+    space: &'a DisparitySpace,
+    /// Distance (px) of the cells.
+    step: usize,
+    columns: usize,
+    rows: usize,
+}
+
+impl Seen<'_> {
+    fn pixel(&self, cell: usize) -> usize {
+        let [column, row] = [cell % self.columns, cell / self.columns];
+        row * self.step * self.labels.width() + column * self.step
+    }
+
+    fn point_m(&self, cell: usize) -> DVec3 {
+        let i = self.pixel(cell);
+        DVec3::from(self.space.point_m(position(i, self.labels.width()), self.disparity[i].into()))
+    }
+
+    fn surface(&self, cell: usize) -> Option<usize> {
+        usize::try_from(self.labels[self.pixel(cell)]).ok()
+    }
+
+    /// The cells this many columns to the right and rows below.
+    fn beside(&self, cell: usize, apart: usize) -> impl Iterator<Item = usize> + use<> {
+        let [column, row] = [cell % self.columns, cell / self.columns];
+        let right = (column + apart < self.columns).then_some(cell + apart);
+        right.into_iter().chain((row + apart < self.rows).then_some(cell + apart * self.columns))
+    }
+
+    /// Whether two cells a few places apart show one surface without a step.
+    fn are_near(&self, [a, b]: [DVec3; 2], apart: usize) -> bool {
+        let px = (apart * self.step) as f64;
+        a.distance(b) < MOST_STRETCH * px * b.z.min(a.z) / self.space.camera().fx_px
+    }
+
+    /// The piece of every cell that is measured and lies on no surface.
+    fn find_pieces(&self) -> Vec<Option<usize>> {
+        let cells = self.columns * self.rows;
+        let is_free = |cell: usize| {
+            let i = self.pixel(cell);
+            self.labels[i] < 0 && !self.disparity[i].is_nan()
+        };
+        let mut sets = UnionFind::new(cells);
+        for cell in (0..cells).filter(|&cell| is_free(cell)) {
+            for other in self.beside(cell, 1).filter(|&other| is_free(other)) {
+                if self.are_near([cell, other].map(|cell| self.point_m(cell)), 1) {
+                    let [a, b] = [cell, other].map(|cell| sets.find(cell));
+                    sets.link(a.min(b), a.max(b));
+                }
+            }
+        }
+        let (piece_of, _) = sets.groups();
+        (0..cells).map(|cell| is_free(cell).then_some(piece_of[cell] as usize)).collect()
+    }
+}
