@@ -16,6 +16,7 @@ pub use self::parts::ObjectnessParts;
 pub use self::support_graph::{NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode};
 pub use self::up::{Up, UpSource};
 pub use crate::planes::StructurePlane;
+pub use crate::plausibility::Doubt;
 pub use crate::raster::PixelBox;
 use crate::raster::Raster;
 
@@ -53,25 +54,34 @@ impl Discovery {
             notices: Vec::new(),
         }
     }
+
+    /// The discovery, with what is doubtful about its frame.
+    pub(crate) fn with_doubts(mut self, doubts: &[Doubt]) -> Self {
+        self.notices.extend(doubts.iter().map(|&doubt| Notice::Doubt(doubt)));
+        self
+    }
 }
 
 /// A notice: something that the user should know about a result. It is no error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Notice {
     /// No plane dominates the scene, so up is the camera's own, by its tilt and roll.
     NoPlane,
     /// The frame has no colour, so depth alone decides.
     NoColor,
+    /// Something about the frame cannot be: its camera, its unit, or how its images lie.
+    Doubt(Doubt),
 }
 
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NoPlane => {
-                "no plane dominates the scene: up is taken from the camera, as if it were held horizontally"
-            }
-            Self::NoColor => "the frame has no colour: surfaces are told apart by depth alone",
-        })
+        match self {
+            Self::NoPlane => f.write_str(
+                "no plane dominates the scene: up is taken from the camera, as if it were held horizontally",
+            ),
+            Self::NoColor => f.write_str("the frame has no colour: surfaces are told apart by depth alone"),
+            Self::Doubt(doubt) => doubt.fmt(f),
+        }
     }
 }
