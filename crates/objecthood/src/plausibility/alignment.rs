@@ -43,7 +43,7 @@ pub(super) fn doubt(depth_m: &Raster<f32>, color: &Raster<[u8; 3]>) -> Option<Do
     let mut plain = 0.0;
     let mut most = 0.0;
     for way in WAYS {
-        let changes = edges.iter().map(|edge| change(color, edge.seen(way, color.size())));
+        let changes = edges.iter().map(|&edge| change(color, seen(edge, way, color.size())));
         let [sum, squares] = changes.fold([0.0; 2], |[sum, squares], x| [sum + x, squares + x * x]);
         let mean = sum / count;
         let error = ((squares / count - mean * mean).max(0.0) * TOGETHER / count).sqrt();
@@ -56,71 +56,43 @@ pub(super) fn doubt(depth_m: &Raster<f32>, color: &Raster<[u8; 3]>) -> Option<Do
     best.map(Doubt::ColorMirrored)
 }
 
-/// A pixel at which depth jumps: the nearer one.
-#[derive(Clone, Copy)]
-struct Edge {
-    u: usize,
-    v: usize,
-    /// Whether it jumps along the row.
-    along_row: bool,
-}
-
-impl Edge {
-    /// The same place in an image that is seen in this way.
-    fn seen(&self, way: Option<Mirrored>, (width, height): (usize, usize)) -> Self {
-        let (across, down) = (width - 1 - self.u, height - 1 - self.v);
-        let (u, v) = match way {
-            None => (self.u, self.v),
-            Some(Mirrored::Sideways) => (across, self.v),
-            Some(Mirrored::UpsideDown) => (self.u, down),
-            Some(Mirrored::Turned) => (across, down),
-        };
-        Self { u, v, along_row: self.along_row }
-    }
-}
-
-/// The edges in some rows and columns.
-fn edges(depth_m: &Raster<f32>) -> Vec<Edge> {
-    let (width, height) = depth_m.size();
-    let depths = depth_m.as_slice();
-    let (grid, shadow) = (grid_px(width), (SHADOW * width as f64) as usize + 1);
+/// The nearer pixel at each jump of depth along some rows: column and row.
+fn edges(depth_m: &Raster<f32>) -> Vec<[usize; 2]> {
+    let width = depth_m.width();
+    let shadow = (SHADOW * width as f64) as usize + 1;
     let mut edges = Vec::new();
-    for v in (0..height).step_by(grid) {
-        let row = &depths[v * width..][..width];
-        edges_of_line(row.iter().copied(), shadow, |u| edges.push(Edge { u, v, along_row: true }));
-    }
-    for u in (0..width).step_by(grid) {
-        let column = depths[u..].iter().step_by(width).copied();
-        edges_of_line(column, shadow, |v| edges.push(Edge { u, v, along_row: false }));
+    let rows = depth_m.as_slice().chunks_exact(width).enumerate();
+    for (v, row) in rows.step_by((grid_px(width) / 2).max(1)) {
+        let (mut before, mut z_before) = (0, f32::NAN);
+        for (u, &z) in row.iter().enumerate().filter(|(_, z)| !z.is_nan()) {
+            // Nothing is more than a depth that is missing.
+            if (z - z_before).abs() > EDGE * z.max(z_before) && u - before <= shadow {
+                edges.push([if z < z_before { u } else { before }, v]);
+            }
+            (before, z_before) = (u, z);
+        }
     }
     edges
 }
 
-/// Calls `found` with the place of each edge in a line of depths.
-fn edges_of_line(depths: impl Iterator<Item = f32>, shadow: usize, mut found: impl FnMut(usize)) {
-    let mut last: Option<(usize, f32)> = None;
-    for (place, z) in depths.enumerate().filter(|(_, z)| !z.is_nan()) {
-        if let Some((before, z_before)) = last
-            && place - before <= shadow
-            && (z - z_before).abs() > EDGE * z.max(z_before)
-        {
-            found(if z < z_before { place } else { before });
-        }
-        last = Some((place, z));
+/// The place of a pixel in an image that is seen in this way.
+fn seen([u, v]: [usize; 2], way: Option<Mirrored>, (width, height): (usize, usize)) -> [usize; 2] {
+    let (across, down) = (width - 1 - u, height - 1 - v);
+    match way {
+        None => [u, v],
+        Some(Mirrored::Sideways) => [across, v],
+        Some(Mirrored::UpsideDown) => [u, down],
+        Some(Mirrored::Turned) => [across, down],
     }
 }
 
-/// The greatest change of colour across an edge near it.
-fn change(color: &Raster<[u8; 3]>, edge: Edge) -> f64 {
-    let (width, height) = color.size();
-    let (step, place, length) = if edge.along_row { (1, edge.u, width) } else { (width, edge.v, height) };
-    let i = edge.v * width + edge.u;
-    let from = place.saturating_sub(NEAR_PX).max(1);
-    let to = (place + NEAR_PX).min(length.saturating_sub(2));
-    let change_at = |at: usize| -> u16 {
-        let middle = i + at * step - place * step;
-        let (before, after) = (color[middle - step], color[middle + step]);
-        before.iter().zip(after).map(|(&a, b)| u16::from(a.abs_diff(b))).sum()
+/// The greatest change of colour along the row near a pixel.
+fn change(color: &Raster<[u8; 3]>, [u, v]: [usize; 2]) -> f64 {
+    let width = color.width();
+    let row = &color.as_slice()[v * width..][..width];
+    let near = u.saturating_sub(NEAR_PX + 1)..(u + NEAR_PX + 2).min(width);
+    let change = |three: &[[u8; 3]]| -> u16 {
+        three[0].iter().zip(three[2]).map(|(&a, b)| u16::from(a.abs_diff(b))).sum()
     };
-    f64::from((from..=to).map(change_at).max().unwrap_or(0)).min(MOST_CHANGE)
+    f64::from(row[near].windows(3).map(change).max().unwrap_or(0)).min(MOST_CHANGE)
 }

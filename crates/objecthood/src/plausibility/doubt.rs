@@ -78,8 +78,8 @@ pub enum Doubt {
     },
     /// Depths are in a smaller unit than they are taken for.
     TooFar {
-        /// The depth below which a twentieth of the pixels lies, and the median (m).
-        near_and_median_m: [f64; 2],
+        /// The depths (m) between which nine tenths of the pixels lie.
+        range_m: [f64; 2],
         /// How many times too large they are, most likely.
         times: f64,
     },
@@ -117,14 +117,14 @@ impl fmt::Display for Doubt {
             Self::CameraNotInPixels { focal: [fx, fy], likely } => {
                 write!(
                     f,
-                    "focal lengths of {fx} and {fy} px are too short, they may be in millimetres: in pixels the camera is about "
+                    "focal lengths of {fx:.3} and {fy:.3} px are too short, they may be in millimetres: in pixels the camera is about "
                 )?;
                 numbers(f, likely)
             }
             Self::CameraOfOtherSize { times, likely } => {
                 write!(
                     f,
-                    "the camera seems to be that of an image of {times:.2} times this size: for this one it is "
+                    "the camera seems to be that of an image of {times:.1} times this size: for this one it is about "
                 )?;
                 numbers(f, likely)
             }
@@ -177,13 +177,13 @@ impl Doubt {
                 "at {:.0} % of the places that tell, surfaces are even in depth instead of inverse depth: this may be disparity; depth is focal length times baseline, divided by it",
                 100.0 * share
             ),
-            Self::TooFar { near_and_median_m: [near, median], times } => write!(
+            Self::TooFar { range_m: [near, far], times } => write!(
                 f,
-                "hardly anything is nearer than {near:.2} m and half of it is beyond {median:.2} m, where no depth camera sees things to grasp: depths may be {times} times too large, so a metre has {times} times as many units"
+                "depths run from {near:.2} to {far:.2} m, farther than depth cameras see things to grasp: they may be {times} times too large, so the depth scale, units in a metre, would be {times} times as large"
             ),
             Self::TooNear { median_m, noise_m, times } => write!(
                 f,
-                "half of the depths are below {median_m:.3} m, with noise of {:.2} mm: depths may be {times} times too small, so a metre has 1/{times} as many units",
+                "half of the depths are below {median_m:.3} m, with noise and steps of {:.2} mm, nearer than depth cameras see or coarser than they measure there: they may be {times} times too small, so the depth scale, units in a metre, would be 1/{times} of what it is",
                 1000.0 * noise_m
             ),
             Self::ColorMirrored(mirrored) => {

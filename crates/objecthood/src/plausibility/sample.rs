@@ -6,6 +6,9 @@ use crate::raster::Raster;
 /// Each pixel of a grid of this distance (px) in images of 640 columns is looked at; in proportion in others.
 const GRID_PX: usize = 8;
 
+/// With fewer depths on the grid nothing is said of depth.
+const FEWEST: usize = 200;
+
 /// Neighbours whose depths differ by more than this share are a jump.
 const JUMP: f32 = 0.05;
 
@@ -55,6 +58,11 @@ impl Sample {
         sample.jumps = [0, 1].map(|axis| jumps[axis] as f64 / pairs[axis].max(1) as f64);
         sample.noise_per_m = element_at(&mut noise, 0.75);
         sample
+    }
+
+    /// Whether there is enough depth to say something of it.
+    pub(super) fn is_enough(&self) -> bool {
+        self.depths_m.len() >= FEWEST
     }
 
     /// The depth (m) below which this share of the grid lies; `NaN` without depth.

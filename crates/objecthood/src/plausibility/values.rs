@@ -4,9 +4,6 @@ use super::doubt::Doubt;
 use super::sample::Sample;
 use crate::raster::Raster;
 
-/// With fewer depths on the grid nothing is said.
-const FEWEST: usize = 200;
-
 /// Depth of a scene does not jump between so many neighbours.
 const MOST_JUMPS: f64 = 0.2;
 
@@ -47,9 +44,6 @@ const MOST_EVEN: f64 = 0.65;
 pub(super) fn doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
     let depths = &sample.depths_m;
     let [along, across] = sample.jumps;
-    if depths.len() < FEWEST || depth_m.width().min(depth_m.height()) < 3 {
-        return None;
-    }
     if let Some(ratio) = smoother_swapped(depth_m, sample) {
         return Some(Doubt::BytesSwapped { ratio });
     }

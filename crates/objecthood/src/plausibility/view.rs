@@ -15,6 +15,9 @@ const CENTERED: f64 = 0.06;
 /// Focal lengths differ by this factor at most.
 const FOCAL_RATIO: f64 = 1.3;
 
+/// Nothing is said of images with a shorter side (px).
+const SMALLEST_PX: f64 = 48.0;
+
 /// Below this focal length (px) numbers are no pixels.
 const SHORTEST_PX: f64 = 30.0;
 
@@ -25,9 +28,12 @@ const ONE_SIZE: f64 = 0.1;
 pub(super) fn doubt(camera: Camera, (width, height): (usize, usize)) -> Option<Doubt> {
     let Camera { fx_px, fy_px, cx_px, cy_px } = camera;
     let (w, h) = (width as f64, height as f64);
+    if w.min(h) < SMALLEST_PX {
+        return None;
+    }
     let middle_px = [(w - 1.0) / 2.0, (h - 1.0) / 2.0];
     let off = |cx: f64, cy: f64| ((cx - middle_px[0]) / w).abs().max(((cy - middle_px[1]) / h).abs());
-    if fx_px.max(fy_px) < SHORTEST_PX && w.min(h) > SHORTEST_PX {
+    if fx_px.max(fy_px) < SHORTEST_PX {
         return Some(not_in_pixels(camera, [w, h], middle_px));
     }
     let given = off(cx_px, cy_px);
@@ -105,9 +111,9 @@ mod tests {
             ([1.88, 1.88, 1.15, 0.86], "millimetres: in pixels the camera is about 522.3,522.3,319.5,239.5"),
             (
                 [262.5, 262.5, 159.5, 119.5],
-                "of 0.50 times this size: for this one it is 526.6,526.6,320.0,239.7",
+                "of 0.5 times this size: for this one it is about 526.6,526.6,320.0,239.7",
             ),
-            ([1050.0, 1050.0, 639.5, 479.5], "of 2.00 times this size"),
+            ([1050.0, 1050.0, 639.5, 479.5], "of 2.0 times this size"),
             ([525.0, 525.0, 239.5, 319.5], "turned on its side"),
             (
                 [525.0, 525.0, 0.0, 0.0],
