@@ -3,8 +3,8 @@
 //! | file | text | known by |
 //! |---|---|---|
 //! | ours, NVIDIA's Unseen Object Clustering, librealsense | JSON, YAML | `fx`; see `named.rs` |
-//! | `Open3D` | JSON | `intrinsic_matrix` |
-//! | ROS, `OpenCV` | JSON, YAML | `K`, `k` or `camera_matrix` |
+//! | Open3D | JSON | `intrinsic_matrix` |
+//! | ROS, OpenCV | JSON, YAML | `K`, `k` or `camera_matrix` |
 //! | BOP | JSON | `cam_K` |
 //! | a 3x3 matrix | text | begins with a number |
 //!

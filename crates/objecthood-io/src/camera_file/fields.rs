@@ -88,7 +88,7 @@ pub(super) fn matrix(name: &str, value: &Value) -> Result<Camera> {
     camera(&format!("`{name}`"), nine)
 }
 
-/// The camera of a matrix of nine numbers, row by row, or column by column as `Open3D` writes them: the zeros tell which.
+/// The camera of a matrix of nine numbers, row by row, or column by column as Open3D writes them: the zeros tell which.
 ///
 /// # Errors
 /// The matrix is not that of a pinhole camera without skew; those of [`Camera::check`].

@@ -1,4 +1,4 @@
-//! Cameras of `Open3D`: `{"intrinsic_matrix": [525, 0, 0, 0, 525, 0, 319.5, 239.5, 1], "width": 640, "height": 480}`, column by column.
+//! Cameras of Open3D: `{"intrinsic_matrix": [525, 0, 0, 0, 525, 0, 319.5, 239.5, 1], "width": 640, "height": 480}`, column by column.
 //! In its `PinholeCameraParameters` the same stands in `intrinsic`. `depth_scale` is the units of a metre.
 
 use super::CameraFile;

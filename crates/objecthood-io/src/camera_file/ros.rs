@@ -1,5 +1,5 @@
 //! Cameras of ROS, as JSON or YAML: the message `CameraInfo` with `K` (ROS 1) or `k` (ROS 2), as `rostopic echo` prints it, and the
-//! files of its calibration with `camera_matrix`, as `OpenCV` writes it too. Distortion is ignored: images are to be rectified.
+//! files of its calibration with `camera_matrix`, as OpenCV writes it too. Distortion is ignored: images are to be rectified.
 
 use super::CameraFile;
 use super::fields::{Fields, depth_scale, matrix, optional, size};
