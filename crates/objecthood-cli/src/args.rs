@@ -104,8 +104,8 @@ pub(crate) struct FrameArgs {
     #[arg(required_unless_present = "depth", conflicts_with = "depth", value_name = "INPUT", help = images::inputs_help())]
     pub(crate) inputs: Vec<PathBuf>,
 
-    /// Camera of the frames: its numbers in pixels, or a JSON file with fx, fy, cx, cy and optionally width, height and
-    /// `depth_scale`. Needed for depth images and unorganized clouds; optional for organized clouds and TUM folders.
+    /// Camera of the frames: its numbers in pixels, or a file: JSON with fx, fy, cx, cy and optionally width, height and
+    /// `depth_scale`, a camera of Open3D, ROS, RealSense or BOP, or a 3x3 matrix as text. Needed for depth images and unorganized clouds; optional for organized clouds and TUM folders.
     #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]|FILE", value_parser = CameraArg::parse)]
     pub(crate) camera: Option<CameraArg>,
 

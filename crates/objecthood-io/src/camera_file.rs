@@ -1,19 +1,37 @@
-//! Cameras in JSON files: `{"fx": 525, "fy": 525, "cx": 319.5, "cy": 239.5, "width": 640, "height": 480, "depth_scale": 1000}`.
+//! Files with a camera, in the forms that people have:
 //!
-//! Size and `depth_scale` (units of a depth image that make a metre) may be left out. `x_offset` and `y_offset` are
-//! taken for `cx` and `cy`, `img_width` and `img_height` for the size: so the files of NVIDIA's Unseen Object Clustering
-//! have them. Whatever else is in the file is ignored.
+//! | file | text | known by |
+//! |---|---|---|
+//! | ours, NVIDIA's Unseen Object Clustering, librealsense | JSON, YAML | `fx`; see `named.rs` |
+//! | Open3D | JSON | `intrinsic_matrix` |
+//! | ROS, OpenCV | JSON, YAML | `K`, `k` or `camera_matrix` |
+//! | BOP | JSON | `cam_K` |
+//! | a 3x3 matrix | text | begins with a number |
+//!
+//! Size and `depth_scale` (units of a depth image that make a metre) may be left out. Whatever else is in a file is ignored.
+//! A format is a file in `camera_file/`.
 
+mod bop;
+mod fields;
+mod matrix_text;
+mod named;
+mod open3d;
+mod ros;
+mod yaml;
+
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
-use objecthood::Camera;
-use serde::Deserialize;
 use serde_json::Value;
 
 use crate::error::{Error, Result};
-use crate::formats::read_file;
+use crate::formats::{HEAD_BYTES, read_head};
 use crate::organize::GridCamera;
 use crate::text::without_byte_order_mark;
+
+/// A file with more bytes is refused. The longest that are met list the cameras of thousands of images.
+const MOST_BYTES: usize = 16 << 20;
 
 /// What a camera file says.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,29 +42,22 @@ pub struct CameraFile {
     pub depth_scale: Option<f64>,
 }
 
-/// The file as it is written. Values of any kind, so that one of the wrong kind is named.
-#[derive(Deserialize)]
-struct Fields {
-    fx: Value,
-    fy: Value,
-    #[serde(alias = "x_offset")]
-    cx: Value,
-    #[serde(alias = "y_offset")]
-    cy: Value,
-    #[serde(alias = "img_width")]
-    width: Option<Value>,
-    #[serde(alias = "img_height")]
-    height: Option<Value>,
-    depth_scale: Option<Value>,
-}
-
 /// Opens the file at `path`.
 ///
 /// # Errors
 /// [`Error::At`] the path: it cannot be read, or those of [`parse`].
 pub fn open(path: &Path) -> Result<CameraFile> {
-    let bytes = read_file(path, check_beginning);
-    bytes.and_then(|bytes| parse(&bytes)).map_err(|error| error.at(path))
+    read(path).and_then(|bytes| parse(&bytes)).map_err(|error| error.at(path))
+}
+
+/// The bytes of a camera file. It may be a pipe, so its length shows only as it is read.
+fn read(path: &Path) -> Result<Vec<u8>> {
+    let io = |reason| Error::Read { reason };
+    let mut file = File::open(path).map_err(io)?;
+    let mut bytes = read_head(&mut file)?;
+    check_beginning(&bytes)?;
+    file.take(MOST_BYTES as u64).read_to_end(&mut bytes).map_err(io)?;
+    Ok(bytes)
 }
 
 /// Reads the content of a camera file.
@@ -54,39 +65,36 @@ pub fn open(path: &Path) -> Result<CameraFile> {
 /// # Errors
 /// [`Error::BadCameraFile`] says what is missing or wrong, [`Error::Frame`] that these are no intrinsics.
 pub fn parse(bytes: &[u8]) -> Result<CameraFile> {
-    check_beginning(bytes)?;
-    let fields: Fields = serde_json::from_slice(without_byte_order_mark(bytes)).map_err(not_json)?;
-    let size = match (&fields.width, &fields.height) {
-        (None, None) => None,
-        (Some(width), Some(height)) => Some((pixels("width", width)?, pixels("height", height)?)),
-        _ => return Err(wrong("of `width` and `height` one is missing")),
-    };
-    let depth_scale = fields.depth_scale.as_ref().map(|scale| match number("depth_scale", scale)? {
-        positive if positive > 0.0 => Ok(positive),
-        other => Err(wrong(format!("depth_scale {other} is not positive"))),
-    });
-    let Fields { fx, fy, cx, cy, .. } = &fields;
-    let camera = Camera::new(number("fx", fx)?, number("fy", fy)?, number("cx", cx)?, number("cy", cy)?)?;
-    Ok(CameraFile { camera: GridCamera { camera, size }, depth_scale: depth_scale.transpose()? })
-}
-
-/// Refuses what is no JSON object by its first bytes, so that a large file of another kind is not loaded.
-fn check_beginning(head: &[u8]) -> Result<()> {
-    match without_byte_order_mark(head).trim_ascii_start() {
-        [b'{', ..] => Ok(()),
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Err(wrong("it is UTF-16, not UTF-8")),
-        _ => Err(wrong("it does not begin with {")),
+    check_beginning(&bytes[..bytes.len().min(HEAD_BYTES)])?;
+    if bytes.len() > MOST_BYTES {
+        return Err(wrong(format!("it has more than {} MB", MOST_BYTES >> 20)));
     }
+    let text = std::str::from_utf8(without_byte_order_mark(bytes)).map_err(|_| wrong("it is not UTF-8"))?;
+    if matrix_text::is_mine(text) {
+        return matrix_text::read(text);
+    }
+    let value = if text.trim_ascii_start().starts_with('{') {
+        serde_json::from_str(text).map_err(not_json)?
+    } else {
+        yaml::read(text)?
+    };
+    let Value::Object(fields) = &value else {
+        return Err(wrong("it has no fields and is no 3x3 matrix"));
+    };
+    let known = open3d::read(fields).or_else(|| ros::read(fields)).or_else(|| bop::read(fields));
+    known.unwrap_or_else(|| named::read(fields))
 }
 
-/// A finite number: JSON has no others.
-fn number(name: &str, value: &Value) -> Result<f64> {
-    value.as_f64().ok_or_else(|| wrong(format!("`{name}` is {value}, which is not a number")))
-}
-
-fn pixels(name: &str, value: &Value) -> Result<usize> {
-    let pixels = value.as_u64().and_then(|pixels| usize::try_from(pixels).ok()).filter(|&pixels| pixels > 0);
-    pixels.ok_or_else(|| wrong(format!("`{name}` is {value}, which is not a number of pixels")))
+/// Refuses what is no text by its first bytes, so that a large file of another kind is not loaded.
+fn check_beginning(head: &[u8]) -> Result<()> {
+    match head {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Err(wrong("it is UTF-16, not UTF-8")),
+        head if head.trim_ascii().is_empty() => Err(wrong("it is empty")),
+        head if head.iter().any(|byte| byte.is_ascii_control() && !byte.is_ascii_whitespace()) => {
+            Err(wrong("it is not text"))
+        }
+        _ => Ok(()),
+    }
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "the shape of map_err")]
@@ -94,48 +102,41 @@ fn not_json(error: serde_json::Error) -> Error {
     if error.is_eof() { wrong("it is cut short") } else { wrong(error.to_string()) }
 }
 
-/// A file that holds no camera, for this reason. A value may be as long as the file.
+/// A file that holds no camera, for this reason. A value may be as long as the file, and have lines.
 fn wrong(reason: impl Into<String>) -> Error {
     const LONGEST: usize = 100;
-    Error::BadCameraFile { reason: reason.into().chars().take(LONGEST).collect() }
+    let one_line = |c: char| if c.is_control() { ' ' } else { c };
+    Error::BadCameraFile { reason: reason.into().chars().take(LONGEST).map(one_line).collect() }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn both_spellings_are_read() {
-        let ours =
-            parse(br#"{"fx": 525, "fy": 526.5, "cx": 319.5, "cy": 239.5, "depth_scale": 5000.0}"#).unwrap();
-        let camera = Camera::new(525.0, 526.5, 319.5, 239.5).unwrap();
-        assert_eq!(ours, CameraFile { camera: GridCamera { camera, size: None }, depth_scale: Some(5000.0) });
-        let theirs = br#"{"img_width": 640, "img_height": 480, "fx": 525, "fy": 526.5, "x_offset": 319.5,
-            "y_offset": 239.5, "model": "plumb_bob"}"#;
-        let theirs = parse(theirs).unwrap();
-        assert_eq!(
-            theirs,
-            CameraFile { camera: GridCamera { camera, size: Some((640, 480)) }, depth_scale: None }
-        );
-    }
-
     #[cfg(target_os = "linux")]
     #[test]
     fn a_device_without_end_is_not_loaded() {
         let message = open(Path::new("/dev/zero")).unwrap_err().to_string();
-        assert!(message.starts_with("/dev/zero: not a camera file (it does not begin with {)"), "{message}");
+        assert!(message.starts_with("/dev/zero: not a camera file (it is not text)"), "{message}");
     }
 
     #[test]
     fn what_is_wrong_is_said() {
         for (text, said) in [
-            ("", "does not begin with {"),
-            ("fx = 5", "does not begin with {"),
-            ("[525, 525, 320, 240]", "does not begin with {"),
+            ("", "it is empty"),
+            (" \n", "it is empty"),
+            ("\0\0", "it is not text"),
+            ("caf\u{e9}", "it has no fields and is no 3x3 matrix"),
+            ("fx = 5", "it has no fields and is no 3x3 matrix"),
+            ("[525, 525, 320, 240]", "a 3x3 matrix has 9 numbers, this has 4"),
+            ("fx: 525\nfy: 525", "missing field `cx`"),
+            (r#"{"K": [1, 0]}"#, "`K` is not nine numbers"),
+            (r#"{"cam_K": [1, 2, 3, 4, 5, 6, 7, 8, 9]}"#, "`cam_K` is no matrix fx 0 cx"),
+            (r#"{"K": 1, "k": 2}"#, "it has both `K` and `k`"),
             (r#"{"fx": 1, "fy""#, "it is cut short"),
             (r#"{"fx": 1 "fy": 1}"#, "expected `,` or `}` at line 1 column 10"),
             (r#"{"fx": 1, "fy": 1, "cx": 1}"#, "missing field `cy`"),
-            (r#"{"fx": 1, "fy": 1, "cx": 1, "x_offset": 1, "cy": 1}"#, "duplicate field `cx`"),
+            (r#"{"fx": 1, "fy": 1, "cx": 1, "x_offset": 1, "cy": 1}"#, "it has both `cx` and `x_offset`"),
             (r#"{"fx": "1", "fy": 1, "cx": 1, "cy": 1}"#, "`fx` is \"1\", which is not a number"),
             (r#"{"fx": 0, "fy": 1, "cx": 1, "cy": 1}"#, "focal lengths from"),
             (r#"{"fx": 1, "fy": 1, "cx": 1, "cy": 1, "width": 5}"#, "one is missing"),

@@ -373,12 +373,25 @@ fn wrong_ply() {
 const CAMERA: &str =
     r#"{"fx": 4, "fy": 4, "cx": 1.5, "cy": 1, "width": 4, "height": 3, "depth_scale": 1000}"#;
 
+/// Camera files of other kinds.
+const CAMERAS: [&str; 5] = [
+    CAMERA,
+    "header:\n  frame_id: \"c\"\nheight: 3\nwidth: 4\nk:\n- 4.0\n- 0.0\n- 1.5\n- 0.0\n- 4.0\n- 1.0\n- 0.0\n- 0.0\n- 1.0\n---\n",
+    "%YAML:1.0\n---\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   data: [ 4., 0., 1.5, 0., 4., 1., 0.,\n       0., 1. ]\n",
+    r#"{"0": {"cam_K": [4, 0, 1.5, 0, 4, 1, 0, 0, 1], "depth_scale": 0.1}}"#,
+    "# K\n4 0 1.5\n0 4 1\n0 0 1\n",
+];
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn damaged_camera_files(damages in prop::collection::vec(damage(), 1..6)) {
-        let mut file = CAMERA.as_bytes().to_vec();
+    fn damaged_camera_files(
+        kind in prop::sample::select(CAMERAS.to_vec()),
+        damages in prop::collection::vec(damage(), 1..6),
+    ) {
+        prop_assert!(camera_file::parse(kind.as_bytes()).is_ok());
+        let mut file = kind.as_bytes().to_vec();
         damages.iter().for_each(|damage| damage.apply(&mut file));
         if let Err(error) = camera_file::parse(&file) {
             let message = error.to_string();

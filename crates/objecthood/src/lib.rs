@@ -36,6 +36,7 @@
 //! | [`objectness`] | the score, and which regions are objects | III-D |
 //! | [`regions`] | label maps and region graphs, passed from stage to stage | |
 //! | [`params`] | every parameter with unit, default and source | |
+//! | [`plausibility`] | what of a frame cannot be: units, cameras, images that do not belong together | |
 //! | [`observe`] | the hook that shows intermediate results | |
 //! | [`explain`] | the decisions behind a pixel's label, and the parameter changes that turn them | |
 //!
@@ -61,6 +62,7 @@ pub mod oversegment;
 pub mod params;
 mod pipeline;
 pub mod planes;
+pub mod plausibility;
 mod quantile;
 mod random;
 pub mod raster;

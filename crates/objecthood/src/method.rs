@@ -20,6 +20,7 @@ use crate::oversegment::linked::flood_superpixels;
 use crate::oversegment::paper::{SegmentationParams, segment_graph};
 use crate::oversegment::structure::find_structure;
 use crate::params::{Channels, Params};
+use crate::plausibility::find_doubts;
 use crate::shapes::border::measure_borders;
 use crate::shapes::contraction::{contract, sum_votes};
 use crate::shapes::paper::join_convex;
@@ -75,9 +76,11 @@ pub(crate) fn paper<'k>(
         find_hypotheses(&evidence, &params.objectness, &params.contraction)
     });
     observer.observe(Output::Hypotheses(hypotheses));
+    let doubts = recall(&mut kept.doubts, || find_doubts(frame));
     let discovery = try_recall(&mut kept.discovery, || {
         let scene = &PaperScene { facets, points_m, ground, support };
-        conclude_paper(frame, scene, hypotheses, &params.gravity, &params.objectness)
+        let found = conclude_paper(frame, scene, hypotheses, &params.gravity, &params.objectness)?;
+        Ok(found.with_doubts(doubts))
     })?;
     observer.observe(Output::Objects(discovery));
     Ok(discovery)
@@ -134,9 +137,11 @@ pub(crate) fn context<'k>(
         find_cluster_hypotheses(scene, clusters, standing, &params.objectness, &params.contraction)
     });
     observer.observe(Output::Hypotheses(hypotheses));
+    let doubts = recall(&mut kept.doubts, || find_doubts(frame));
     let discovery = try_recall(&mut kept.discovery, || {
         let Params { gravity, objectness, .. } = params;
-        conclude_context(scene, standing, hypotheses, gravity, objectness)
+        let found = conclude_context(scene, standing, hypotheses, gravity, objectness)?;
+        Ok(found.with_doubts(doubts))
     })?;
     observer.observe(Output::Objects(discovery));
     Ok(discovery)

@@ -11,6 +11,7 @@ use crate::objectness::hypotheses::Hypothesis;
 use crate::oversegment::Superpixels;
 use crate::oversegment::linked::LinkedSuperpixels;
 use crate::oversegment::structure::Structure;
+use crate::plausibility::Doubt;
 use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 use crate::shapes::border::BorderEvidence;
@@ -74,6 +75,7 @@ outputs! {
         clusters: Clustering, of Clusters;
         standing: Standing, of Support;
         hypotheses: Vec<Hypothesis>, of Hypotheses;
+        doubts: Vec<Doubt>, of Normals;
         discovery: Discovery, of Objects;
     }
 }
@@ -90,6 +92,7 @@ outputs! {
         ground: Ground, of Support;
         support: SupportGraph, of Support;
         hypotheses: Vec<Hypothesis>, of Hypotheses;
+        doubts: Vec<Doubt>, of Normals;
         discovery: Discovery, of Objects;
     }
 }

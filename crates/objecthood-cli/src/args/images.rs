@@ -79,7 +79,9 @@ pub(crate) enum CameraArg {
 impl CameraArg {
     /// Numbers are a camera; anything else that may be a file is one.
     pub(crate) fn parse(text: &str) -> Result<Self, Error> {
-        let is_file = |text: &str| text.to_lowercase().ends_with(".json") || Path::new(text).exists();
+        let is_named =
+            |text: &str| [".json", ".yaml", ".yml", ".txt"].iter().any(|e| text.to_lowercase().ends_with(e));
+        let is_file = |text: &str| is_named(text) || Path::new(text).exists();
         match text.parse() {
             Ok(camera) => Ok(Self::Given(camera)),
             Err(_) if is_file(text) => Ok(Self::File(text.into())),

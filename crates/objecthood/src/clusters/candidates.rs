@@ -65,10 +65,15 @@ impl Candidates {
         planes.map(|(plane, size)| StructurePlane { inlier_share: share(size), ..plane }).collect()
     }
 
-    /// The structure of every pixel: 0 = none, k = the surface at index k - 1.
-    pub(crate) fn structure_labels(&self) -> Raster<u16> {
+    /// The structure of every pixel with depth: 0 = none, k = the surface at index k - 1.
+    pub(crate) fn structure_labels(&self, points_m: &Raster<[f32; 3]>) -> Raster<u16> {
         let structure = 0..self.structure as i32;
-        self.regions.labels().map(|label| if structure.contains(label) { *label as u16 + 1 } else { 0 })
+        let label = |(label, point): (&i32, &[f32; 3])| {
+            if structure.contains(label) && !point[2].is_nan() { *label as u16 + 1 } else { 0 }
+        };
+        let labels = self.regions.labels();
+        let pixels = labels.as_slice().iter().zip(points_m.as_slice());
+        labels.with_data(pixels.map(label).collect())
     }
 
     /// Height of the top of a region's cluster above the support (m); `None` without a support.
@@ -136,7 +141,7 @@ mod tests {
         let row: Vec<i32> = candidates.regions.labels().as_slice()[12..24].to_vec();
         assert_eq!(row, [0, 0, 0, 0, 0, -1, -1, 0, 1, 1, 1, 0]);
         assert_eq!(candidates.regions.count(), 2);
-        let structure: Vec<u16> = candidates.structure_labels().as_slice()[12..24].to_vec();
+        let structure: Vec<u16> = candidates.structure_labels(scene.points_m).as_slice()[12..24].to_vec();
         assert_eq!(structure, [1, 1, 1, 1, 1, 0, 0, 1, 0, 0, 0, 1]);
         let top_m = candidates.top_m(SegmentId(1), &clusters);
         assert!(top_m.is_some_and(|top_m| (top_m - 0.2).abs() < 1e-3), "{top_m:?}");

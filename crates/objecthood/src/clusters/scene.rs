@@ -28,6 +28,8 @@ pub struct Scene<'a> {
     pub surfaces: &'a [StructureSurface],
     /// The surfaces on which things stand, the ground first.
     pub supports: &'a [usize],
+    /// The share of the pixels that are small holes in a grid, and were bridged.
+    pub bridged_share: f32,
     /// How far the camera is turned clockwise about its optical axis beyond what was given (degrees).
     pub turned_deg: u16,
     /// The largest differences in disparity that are no step.
@@ -53,6 +55,7 @@ impl<'a> Scene<'a> {
             space: &surfaces.space,
             surfaces: &structure.surfaces,
             supports: &structure.supports.surfaces,
+            bridged_share: surfaces.bridged_share,
             turned_deg: structure.supports.turned_deg,
             steps,
         }

@@ -94,6 +94,7 @@ impl Table {
             space: &self.space,
             surfaces: std::slice::from_ref(&self.support),
             supports: &[0],
+            bridged_share: 0.0,
             turned_deg: 0,
             steps: StepLimits::of(&params::Watershed::default(), &self.space),
         }

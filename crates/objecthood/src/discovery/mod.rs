@@ -16,6 +16,7 @@ pub use self::parts::ObjectnessParts;
 pub use self::support_graph::{NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode};
 pub use self::up::{Up, UpSource};
 pub use crate::planes::StructurePlane;
+pub use crate::plausibility::Doubt;
 pub use crate::raster::PixelBox;
 use crate::raster::Raster;
 pub use crate::surface::noise::Noise;
@@ -57,10 +58,16 @@ impl Discovery {
             notices: Vec::new(),
         }
     }
+
+    /// The discovery, with what is doubtful about its frame.
+    pub(crate) fn with_doubts(mut self, doubts: &[Doubt]) -> Self {
+        self.notices.extend(doubts.iter().map(|&doubt| Notice::Doubt(doubt)));
+        self
+    }
 }
 
 /// A notice: something that the user should know about a result. It is no error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Notice {
     /// No plane dominates the scene, so up is the camera's own, by its tilt and roll.
@@ -72,6 +79,13 @@ pub enum Notice {
         /// By this much clockwise (degrees): 90, 180 or 270.
         degrees: u16,
     },
+    /// Depth has a grid of small holes, as registering it to a larger colour image leaves. They were bridged.
+    HoleGrid {
+        /// Share of the pixels.
+        share: f32,
+    },
+    /// Something about the frame cannot be: its camera, its unit, or how its images lie.
+    Doubt(Doubt),
 }
 
 impl fmt::Display for Notice {
@@ -86,6 +100,11 @@ impl fmt::Display for Notice {
                 "the camera seems to be turned clockwise by about {degrees} degrees: up follows the plane on which most \
                  things stand (if that is wrong, give gravity.tilt_deg and gravity.roll_deg)"
             ),
+            Self::HoleGrid { share } => {
+                let percent = 100.0 * share;
+                write!(f, "depth has small holes all over ({percent:.0} % of the pixels), which were bridged")
+            }
+            Self::Doubt(doubt) => doubt.fmt(f),
         }
     }
 }

@@ -73,14 +73,15 @@ pub fn conclude_context(
     let (objects, labels) = make_objects(kept, &scene.facets.segments, scene.points_m, graph)?;
     let missing_plane = planes.is_empty() && gravity.up_from == UpFrom::Plane;
     let turned = (scene.turned_deg != 0).then_some(Notice::Turned { degrees: scene.turned_deg });
+    let holes = (scene.bridged_share > 0.0).then_some(Notice::HoleGrid { share: scene.bridged_share });
     Ok(Discovery {
         support: mark_objects(graph, &objects),
         objects,
         labels,
         up: *up,
-        structure: candidates.structure_labels(),
+        structure: candidates.structure_labels(scene.points_m),
         structure_planes: planes.clone(),
         noise: Some(*scene.space.noise()),
-        notices: missing_plane.then_some(Notice::NoPlane).into_iter().chain(turned).collect(),
+        notices: missing_plane.then_some(Notice::NoPlane).into_iter().chain(turned).chain(holes).collect(),
     })
 }

@@ -72,7 +72,7 @@ pub fn find_structure(
         least_cosine: cosine(params.angle_deg),
         slope_squared: least_square(space.slope_per_px(params.slope_quanta_per_px)),
     };
-    let view = View { disparity, orientation, depth_m, space, grid: space.length_px(GRID_PX), alike };
+    let view = View { disparity, orientation, space, grid: space.length_px(GRID_PX), alike };
     let Found { mut surfaces, large } = find_surfaces(&view, fits);
     let mut labels = label_pixels(&surfaces, disparity, orientation, &view.alike, params.tolerance_quanta);
     let mut supports = find_supports(&surfaces, large, &labels, disparity, space, gravity);

@@ -28,6 +28,7 @@
 //! ```
 
 pub mod blocks;
+mod bridges;
 pub mod curvature;
 pub mod depth_change;
 pub mod disparity;

@@ -4,6 +4,7 @@ use crate::frame::Frame;
 use crate::params::{self, NoiseFrom};
 use crate::raster::Raster;
 use crate::surface::blocks::estimate_noise;
+use crate::surface::bridges::bridge_holes;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::plane_fit::{PlaneFits, fit_planes};
 use crate::surface::window_choice::{Orientation, choose_windows};
@@ -14,8 +15,10 @@ use crate::surface::window_choice::{Orientation, choose_windows};
 pub struct Surfaces {
     /// The camera and the sensor's noise, which convert between pixels, quanta and metres.
     pub space: DisparitySpace,
-    /// Disparity (quanta); `NaN` without depth from 0.1 to 20 m.
+    /// Disparity (quanta); `NaN` without depth from 0.1 to 20 m, except in small holes that are bridged.
     pub disparity: Raster<f32>,
+    /// The share of the pixels that are small holes in a grid, and were bridged.
+    pub bridged_share: f32,
     /// The plane fitted to the window around every pixel.
     pub fits: PlaneFits,
     /// Slope and normal of the window that was chosen for every pixel.
@@ -25,12 +28,13 @@ pub struct Surfaces {
 /// Measures the surface at every pixel of a frame. O(pixels).
 pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::LocalFit) -> Surfaces {
     let space = DisparitySpace::new(frame.camera(), sensor);
-    let disparity = space.disparity(frame.depth_m());
+    let mut disparity = space.disparity(frame.depth_m());
+    let bridged_share = bridge_holes(&mut disparity);
     let fits = fit_planes(&disparity, space.length_px(params.radius_px));
     let space = match sensor.noise {
         NoiseFrom::Estimated => space.with_noise(estimate_noise(&disparity, &fits.residual, &space)),
         NoiseFrom::Given => space,
     };
     let orientation = choose_windows(&disparity, &fits, &space, params);
-    Surfaces { space, disparity, fits, orientation }
+    Surfaces { space, disparity, bridged_share, fits, orientation }
 }

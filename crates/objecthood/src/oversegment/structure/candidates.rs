@@ -53,7 +53,6 @@ pub(super) struct Candidate {
 pub(super) struct View<'a> {
     pub(super) disparity: &'a Raster<f32>,
     pub(super) orientation: &'a Orientation,
-    pub(super) depth_m: &'a Raster<f32>,
     pub(super) space: &'a DisparitySpace,
     /// Distance (px) of the samples along columns and rows.
     pub(super) grid: usize,

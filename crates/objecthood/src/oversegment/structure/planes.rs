@@ -60,10 +60,14 @@ impl LaneSums {
         }
         let mut add = |rays: &[f64; LANES], depths: &[f32; LANES], counts: &[f64; LANES]| {
             for lane in 0..LANES {
-                let z = f64::from(depths[lane]);
+                // A hole that was bridged lies on the surface, but has no point.
+                let (z, count) = match depths[lane] {
+                    z if z.is_nan() => (0.0, 0.0),
+                    z => (f64::from(z), counts[lane]),
+                };
                 // Rounded to 32 bits, as the points of a frame are.
                 let [x, y] = [rays[lane] * z, ray_y * z].map(|x| f64::from(x as f32));
-                let terms = [counts[lane], x, y, z, x * x, y * y, z * z, x * y, y * z, z * x];
+                let terms = [count, x, y, z, x * x, y * y, z * z, x * y, y * z, z * x];
                 for (sum, term) in sums.iter_mut().zip(terms) {
                     sum[lane] += term;
                 }

@@ -34,8 +34,8 @@ impl SurfaceSize {
         let width = view.disparity.width();
         let camera = view.space.camera();
         let point_m = |s: &Sample| {
-            let point = camera.back_project(s.pixel % width, s.pixel / width, view.depth_m[s.pixel]);
-            Vec3::from(point).as_dvec3()
+            let depth_m = view.space.depth_m(s.disparity) as f32;
+            Vec3::from(camera.back_project(s.pixel % width, s.pixel / width, depth_m)).as_dvec3()
         };
         let cell = |s: &Sample| s.at.map(|x| (x / view.grid as f64) as usize);
         let cells: Vec<[usize; 2]> = inliers.iter().map(cell).collect();

@@ -30,7 +30,7 @@ fn seen_with(params: &params::Structure, depth_m: impl Fn(usize) -> f64) -> Stru
     let disparity = space.disparity(&depth);
     let fits = fit_planes(&disparity, 2);
     let orientation = choose_windows(&disparity, &fits, &space, &params::LocalFit::default());
-    let surfaces = Surfaces { space, disparity, fits, orientation };
+    let surfaces = Surfaces { space, disparity, bridged_share: 0.0, fits, orientation };
     find_structure(&depth, &surfaces, &params::Gravity::default(), params)
 }
 

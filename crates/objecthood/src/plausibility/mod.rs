@@ -1,0 +1,159 @@
+//! What of a frame cannot be: a camera that is not that of the image, depth in another unit, images that do not belong together.
+//!
+//! The numbers of a frame say much of where they came from: cameras look into the middle of their image; depth cameras reach some
+//! metres; their noise grows as the square of depth; planes are affine in inverse depth; where depth jumps, colour
+//! often changes. A frame against which one of these speaks is processed as it is, with a [`Doubt`].
+//!
+//! Only a grid of pixels is looked at, so the cost is 1 to 2 % of that of a method. Ours: the limits leave room around all frames at
+//! hand (docs/INPUTS.md says how that was measured).
+
+mod alignment;
+mod doubt;
+mod sample;
+mod steps;
+mod unit;
+mod values;
+mod view;
+
+pub use doubt::{Doubt, Mirrored};
+
+use self::sample::Sample;
+use crate::frame::Frame;
+use crate::raster::Raster;
+
+/// What of a frame is implausible, the camera first. Of several doubts about depth only the first is told: the others may follow from it.
+///
+/// O(n) for n pixels, of which a few thousand are looked at.
+///
+/// ```
+/// use objecthood::plausibility::{Doubt, find_doubts};
+/// use objecthood::{Camera, Frame, Raster};
+///
+/// let far = Raster::filled(64, 48, 900.0)?; // millimetres that were taken for metres
+/// let frame = Frame::new(far, None, Camera::new(52.5, 52.5, 31.5, 23.5)?)?;
+/// assert!(matches!(find_doubts(&frame)[..], [Doubt::TooFar { times, .. }] if times == 1000.0));
+/// # Ok::<(), objecthood::Error>(())
+/// ```
+pub fn find_doubts(frame: &Frame) -> Vec<Doubt> {
+    let sample = &Sample::of(frame.depth_m());
+    let depth = sample.is_enough().then(|| depth_doubt(frame.depth_m(), sample)).flatten();
+    let color = frame.color().and_then(|color| alignment::doubt(frame.depth_m(), color));
+    view::doubt(frame.camera(), frame.size()).into_iter().chain(depth).chain(color).collect()
+}
+
+/// The first doubt about depth: whether numbers are depth at all, then their unit.
+fn depth_doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
+    values::doubt(depth_m, sample)
+        .or_else(|| values::disparity_doubt(depth_m, sample))
+        .or_else(|| unit::doubt(depth_m, sample))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::random::Lcg;
+
+    const SIZE: [usize; 2] = [320, 240];
+
+    /// A table that ends at a wall, with two boxes in the left half, seen by a sensor with steps of disparity of 0.0029 1/m.
+    fn depth_m(u: usize, v: usize) -> f32 {
+        let [x, y] = [(u as f64 - 159.5) / 262.5, (v as f64 - 119.5) / 262.5];
+        let box_front = |from: f64, to: f64| (from..to).contains(&x) && (0.0..0.15).contains(&y);
+        let inverse = if box_front(-0.4, -0.2) {
+            1.2
+        } else if box_front(-0.1, 0.05) {
+            1.35
+        } else {
+            (0.55 + 1.6 * (y + 0.2) + 0.1 * x).max(0.4)
+        };
+        (1.0 / ((inverse / 0.0029).round() * 0.0029)) as f32
+    }
+
+    fn color(u: usize, v: usize) -> [u8; 3] {
+        if (depth_m(u, v) - 1.0 / 1.2).abs() < 0.01 || (depth_m(u, v) - 1.0 / 1.35).abs() < 0.01 {
+            [200, 40, 40]
+        } else {
+            [90; 3]
+        }
+    }
+
+    /// The frame with changed depth, and its colour seen from another place.
+    fn doubts(change: impl Fn(f32) -> f32, color_at: impl Fn(usize, usize) -> [usize; 2]) -> Vec<Doubt> {
+        let [width, height] = SIZE;
+        let pixels = || (0..width * height).map(|i| [i % width, i / width]);
+        let depths = pixels().map(|[u, v]| change(depth_m(u, v))).collect();
+        let colors = pixels().map(|[u, v]| color_at(u, v)).map(|[u, v]| color(u, v)).collect();
+        let camera = Camera::new(262.5, 262.5, 159.5, 119.5).unwrap();
+        let depths = Raster::from_vec(width, height, depths).unwrap();
+        let colors = Raster::from_vec(width, height, colors).unwrap();
+        find_doubts(&Frame::new(depths, Some(colors), camera).unwrap())
+    }
+
+    fn in_place(u: usize, v: usize) -> [usize; 2] {
+        [u, v]
+    }
+
+    #[test]
+    fn nothing_is_doubted_in_a_plain_frame() {
+        assert_eq!(doubts(|z| z, in_place), []);
+        assert_eq!(doubts(|z| (1000.0 * z).round() / 1000.0, in_place), []);
+    }
+
+    #[test]
+    fn other_units_are_doubted() {
+        for times in [5.0, 10.0, 100.0, 1000.0] {
+            let found = doubts(|z| z * times as f32, in_place);
+            assert!(matches!(found[..], [Doubt::TooFar { times: told, .. }] if told == times), "{found:?}");
+        }
+        for times in [10.0, 100.0, 1000.0] {
+            let found = doubts(|z| z / times as f32, in_place);
+            assert!(matches!(found[..], [Doubt::TooNear { times: told, .. }] if told == times), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn other_numbers_are_doubted() {
+        let found = doubts(|z| 0.7 / z, in_place);
+        assert!(matches!(found[..], [Doubt::DisparityAsDepth { .. }]), "{found:?}");
+        let found = doubts(|z| f32::from(((1000.0 * z) as u16).swap_bytes()) / 1000.0, in_place);
+        assert!(matches!(found[0], Doubt::BytesSwapped { .. }), "{found:?}");
+        let found = doubts(|z| if z > 2.0 { 9.0 } else { z }, in_place);
+        assert!(matches!(found[..], [Doubt::DepthSaturated { .. }]), "{found:?}");
+        // Along a row, depth hardly changes in this scene.
+        let found = doubts(|z| 1.0 + (1e5 * z).sin().abs(), in_place);
+        assert!(matches!(found[0], Doubt::RowsScrambled { .. }), "{found:?}");
+    }
+
+    #[test]
+    fn depth_without_order_is_doubted() {
+        let mut random = Lcg::new(7);
+        let depths = (0..320 * 240).map(|_| 0.5 + random.below(1000) as f32 / 500.0).collect();
+        let camera = Camera::new(262.5, 262.5, 159.5, 119.5).unwrap();
+        let found =
+            find_doubts(&Frame::new(Raster::from_vec(320, 240, depths).unwrap(), None, camera).unwrap());
+        assert!(matches!(found[0], Doubt::DepthScrambled { .. }), "{found:?}");
+    }
+
+    #[test]
+    fn mirrored_colour_is_doubted() {
+        let [width, height] = SIZE;
+        for (color_at, mirrored) in [
+            (&(|u, v| [width - 1 - u, v]) as &dyn Fn(usize, usize) -> [usize; 2], Mirrored::Sideways),
+            (&|u, v| [u, height - 1 - v], Mirrored::UpsideDown),
+            (&|u, v| [width - 1 - u, height - 1 - v], Mirrored::Turned),
+        ] {
+            assert_eq!(doubts(|z| z, color_at), [Doubt::ColorMirrored(mirrored)]);
+        }
+    }
+
+    #[test]
+    fn small_and_empty_images_are_taken_as_they_are() {
+        for (width, height) in [(1, 1), (2, 1), (1, 7), (3, 3), (9, 2), (31, 40)] {
+            let depth = Raster::from_vec(width, height, vec![1.0; width * height]).unwrap();
+            let color = Raster::filled(width, height, [7; 3]).unwrap();
+            let camera = Camera::new(30.0, 30.0, width as f64 / 2.0, height as f64 / 2.0).unwrap();
+            find_doubts(&Frame::new(depth, Some(color), camera).unwrap());
+        }
+    }
+}

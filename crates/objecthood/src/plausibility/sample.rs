@@ -1,0 +1,78 @@
+//! Depths at a grid of pixels, with what their neighbours say.
+
+use crate::quantile::element_at;
+use crate::raster::Raster;
+
+/// Each pixel of a grid of this distance (px) in images of 640 columns is looked at; in proportion in others.
+const GRID_PX: usize = 8;
+
+/// With fewer depths on the grid nothing is said of depth.
+const FEWEST: usize = 200;
+
+/// Neighbours whose depths differ by more than this share are a jump.
+const JUMP: f32 = 0.05;
+
+/// What a grid of pixels shows of a depth image.
+pub(super) struct Sample {
+    /// The grid: each so many columns and rows.
+    pub(super) grid_px: usize,
+    /// Depths (m) of the grid, ascending.
+    pub(super) depths_m: Vec<f32>,
+    /// Share of the neighbours in rows, and in columns, whose depth jumps; 0 if there are none.
+    pub(super) jumps: [f64; 2],
+    /// Three quarters of all triples of neighbours miss a line by less, over depth squared (1/m).
+    pub(super) noise_per_m: f64,
+}
+
+impl Sample {
+    /// Looks at a depth image. O(n) for n pixels, of which one of 64 is looked at.
+    pub(super) fn of(depth_m: &Raster<f32>) -> Self {
+        let (width, height) = depth_m.size();
+        let grid_px = grid_px(width);
+        let depths = depth_m.as_slice();
+        let mut sample = Self { grid_px, depths_m: Vec::new(), jumps: [0.0; 2], noise_per_m: 0.0 };
+        let mut noise = Vec::new();
+        let (mut jumps, mut pairs) = ([0_usize; 2], [0_usize; 2]);
+        for v in (1..height.saturating_sub(1)).step_by(grid_px) {
+            for u in (1..width.saturating_sub(1)).step_by(grid_px) {
+                let i = v * width + u;
+                let z = depths[i];
+                if z.is_nan() {
+                    continue;
+                }
+                sample.depths_m.push(z);
+                for (axis, step) in [1, width].into_iter().enumerate() {
+                    let (before, after) = (depths[i - step], depths[i + step]);
+                    if !after.is_nan() {
+                        pairs[axis] += 1;
+                        jumps[axis] += usize::from((after - z).abs() > JUMP * z.max(after));
+                    }
+                    let bend = (before + after - 2.0 * z).abs() / (z * z);
+                    if !bend.is_nan() {
+                        noise.push(f64::from(bend));
+                    }
+                }
+            }
+        }
+        sample.depths_m.sort_unstable_by(f32::total_cmp);
+        sample.jumps = [0, 1].map(|axis| jumps[axis] as f64 / pairs[axis].max(1) as f64);
+        sample.noise_per_m = element_at(&mut noise, 0.75);
+        sample
+    }
+
+    /// Whether there is enough depth to say something of it.
+    pub(super) fn is_enough(&self) -> bool {
+        self.depths_m.len() >= FEWEST
+    }
+
+    /// The depth (m) below which this share of the grid lies; `NaN` without depth.
+    pub(super) fn quantile_m(&self, share: f64) -> f64 {
+        let place = (share * self.depths_m.len() as f64) as usize;
+        f64::from(self.depths_m.get(place).copied().unwrap_or(f32::NAN))
+    }
+}
+
+/// The grid for images of this width.
+pub(super) fn grid_px(width: usize) -> usize {
+    (GRID_PX * width / 640).max(1)
+}

@@ -1,0 +1,44 @@
+//! The steps in which a sensor with structured light or stereo resolves disparity.
+
+use crate::quantile::element_at;
+use crate::raster::Raster;
+
+/// Pixels are looked at in each so many rows and columns.
+const GRID_PX: [usize; 2] = [4, 3];
+
+/// Steps of depth that are less than this many times the smallest may be those of the number's unit.
+const COARSE: f64 = 2.5;
+
+/// As many steps make a comb.
+const FEWEST: usize = 40;
+
+/// Steps are even when the upper quartile is at most this many times the lower one.
+const EVEN: f64 = 1.4;
+
+/// Of the steps beyond those that are coarse, this share has to be coarse too.
+const MOST: f64 = 0.8;
+
+/// The even step of inverse depth (1/m) that the depths of an image have; `None` without one. O(m log m) for m pixels that
+/// are looked at.
+pub(super) fn disparity_step_per_m(depth_m: &Raster<f32>) -> Option<f64> {
+    let rows = depth_m.as_slice().chunks_exact(depth_m.width()).step_by(GRID_PX[0]);
+    let mut depths: Vec<f32> = rows.flat_map(|row| row.iter().step_by(GRID_PX[1])).copied().collect();
+    depths.retain(|z| !z.is_nan());
+    depths.sort_unstable_by(f32::total_cmp);
+    // Rounding to 32 bits is no step.
+    depths.dedup_by(|a, b| *a - *b < 4.0 * f32::EPSILON * *a);
+    let steps = || depths.windows(2).map(|pair| [f64::from(pair[0]), f64::from(pair[1])]);
+    let unit_m = steps().map(|[near, far]| far - near).fold(f64::INFINITY, f64::min);
+    let is_coarse = |[near, far]: &[f64; 2]| far - near > COARSE * unit_m;
+    let mut coarse_m: Vec<f64> = steps().filter(is_coarse).map(|[near, _]| near).collect();
+    if coarse_m.len() < FEWEST {
+        return None;
+    }
+    let from_m = element_at(&mut coarse_m, 0.1);
+    let beyond = || steps().filter(|[near, _]| *near >= from_m);
+    let mut sizes: Vec<f64> =
+        beyond().filter(is_coarse).map(|[near, far]| near.recip() - far.recip()).collect();
+    let all = beyond().count();
+    let [low, middle, high] = [0.25, 0.5, 0.75].map(|share| element_at(&mut sizes, share));
+    (sizes.len() as f64 > MOST * all as f64 && high < EVEN * low).then_some(middle)
+}

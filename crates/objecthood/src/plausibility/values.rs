@@ -1,0 +1,122 @@
+//! Depths that no sensor measures, and disparity in the place of depth.
+
+use super::doubt::Doubt;
+use super::sample::Sample;
+use crate::raster::Raster;
+
+/// Depth of a scene does not jump between so many neighbours.
+const MOST_JUMPS: f64 = 0.2;
+
+/// Where rows are scrambled, jumps within them are fewer than across them by this factor.
+const ALONG_ROWS: f64 = 0.4;
+
+/// Units a metre in which integer depth is stored.
+const UNITS_PER_M: [f64; 4] = [1.0, 1000.0, 5000.0, 10_000.0];
+
+/// Depths are whole numbers of a unit when they are as near to them as 32 bits allow.
+const WHOLE: f64 = 0.01;
+
+/// With the bytes the right way round, neighbours differ less by this factor at least.
+const SMOOTHER: f64 = 4.0;
+
+/// A greatest depth that so many pixels share may stand for none ..
+const SATURATED: f64 = 0.03;
+
+/// .. if all others are nearer than this share of it.
+const BEHIND: f32 = 0.9;
+
+/// A surface is measured at three places, apart by this share of the width.
+const BASELINE: f64 = 1.0 / 12.0;
+
+/// The depths of the outer places have a ratio between these: else the surface hardly slopes, or is none.
+const SLOPES: std::ops::Range<f64> = 1.05..1.65;
+
+/// A place tells when the better model misses by less than this share of what tells the two apart.
+const TELLS: f64 = 0.25;
+
+/// As many places have to tell.
+const FEWEST_PLACES: usize = 100;
+
+/// Disparity makes surfaces even in its values at more than this share of the places.
+const MOST_EVEN: f64 = 0.65;
+
+/// Whether neighbouring depths belong to each other, and the greatest is one.
+pub(super) fn doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
+    let depths = &sample.depths_m;
+    let [along, across] = sample.jumps;
+    if let Some(ratio) = smoother_swapped(depth_m, sample) {
+        return Some(Doubt::BytesSwapped { ratio });
+    }
+    if along > MOST_JUMPS {
+        return Some(Doubt::DepthScrambled { share: along });
+    }
+    if across > MOST_JUMPS && along < ALONG_ROWS * across {
+        return Some(Doubt::RowsScrambled { share: across });
+    }
+    let greatest = *depths.last()?;
+    let others = depths.partition_point(|&z| z < greatest);
+    let share = (depths.len() - others) as f64 / depths.len() as f64;
+    let is_apart = others > 0 && depths[others - 1] < BEHIND * greatest;
+    (share > SATURATED && is_apart).then_some(Doubt::DepthSaturated { depth_m: f64::from(greatest), share })
+}
+
+/// How much less neighbours differ with the two bytes of each number exchanged; `None` if that is hardly less, or depths
+/// are no whole numbers of a usual unit.
+fn smoother_swapped(depth_m: &Raster<f32>, sample: &Sample) -> Option<f64> {
+    let whole = |z: f32, per_m: f64| {
+        let number = f64::from(z) * per_m;
+        let whole = libm::round(number);
+        ((number - whole).abs() < WHOLE && whole <= f64::from(u16::MAX)).then_some(whole as u16)
+    };
+    let is_unit = |&per_m: &f64| sample.depths_m.iter().all(|&z| whole(z, per_m).is_some());
+    let per_m = UNITS_PER_M.into_iter().find(is_unit)?;
+    let depths = depth_m.as_slice();
+    let (mut plain, mut swapped) = (0_u64, 0_u64);
+    for row in depths.chunks_exact(depth_m.width()).step_by(sample.grid_px) {
+        for pair in row.windows(2).step_by(sample.grid_px) {
+            if let (Some(a), Some(b)) = (whole(pair[0], per_m), whole(pair[1], per_m)) {
+                plain += u64::from(a.abs_diff(b));
+                swapped += u64::from(a.swap_bytes().abs_diff(b.swap_bytes()));
+            }
+        }
+    }
+    let ratio = plain as f64 / swapped.max(1) as f64;
+    (ratio > SMOOTHER).then_some(ratio)
+}
+
+/// Whether surfaces are even in depth instead of its inverse.
+///
+/// Along a line of the image a plane has depth 1/(a + b u): its inverse is affine and it is not. At three places at equal distances,
+/// the middle one is the harmonic mean of the outer ones in depth, and the arithmetic mean in disparity.
+pub(super) fn disparity_doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
+    let (width, height) = depth_m.size();
+    let depths = depth_m.as_slice();
+    let baseline = ((width as f64 * BASELINE) as usize).max(2);
+    let (mut even, mut places) = (0_usize, 0_usize);
+    for v in (baseline..height.saturating_sub(baseline)).step_by(sample.grid_px) {
+        for u in (baseline..width.saturating_sub(baseline)).step_by(sample.grid_px) {
+            let i = v * width + u;
+            for step in [1, width] {
+                let at = |shift: usize| f64::from(depths[i + shift * step - baseline * step]);
+                if let Some(is_even) = is_even_in_depth([at(0), at(baseline), at(2 * baseline)]) {
+                    places += 1;
+                    even += usize::from(is_even);
+                }
+            }
+        }
+    }
+    let share = even as f64 / places.max(1) as f64;
+    (places >= FEWEST_PLACES && share > MOST_EVEN).then_some(Doubt::DisparityAsDepth { share })
+}
+
+/// Whether the arithmetic mean of the outer depths is nearer to the middle one than the harmonic; `None` if that tells nothing.
+fn is_even_in_depth([before, middle, after]: [f64; 3]) -> Option<bool> {
+    if !SLOPES.contains(&(before / after).max(after / before)) {
+        return None;
+    }
+    let arithmetic = (before + after) / 2.0;
+    let harmonic = before * after / arithmetic;
+    let apart = arithmetic - harmonic;
+    let [in_depth, in_disparity] = [arithmetic, harmonic].map(|mean| (middle - mean).abs());
+    (in_depth.min(in_disparity) < TELLS * apart).then_some(in_depth < in_disparity)
+}

@@ -1,0 +1,86 @@
+//! Bridges small holes in disparity (docs/CONTEXT.md 0.2, ours, because a grid of single holes broke every surface).
+//!
+//! Depth that is registered to a larger colour image has holes in a regular grid: no measurement falls there. A link of the watershed
+//! or the border of a facet would end at each of them.
+
+use rayon::prelude::*;
+
+use crate::raster::Raster;
+
+/// Holes of at most this many pixels in a row or column are bridged.
+const WIDEST_PX: usize = 2;
+/// Holes are a grid when they are at least this share of the pixels: one pixel in a square of ten by ten.
+const LEAST_SHARE: f32 = 0.01;
+/// Both sides of a hole agree when they differ by at most this (quanta): rounding, and a slope of one quantum a pixel.
+const AGREE_QUANTA: f32 = 2.0;
+
+/// Fills holes of one or two pixels, along their row and along their column, whose sides agree, by the mean of the values between them. A
+/// line of missing pixels stays: it is the border of a thing. So do holes at the border of the image. When such holes are no
+/// [`LEAST_SHARE`] of the image they are the sensor's own, often at borders, and stay too. Returns the share that was bridged. O(pixels); parallel over rows.
+pub(super) fn bridge_holes(disparity: &mut Raster<f32>) -> f32 {
+    let (width, height) = disparity.size();
+    let measured = &*disparity;
+    let bridge_row = |v: usize| {
+        let row = &measured.as_slice()[v * width..(v + 1) * width];
+        let holes = (0..width).filter(|&u| row[u].is_nan());
+        let bridged = holes.filter_map(|u| {
+            let along = between(u, width, |u| row[u])?;
+            let down = between(v, height, |v| measured[v * width + u])?;
+            Some((v * width + u, (along + down) / 2.0))
+        });
+        bridged.collect::<Vec<_>>()
+    };
+    let bridged: Vec<Vec<(usize, f32)>> = (0..height).into_par_iter().map(bridge_row).collect();
+    let share = bridged.iter().map(Vec::len).sum::<usize>() as f32 / disparity.len() as f32;
+    if share < LEAST_SHARE {
+        return 0.0;
+    }
+    for (i, value) in bridged.into_iter().flatten() {
+        disparity.as_mut_slice()[i] = value;
+    }
+    share
+}
+
+/// The value at a place of a line between the nearest measured places on both sides, if the hole is small and they agree.
+fn between(place: usize, length: usize, value: impl Fn(usize) -> f32) -> Option<f32> {
+    let before = (1..=WIDEST_PX.min(place)).find(|k| !value(place - k).is_nan())?;
+    let after = (1..=WIDEST_PX.min(length - 1 - place)).find(|k| !value(place + k).is_nan())?;
+    let [a, b] = [value(place - before), value(place + after)];
+    let is_bridge = before + after <= WIDEST_PX + 1 && (b - a).abs() <= AGREE_QUANTA;
+    is_bridge.then(|| a + (b - a) * before as f32 / (before + after) as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The image after its holes (`NaN`) are bridged.
+    fn bridged<const W: usize>(rows: &[[f32; W]]) -> Vec<f32> {
+        let mut raster = Raster::from_vec(W, rows.len(), rows.as_flattened().to_vec()).unwrap();
+        bridge_holes(&mut raster);
+        raster.as_slice().to_vec()
+    }
+
+    const X: f32 = f32::NAN;
+
+    #[test]
+    fn small_holes_between_sides_that_agree_are_bridged() {
+        assert_eq!(bridged(&[[1.0, 2.0, 3.0], [1.0, X, 3.0], [1.0, 3.0, 3.0]])[4], 2.25);
+        let two = bridged(&[[5.0; 4], [5.0, X, X, 6.5], [5.0, X, X, 6.5], [5.0, 5.0, 5.0, 6.5]]);
+        assert_eq!([5, 6].map(|i| two[i]), [5.25, 5.5]);
+    }
+
+    #[test]
+    fn lines_steps_and_wide_holes_stay() {
+        let left = |rows: &[[f32; 5]]| bridged(rows).iter().filter(|d| d.is_nan()).count();
+        let level = [5.0; 5];
+        let mut few = Raster::filled(20, 20, 5.0).unwrap();
+        few.as_mut_slice()[210] = X;
+        assert_eq!(bridge_holes(&mut few), 0.0, "the sensor's own hole");
+        assert_eq!(left(&[level, level, [5.0, 5.0, X, 5.0, 5.0], level, level]), 0);
+        assert_eq!(left(&[[5.0, 5.0, X, 5.0, 5.0]; 5]), 5, "a line");
+        assert_eq!(left(&[level, [5.0, 5.0, X, 9.0, 9.0], [5.0, 5.0, 5.0, 9.0, 9.0]]), 1, "a step");
+        assert_eq!(left(&[level, [5.0, X, X, X, 5.0], level]), 3, "too wide");
+        assert_eq!(left(&[[5.0, 5.0, X, 5.0, 5.0], level, [X, 5.0, 5.0, 5.0, X]]), 3, "at the border");
+    }
+}
