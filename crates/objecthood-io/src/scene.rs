@@ -182,6 +182,9 @@ pub struct ObjectnessParts {
     /// Whether something carries it: P(O), half of it lost when what carries it is merely guessed.
     #[schemars(range(min = 0, max = 1))]
     pub support: f32,
+    /// Whether it stands on the structure, itself or on what carries it, and does not hang in the air.
+    #[schemars(range(min = 0, max = 1))]
+    pub footing: f32,
     /// How much of its hull in the image it fills, as far as nothing hides it.
     #[schemars(range(min = 0, max = 1))]
     pub compactness: f32,
@@ -458,11 +461,12 @@ impl From<&discovery::StructurePlane> for StructurePlane {
 impl From<&objecthood::Object> for SceneObject {
     fn from(object: &objecthood::Object) -> Self {
         let objecthood::OrientedBox { center_m, rotation_xyzw, extents_m } = object.box_m;
-        let objecthood::ObjectnessParts { size, support, compactness, separation, visibility } = object.parts;
+        let objecthood::ObjectnessParts { size, support, footing, compactness, separation, visibility } =
+            object.parts;
         Self {
             id: object.id.0,
             objectness: object.objectness,
-            parts: ObjectnessParts { size, support, compactness, separation, visibility },
+            parts: ObjectnessParts { size, support, footing, compactness, separation, visibility },
             size_px: object.size_px,
             box_px: object.box_px.into(),
             centroid_m: object.centroid_m,

@@ -30,8 +30,14 @@ fn discovery() -> Discovery {
     };
     let mut object = Object::new(ObjectId(1), PixelBox { u: 1, v: 0, width: 2, height: 2 }, box_m);
     object.objectness = 0.9;
-    object.parts =
-        ObjectnessParts { size: 1.0, support: 0.9, compactness: 0.8, separation: 1.0, visibility: 0.7 };
+    object.parts = ObjectnessParts {
+        size: 1.0,
+        support: 0.9,
+        footing: 1.0,
+        compactness: 0.8,
+        separation: 1.0,
+        visibility: 0.7,
+    };
     object.top_m = Some(0.1);
     object.centroid_m = [0.1, -0.2, 1.0];
     object.facets = 2;

@@ -231,6 +231,8 @@ parameters! {
         min_second_side_m: f32 = 0.02, 1e-3..=100.0, "m", "ours, because what is thinner in two directions is a sliver of something; the paper's 2 cm";
         /// Greatest length of an object's longest side; in objectness a soft limit.
         max_side_m: f32 = 0.60, 1e-3..=100.0, "m", "tuned on mOSD learn (PARITY.md 7)", read by [Paper: Hypotheses, Context: Support];
+        /// Greatest length of a graspable object's second-longest side; in objectness a soft limit.
+        max_second_side_m: f32 = 0.35, 1e-3..=100.0, "m", "ours, because what is larger in two directions is furniture, and no hand spans it (docs/EVALUATION.md)";
         /// Least number of pixels with depth of an object.
         min_size_px: usize = 200, 1..=100_000_000, "px; in `context` at a focal length of 525 px", "tuned on mOSD learn (PARITY.md 7)", read by [Paper: Hypotheses, Context: Support];
         /// Least P(O) of an object.
@@ -239,6 +241,8 @@ parameters! {
         size_weight: f32 = 1.0, 0.0..=1.0, "dimensionless: share", "ours, because what is too large cannot be moved, whatever else it is";
         /// Share that objectness loses when nothing carries the object.
         support_weight: f32 = 0.3, 0.0..=1.0, "dimensionless: share", "ours, because what carries it may be hidden; alone it refuses nothing";
+        /// Share that objectness loses when the object is seen to hang in the air.
+        footing_weight: f32 = 0.5, 0.0..=1.0, "dimensionless: share", "ours, because people, arms and furniture come in pieces that hang in the air (docs/EVALUATION.md)", read by [Context: Hypotheses];
         /// Share that objectness loses when the object fills nothing of its hull.
         compactness_weight: f32 = 0.3, 0.0..=1.0, "dimensionless: share", "ours, because handles and rings are no less things; alone it refuses nothing";
         /// Share that objectness loses when no border of the object is clear.

@@ -45,6 +45,7 @@ impl Object {
             parts: ObjectnessParts {
                 size: 1.0,
                 support: 1.0,
+                footing: 1.0,
                 compactness: 1.0,
                 separation: 1.0,
                 visibility: 1.0,

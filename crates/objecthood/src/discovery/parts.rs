@@ -9,6 +9,8 @@ pub struct ObjectnessParts {
     pub size: f32,
     /// How surely it is carried: P(O) of eq. 8, halved when the confidence in the carrier is 0.
     pub support: f32,
+    /// How surely it stands on the structure, itself or on what carries it: 0 when it is seen to hang in the air.
+    pub footing: f32,
     /// The share of its hull in the image that it fills, where nothing hides it.
     pub compactness: f32,
     /// How clear its borders are: steps in depth and valleys are clear, flat or convex folds are not.
@@ -24,6 +26,7 @@ impl ObjectnessParts {
         let weighted = [
             (params.size_weight, self.size),
             (params.support_weight, self.support),
+            (params.footing_weight, self.footing),
             (params.compactness_weight, self.compactness),
             (params.separation_weight, self.separation),
             (params.visibility_weight, self.visibility),
@@ -38,22 +41,23 @@ mod tests {
 
     use super::*;
 
-    fn parts([size, support, compactness, separation, visibility]: [f32; 5]) -> ObjectnessParts {
-        ObjectnessParts { size, support, compactness, separation, visibility }
+    fn parts([size, support, footing, compactness, separation, visibility]: [f32; 6]) -> ObjectnessParts {
+        ObjectnessParts { size, support, footing, compactness, separation, visibility }
     }
 
     proptest! {
         /// With any weights, a better part never lowers the objectness.
         #[test]
         fn objectness_is_a_share_and_grows_with_every_part(
-            values in prop::array::uniform5(0.0_f32..=1.0),
-            weights in prop::array::uniform5(0.0_f32..=1.0),
-            better in 0_usize..5,
+            values in prop::array::uniform6(0.0_f32..=1.0),
+            weights in prop::array::uniform6(0.0_f32..=1.0),
+            better in 0_usize..6,
             gain in 0.0_f32..=1.0,
         ) {
-            let [size_weight, support_weight, compactness_weight, separation_weight, visibility_weight] = weights;
+            let [size_weight, support_weight, footing_weight, compactness_weight, separation_weight, visibility_weight] =
+                weights;
             let params = params::Objectness {
-                size_weight, support_weight, compactness_weight, separation_weight, visibility_weight,
+                size_weight, support_weight, footing_weight, compactness_weight, separation_weight, visibility_weight,
                 ..Default::default()
             };
             let before = parts(values).objectness(&params);
@@ -67,16 +71,17 @@ mod tests {
     #[test]
     fn a_part_takes_away_its_weight_at_most() {
         let params = params::Objectness::default();
-        assert_eq!(parts([1.0; 5]).objectness(&params), 1.0);
+        assert_eq!(parts([1.0; 6]).objectness(&params), 1.0);
         let weights = [
             params.size_weight,
             params.support_weight,
+            params.footing_weight,
             params.compactness_weight,
             params.separation_weight,
             params.visibility_weight,
         ];
         for (k, weight) in weights.into_iter().enumerate() {
-            let mut values = [1.0; 5];
+            let mut values = [1.0; 6];
             values[k] = 0.0;
             assert_eq!(parts(values).objectness(&params), 1.0 - weight);
         }

@@ -222,10 +222,11 @@ impl Explainer {
 
 /// The named parts of an objectness.
 fn parts(parts: &ObjectnessParts) -> Vec<Part> {
-    let &ObjectnessParts { size, support, compactness, separation, visibility } = parts;
+    let &ObjectnessParts { size, support, footing, compactness, separation, visibility } = parts;
     let named = [
         ("size", size),
         ("support", support),
+        ("footing", footing),
         ("compactness", compactness),
         ("separation", separation),
         ("visibility", visibility),

@@ -68,7 +68,7 @@ pub fn conclude_context(
     gravity: &params::Gravity,
     objectness: &params::Objectness,
 ) -> Result<Discovery> {
-    let Standing { candidates, planes, up, graph } = standing;
+    let Standing { candidates, planes, up, graph, .. } = standing;
     let kept = decide(hypotheses, Method::Context, objectness);
     let (objects, labels) = make_objects(kept, &scene.facets.segments, scene.points_m, graph)?;
     let missing_plane = planes.is_empty() && gravity.up_from == UpFrom::Plane;

@@ -50,8 +50,14 @@ mod tests {
             rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
             extents_m: [0.01, longest_m, 0.01],
         };
-        let parts =
-            ObjectnessParts { size: 1.0, support: p_o, compactness: 1.0, separation: 1.0, visibility: 1.0 };
+        let parts = ObjectnessParts {
+            size: 1.0,
+            support: p_o,
+            footing: 1.0,
+            compactness: 1.0,
+            separation: 1.0,
+            visibility: 1.0,
+        };
         let pixels = vec![0];
         Hypothesis { region: SegmentId(0), pixels, box_m, objectness, parts, top_m: None, joins: Vec::new() }
     }

@@ -49,6 +49,8 @@ pub struct Evidence<'a> {
     pub normals: &'a Raster<[f32; 3]>,
     /// The support graph; node k is region k.
     pub support: &'a SupportGraph,
+    /// The footing of every region; `None` where it is not known (`paper`).
+    pub footing: Option<&'a [f32]>,
     /// The direction against gravity.
     pub up: &'a Up,
     /// The camera and the sensor's noise.
@@ -81,7 +83,7 @@ fn judge_regions(
     objectness: &params::Objectness,
     contraction: &params::Contraction,
 ) -> Vec<Hypothesis> {
-    let Evidence { regions, points_m, normals, support, up, space } = *evidence;
+    let Evidence { regions, points_m, normals, support, footing, up, space } = *evidence;
     let pixels = measured_pixels(regions, first, points_m);
     let (outlines, compactness) = rayon::join(
         || measure_outlines(regions, first, points_m, normals, space, contraction),
@@ -98,6 +100,7 @@ fn judge_regions(
         let parts = ObjectnessParts {
             size: rate_size(&box_m, visibility, objectness),
             support: carried[region],
+            footing: footing.map_or(1.0, |footing| footing[region]),
             compactness: compactness[region],
             separation: outlines[region].separation(),
             visibility,
@@ -129,9 +132,17 @@ pub fn find_cluster_hypotheses(
     objectness: &params::Objectness,
     contraction: &params::Contraction,
 ) -> Vec<Hypothesis> {
-    let Standing { candidates, planes, up, graph } = standing;
+    let Standing { candidates, planes, up, graph, footing } = standing;
     let &Scene { points_m, normals, space, .. } = scene;
-    let evidence = Evidence { regions: &candidates.regions, points_m, normals, support: graph, up, space };
+    let evidence = Evidence {
+        regions: &candidates.regions,
+        points_m,
+        normals,
+        support: graph,
+        footing: Some(footing),
+        up,
+        space,
+    };
     // All candidates are large enough.
     let candidates_only = Judged { first: planes.len(), min_size_px: 1 };
     let mut hypotheses = judge_regions(&evidence, candidates_only, objectness, contraction);

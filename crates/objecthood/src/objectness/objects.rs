@@ -92,8 +92,14 @@ mod tests {
         OrientedBox { center_m: [0.0; 3], rotation_xyzw: [0.0, 0.0, 0.0, 1.0], extents_m: [0.1; 3] };
 
     fn hypothesis(region: u32, pixels: &[usize], objectness: f32) -> Hypothesis {
-        let parts =
-            ObjectnessParts { size: 1.0, support: 1.0, compactness: 1.0, separation: 1.0, visibility: 1.0 };
+        let parts = ObjectnessParts {
+            size: 1.0,
+            support: 1.0,
+            footing: 1.0,
+            compactness: 1.0,
+            separation: 1.0,
+            visibility: 1.0,
+        };
         Hypothesis {
             region: SegmentId(region),
             pixels: pixels.to_vec(),

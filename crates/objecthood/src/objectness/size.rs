@@ -68,7 +68,7 @@ fn sorted(box_m: &OrientedBox) -> [f32; 3] {
 /// Rates how well a thing with this box can be grasped and moved, in [0, 1] (ours, because the hard limits of the paper leave no
 /// doubt to weigh, and a thing that is thin in two directions is a sliver of another, however long).
 ///
-/// The longest side has the upper limit `max_side_m`, the second-longest the lower limit `min_second_side_m`. Limits are soft: the
+/// The longest side has the upper limit `max_side_m`, the second-longest the limits `min_second_side_m` and `max_second_side_m`. Limits are soft: the
 /// rating is 1/2 at the limit, 1 an octave inside, 0 an octave outside, and linear in the logarithm between. A thing may be larger
 /// than its visible part, so the lower limit counts by the share of the outline that is its own (`visibility`). A single point has no
 /// size: 0.
@@ -79,7 +79,9 @@ pub(crate) fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::O
     }
     let within = |excess: f32| 0.5 - 0.5 * libm::log2f(excess).clamp(-1.0, 1.0);
     let thin = 1.0 - within(params.min_second_side_m / second_m);
-    (1.0 - visibility * thin).min(within(longest_m / params.max_side_m))
+    let within_largest =
+        within(longest_m / params.max_side_m).min(within(second_m / params.max_second_side_m));
+    (1.0 - visibility * thin).min(within_largest)
 }
 
 /// The places along `axis` (m) below and above which a share of [`OUTLIERS`] of the points lies, interpolated linearly; 0 without

@@ -43,6 +43,7 @@ mod body;
 pub mod by_height;
 mod cell;
 mod feet;
+mod footing;
 pub mod forest;
 pub mod gravity;
 mod meeting;

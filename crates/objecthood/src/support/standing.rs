@@ -9,6 +9,7 @@ use crate::frame::Frame;
 use crate::params::{self, Params};
 use crate::planes::StructurePlane;
 use crate::regions::Segments;
+use crate::support::footing::measure_footing;
 use crate::support::forest::build_forest;
 use crate::support::gravity::find_up;
 use crate::support::scene::SupportScene;
@@ -24,6 +25,8 @@ pub struct Standing {
     pub(crate) up: Up,
     /// Node k is region k.
     pub(crate) graph: SupportGraph,
+    /// The footing of every region, in [0, 1].
+    pub(crate) footing: Vec<f32>,
 }
 
 /// The parameters of [`find_standing`].
@@ -61,7 +64,8 @@ pub fn find_standing(
     let support_scene =
         SupportScene { regions: &candidates.regions, points_m, normals, planes: &planes, up: &up, space };
     let graph = build_forest(&support_scene, params.contact, params.objectness);
-    Standing { candidates, planes, up, graph }
+    let footing = measure_footing(&support_scene);
+    Standing { candidates, planes, up, graph, footing }
 }
 
 impl Standing {

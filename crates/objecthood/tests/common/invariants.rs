@@ -50,8 +50,8 @@ pub(crate) fn check_descriptions(frame: &Frame, found: &Discovery) {
         assert_eq!(node.kind, NodeKind::Object { object: object.id });
         assert_eq!(node.size_px, object.size_px);
         assert!((node.p_o / 2.0..=node.p_o).contains(&object.parts.support), "{object:?} {node:?}");
-        let ObjectnessParts { size, support, compactness, separation, visibility } = object.parts;
-        for part in [size, support, compactness, separation, visibility, object.objectness] {
+        let ObjectnessParts { size, support, footing, compactness, separation, visibility } = object.parts;
+        for part in [size, support, footing, compactness, separation, visibility, object.objectness] {
             assert!((0.0..=1.0).contains(&part), "{object:?}");
         }
         let rank = (object.objectness, object.size_px);
