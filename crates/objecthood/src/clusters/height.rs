@@ -1,11 +1,17 @@
 //! Gives clusters that hardly rise above the support to the background (docs/CONTEXT.md 4.3).
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::clusters::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
 use crate::params;
+use crate::regions::SegmentId;
+use crate::surface::disparity::position;
+
+/// Heights below this many quanta of a Kinect are noise: six standard deviations of a depth, where few pixels of a patch are right.
+const NOISE_QUANTA: f64 = 6.0;
 
 /// Gives clusters whose top is less than `min_top_m` above the support surface to the background. They are remains of the table, or
 /// small pieces at the edge of the view. Does nothing without a support surface. O(pixels of clusters).
@@ -13,12 +19,13 @@ pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
     let alive = clusters.alive();
     let before = &*clusters;
     // Giving a cluster away changes no other cluster's top.
-    let tops_m: Vec<Option<f64>> = alive.par_iter().map(|&id| before.own_top_m(id)).collect();
+    let top_and_limit = |&id: &SegmentId| Some((before.own_top_m(id)?, least_top_m(before, id, params)));
+    let tops_m: Vec<Option<(f64, f64)>> = alive.par_iter().map(top_and_limit).collect();
     for (id, top_m) in alive.into_iter().zip(tops_m) {
-        let Some(top_m) = top_m else { continue };
+        let Some((top_m, least_m)) = top_m else { continue };
         let mut drop = Proposal::new(Rule::Low, Source::Cluster(id), None);
         let is_low = drop.check(
-            Check::new("its top above the support", "m", top_m, Bound::Below, params.min_top_m)
+            Check::new("its top above the support", "m", top_m, Bound::Below, least_m)
                 .set_by("height.min_top_m"),
         );
         if is_low {
@@ -27,6 +34,20 @@ pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
             clusters.history.note_misses([drop.refuse()]);
         }
     }
+}
+
+/// The lowest top of a thing (m): `min_top_m`, less with a better sensor than a Kinect, and more where noise alone makes such heights.
+fn least_top_m(clusters: &Clusters<'_>, id: SegmentId, params: &params::Height) -> f64 {
+    let (space, normal) = (clusters.scene.space, clusters.scene.ground().map(|ground| ground.normal));
+    let pixels = &clusters.get(id).pixels;
+    let middle = pixels[pixels.len() / 2] as usize;
+    let point = DVec3::from(space.point_m(
+        position(middle, clusters.scene.disparity.width()),
+        clusters.scene.disparity[middle].into(),
+    ));
+    let along = normal.map_or(0.0, |normal| normal.dot(point / point.z).abs());
+    let noise_m = along * space.step_m(NOISE_QUANTA, point.z);
+    space.noise().step_scale() * params.min_top_m.max(noise_m)
 }
 
 #[cfg(test)]

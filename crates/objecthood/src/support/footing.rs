@@ -21,7 +21,7 @@ const BEHIND_M: f64 = 0.02;
 /// ... and by this many quanta.
 const BEHIND_QUANTA: f64 = 4.0;
 /// From this share of columns on that go down to the structure, the footing is 1: a thing may overhang with the rest.
-const ENOUGH: f32 = 0.4;
+const ENOUGH: f32 = 0.25;
 
 /// How a column below a pixel ends.
 enum End {

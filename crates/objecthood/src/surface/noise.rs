@@ -9,7 +9,7 @@ const DEAD_BAND: std::ops::RangeInclusive<f64> = 0.9..=1.5;
 /// Tolerances follow the waves with this exponent, because a part of every tolerance is misfit of the model and no noise ...
 const WAVES_EXPONENT: f64 = 0.7;
 /// ... and never fall below this share.
-const LEAST_SCALE: f64 = 0.35;
+const LEAST_SCALE: f64 = 0.6;
 /// Share of the white noise in the tolerances of structure, which compares single pixels with a surface.
 const WHITE_SHARE: f64 = 0.7;
 /// Waves count this many times in the tolerance of a merge ...
