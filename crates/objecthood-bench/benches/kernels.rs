@@ -8,7 +8,6 @@ use objecthood::oversegment::links::Links;
 use objecthood::oversegment::smoothing::smooth;
 use objecthood::oversegment::structure::find_structure;
 use objecthood::oversegment::watershed::{find_seeds, flood};
-use objecthood::support::gravity::camera_up;
 use objecthood::surface::curvature::measure_curvature;
 use objecthood::surface::normals::measure_normals;
 use objecthood::surface::plane_fit::fit_planes;
@@ -58,8 +57,7 @@ fn context(c: &mut Criterion) {
     let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
     let Surfaces { space, disparity, fits, orientation: oriented, .. } = &surfaces;
     let radius_px = space.length_px(params.local_fit.radius_px);
-    let up = camera_up(&params.gravity);
-    let planes = find_structure(frame.depth_m(), &surfaces, up, &params.structure);
+    let planes = find_structure(frame.depth_m(), &surfaces, &params.gravity, &params.structure);
     let links = Links::new(disparity, &oriented.slope, &planes.labels, space, &params.watershed);
 
     let mut group = c.benchmark_group("context");
@@ -71,7 +69,7 @@ fn context(c: &mut Criterion) {
         b.iter(|| choose_windows(black_box(disparity), fits, space, &params.local_fit));
     });
     group.bench_function("structure", |b| {
-        b.iter(|| find_structure(black_box(frame.depth_m()), &surfaces, up, &params.structure));
+        b.iter(|| find_structure(black_box(frame.depth_m()), &surfaces, &params.gravity, &params.structure));
     });
     group.bench_function("watershed", |b| {
         b.iter(|| {

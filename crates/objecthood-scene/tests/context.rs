@@ -102,7 +102,7 @@ fn a_rolled_camera_sees_the_same_objects_on_the_same_table() {
     // The camera's up in its own frame, from the truth.
     let up_of = |roll_deg: f64| {
         let params = objecthood::params::Gravity { roll_deg, ..Default::default() };
-        objecthood::support::gravity::camera_up(&params)
+        params.camera_up()
     };
     let level = context(&rolled(&world, 0.0), &default());
     for roll_deg in [180.0, 90.0, -90.0] {

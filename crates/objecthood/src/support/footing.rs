@@ -116,3 +116,83 @@ fn follow(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> End {
     }
     End::Unknown
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discovery::up::{Up, UpSource};
+    use crate::planes::StructurePlane;
+    use crate::regions::Segments;
+    use crate::surface::disparity::position;
+    use crate::testing::space;
+
+    const SIZE: (usize, usize) = (320, 240);
+    const FOCAL_PX: f64 = 262.5;
+    const FLOOR_M: f64 = 0.5;
+    const WALL_M: f64 = 3.0;
+    const POST_M: f64 = 1.2;
+
+    /// The footing of posts 1.2 m before a level camera, each in these columns and rows, between a floor and a wall.
+    fn footing_of(posts: &[[std::ops::Range<usize>; 2]]) -> Vec<f32> {
+        let space = space([FOCAL_PX; 2], [159.5, 119.5]);
+        let seen = |i: usize| {
+            let [_, v] = position(i, SIZE.0);
+            let floor_m = FLOOR_M * FOCAL_PX / (v - 119.5);
+            let behind = if (0.0..WALL_M).contains(&floor_m) { (0, floor_m) } else { (1, WALL_M) };
+            let [u, v] = [i % SIZE.0, i / SIZE.0];
+            let post = posts.iter().position(|[columns, rows]| columns.contains(&u) && rows.contains(&v));
+            // The floor hides what is below it.
+            post.filter(|_| behind.1 >= POST_M).map_or(behind, |post| (2 + post as i32, POST_M))
+        };
+        let pixels: Vec<(i32, f64)> = (0..SIZE.0 * SIZE.1).map(seen).collect();
+        let labels = Raster::from_vec(SIZE.0, SIZE.1, pixels.iter().map(|p| p.0).collect()).unwrap();
+        let points_m = labels.with_data(
+            (0..pixels.len())
+                .map(|i| {
+                    let ray = space.camera().ray((i % SIZE.0) as f64, (i / SIZE.0) as f64);
+                    ray.map(|x| (x * pixels[i].1) as f32)
+                })
+                .collect(),
+        );
+        let normals = points_m.map(|_| [0.0; 3]);
+        let planes = [
+            StructurePlane { normal: [0.0, -1.0, 0.0], offset_m: FLOOR_M as f32, inlier_share: 0.4 },
+            StructurePlane { normal: [0.0, 0.0, -1.0], offset_m: WALL_M as f32, inlier_share: 0.4 },
+        ];
+        let up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Plane };
+        let regions = Segments::from_numbered(labels, 2 + posts.len());
+        let scene = SupportScene {
+            regions: &regions,
+            points_m: &points_m,
+            normals: &normals,
+            planes: &planes,
+            up: &up,
+            space: &space,
+        };
+        measure_footing(&scene)
+    }
+
+    #[test]
+    fn what_stands_on_the_floor_has_a_footing_and_what_hangs_has_none() {
+        let footing = footing_of(&[[100..120, 180..240], [200..220, 100..140]]);
+        assert_eq!(footing, [1.0, 1.0, 1.0, 0.0], "the floor, the wall, a post on the floor, one in the air");
+    }
+
+    #[test]
+    fn what_rests_on_something_shares_its_footing() {
+        // The lower parts hang in the air or stand; the upper parts rest on them.
+        let hanging = footing_of(&[[100..120, 110..140], [100..120, 80..110]]);
+        assert_eq!(hanging[2..], [0.0, 0.0]);
+        let standing = footing_of(&[[100..120, 170..240], [100..120, 140..170]]);
+        assert_eq!(standing[2..], [1.0, 1.0]);
+    }
+
+    #[test]
+    fn what_is_hidden_or_cut_by_the_image_is_not_seen_to_hang() {
+        // Something in front of the lower part, and a post that reaches the border of the image.
+        let cut = footing_of(&[[100..120, 225..240]]);
+        assert_eq!(cut[2], 1.0);
+        let overhanging = footing_of(&[[100..120, 180..240], [90..130, 150..180]]);
+        assert_eq!(overhanging[3], 1.0, "half of it overhangs");
+    }
+}
