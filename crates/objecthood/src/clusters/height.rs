@@ -55,11 +55,12 @@ mod tests {
     use super::*;
     use crate::clusters::scene::Scene;
     use crate::clusters::testing::{Table, named, single};
+    use crate::surface::noise::Noise;
 
     #[test]
     fn what_is_low_is_a_part_of_the_table() {
         let rows = ["____________", "_aaaa__bbbb_", "_aaaa__bbbb_", "____________"];
-        let table = Table::drawn(&rows, &[0.009, 0.011]);
+        let table = Table::drawn(&rows, &[0.016, 0.018]);
         let dropped = |scene: &Scene<'_>| {
             let mut clusters = single(scene);
             drop_low(&mut clusters, &params::Height { min_top_m: 0.010 });
@@ -69,6 +70,20 @@ mod tests {
         assert_eq!(dropped(&table.scene()), (vec![None, Some(1)], 8, 1));
         let unsupported = Scene { supports: &[], ..table.scene() };
         assert_eq!(dropped(&unsupported), (vec![Some(0), Some(1)], 0, 2));
+    }
+
+    /// At 1 m, seen from straight above, six quanta are 17 mm; a sensor with less noise resolves less.
+    #[test]
+    fn the_lowest_top_follows_the_sensor() {
+        let table = Table::drawn(&["____________", "_aaaa_______"], &[0.012]);
+        let is_kept = |scene: &Scene<'_>| {
+            let mut clusters = single(scene);
+            drop_low(&mut clusters, &params::Height { min_top_m: 0.010 });
+            !clusters.alive().is_empty()
+        };
+        let better = table.scene().space.with_noise(Noise { white: 0.1, blocks_quanta: [0.01; 3] });
+        assert!(!is_kept(&table.scene()));
+        assert!(is_kept(&Scene { space: &better, ..table.scene() }));
     }
 
     #[test]

@@ -3,8 +3,7 @@
 //! Depth that is registered to a larger colour image has holes in a regular grid: no measurement falls there. A link of the watershed
 //! or the border of a facet would end at each of them.
 
-use rayon::prelude::*;
-
+use crate::buffers::Buffer;
 use crate::raster::Raster;
 
 /// Holes of at most this many pixels in a row or column are bridged.
@@ -16,26 +15,23 @@ const AGREE_QUANTA: f32 = 2.0;
 
 /// Fills holes of one or two pixels, along their row and along their column, whose sides agree, by the mean of the values between them. A
 /// line of missing pixels stays: it is the border of a thing. So do holes at the border of the image. When such holes are no
-/// [`LEAST_SHARE`] of the image they are the sensor's own, often at borders, and stay too. Returns the share that was bridged. O(pixels); parallel over rows.
+/// [`LEAST_SHARE`] of the image they are the sensor's own, often at borders, and stay too. Returns the share that was bridged. O(pixels).
 pub(super) fn bridge_holes(disparity: &mut Raster<f32>) -> f32 {
     let (width, height) = disparity.size();
     let measured = &*disparity;
-    let bridge_row = |v: usize| {
-        let row = &measured.as_slice()[v * width..(v + 1) * width];
-        let holes = (0..width).filter(|&u| row[u].is_nan());
-        let bridged = holes.filter_map(|u| {
-            let along = between(u, width, |u| row[u])?;
-            let down = between(v, height, |v| measured[v * width + u])?;
-            Some((v * width + u, (along + down) / 2.0))
-        });
-        bridged.collect::<Vec<_>>()
+    let holes = measured.as_slice().iter().enumerate().filter(|(_, d)| d.is_nan());
+    let bridge = |(i, _): (usize, &f32)| {
+        let (u, v) = (i % width, i / width);
+        let along = between(u, width, |u| measured[v * width + u])?;
+        let down = between(v, height, |v| measured[v * width + u])?;
+        Some((i, (along + down) / 2.0))
     };
-    let bridged: Vec<Vec<(usize, f32)>> = (0..height).into_par_iter().map(bridge_row).collect();
-    let share = bridged.iter().map(Vec::len).sum::<usize>() as f32 / disparity.len() as f32;
+    let bridged: Buffer<(usize, f32)> = holes.filter_map(bridge).collect();
+    let share = bridged.len() as f32 / disparity.len() as f32;
     if share < LEAST_SHARE {
         return 0.0;
     }
-    for (i, value) in bridged.into_iter().flatten() {
+    for &(i, value) in &*bridged {
         disparity.as_mut_slice()[i] = value;
     }
     share
