@@ -243,7 +243,9 @@ fn every_unknown_missing_or_wrong_entry_is_refused() {
     places(&example, "", &mut all);
     assert!(all.len() > 80, "{}", all.len());
     let optional = |place: &str| {
-        ["fit_residual_px", "nodes/1/object", "objects/0/top_m", "/noise"].iter().any(|end| place.ends_with(end))
+        ["fit_residual_px", "nodes/1/object", "objects/0/top_m", "/noise"]
+            .iter()
+            .any(|end| place.ends_with(end))
     };
 
     for place in &all {

@@ -177,18 +177,19 @@ impl<'a> Clusters<'a> {
 
     /// Height (m) of the top of a cluster above a surface, from every other pixel; kept until the cluster changes.
     pub(crate) fn top_m(&self, id: SegmentId, ground: &StructureSurface) -> f64 {
-        *self.get(id).top_m.get_or_init(|| self.top_over_m(id, ground))
+        *self.get(id).top_m.get_or_init(|| self.top_of_m(id, |i| self.scene.height_m(i, ground)))
     }
 
     /// Height of the top of a cluster above the support below it (m); `None` without a support.
     pub(crate) fn own_top_m(&self, id: SegmentId) -> Option<f64> {
         let support = self.scene.own_support(&self.get(id).pixels)?;
-        Some(self.top_over_m(id, support))
+        Some(self.top_of_m(id, |i| self.scene.height_over_m(i, support)))
     }
 
-    fn top_over_m(&self, id: SegmentId, surface: &StructureSurface) -> f64 {
+    /// The quantile of the heights (m) of a cluster's pixels that is its top.
+    fn top_of_m(&self, id: SegmentId, height_m: impl Fn(usize) -> f64) -> f64 {
         let sample = self.get(id).pixels.iter().step_by(TOP_STEP);
-        let mut heights: Vec<f64> = sample.map(|&i| self.scene.height_m(i as usize, surface)).collect();
+        let mut heights: Vec<f64> = sample.map(|&i| height_m(i as usize)).collect();
         element_at(&mut heights, TOP_SHARE)
     }
 

@@ -10,6 +10,8 @@ use crate::params;
 use crate::regions::SegmentId;
 use crate::surface::disparity::position;
 
+/// `min_top_m` holds where noise is less than this (m), the default; farther away the limit grows with the noise.
+const NEAR_M: f64 = 0.010;
 /// Heights below this many quanta of a Kinect are noise: six standard deviations of a depth, where few pixels of a patch are right.
 const NOISE_QUANTA: f64 = 6.0;
 
@@ -36,7 +38,8 @@ pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
     }
 }
 
-/// The lowest top of a thing (m): `min_top_m`, less with a better sensor than a Kinect, and more where noise alone makes such heights.
+/// The lowest top of a thing (m): `min_top_m`, in proportion less with a better sensor than a Kinect, and more where noise alone makes
+/// such heights.
 fn least_top_m(clusters: &Clusters<'_>, id: SegmentId, params: &params::Height) -> f64 {
     let (space, normal) = (clusters.scene.space, clusters.scene.ground().map(|ground| ground.normal));
     let pixels = &clusters.get(id).pixels;
@@ -46,8 +49,8 @@ fn least_top_m(clusters: &Clusters<'_>, id: SegmentId, params: &params::Height) 
         clusters.scene.disparity[middle].into(),
     ));
     let along = normal.map_or(0.0, |normal| normal.dot(point / point.z).abs());
-    let noise_m = along * space.step_m(NOISE_QUANTA, point.z);
-    space.noise().step_scale() * params.min_top_m.max(noise_m)
+    let growth = (along * space.step_m(NOISE_QUANTA, point.z) / NEAR_M).max(1.0);
+    space.noise().step_scale() * growth * params.min_top_m
 }
 
 #[cfg(test)]

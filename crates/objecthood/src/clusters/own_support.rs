@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::clusters::scene::Scene;
-use crate::oversegment::structure::StructureSurface;
+use crate::planes::StructurePlane;
 use crate::quantile::element_at;
 use crate::surface::disparity::position;
 
@@ -16,23 +16,34 @@ const SLACK_M: f64 = 0.02;
 
 impl<'a> Scene<'a> {
     /// The highest support below the foot of some pixels that goes on below them; without one, the ground. O(1).
-    pub(crate) fn own_support(&self, pixels: &[u32]) -> Option<&'a StructureSurface> {
+    pub(crate) fn own_support(&self, pixels: &[u32]) -> Option<usize> {
         let (ground, others) = self.supports.split_first()?;
         if others.is_empty() {
-            return self.surfaces.get(*ground);
+            return Some(*ground);
         }
         let step = pixels.len().div_ceil(SAMPLED_PX).max(1);
         let sample: Vec<usize> = pixels.iter().step_by(step).map(|&i| i as usize).collect();
-        let foot_m = |support: &StructureSurface| {
-            let mut heights: Vec<f64> = sample.iter().map(|&i| self.height_m(i, support)).collect();
+        let foot_m = |support: usize| {
+            let mut heights: Vec<f64> = sample.iter().map(|&i| self.height_over_m(i, support)).collect();
             element_at(&mut heights, FOOT_SHARE)
         };
         let below = self.supports.iter().filter_map(|&k| {
-            let foot_m = foot_m(&self.surfaces[k]);
+            let foot_m = foot_m(k);
             (foot_m > -SLACK_M && self.goes_on_below(&sample, k)).then_some((foot_m, k))
         });
-        let nearest = below.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(*ground, |(_, k)| k);
-        self.surfaces.get(nearest)
+        Some(below.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(*ground, |(_, k)| k))
+    }
+
+    /// Height (m) of a pixel above a support. Other supports than the ground may be far away and small: there a plane goes on, and a
+    /// quadratic bends off.
+    pub(crate) fn height_over_m(&self, i: usize, support: usize) -> f64 {
+        if self.supports.first() == Some(&support) {
+            return self.height_m(i, &self.surfaces[support]);
+        }
+        let StructurePlane { normal, offset_m, .. } = self.planes[support];
+        let point =
+            DVec3::from(self.space.point_m(position(i, self.disparity.width()), self.disparity[i].into()));
+        DVec3::from(normal.map(f64::from)).dot(point) + f64::from(offset_m)
     }
 
     /// Whether a support goes on below most of some pixels: dropped onto it, they lie on it, behind something nearer, on a hole or
@@ -41,7 +52,7 @@ impl<'a> Scene<'a> {
         let (width, height) = self.disparity.size();
         let (surface, camera) = (&self.surfaces[support], self.space.camera());
         let is_over = |&&i: &&usize| {
-            let height_m = self.height_m(i, surface);
+            let height_m = self.height_over_m(i, support);
             let point = DVec3::from(self.space.point_m(position(i, width), self.disparity[i].into()));
             let foot = point - height_m * surface.normal;
             let (u, v) = camera.project(foot.as_vec3().to_array());

@@ -4,6 +4,7 @@ use crate::clusters::steps::StepLimits;
 use crate::facets::Facets;
 use crate::frame::Frame;
 use crate::oversegment::structure::{Structure, StructureSurface};
+use crate::planes::StructurePlane;
 use crate::raster::Raster;
 use crate::regions::SegmentId;
 use crate::surface::disparity::{DisparitySpace, position};
@@ -26,6 +27,8 @@ pub struct Scene<'a> {
     pub space: &'a DisparitySpace,
     /// The surfaces of the structure; surface k is facet k.
     pub surfaces: &'a [StructureSurface],
+    /// The same as planes, fitted to all their pixels.
+    pub planes: &'a [StructurePlane],
     /// The surfaces on which things stand, the ground first.
     pub supports: &'a [usize],
     /// The share of the pixels that are small holes in a grid, and were bridged.
@@ -54,6 +57,7 @@ impl<'a> Scene<'a> {
             color: frame.color(),
             space: &surfaces.space,
             surfaces: &structure.surfaces,
+            planes: &structure.planes,
             supports: &structure.supports.surfaces,
             bridged_share: surfaces.bridged_share,
             turned_deg: structure.supports.turned_deg,
@@ -75,7 +79,7 @@ impl<'a> Scene<'a> {
 
     /// The facet of the support nearest to a pixel, along the normals of the supports.
     pub(crate) fn nearest_support(&self, i: usize) -> Option<SegmentId> {
-        let distance_m = |&k: &usize| self.height_m(i, &self.surfaces[k]).abs();
+        let distance_m = |&k: &usize| self.height_over_m(i, k).abs();
         let nearest = self.supports.iter().copied().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
         nearest.map(|k| SegmentId(k as u32))
     }

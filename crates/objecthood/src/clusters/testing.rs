@@ -93,6 +93,7 @@ impl Table {
             color: self.color.as_ref(),
             space: &self.space,
             surfaces: std::slice::from_ref(&self.support),
+            planes: &[],
             supports: &[0],
             bridged_share: 0.0,
             turned_deg: 0,

@@ -136,6 +136,7 @@ fn count_things(scene: &Seen<'_>, surfaces: &[StructureSurface], max_side_m: f64
         }
         if let Some(piece) = of_cell[cell] {
             pieces[piece].add(scene.point_m(cell), surfaces);
+            pieces[piece].is_cut |= scene.is_at_border(cell);
         }
         for beside in scene.beside(cell, CONTACT_CELLS) {
             for (on, above) in [(cell, beside), (beside, cell)] {
@@ -165,6 +166,8 @@ struct Piece {
     cells: usize,
     low_m: DVec3,
     high_m: DVec3,
+    /// Whether it reaches the border of the image, so that its size is not known.
+    is_cut: bool,
     /// Its greatest depth (m).
     far_m: f64,
     /// Places where it touches each surface.
@@ -176,7 +179,15 @@ struct Piece {
 impl Piece {
     fn new(surfaces: usize) -> Self {
         let (low_m, high_m) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        Self { cells: 0, low_m, high_m, far_m: 0.0, contacts: vec![0; surfaces], top_m: vec![0.0; surfaces] }
+        Self {
+            cells: 0,
+            is_cut: false,
+            low_m,
+            high_m,
+            far_m: 0.0,
+            contacts: vec![0; surfaces],
+            top_m: vec![0.0; surfaces],
+        }
     }
 
     fn add(&mut self, point_m: DVec3, surfaces: &[StructureSurface]) {
@@ -190,7 +201,7 @@ impl Piece {
 
     fn is_thing(&self, scene: &Seen<'_>, max_side_m: f64) -> bool {
         let least_cells = scene.space.area_px(LEAST_THING_PX) / (scene.step * scene.step);
-        self.cells > least_cells && (self.high_m - self.low_m).max_element() < max_side_m
+        !self.is_cut && self.cells > least_cells && (self.high_m - self.low_m).max_element() < max_side_m
     }
 }
 
@@ -209,6 +220,11 @@ impl Seen<'_> {
     fn pixel(&self, cell: usize) -> usize {
         let [column, row] = [cell % self.columns, cell / self.columns];
         row * self.step * self.labels.width() + column * self.step
+    }
+
+    fn is_at_border(&self, cell: usize) -> bool {
+        let [column, row] = [cell % self.columns, cell / self.columns];
+        column == 0 || row == 0 || column + 1 == self.columns || row + 1 == self.rows
     }
 
     fn point_m(&self, cell: usize) -> DVec3 {
