@@ -47,7 +47,10 @@ pub(crate) fn measure_footing(scene: &SupportScene<'_>) -> Vec<f32> {
     if scene.planes.is_empty() {
         return footing;
     }
-    let pixels: Vec<Vec<usize>> = scene.regions.runs_of_each().map(|_, runs| sample(runs, scene.points_m));
+    let pixels: Vec<Vec<usize>> = scene.regions.runs_of_each().map(|region, runs| match region {
+        structure if structure < scene.planes.len() => Vec::new(),
+        _ => sample(runs, scene.points_m),
+    });
     let up = DVec3::from(scene.up.direction.map(f64::from));
     let height_m = |i: usize| DVec3::from(scene.points_m[i].map(f64::from)).dot(up);
     let mut things: Vec<(f64, usize)> = (scene.planes.len()..pixels.len())

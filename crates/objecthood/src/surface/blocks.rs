@@ -20,7 +20,7 @@ const QUARTILE: f64 = 0.25;
 /// Fewer pairs of blocks than this tell nothing.
 const LEAST_PAIRS: usize = 40;
 /// Every this many pixels along rows and columns a residual is read for the white noise.
-const RESIDUAL_STEP_PX: usize = 4;
+const RESIDUAL_STEP_PX: usize = 8;
 
 /// Estimates the noise of the sensor from one frame. `residual`: of the plane fitted around every pixel.
 ///

@@ -59,10 +59,7 @@ pub(super) fn find_supports(
     space: &DisparitySpace,
     gravity: &params::Gravity,
 ) -> Supports {
-    let step = space.length_px(CELL_PX);
-    let (width, height) = labels.size();
-    let (columns, rows) = (width.div_ceil(step), height.div_ceil(step));
-    let seen = Seen { labels, disparity, space, step, columns, rows };
+    let seen = Seen::new(labels, disparity, space);
     let evidence = count_things(&seen, surfaces, MOST_SIDE_M);
     let turns: &[u16] = if gravity.is_attitude_given() { &[0] } else { &[0, 90, 180, 270] };
     let camera_up = Vec3::from(gravity.camera_up()).as_dvec3();
@@ -214,9 +211,21 @@ struct Seen<'a> {
     step: usize,
     columns: usize,
     rows: usize,
+    /// The point of every cell (m).
+    points_m: Vec<DVec3>,
 }
 
-impl Seen<'_> {
+impl<'a> Seen<'a> {
+    fn new(labels: &'a Raster<i32>, disparity: &'a Raster<f32>, space: &'a DisparitySpace) -> Self {
+        let step = space.length_px(CELL_PX);
+        let (width, height) = labels.size();
+        let (columns, rows) = (width.div_ceil(step), height.div_ceil(step));
+        let cells =
+            (0..height).step_by(step).flat_map(|v| (0..width).step_by(step).map(move |u| v * width + u));
+        let point_m = |i: usize| DVec3::from(space.point_m(position(i, width), disparity[i].into()));
+        Self { labels, disparity, space, step, columns, rows, points_m: cells.map(point_m).collect() }
+    }
+
     fn pixel(&self, cell: usize) -> usize {
         let [column, row] = [cell % self.columns, cell / self.columns];
         row * self.step * self.labels.width() + column * self.step
@@ -228,8 +237,7 @@ impl Seen<'_> {
     }
 
     fn point_m(&self, cell: usize) -> DVec3 {
-        let i = self.pixel(cell);
-        DVec3::from(self.space.point_m(position(i, self.labels.width()), self.disparity[i].into()))
+        self.points_m[cell]
     }
 
     fn surface(&self, cell: usize) -> Option<usize> {
