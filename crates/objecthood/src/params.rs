@@ -105,7 +105,7 @@ parameters! {
     Gravity gravity, read by [Paper: Support, Context: Structure] {
         /// Source of the direction.
         up_from: UpFrom = UpFrom::Plane, OneOf("plane | camera"), "dimensionless: switch",
-            "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (PARITY.md, Equations)", read by [Paper: Support];
+            "ours, because the paper's horizontal camera costs a third of the objects on mOSD learn (PARITY.md, Equations)", read by [Paper: Support, Context: Support];
         /// Angle by which the camera looks down from the horizon.
         tilt_deg: f64 = 0.0, -90.0..=90.0, "degrees", "paper, III-D: the camera is held horizontally";
         /// Angle by which the camera is turned clockwise about its optical axis.

@@ -1,6 +1,6 @@
 //! What the parameters say of the camera's attitude.
 
-use crate::params::{Gravity, UpFrom};
+use crate::params::Gravity;
 
 impl Gravity {
     /// The camera's own up, from `tilt_deg` and `roll_deg`: a unit vector in the camera frame, -y when the camera is held horizontally.
@@ -13,7 +13,7 @@ impl Gravity {
 
     /// Whether the user said how the camera is held.
     pub(crate) fn is_attitude_given(&self) -> bool {
-        self.up_from == UpFrom::Camera || self.tilt_deg != 0.0 || self.roll_deg != 0.0
+        self.tilt_deg != 0.0 || self.roll_deg != 0.0
     }
 }
 
