@@ -1,6 +1,6 @@
 //! The pinhole camera.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
@@ -64,6 +64,13 @@ impl Camera {
     pub fn project(&self, p: [f32; 3]) -> (f64, f64) {
         let p = Vec3::from(p).as_dvec3();
         (self.fx_px * p.x / p.z + self.cx_px, self.fy_px * p.y / p.z + self.cy_px)
+    }
+
+    /// The row-major index of the pixel that shows a point (m) in an image of this size; `None` outside the image or behind the camera.
+    pub(crate) fn pixel_at(&self, point: DVec3, (width, height): (usize, usize)) -> Option<usize> {
+        let (u, v) = self.project(point.as_vec3().to_array());
+        let is_inside = (0.0..width as f64 - 0.5).contains(&u) && (0.0..height as f64 - 0.5).contains(&v);
+        (point.z > 0.0 && is_inside).then(|| v.round() as usize * width + u.round() as usize)
     }
 }
 

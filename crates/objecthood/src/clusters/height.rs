@@ -1,6 +1,5 @@
 //! Gives clusters that hardly rise above the support to the background (docs/CONTEXT.md 4.3).
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::clusters::check::{Bound, Check};
@@ -8,7 +7,6 @@ use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
 use crate::params;
 use crate::regions::SegmentId;
-use crate::surface::disparity::position;
 
 /// `min_top_m` holds where noise is less than this (m), the default; farther away the limit grows with the noise.
 const NEAR_M: f64 = 0.010;
@@ -44,10 +42,7 @@ fn least_top_m(clusters: &Clusters<'_>, id: SegmentId, params: &params::Height) 
     let (space, normal) = (clusters.scene.space, clusters.scene.ground().map(|ground| ground.normal));
     let pixels = &clusters.get(id).pixels;
     let middle = pixels[pixels.len() / 2] as usize;
-    let point = DVec3::from(space.point_m(
-        position(middle, clusters.scene.disparity.width()),
-        clusters.scene.disparity[middle].into(),
-    ));
+    let point = clusters.scene.point_at(middle);
     let along = normal.map_or(0.0, |normal| normal.dot(point / point.z).abs());
     let growth = (along * space.step_m(NOISE_QUANTA, point.z) / NEAR_M).max(1.0);
     space.noise().step_scale() * growth * params.min_top_m

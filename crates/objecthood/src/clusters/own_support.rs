@@ -5,7 +5,6 @@ use glam::DVec3;
 use crate::clusters::scene::Scene;
 use crate::planes::StructurePlane;
 use crate::quantile::element_at;
-use crate::surface::disparity::position;
 
 /// About this many pixels of a cluster are looked at.
 const SAMPLED_PX: usize = 200;
@@ -41,26 +40,16 @@ impl<'a> Scene<'a> {
             return self.height_m(i, &self.surfaces[support]);
         }
         let StructurePlane { normal, offset_m, .. } = self.planes[support];
-        let point =
-            DVec3::from(self.space.point_m(position(i, self.disparity.width()), self.disparity[i].into()));
-        DVec3::from(normal.map(f64::from)).dot(point) + f64::from(offset_m)
+        DVec3::from(normal.map(f64::from)).dot(self.point_at(i)) + f64::from(offset_m)
     }
 
     /// Whether a support goes on below most of some pixels: dropped onto it, they lie on it, behind something nearer, on a hole or
     /// outside the image.
     fn goes_on_below(&self, sample: &[usize], support: usize) -> bool {
-        let (width, height) = self.disparity.size();
         let (surface, camera) = (&self.surfaces[support], self.space.camera());
         let is_over = |&&i: &&usize| {
-            let height_m = self.height_over_m(i, support);
-            let point = DVec3::from(self.space.point_m(position(i, width), self.disparity[i].into()));
-            let foot = point - height_m * surface.normal;
-            let (u, v) = camera.project(foot.as_vec3().to_array());
-            let is_inside = (0.0..width as f64 - 0.5).contains(&u) && (0.0..height as f64 - 0.5).contains(&v);
-            if foot.z <= 0.0 || !is_inside {
-                return true;
-            }
-            let at = v.round() as usize * width + u.round() as usize;
+            let foot = self.point_at(i) - self.height_over_m(i, support) * surface.normal;
+            let Some(at) = camera.pixel_at(foot, self.disparity.size()) else { return true };
             let seen_m = self.space.depth_m(self.disparity[at].into());
             let is_it = self.facets.segments.at(at).is_some_and(|facet| facet.index() == support);
             is_it || seen_m.is_nan() || seen_m < foot.z

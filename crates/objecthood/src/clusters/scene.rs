@@ -1,5 +1,7 @@
 //! The scene: the inputs of the rules besides the clusters.
 
+use glam::DVec3;
+
 use crate::clusters::steps::StepLimits;
 use crate::facets::Facets;
 use crate::frame::Frame;
@@ -82,6 +84,11 @@ impl<'a> Scene<'a> {
         let distance_m = |&k: &usize| self.height_over_m(i, k).abs();
         let nearest = self.supports.iter().copied().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
         nearest.map(|k| SegmentId(k as u32))
+    }
+
+    /// The point (m) on the surface that a pixel shows, from its disparity.
+    pub(crate) fn point_at(&self, i: usize) -> DVec3 {
+        DVec3::from(self.space.point_m(position(i, self.disparity.width()), self.disparity[i].into()))
     }
 
     /// Height (m) of a pixel above a surface.

@@ -51,9 +51,6 @@ const LONG_M: f64 = 0.5;
 const DOMINANT_SHARE: f64 = 0.2;
 /// ... and has a larger area than this.
 const DOMINANT_M2: f64 = 0.03;
-/// A surface can carry things when its normal has a larger component along the camera's own up.
-pub(crate) const UPWARD: f64 = 0.3;
-
 /// A surface as long as structure with a larger area than this is a board: structure if things stand on it.
 const BOARD_M2: f64 = 0.06;
 
@@ -77,8 +74,10 @@ pub fn find_structure(
     let mut labels = label_pixels(&surfaces, disparity, orientation, &view.alike, params.tolerance_quanta);
     let mut supports = find_supports(&surfaces, large, &labels, disparity, space, gravity);
     let kept = supports.keep(surfaces.len(), large);
-    surfaces = kept.iter().map(|&s| surfaces[s].clone()).collect();
-    renumber(&mut labels, &kept);
+    if kept.len() < surfaces.len() {
+        surfaces = kept.iter().map(|&s| surfaces[s].clone()).collect();
+        renumber(&mut labels, &kept);
+    }
     let planes = fit_planes(&surfaces, &labels, depth_m, &space.camera());
     Structure { surfaces, labels, supports, planes }
 }
@@ -115,11 +114,6 @@ fn find_surfaces(view: &View<'_>, fits: &PlaneFits) -> Found {
 
 /// Labels the pixels of the kept surfaces by their new numbers, and removes the labels of the others. O(pixels).
 fn renumber(labels: &mut Raster<i32>, kept: &[usize]) {
-    if kept.iter().enumerate().all(|(new, &old)| new == old)
-        && !labels.as_slice().iter().any(|&l| l >= kept.len() as i32)
-    {
-        return;
-    }
     let new = |old: i32| kept.iter().position(|&s| s as i32 == old).map_or(Segments::NONE, |new| new as i32);
     labels.as_mut_slice().iter_mut().for_each(|label| *label = new(*label));
 }

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::oversegment::structure::UPWARD;
 use crate::planes::StructurePlane;
 use crate::quantile::element_at;
 use crate::raster::Raster;
@@ -21,6 +20,8 @@ const LEVEL_M: f64 = 0.01;
 /// Heights within this many quanta count as equal: a foot, the 2nd percentile of heights, lies two standard deviations of depth too
 /// low, each half a quantum.
 const LEVEL_QUANTA: f64 = 1.0;
+/// A plane can carry things when its normal has a larger component along up.
+const UPWARD: f64 = 0.3;
 /// Number of directions into which the surroundings of a place are divided.
 pub(crate) const SECTORS: usize = 12;
 /// The foot of a thing is this quantile of its heights: single noisy pixels lie low anywhere.

@@ -86,20 +86,13 @@ fn sample(runs: &[Range<usize>], points_m: &Raster<[f32; 3]>) -> Vec<usize> {
 
 /// Follows the column below pixel `i` of a thing.
 fn follow(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> End {
-    let (width, height) = scene.points_m.size();
+    let size = scene.points_m.size();
     let point = DVec3::from(scene.points_m[i].map(f64::from));
     let steps = (DEEPEST_M / STEP_M) as usize;
     let mut air_m = 0.0;
     for step in 1..=steps {
         let below = point - up * (step as f64 * STEP_M);
-        let (u, v) = scene.space.camera().project(below.as_vec3().to_array());
-        let is_inside = below.z > 0.0
-            && (0.0..width as f64 - 0.5).contains(&u)
-            && (0.0..height as f64 - 0.5).contains(&v);
-        if !is_inside {
-            return End::Unknown;
-        }
-        let j = v.round() as usize * width + u.round() as usize;
+        let Some(j) = scene.space.camera().pixel_at(below, size) else { return End::Unknown };
         let seen = scene.regions.at(j);
         let (z_m, depth_m) = (below.z, f64::from(scene.points_m[j][2]));
         if depth_m.is_nan() {
