@@ -3,6 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use objecthood::attitude::Attitude;
 use objecthood::oversegment::graph::{PixelGraph, Unmeasured};
 use objecthood::oversegment::links::Links;
 use objecthood::oversegment::smoothing::smooth;
@@ -57,7 +58,8 @@ fn context(c: &mut Criterion) {
     let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
     let Surfaces { space, disparity, fits, orientation: oriented, .. } = &surfaces;
     let radius_px = space.length_px(params.local_fit.radius_px);
-    let planes = find_structure(frame.depth_m(), &surfaces, &params.gravity, &params.structure);
+    let attitude = Attitude::of(&frame, &params.gravity);
+    let planes = find_structure(frame.depth_m(), &surfaces, &attitude, &params.structure);
     let links = Links::new(disparity, &oriented.slope, &planes.labels, space, &params.watershed);
 
     let mut group = c.benchmark_group("context");
@@ -69,7 +71,7 @@ fn context(c: &mut Criterion) {
         b.iter(|| choose_windows(black_box(disparity), fits, space, &params.local_fit));
     });
     group.bench_function("structure", |b| {
-        b.iter(|| find_structure(black_box(frame.depth_m()), &surfaces, &params.gravity, &params.structure));
+        b.iter(|| find_structure(black_box(frame.depth_m()), &surfaces, &attitude, &params.structure));
     });
     group.bench_function("watershed", |b| {
         b.iter(|| {

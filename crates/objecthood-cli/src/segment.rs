@@ -6,7 +6,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use objecthood::{Object, Observer, Params, Pipeline};
+use objecthood::{Estimates, Object, Observer, Params, Pipeline};
 use objecthood_io::scene::notices;
 use objecthood_io::scope::Scope;
 use objecthood_io::{Capture, output};
@@ -102,7 +102,7 @@ impl<'a> Plan<'a> {
         let next = recording.as_mut().map_or(&mut none as &mut dyn Observer, |recording| recording);
         let mut watch = Watch { laps, next };
         let discovery = pipeline.discover_observed(&capture.frame, &self.params, &mut watch)?;
-        if let Some(noise) = discovery.noise {
+        if let Some(Estimates { noise, .. }) = discovery.estimates {
             let (path, white, waves) = (input.path.display(), noise.white, noise.waves());
             tracing::info!(
                 "{path}: noise of the sensor: {white:.2} times a Kinect's, its waves {waves:.2} times"

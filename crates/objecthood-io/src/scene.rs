@@ -120,6 +120,8 @@ pub struct UpDirection {
 pub enum UpSource {
     /// The normal of the dominant plane.
     Plane,
+    /// What earlier frames told, because this one shows no ground.
+    Earlier,
     /// The camera's own up, by its tilt and roll: asked for, or there is no plane.
     Camera,
 }
@@ -401,7 +403,7 @@ impl SceneFile {
             structure_planes: discovery.structure_planes.iter().map(StructurePlane::from).collect(),
             objects: discovery.objects.iter().map(SceneObject::from).collect(),
             support: (&discovery.support).into(),
-            noise: discovery.noise.map(|noise| SensorNoise { white: noise.white, waves: noise.waves() }),
+            noise: discovery.estimates.map(|e| SensorNoise { white: e.noise.white, waves: e.noise.waves() }),
             notices: notices(capture, discovery),
         }
     }
@@ -444,6 +446,7 @@ impl From<&discovery::Up> for UpDirection {
     fn from(up: &discovery::Up) -> Self {
         let source = match up.source {
             discovery::UpSource::Plane => UpSource::Plane,
+            discovery::UpSource::Earlier => UpSource::Earlier,
             discovery::UpSource::Camera => UpSource::Camera,
         };
         Self { direction: up.direction, source }

@@ -9,8 +9,8 @@ use objecthood::discovery::{
 };
 use objecthood::planes::StructurePlane;
 use objecthood::{
-    Camera, Discovery, Frame, Noise, Notice, Object, ObjectId, ObjectnessParts, OrientedBox, Params,
-    PixelBox, Raster,
+    Camera, Discovery, Estimates, Frame, Noise, Notice, Object, ObjectId, ObjectnessParts, OrientedBox,
+    Params, PixelBox, Raster,
 };
 use objecthood_io::scene::{SceneFile, fingerprint, schema};
 use objecthood_io::{CameraFit, Capture, Error};
@@ -57,7 +57,7 @@ fn discovery() -> Discovery {
             ..SupportEdge::seen(NodeId(0), NodeId(1), 12)
         }],
     };
-    discovery.noise = Some(Noise::KINECT);
+    discovery.estimates = Some(Estimates::of_noise(Noise::KINECT, 1));
     discovery.notices = vec![Notice::NoColor];
     discovery
 }

@@ -7,6 +7,7 @@
 
 mod world;
 
+use objecthood::attitude::Attitude;
 use objecthood::clusters::fill::fill_facets;
 use objecthood::clusters::rules::{Rules, find_clusters};
 use objecthood::clusters::scene::Scene;
@@ -35,7 +36,8 @@ fn grid(width: usize, height: usize) -> objecthood::Result<Raster<i32>> {
 
 fn discover_with(labels: &Raster<i32>, frame: &Frame, params: &Params) -> objecthood::Result<Discovery> {
     let surfaces = find_surfaces(frame, &params.sensor, &params.local_fit);
-    let structure = find_structure(frame.depth_m(), &surfaces, &params.gravity, &params.structure);
+    let attitude = Attitude::of(frame, &params.gravity);
+    let structure = find_structure(frame.depth_m(), &surfaces, &attitude, &params.structure);
 
     // 1. Over-segmentation: ours would be `flood_superpixels`.
     let superpixels = LinkedSuperpixels::from_labels(labels, &surfaces, &structure, &params.watershed)?;

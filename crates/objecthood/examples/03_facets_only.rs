@@ -5,6 +5,7 @@
 mod world;
 
 use objecthood::Params;
+use objecthood::attitude::Attitude;
 use objecthood::facets::find_facets;
 use objecthood::oversegment::linked::flood_superpixels;
 use objecthood::oversegment::structure::find_structure;
@@ -22,7 +23,8 @@ pub(crate) fn main() -> objecthood::Result<()> {
     let params = Params::default();
 
     let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
-    let structure = find_structure(frame.depth_m(), &surfaces, &params.gravity, &params.structure);
+    let attitude = Attitude::of(&frame, &params.gravity);
+    let structure = find_structure(frame.depth_m(), &surfaces, &attitude, &params.structure);
     let superpixels = flood_superpixels(&surfaces, &structure, &params.watershed);
     let facets = find_facets(&surfaces, &structure, &superpixels, &params.merging, &params.refinement);
 

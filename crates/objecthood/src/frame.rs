@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::buffers::Buffer;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
+use crate::estimates::Estimates;
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
@@ -28,6 +29,8 @@ pub struct Frame {
     camera: Camera,
     /// Pixels with depth.
     measured_px: usize,
+    /// What frames before it told.
+    estimates: Option<Estimates>,
 }
 
 impl Frame {
@@ -57,10 +60,37 @@ impl Frame {
             }
         }
         if measured_px > 0 {
-            Ok(Self { depth_m: Arc::new(depth_m), color: color.map(Arc::new), camera, measured_px })
+            let (depth_m, color) = (Arc::new(depth_m), color.map(Arc::new));
+            Ok(Self { depth_m, color, camera, measured_px, estimates: None })
         } else {
             Err(Error::NoValidDepth)
         }
+    }
+
+    /// The same frame, to be looked at with what frames before it told: the noise of the sensor is a mean over all of them, and
+    /// where this frame does not show clearly which surface is its ground, their direction up decides (`context`).
+    ///
+    /// Without this call the result depends on the frame alone.
+    ///
+    /// ```
+    /// # use objecthood::{Camera, Frame, Params, Pipeline, Raster};
+    /// # let camera = Camera::new(52.5, 52.5, 31.5, 23.5)?;
+    /// # let stream = vec![Frame::new(Raster::filled(64, 48, 1.2)?, None, camera)?; 2];
+    /// let (mut pipeline, params) = (Pipeline::default(), Params::default());
+    /// let mut estimates = None;
+    /// for frame in stream {
+    ///     let found = pipeline.discover(&frame.with_estimates(estimates), &params)?;
+    ///     estimates = found.estimates;
+    /// }
+    /// # Ok::<(), objecthood::Error>(())
+    /// ```
+    pub fn with_estimates(self, estimates: impl Into<Option<Estimates>>) -> Self {
+        Self { estimates: estimates.into(), ..self }
+    }
+
+    /// What frames before it told, if that was handed on.
+    pub fn estimates(&self) -> Option<&Estimates> {
+        self.estimates.as_ref()
     }
 
     /// Depth in metres, `NaN` = none.
@@ -88,14 +118,16 @@ impl Frame {
         self.measured_px
     }
 
-    /// Whether both frames share their images in memory, as clones do, and have the same camera.
+    /// Whether both frames share their images in memory, as clones do, and all else of them is equal.
     pub(crate) fn is_clone_of(&self, other: &Self) -> bool {
         let shares_color = match (&self.color, &other.color) {
             (Some(own), Some(other)) => Arc::ptr_eq(own, other),
             (None, None) => true,
             _ => false,
         };
-        Arc::ptr_eq(&self.depth_m, &other.depth_m) && shares_color && self.camera == other.camera
+        Arc::ptr_eq(&self.depth_m, &other.depth_m)
+            && shares_color
+            && (self.camera, self.estimates) == (other.camera, other.estimates)
     }
 
     /// Whether the pixel with index `i` has depth.

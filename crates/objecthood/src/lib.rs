@@ -43,18 +43,21 @@
 //! The crate is pure: no files, no clock, no printing. The same frame gives the same labels on any number of
 //! threads; functions that use more than one run on the current rayon pool.
 
+pub mod attitude;
 mod buffers;
 pub mod camera;
 pub mod clusters;
 pub mod color;
 pub mod discovery;
 pub mod error;
+pub mod estimates;
 pub mod explain;
 pub mod facets;
 pub mod frame;
 mod linear;
 mod method;
 mod neighbours;
+pub mod noise;
 pub mod objectness;
 pub mod observe;
 mod outputs;
@@ -80,6 +83,7 @@ mod union_find;
 pub use camera::Camera;
 pub use discovery::{Discovery, Noise, Notice, Object, ObjectId, ObjectnessParts, OrientedBox};
 pub use error::{Error, Result};
+pub use estimates::Estimates;
 pub use frame::Frame;
 pub use observe::{LabelMap, Observer, Output};
 pub use params::{Method, ParameterInfo, Params, Reader};

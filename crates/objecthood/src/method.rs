@@ -3,6 +3,7 @@
 //! Every stage is a function from outputs of earlier stages and its own parameters to one output. [`recall`] runs a stage only
 //! if its output is not kept already.
 
+use crate::attitude::Attitude;
 use crate::clusters::fill::fill_facets;
 use crate::clusters::rules::{Rules, find_clusters};
 use crate::clusters::scene::Scene;
@@ -65,7 +66,9 @@ pub(crate) fn paper<'k>(
     observer.observe(Output::Shapes(shapes.into()));
 
     // 4. Objectness: size, and support against gravity (eq. 6 to 8).
-    let ground = recall(&mut kept.ground, || find_ground(points_m, &params.gravity));
+    let ground = recall(&mut kept.ground, || {
+        find_ground(points_m, &Attitude::of(frame, &params.gravity), &params.gravity)
+    });
     let support = recall(&mut kept.support, || {
         stack_by_height(superpixels, shapes, points_m, normals, &params.contact, &ground.up)
     });
@@ -101,7 +104,8 @@ pub(crate) fn context<'k>(
 
     // 1. Over-segmentation: large planes, then a watershed of the residuals of the plane fits.
     let structure = recall(&mut kept.structure, || {
-        find_structure(frame.depth_m(), surfaces, &params.gravity, &params.structure)
+        let attitude = &Attitude::of(frame, &params.gravity);
+        find_structure(frame.depth_m(), surfaces, attitude, &params.structure)
     });
     observer.observe(Output::Structure(LabelMap::structure(structure)));
     let superpixels =

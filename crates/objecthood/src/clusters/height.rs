@@ -53,7 +53,7 @@ mod tests {
     use super::*;
     use crate::clusters::scene::Scene;
     use crate::clusters::testing::{Table, named, single};
-    use crate::surface::noise::Noise;
+    use crate::noise::Noise;
 
     #[test]
     fn what_is_low_is_a_part_of_the_table() {

@@ -35,8 +35,12 @@ pub struct Scene<'a> {
     pub supports: &'a [usize],
     /// The share of the pixels that are small holes in a grid, and were bridged.
     pub bridged_share: f32,
+    /// The frames that the noise of `space` is a mean over; 0 when none told of it.
+    pub noise_frames: u32,
     /// How far the camera is turned clockwise about its optical axis beyond what was given (degrees).
     pub turned_deg: u16,
+    /// Whether little speaks for another surface as the ground.
+    pub is_ground_clear: bool,
     /// The largest differences in disparity that are no step.
     pub steps: StepLimits,
 }
@@ -62,7 +66,9 @@ impl<'a> Scene<'a> {
             planes: &structure.planes,
             supports: &structure.supports.surfaces,
             bridged_share: surfaces.bridged_share,
+            noise_frames: surfaces.noise_frames,
             turned_deg: structure.supports.turned_deg,
+            is_ground_clear: structure.supports.is_clear,
             steps,
         }
     }

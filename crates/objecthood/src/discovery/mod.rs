@@ -15,11 +15,12 @@ pub use self::object::{Object, OrientedBox};
 pub use self::parts::ObjectnessParts;
 pub use self::support_graph::{NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode};
 pub use self::up::{Up, UpSource};
+pub use crate::estimates::Estimates;
+pub use crate::noise::Noise;
 pub use crate::planes::StructurePlane;
 pub use crate::plausibility::Doubt;
 pub use crate::raster::PixelBox;
 use crate::raster::Raster;
-pub use crate::surface::noise::Noise;
 
 /// Everything found in one frame.
 #[derive(Clone, Debug)]
@@ -37,8 +38,9 @@ pub struct Discovery {
     pub structure: Raster<u16>,
     /// The support graph: which region stands on which.
     pub support: SupportGraph,
-    /// The noise of the sensor by which `context` set its tolerances; `None` in `paper`.
-    pub noise: Option<Noise>,
+    /// What this frame, and those before it that were handed on, tell of the sensor and of gravity: the noise by which `context` set
+    /// its tolerances, and up. `None` in `paper`.
+    pub estimates: Option<Estimates>,
     /// Notices to the user about this result.
     pub notices: Vec<Notice>,
 }
@@ -54,7 +56,7 @@ impl Discovery {
             up: Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera },
             structure_planes: Vec::new(),
             support: SupportGraph::default(),
-            noise: None,
+            estimates: None,
             notices: Vec::new(),
         }
     }

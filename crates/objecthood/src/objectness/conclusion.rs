@@ -2,8 +2,9 @@
 
 use crate::clusters::scene::Scene;
 use crate::discovery::support_graph::SupportGraph;
-use crate::discovery::{Discovery, Notice};
+use crate::discovery::{Discovery, Notice, UpSource};
 use crate::error::Result;
+use crate::estimates::Estimates;
 use crate::frame::Frame;
 use crate::objectness::decision::decide;
 use crate::objectness::hypotheses::Hypothesis;
@@ -42,7 +43,7 @@ pub fn conclude_paper(
     let kept = decide(hypotheses, Method::Paper, objectness);
     let (objects, labels) = make_objects(kept, facets, points_m, support)?;
     let plane = ground.plane.as_ref();
-    let missing_plane = plane.is_none() && gravity.up_from == UpFrom::Plane;
+    let missing_plane = gravity.up_from == UpFrom::Plane && ground.up.source == UpSource::Camera;
     let missing_color = frame.color().is_none();
     let notices = [(missing_plane, Notice::NoPlane), (missing_color, Notice::NoColor)];
     Ok(Discovery {
@@ -52,7 +53,7 @@ pub fn conclude_paper(
         structure: mark_plane(plane, &labels, points_m, gravity),
         structure_planes: plane.copied().into_iter().collect(),
         labels,
-        noise: None,
+        estimates: None,
         notices: notices.into_iter().filter_map(|(holds, notice)| holds.then_some(notice)).collect(),
     })
 }
@@ -71,7 +72,9 @@ pub fn conclude_context(
     let Standing { candidates, planes, up, graph, .. } = standing;
     let kept = decide(hypotheses, Method::Context, objectness);
     let (objects, labels) = make_objects(kept, &scene.facets.segments, scene.points_m, graph)?;
-    let missing_plane = planes.is_empty() && gravity.up_from == UpFrom::Plane;
+    let missing_plane =
+        planes.is_empty() && gravity.up_from == UpFrom::Plane && up.source == UpSource::Camera;
+    let told = up.source == UpSource::Earlier || up.source == UpSource::Plane && scene.is_ground_clear;
     let turned = (scene.turned_deg != 0).then_some(Notice::Turned { degrees: scene.turned_deg });
     let holes = (scene.bridged_share > 0.0).then_some(Notice::HoleGrid { share: scene.bridged_share });
     Ok(Discovery {
@@ -81,7 +84,11 @@ pub fn conclude_context(
         up: *up,
         structure: candidates.structure_labels(scene.points_m),
         structure_planes: planes.clone(),
-        noise: Some(*scene.space.noise()),
+        estimates: Some(Estimates {
+            noise: *scene.space.noise(),
+            frames: scene.noise_frames,
+            up: told.then_some(up.direction),
+        }),
         notices: missing_plane.then_some(Notice::NoPlane).into_iter().chain(turned).chain(holes).collect(),
     })
 }

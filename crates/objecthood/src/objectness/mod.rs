@@ -6,6 +6,7 @@
 //! On a box of 10 cm, seen from above:
 //!
 //! ```
+//! # use objecthood::attitude::Attitude;
 //! # use objecthood::surface::surfaces::find_surfaces;
 //! # use objecthood::oversegment::structure::find_structure;
 //! # use objecthood::oversegment::linked::flood_superpixels;
@@ -26,7 +27,8 @@
 //! # let frame = Frame::new(depth_m, None, Camera::new(131.0, 131.0, 79.5, 59.5)?)?;
 //! let params = Params::default();
 //! # let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
-//! # let structure = find_structure(frame.depth_m(), &surfaces, &params.gravity, &params.structure);
+//! # let attitude = Attitude::of(&frame, &params.gravity);
+//! # let structure = find_structure(frame.depth_m(), &surfaces, &attitude, &params.structure);
 //! # let superpixels = flood_superpixels(&surfaces, &structure, &params.watershed);
 //! # let facets = find_facets(&surfaces, &structure, &superpixels, &params.merging, &params.refinement);
 //! # let borders = measure_borders(&facets, &surfaces.disparity, &surfaces.space, &params.border);

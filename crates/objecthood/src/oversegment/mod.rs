@@ -7,6 +7,7 @@
 //! On a box of 10 cm, seen from above:
 //!
 //! ```
+//! # use objecthood::attitude::Attitude;
 //! # use objecthood::surface::surfaces::find_surfaces;
 //! use objecthood::oversegment::linked::flood_superpixels;
 //! use objecthood::oversegment::structure::find_structure;
@@ -17,7 +18,8 @@
 //! # let frame = Frame::new(depth_m, None, Camera::new(131.0, 131.0, 79.5, 59.5)?)?;
 //! let params = Params::default();
 //! # let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
-//! let structure = find_structure(frame.depth_m(), &surfaces, &params.gravity, &params.structure);
+//! let attitude = Attitude::of(&frame, &params.gravity);
+//! let structure = find_structure(frame.depth_m(), &surfaces, &attitude, &params.structure);
 //! assert_eq!(structure.planes.len(), 1); // the table
 //! let superpixels = flood_superpixels(&surfaces, &structure, &params.watershed);
 //! assert!(superpixels.segments.count() > 10);

@@ -15,6 +15,7 @@
 //! use objecthood::surface::disparity::DisparitySpace;
 //! use objecthood::surface::normals::measure_normals;
 //!
+//! # use objecthood::attitude::Attitude;
 //! # use objecthood::{Camera, Frame, Method, Params, Raster};
 //! # let seen_m = |i: usize| if (60..100).contains(&(i % 160)) && (40..80).contains(&(i / 160)) { 0.9 } else { 1.0 };
 //! # let depth_m = Raster::from_vec(160, 120, (0..160 * 120).map(seen_m).collect())?;
@@ -31,7 +32,7 @@
 //! let shapes = &join_convex(&superpixels, facets, points_m, normals, &params.contact);
 //! assert_eq!((facets.count(), shapes.count()), (2, 2));
 //!
-//! let ground = &find_ground(points_m, &params.gravity);
+//! let ground = &find_ground(points_m, &Attitude::of(&frame, &params.gravity), &params.gravity);
 //! let support = &stack_by_height(&superpixels, shapes, points_m, normals, &params.contact, &ground.up);
 //! assert_eq!((support.edges[0].lower.0, support.edges[0].upper.0), (0, 1)); // the box stands on the table
 //!

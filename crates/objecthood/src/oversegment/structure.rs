@@ -4,6 +4,7 @@
 //! stage is cheaper without their pixels.
 
 mod candidates;
+mod choice;
 mod ground;
 mod labels;
 mod planes;
@@ -23,6 +24,7 @@ use self::planes::fit_planes;
 use self::size::SurfaceSize;
 pub use self::surface::StructureSurface;
 use self::tilt::{Alike, least_square};
+use crate::attitude::Attitude;
 use crate::params;
 use crate::planes::StructurePlane;
 use crate::raster::Raster;
@@ -57,11 +59,11 @@ const BOARD_M2: f64 = 0.06;
 /// Finds the structure of a scene.
 ///
 /// RANSAC (Fischler and Bolles 1981) with fixed random numbers over a grid of pixels. The best plane is fitted again as a
-/// quadratic and kept when it is large. `gravity`: how the camera is held. O(rounds · trials · pixels / 36).
+/// quadratic and kept when it is large. `attitude`: how the camera is held. O(rounds · trials · pixels / 36).
 pub fn find_structure(
     depth_m: &Raster<f32>,
     surfaces_at: &Surfaces,
-    gravity: &params::Gravity,
+    attitude: &Attitude,
     params: &params::Structure,
 ) -> Structure {
     let Surfaces { space, disparity, fits, orientation, .. } = surfaces_at;
@@ -72,7 +74,7 @@ pub fn find_structure(
     let view = View { disparity, orientation, space, grid: space.length_px(GRID_PX), alike };
     let Found { mut surfaces, large } = find_surfaces(&view, fits);
     let mut labels = label_pixels(&surfaces, disparity, orientation, &view.alike, params.tolerance_quanta);
-    let mut supports = find_supports(&surfaces, large, &labels, disparity, space, gravity);
+    let mut supports = find_supports(&surfaces, large, &labels, disparity, space, attitude);
     let kept = supports.keep(surfaces.len(), large);
     if kept.len() < surfaces.len() {
         surfaces = kept.iter().map(|&s| surfaces[s].clone()).collect();

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::attitude::Attitude;
 use crate::buffers::Buffer;
 use crate::discovery::up::{Up, UpSource};
 use crate::params::{self, UpFrom};
@@ -69,13 +70,16 @@ pub(crate) fn mark_plane(
     labels.with_data(pixels.map(|(p, &object)| u16::from(object == 0 && is_near(p))).collect())
 }
 
-/// Finds the direction up: the normal of `plane`, or the camera's own up when there is no plane or with `up_from = camera`.
+/// Finds the direction up: the normal of `plane`; without one what earlier frames told, else the camera's own up, as with
+/// `up_from = camera`.
 ///
 /// *Differs from the paper:* there the camera is held horizontally (`up_from = camera`, and neither tilt nor roll).
-pub fn find_up(plane: Option<&StructurePlane>, params: &params::Gravity) -> Up {
-    match (params.up_from, plane) {
-        (UpFrom::Plane, Some(plane)) => Up { direction: plane.normal, source: UpSource::Plane },
-        _ => Up { direction: params.camera_up(), source: UpSource::Camera },
+pub fn find_up(plane: Option<&StructurePlane>, attitude: &Attitude, up_from: UpFrom) -> Up {
+    let of = |up: DVec3, source| Up { direction: up.as_vec3().to_array(), source };
+    match (up_from, plane, attitude.earlier_up) {
+        (UpFrom::Plane, Some(plane), _) => Up { direction: plane.normal, source: UpSource::Plane },
+        (UpFrom::Plane, None, Some(up)) => of(up, UpSource::Earlier),
+        _ => of(attitude.up, UpSource::Camera),
     }
 }
 
@@ -90,14 +94,15 @@ pub struct Ground {
 }
 
 /// Finds the dominant plane and the direction up. See [`find_dominant_plane`].
-pub fn find_ground(points_m: &Raster<[f32; 3]>, params: &params::Gravity) -> Ground {
+pub fn find_ground(points_m: &Raster<[f32; 3]>, attitude: &Attitude, params: &params::Gravity) -> Ground {
     let plane = find_dominant_plane(points_m, params);
-    Ground { up: find_up(plane.as_ref(), params), plane }
+    Ground { up: find_up(plane.as_ref(), attitude, params.up_from), plane }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::attitude::Knowledge;
 
     /// `on` points of the plane n · X = -1, and `off` points strewn around it.
     fn cloud(n: DVec3, on: usize, off: usize) -> Raster<[f32; 3]> {
@@ -108,6 +113,10 @@ mod tests {
             (0..on).map(|_| (s * draw() + t * draw() - n).as_vec3().to_array()).collect();
         points.extend((0..off).map(|_| [draw() as f32, draw() as f32, draw() as f32 + 2.0]));
         Raster::from_vec(points.len(), 1, points).unwrap()
+    }
+
+    fn level(earlier_up: Option<DVec3>) -> Attitude {
+        Attitude { up: DVec3::NEG_Y, knowledge: Knowledge::Assumed, earlier_up }
     }
 
     #[test]
@@ -140,14 +149,23 @@ mod tests {
         assert_eq!(find_dominant_plane(&cloud(DVec3::NEG_Y, 1, 0), &params), None);
         let line = Raster::from_vec(3, 1, vec![[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, 3.0]]).unwrap();
         assert_eq!(find_dominant_plane(&line, &params), None, "points on a line are no plane");
-        assert_eq!(find_up(None, &params), Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera });
+        let up = find_up(None, &level(None), UpFrom::Plane);
+        assert_eq!(up, Up { direction: [0.0, -1.0, 0.0], source: UpSource::Camera });
     }
 
     #[test]
     fn the_camera_is_up_when_asked_for() {
         let plane = StructurePlane { normal: [0.0, 0.0, -1.0], offset_m: 1.0, inlier_share: 1.0 };
-        let params = params::Gravity { up_from: UpFrom::Camera, ..Default::default() };
-        assert_eq!(find_up(Some(&plane), &params).source, UpSource::Camera);
-        assert_eq!(find_up(Some(&plane), &params::Gravity::default()).direction, plane.normal);
+        assert_eq!(find_up(Some(&plane), &level(None), UpFrom::Camera).source, UpSource::Camera);
+        assert_eq!(find_up(Some(&plane), &level(None), UpFrom::Plane).direction, plane.normal);
+    }
+
+    #[test]
+    fn without_a_plane_up_is_what_earlier_frames_told() {
+        let (earlier, plane) = (DVec3::new(0.0, -0.6, -0.8), [0.0, 0.0, -1.0]);
+        let up = find_up(None, &level(Some(earlier)), UpFrom::Plane);
+        assert_eq!(up, Up { direction: [0.0, -0.6, -0.8], source: UpSource::Earlier });
+        let plane = StructurePlane { normal: plane, offset_m: 1.0, inlier_share: 1.0 };
+        assert_eq!(find_up(Some(&plane), &level(Some(earlier)), UpFrom::Plane).direction, plane.normal);
     }
 }

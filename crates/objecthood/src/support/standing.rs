@@ -1,5 +1,6 @@
 //! Support in `context`: the candidates, the structure, and the forest between them.
 
+use crate::attitude::Attitude;
 use crate::clusters::candidates::{Candidates, find_candidates};
 use crate::clusters::clustering::Clustering;
 use crate::clusters::scene::Scene;
@@ -59,7 +60,8 @@ pub fn find_standing(
 ) -> Standing {
     let candidates = find_candidates(scene, clusters, params.objectness);
     let planes = candidates.count_inliers(planes.to_vec(), frame.measured_px());
-    let up = find_up(scene.ground_facet().map(|facet| &planes[facet.index()]), params.gravity);
+    let ground = scene.ground_facet().map(|facet| &planes[facet.index()]);
+    let up = find_up(ground, &Attitude::of(frame, params.gravity), params.gravity.up_from);
     let &Scene { points_m, normals, space, .. } = scene;
     let support_scene =
         SupportScene { regions: &candidates.regions, points_m, normals, planes: &planes, up: &up, space };

@@ -1,4 +1,4 @@
-//! Estimates the sensor's noise from one frame: how much neighbouring blocks of a surface disagree (docs/CONTEXT.md 0.5).
+//! Measures the sensor's noise in one frame: how much neighbouring blocks of a surface disagree (docs/CONTEXT.md 0.5).
 //!
 //! Noise of single pixels averages out in fits; waves of 16 to 40 px do not. So the residual of a small window does not tell whether
 //! a surface will come to pieces. The disagreement of neighbouring blocks does, and it needs no plane.
@@ -6,10 +6,10 @@
 use rayon::prelude::*;
 
 use crate::buffers::Buffer;
+use crate::noise::{MeasuredNoise, Reading, SIDES_PX};
 use crate::quantile::element_at;
 use crate::raster::Raster;
 use crate::surface::disparity::DisparitySpace;
-use crate::surface::noise::{KINECT_QUANTA, Noise, SIDES_PX};
 
 /// Least side of the smallest block (px of this image).
 const LEAST_SIDE_PX: usize = 4;
@@ -22,37 +22,38 @@ const LEAST_PAIRS: usize = 40;
 /// Every this many pixels along rows and columns a residual is read for the white noise.
 const RESIDUAL_STEP_PX: usize = 8;
 
-/// Estimates the noise of the sensor from one frame. `residual`: of the plane fitted around every pixel.
+/// Measures the noise of the sensor in one frame. `residual`: of the plane fitted around every pixel.
 ///
 /// For blocks of 8, 16 and 32 px: the cost of merging two neighbouring blocks (as of two regions, docs/CONTEXT.md 2.1), first quartile
-/// over all pairs of blocks whose pixels are all measured. With too few pairs of one size the next smaller size counts, scaled as on a
-/// Kinect; with none, a Kinect is assumed. Block sums of 8 px add up to those of 16 and 32 px. O(pixels), parallel over rows of blocks.
-pub fn estimate_noise(disparity: &Raster<f32>, residual: &Raster<f32>, space: &DisparitySpace) -> Noise {
+/// over all pairs of blocks whose pixels are all measured. Block sums of 8 px add up to those of 16 and 32 px. O(pixels), parallel over
+/// rows of blocks.
+pub fn measure_noise(
+    disparity: &Raster<f32>,
+    residual: &Raster<f32>,
+    space: &DisparitySpace,
+) -> MeasuredNoise {
     let side = space.length_px(SIDES_PX[0]).max(LEAST_SIDE_PX);
     let mut blocks = Blocks::of(disparity, side);
-    let mut ratios = [None; 3];
-    for (k, ratio) in ratios.iter_mut().enumerate() {
+    let mut measured = MeasuredNoise { white: measure_white(residual), blocks_quanta: [None; 3] };
+    for (k, reading) in measured.blocks_quanta.iter_mut().enumerate() {
         if k > 0 {
             blocks = blocks.doubled();
         }
-        *ratio = blocks.disagreement(space).map(|quanta| quanta / KINECT_QUANTA[k]);
+        *reading = blocks.disagreement(space);
     }
-    let mut last = 1.0;
-    let blocks_quanta = std::array::from_fn(|k| {
-        last = ratios[k].unwrap_or(last);
-        last * KINECT_QUANTA[k]
-    });
-    Noise { white: white_noise(residual), blocks_quanta }
+    measured
 }
 
-/// Median residual, relative to a Kinect's; 1 without fits.
-fn white_noise(residual: &Raster<f32>) -> f64 {
+/// Median residual, relative to a Kinect's; `None` without fits.
+fn measure_white(residual: &Raster<f32>) -> Option<Reading> {
     let (width, height) = residual.size();
     let rows = (0..height).step_by(RESIDUAL_STEP_PX);
     let pixels = rows.flat_map(|v| (0..width).step_by(RESIDUAL_STEP_PX).map(move |u| v * width + u));
     let fitted = pixels.map(|i| f64::from(residual[i])).filter(|residual| residual.is_finite());
     let mut residuals: Buffer<f64> = fitted.collect();
-    if residuals.is_empty() { 1.0 } else { element_at(&mut residuals, 0.5) / KINECT_RESIDUAL_QUANTA }
+    let samples = residuals.len();
+    let median = |residuals: &mut Buffer<f64>| element_at(residuals, 0.5) / KINECT_RESIDUAL_QUANTA;
+    (samples > 0).then(|| Reading { value: median(&mut residuals), samples })
 }
 
 /// Sums of disparity over the pixels of a block, x and y counted from its middle. Not numbers where a pixel is not measured.
@@ -133,7 +134,7 @@ impl Blocks {
     }
 
     /// First quartile of the disagreement of neighbouring blocks (quanta); `None` for too few pairs.
-    fn disagreement(&self, space: &DisparitySpace) -> Option<f64> {
+    fn disagreement(&self, space: &DisparitySpace) -> Option<Reading> {
         let right_of = |k: usize| (!(k + 1).is_multiple_of(self.columns)).then_some(k + 1);
         let below = |k: usize| (k + self.columns < self.sums.len()).then_some(k + self.columns);
         let is_measured = |k: &usize| !self.sums[*k].d.is_nan();
@@ -144,7 +145,8 @@ impl Blocks {
             right.into_iter().chain(below.map(|other| self.pair(k, other, |s| [s.dy, s.dx], space)))
         });
         let mut costs: Buffer<f64> = pairs.collect();
-        (costs.len() >= LEAST_PAIRS).then(|| element_at(&mut costs, QUARTILE))
+        let samples = costs.len();
+        (samples >= LEAST_PAIRS).then(|| Reading { value: element_at(&mut costs, QUARTILE), samples })
     }
 
     /// The cost of merging two blocks, the first left of or above the second. `along`: the sums along and across their direction.
@@ -174,6 +176,7 @@ fn sum_of_squares(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::noise::{KINECT_QUANTA, Noise};
     use crate::random::Lcg;
     use crate::surface::disparity::position;
     use crate::testing::space;
@@ -189,11 +192,8 @@ mod tests {
         let disparity: Vec<f32> = (0..width * height).map(disparity).map(|d| d as f32).collect();
         let disparity = Raster::from_vec(width, height, disparity).unwrap();
         let residual = disparity.map(|_| KINECT_RESIDUAL_QUANTA as f32);
-        estimate_noise(
-            &disparity,
-            &residual,
-            &space([focal_px; 2], [width as f64 / 2.0, height as f64 / 2.0]),
-        )
+        let space = space([focal_px; 2], [width as f64 / 2.0, height as f64 / 2.0]);
+        measure_noise(&disparity, &residual, &space).alone()
     }
 
     /// Normal noise of standard deviation 1.

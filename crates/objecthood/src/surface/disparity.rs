@@ -8,10 +8,10 @@ use rayon::prelude::*;
 
 use crate::buffers::Buffer;
 use crate::camera::Camera;
+use crate::noise::Noise;
 use crate::params;
 use crate::raster::Raster;
 use crate::simd::vectorized;
-use crate::surface::noise::Noise;
 
 /// Range of depths (m) that count as measured in `context`.
 const RANGE_M: std::ops::Range<f32> = 0.1..20.0;

@@ -34,7 +34,6 @@ pub mod depth_change;
 pub mod disparity;
 pub mod model;
 pub mod moments;
-pub mod noise;
 pub mod normals;
 pub mod plane_fit;
 pub mod surfaces;

@@ -1,9 +1,11 @@
 //! The surface at every pixel in `context`: the plane that fits its surroundings best (docs/CONTEXT.md 0.3, 0.4).
 
+use crate::estimates::Estimates;
 use crate::frame::Frame;
+use crate::noise::MeasuredNoise;
 use crate::params::{self, NoiseFrom};
 use crate::raster::Raster;
-use crate::surface::blocks::estimate_noise;
+use crate::surface::blocks::measure_noise;
 use crate::surface::bridges::bridge_holes;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::plane_fit::{PlaneFits, fit_planes};
@@ -19,6 +21,8 @@ pub struct Surfaces {
     pub disparity: Raster<f32>,
     /// The share of the pixels that are small holes in a grid, and were bridged.
     pub bridged_share: f32,
+    /// The frames that the noise of `space` is a mean over; 0 when none told of it.
+    pub noise_frames: u32,
     /// The plane fitted to the window around every pixel.
     pub fits: PlaneFits,
     /// Slope and normal of the window that was chosen for every pixel.
@@ -31,10 +35,21 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
     let mut disparity = space.disparity(frame.depth_m());
     let bridged_share = bridge_holes(&mut disparity);
     let fits = fit_planes(&disparity, space.length_px(params.radius_px));
-    let space = match sensor.noise {
-        NoiseFrom::Estimated => space.with_noise(estimate_noise(&disparity, &fits.residual, &space)),
-        NoiseFrom::Given => space,
+    let Estimates { noise, frames: noise_frames, .. } = match sensor.noise {
+        NoiseFrom::Estimated => {
+            estimate_noise(&measure_noise(&disparity, &fits.residual, &space), frame.estimates())
+        }
+        NoiseFrom::Given => Estimates::of_noise(*space.noise(), 0),
     };
+    let space = space.with_noise(noise);
     let orientation = choose_windows(&disparity, &fits, &space, params);
-    Surfaces { space, disparity, bridged_share, fits, orientation }
+    Surfaces { space, disparity, bridged_share, noise_frames, fits, orientation }
+}
+
+/// The noise in the mean of this frame and those before it; without frames before it, that of this frame alone.
+fn estimate_noise(measured: &MeasuredNoise, earlier: Option<&Estimates>) -> Estimates {
+    match earlier.filter(|earlier| earlier.frames > 0) {
+        Some(earlier) => earlier.after(measured),
+        None => Estimates::of_noise(measured.alone(), measured.has_waves().into()),
+    }
 }

@@ -1,10 +1,11 @@
 //! The ground and the other supports: the surfaces on which things stand (docs/CONTEXT.md 1.1, ours, because the largest surface of
 //! a room is often a wall).
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
+use super::choice::{Choice, Evidence, choose_ground};
 use super::surface::StructureSurface;
-use crate::params;
+use crate::attitude::Attitude;
 use crate::raster::Raster;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::union_find::UnionFind;
@@ -25,10 +26,6 @@ const LEAST_CONTACTS: u32 = 3;
 const LEAST_THING_PX: usize = 250;
 /// Pieces longer than this (m) along an axis of the camera are furniture, as for `objectness.max_side_m`.
 const MOST_SIDE_M: f64 = 0.6;
-/// Cosine of the angle between surfaces that are supports of one scene (15 degrees).
-const PARALLEL: f64 = 0.966;
-/// Weight of a ground for which the camera would have to be turned about its optical axis.
-const TURNED_WEIGHT: f64 = 0.4;
 
 /// The surfaces on which things stand.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,50 +34,31 @@ pub struct Supports {
     pub surfaces: Vec<usize>,
     /// How far the camera is turned clockwise about its optical axis beyond what was given: 0, 90, 180 or 270 degrees.
     pub turned_deg: u16,
-}
-
-/// What speaks for a surface as a support.
-struct Evidence {
-    normal: DVec3,
-    /// Things that touch it more than any other surface; an empty surface counts as much as its share of the image.
-    things: f64,
+    /// Whether little speaks for another surface as the ground.
+    pub is_clear: bool,
 }
 
 /// Finds the ground and all supports that are parallel to it.
 ///
 /// For each surface, the things are counted that touch it more than any other: a wall touches furniture, a board what stands on it.
-/// Surfaces that are parallel speak for the same direction up. It counts the less the farther it turns from the camera's own up to below the horizon.
-/// Unless tilt and roll are given, the camera may also be turned by quarters. Without surfaces there is no support. O(pixels / 9 + surfaces²).
+/// [`choose_ground`] weighs them. Without surfaces there is no support. O(pixels / 9 + surfaces²).
 pub(super) fn find_supports(
     surfaces: &[StructureSurface],
     large: usize,
     labels: &Raster<i32>,
     disparity: &Raster<f32>,
     space: &DisparitySpace,
-    gravity: &params::Gravity,
+    attitude: &Attitude,
 ) -> Supports {
     let seen = Seen::new(labels, disparity, space);
     let evidence = count_things(&seen, surfaces, MOST_SIDE_M);
-    let turns: &[u16] = if gravity.is_attitude_given() { &[0] } else { &[0, 90, 180, 270] };
-    let camera_up = Vec3::from(gravity.camera_up()).as_dvec3();
-    let mut best: Option<(f64, usize, u16)> = None;
-    for &turned_deg in turns {
-        let up = turn(camera_up, turned_deg);
-        let weight = if turned_deg == 0 { 1.0 } else { TURNED_WEIGHT };
-        for (k, leader) in evidence.iter().enumerate() {
-            let together = evidence.iter().filter(|other| are_parallel(leader, other));
-            let score = weight * facing(leader.normal, up) * together.map(|other| other.things).sum::<f64>();
-            if best.is_none_or(|(most, ..)| score > most) {
-                best = Some((score, k, turned_deg));
-            }
-        }
-    }
-    let Some((_, leader, turned_deg)) = best else { return Supports::default() };
+    let Some(ground) = choose_ground(&evidence, attitude) else { return Supports::default() };
+    let Choice { surface, turned_deg, is_clear, .. } = ground;
     let mut surfaces: Vec<usize> =
-        (0..evidence.len()).filter(|&k| are_parallel(&evidence[leader], &evidence[k])).collect();
+        (0..evidence.len()).filter(|&k| evidence[surface].is_parallel_to(&evidence[k])).collect();
     surfaces.retain(|&k| k < large || evidence[k].things >= 1.0);
     surfaces.sort_by(|&a, &b| evidence[b].things.total_cmp(&evidence[a].things));
-    Supports { surfaces, turned_deg }
+    Supports { surfaces, turned_deg, is_clear }
 }
 
 impl Supports {
@@ -92,29 +70,6 @@ impl Supports {
             *surface = kept.iter().position(|k| k == surface).unwrap_or_default();
         }
         kept
-    }
-}
-
-fn are_parallel(a: &Evidence, b: &Evidence) -> bool {
-    a.normal.dot(b.normal) > PARALLEL
-}
-
-/// How plausible a normal is as up, from 0.05 to 1. It falls below 17 degrees above the camera's horizon, because a camera that looks
-/// straight down sees the ground's normal on its horizon; and beyond a roll of 30 degrees.
-fn facing(normal: DVec3, camera_up: DVec3) -> f64 {
-    let pitch = (normal.dot(camera_up) + 0.2) / 0.5;
-    let sideways = normal.dot(camera_up.cross(DVec3::Z).normalize_or_zero()).abs();
-    let roll = (0.9 - sideways) / 0.4;
-    pitch.clamp(0.05, 1.0).min(roll.clamp(0.05, 1.0))
-}
-
-/// The camera's up if the camera is turned clockwise about its optical axis by quarters.
-fn turn(up: DVec3, degrees: u16) -> DVec3 {
-    match degrees {
-        90 => DVec3::new(up.y, -up.x, up.z),
-        180 => DVec3::new(-up.x, -up.y, up.z),
-        270 => DVec3::new(-up.y, up.x, up.z),
-        _ => up,
     }
 }
 

@@ -2,6 +2,7 @@ use glam::DVec3;
 
 use super::surface::BEYOND_M;
 use super::*;
+use crate::attitude::Knowledge;
 use crate::random::Lcg;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::plane_fit::fit_planes;
@@ -30,8 +31,9 @@ fn seen_with(params: &params::Structure, depth_m: impl Fn(usize) -> f64) -> Stru
     let disparity = space.disparity(&depth);
     let fits = fit_planes(&disparity, 2);
     let orientation = choose_windows(&disparity, &fits, &space, &params::LocalFit::default());
-    let surfaces = Surfaces { space, disparity, bridged_share: 0.0, fits, orientation };
-    find_structure(&depth, &surfaces, &params::Gravity::default(), params)
+    let surfaces = Surfaces { space, disparity, bridged_share: 0.0, noise_frames: 0, fits, orientation };
+    let level = Attitude { up: DVec3::NEG_Y, knowledge: Knowledge::Assumed, earlier_up: None };
+    find_structure(&depth, &surfaces, &level, params)
 }
 
 /// The depth of the plane normal · X = -offset along the ray of a pixel.

@@ -1,9 +1,13 @@
 //! The sensor's noise, and the factors by which tolerances follow it (docs/CONTEXT.md 0.5).
 
+mod measured;
+
+pub use measured::{MeasuredNoise, Reading};
+
 /// Sides of the blocks (px at a focal length of 525 px).
-pub(super) const SIDES_PX: [usize; 3] = [8, 16, 32];
+pub(crate) const SIDES_PX: [usize; 3] = [8, 16, 32];
 /// Disagreement of neighbouring blocks of these sides on a Kinect v1 (quanta), measured on mOSD learn.
-pub(super) const KINECT_QUANTA: [f64; 3] = [0.285, 0.21, 0.15];
+pub(crate) const KINECT_QUANTA: [f64; 3] = [0.285, 0.21, 0.15];
 /// A sensor whose waves are this many times a Kinect's counts as a Kinect: the surfaces of things raise the estimate as much.
 const DEAD_BAND: std::ops::RangeInclusive<f64> = 0.9..=1.5;
 /// Tolerances follow the waves with this exponent, because a part of every tolerance is misfit of the model and no noise ...
