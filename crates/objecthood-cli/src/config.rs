@@ -1,4 +1,4 @@
-//! Defaults, then `--config FILE`, then every `--set`, then `--method` and `--all` -> [`Params`].
+//! Defaults, then `--config FILE`, then every `--set`, then `--method`, `--profile` and `--all` -> [`Params`].
 
 mod likely;
 
@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use clap::ValueEnum;
+use objecthood::params::Sensor;
 use objecthood::{Method, ParameterInfo, Params};
 use toml::{Table, Value};
 
@@ -39,12 +40,19 @@ pub(crate) fn values(settings: &Settings, method: Option<MethodName>) -> Result<
     for assignment in &settings.set {
         given.assign(assignment).map_err(|why| usage(format!("--set {assignment}: {why}")))?;
     }
+    let is_lateral_given = given.has("sensor", "lateral_noise_px");
     let mut params: Params = given.groups.try_into().map_err(|e| usage(e.to_string()))?;
     params.method = match method.or(given.method) {
         None => Method::default(),
         Some(MethodName::Paper) => Method::Paper,
         Some(MethodName::Context) => Method::Context,
     };
+    if let Some(profile) = settings.profile {
+        params.sensor.profile = profile.into();
+    }
+    if !is_lateral_given {
+        params.sensor.lateral_noise_px = Sensor::of(params.sensor.profile).lateral_noise_px;
+    }
     params.objectness.every_hypothesis |= settings.all;
     params.validate().map_err(|e| usage(e.to_string()))?;
     Ok(params)
@@ -106,6 +114,11 @@ impl Given {
             }
         }
         Ok(())
+    }
+
+    /// Whether the parameter was set.
+    fn has(&self, group: &str, name: &str) -> bool {
+        self.groups.get(group).and_then(Value::as_table).is_some_and(|group| group.contains_key(name))
     }
 
     /// Takes in `group.parameter=value`.

@@ -64,6 +64,22 @@ fn the_last_setting_wins_over_the_file() {
 }
 
 #[test]
+fn a_profile_brings_its_sideways_noise_unless_that_is_given() {
+    let folder = Folder::new();
+    let sensor = |options: &str| {
+        let toml = folder.run(&format!("params --toml {options}"), 0).stdout;
+        let table: toml::Table = toml.parse().unwrap();
+        (table["sensor"]["profile"].to_string(), table["sensor"]["lateral_noise_px"].to_string())
+    };
+    let expected = |profile: &str, lateral: &str| (format!("\"{profile}\""), lateral.to_owned());
+    assert_eq!(sensor(""), expected("none", "0.8"));
+    assert_eq!(sensor("--profile stereo"), expected("stereo", "0.7"));
+    assert_eq!(sensor("--set sensor.profile=tof"), expected("tof", "0.29"));
+    assert_eq!(sensor("--profile tof --set sensor.lateral_noise_px=0.5"), expected("tof", "0.5"));
+    folder.refuses("params --profile lidar", "stereo");
+}
+
+#[test]
 fn mistakes_in_settings_are_explained_and_nothing_is_done() {
     let folder = Folder::new();
     folder.write("a.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());

@@ -1,8 +1,10 @@
 //! The sensor's noise, and the factors by which tolerances follow it (docs/CONTEXT.md 0.5).
 
 mod measured;
+mod prior;
 
 pub use measured::{MeasuredNoise, Reading};
+pub(crate) use prior::KINECT_RESIDUAL_QUANTA;
 
 /// Sides of the blocks (px at a focal length of 525 px).
 pub(crate) const SIDES_PX: [usize; 3] = [8, 16, 32];

@@ -9,8 +9,9 @@ mod gravity;
 #[macro_use]
 mod declare;
 mod info;
+mod profile;
 
-pub use choices::{Channels, Method, NoiseFrom, UpFrom};
+pub use choices::{Channels, Method, NoiseFrom, Profile, UpFrom};
 pub use info::{ParameterInfo, Reader};
 
 use serde::{Deserialize, Serialize};
@@ -29,6 +30,9 @@ parameters! {
         lateral_noise_px: f64 = 0.8, 0.0..=100.0, "px at a focal length of 525 px", "tuned on mOSD learn (docs/CONTEXT.md 1.2)", read by [Context: Normals];
         /// Source of the noise that tolerances follow (`context`): estimated from each frame, or given by the quantum alone, as a Kinect's.
         noise: NoiseFrom = NoiseFrom::Estimated, OneOf("estimated | given"), "dimensionless: switch", "ours, because no constant fits every sensor (docs/CONTEXT.md 0.5)", read by [Context: Normals];
+        /// Kind of the sensor (`context`): its noise counts where a frame tells little of its own. `--profile` also sets
+        /// `sensor.lateral_noise_px`.
+        profile: Profile = Profile::None, OneOf("none | kinect | stereo | tof | phone"), "dimensionless: switch", "ours, because a frame mostly tells it better (docs/CONTEXT.md 0.6)", read by [Context: Normals];
     }
 
     /// Gaussian smoothing of the colour image before eq. 1.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use objecthood::params::Profile;
 
 use super::number::whole;
 
@@ -18,6 +19,11 @@ pub(crate) struct Settings {
     /// last value of a parameter counts.
     #[arg(long, value_name = "GROUP.PARAMETER=VALUE")]
     pub(crate) set: Vec<String>,
+
+    /// Kind of the depth sensor: its published noise counts where a frame tells little of its own. Sets `sensor.profile`, and
+    /// `sensor.lateral_noise_px` unless that is set too.
+    #[arg(long, value_name = "SENSOR")]
+    pub(crate) profile: Option<ProfileName>,
 
     /// Keep every hypothesis with its objectness, even where it is too low for an object.
     #[arg(long)]
@@ -63,6 +69,30 @@ impl Threads {
 
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// The kinds of sensors by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProfileName {
+    /// Kinect v1, Xtion: structured light.
+    Kinect,
+    /// RealSense D400: active stereo.
+    Stereo,
+    /// Azure Kinect, Kinect v2: time of flight.
+    Tof,
+    /// Phone: few measurements, made dense and smooth.
+    Phone,
+}
+
+impl From<ProfileName> for Profile {
+    fn from(name: ProfileName) -> Self {
+        match name {
+            ProfileName::Kinect => Self::Kinect,
+            ProfileName::Stereo => Self::Stereo,
+            ProfileName::Tof => Self::Tof,
+            ProfileName::Phone => Self::Phone,
+        }
+    }
 }
 
 /// The methods by name.

@@ -44,6 +44,23 @@ choice! {
 }
 
 choice! {
+    /// A kind of depth sensor, of which published figures are known (docs/CONTEXT.md 0.6).
+    Profile {
+        /// Not known: a frame alone tells of its noise.
+        #[default]
+        None = "none",
+        /// Kinect v1, Xtion: structured light.
+        Kinect = "kinect",
+        /// `RealSense` D400: active stereo.
+        Stereo = "stereo",
+        /// Azure Kinect, Kinect v2: time of flight.
+        Tof = "tof",
+        /// Phone: few measurements, made dense and smooth.
+        Phone = "phone",
+    }
+}
+
+choice! {
     /// The terms in the weight of an edge between two pixels (the paper's comparison).
     Channels {
         /// Colour difference only.

@@ -6,15 +6,13 @@
 use rayon::prelude::*;
 
 use crate::buffers::Buffer;
-use crate::noise::{MeasuredNoise, Reading, SIDES_PX};
+use crate::noise::{KINECT_RESIDUAL_QUANTA, MeasuredNoise, Reading, SIDES_PX};
 use crate::quantile::element_at;
 use crate::raster::Raster;
 use crate::surface::disparity::DisparitySpace;
 
 /// Least side of the smallest block (px of this image).
 const LEAST_SIDE_PX: usize = 4;
-/// Residual of a window of 7 x 7 px on a Kinect v1 (quanta), measured on mOSD learn.
-const KINECT_RESIDUAL_QUANTA: f64 = 0.525;
 /// The share of the pairs of blocks below which the disagreement is read: blocks across edges disagree most.
 const QUARTILE: f64 = 0.25;
 /// Fewer pairs of blocks than this tell nothing.

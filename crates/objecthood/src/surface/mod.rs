@@ -34,6 +34,7 @@ pub mod depth_change;
 pub mod disparity;
 pub mod model;
 pub mod moments;
+mod noise_choice;
 pub mod normals;
 pub mod plane_fit;
 pub mod surfaces;

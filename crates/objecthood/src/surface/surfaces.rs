@@ -2,12 +2,11 @@
 
 use crate::estimates::Estimates;
 use crate::frame::Frame;
-use crate::noise::MeasuredNoise;
-use crate::params::{self, NoiseFrom};
+use crate::params;
 use crate::raster::Raster;
-use crate::surface::blocks::measure_noise;
 use crate::surface::bridges::bridge_holes;
 use crate::surface::disparity::DisparitySpace;
+use crate::surface::noise_choice::choose_noise;
 use crate::surface::plane_fit::{PlaneFits, fit_planes};
 use crate::surface::window_choice::{Orientation, choose_windows};
 
@@ -35,21 +34,10 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
     let mut disparity = space.disparity(frame.depth_m());
     let bridged_share = bridge_holes(&mut disparity);
     let fits = fit_planes(&disparity, space.length_px(params.radius_px));
-    let Estimates { noise, frames: noise_frames, .. } = match sensor.noise {
-        NoiseFrom::Estimated => {
-            estimate_noise(&measure_noise(&disparity, &fits.residual, &space), frame.estimates())
-        }
-        NoiseFrom::Given => Estimates::of_noise(*space.noise(), 0),
-    };
+    let images = [&disparity, &fits.residual];
+    let Estimates { noise, frames: noise_frames, .. } =
+        choose_noise(sensor, frame.estimates(), images, &space);
     let space = space.with_noise(noise);
     let orientation = choose_windows(&disparity, &fits, &space, params);
     Surfaces { space, disparity, bridged_share, noise_frames, fits, orientation }
-}
-
-/// The noise in the mean of this frame and those before it; without frames before it, that of this frame alone.
-fn estimate_noise(measured: &MeasuredNoise, earlier: Option<&Estimates>) -> Estimates {
-    match earlier.filter(|earlier| earlier.frames > 0) {
-        Some(earlier) => earlier.after(measured),
-        None => Estimates::of_noise(measured.alone(), measured.has_waves().into()),
-    }
 }
