@@ -1,6 +1,7 @@
 //! The command line: its subcommands and options. What they do is elsewhere.
 
 mod eval;
+mod gravity;
 mod images;
 mod number;
 mod output;
@@ -8,6 +9,7 @@ mod settings;
 mod synthetic;
 
 pub(crate) use eval::{ComparisonArgs, EvalArgs, SyntheticArgs};
+pub(crate) use gravity::GravityArg;
 pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
 pub(crate) use output::OutputKind;
 pub(crate) use settings::{MethodName, Settings, Threads};
@@ -15,10 +17,14 @@ pub(crate) use synthetic::{DemoArgs, SynthArgs};
 
 use std::path::PathBuf;
 
+use anyhow::{Context, Result};
 use clap::{Arg, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
+use objecthood_io::Capture;
 use objecthood_io::camera_file::CameraFile;
+use objecthood_io::scope::Scope;
 
+use crate::inputs::Input;
 use number::whole;
 
 /// Said at the end of every `--help`.
@@ -109,6 +115,11 @@ pub(crate) struct FrameArgs {
     #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]|FILE", value_parser = CameraArg::parse)]
     pub(crate) camera: Option<CameraArg>,
 
+    /// Direction in which things fall, in the camera frame (x right, y down, z forward), of any length, as an accelerometer
+    /// at rest shows it with its sign changed; or `poses`: from the poses of a TUM folder, whose world has z up. Decides what is the ground.
+    #[arg(long, value_name = "X,Y,Z|poses", value_parser = GravityArg::parse)]
+    pub(crate) gravity: Option<GravityArg>,
+
     #[command(flatten)]
     pub(crate) images: ImageArgs,
 
@@ -117,6 +128,20 @@ pub(crate) struct FrameArgs {
 }
 
 impl FrameArgs {
+    /// Reads a frame, without the pixels that the scope excludes and with the direction of gravity, if it is given.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the frame, and its path.
+    pub(crate) fn read(&self, input: &Input, scope: &Scope) -> Result<Capture> {
+        let capture = input.open()?;
+        let limited = scope.limit(capture).map_err(anyhow::Error::from);
+        let told = limited.and_then(|capture| match self.gravity {
+            Some(gravity) => gravity.set(capture),
+            None => Ok(capture),
+        });
+        told.with_context(|| input.path.display().to_string())
+    }
+
     /// A note for a user whose `--depth-scale` contradicts the camera file; `camera` is the content of that file.
     pub(crate) fn scale_note(&self, camera: Option<&CameraFile>) -> Option<String> {
         let (asked, said) = (self.images.depth_scale?, camera?.depth_scale?);

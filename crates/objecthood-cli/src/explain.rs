@@ -4,7 +4,7 @@ mod text;
 mod verdict;
 mod words;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use indicatif::ProgressBar;
 use objecthood::explain::Explainer;
 use objecthood::{Error, ObjectId, Params, Pipeline};
@@ -35,8 +35,7 @@ pub(crate) fn run(args: &ExplainArgs) -> Result<Outcome> {
     let name = plan.input.path.display().to_string();
     let spinner = terminal::spinner(args.settings.verbose);
     spinner.set_message("reading the frame");
-    let capture = plan.input.open()?;
-    let capture = plan.scope.limit(capture).with_context(|| name.clone())?;
+    let capture = args.frames.read(&plan.input, &plan.scope)?;
     let explained = crew::pool(args.settings.threads())?.install(|| plan.explain(&name, &capture, &spinner));
     spinner.finish_and_clear();
     terminal::print(&explained?)?;

@@ -77,17 +77,11 @@ impl<'a> Plan<'a> {
     /// Finds the objects in one frame and writes its files: all of them or none.
     fn segment(&self, pipeline: &mut Pipeline, input: &Input) -> Result<Done> {
         let mut laps = Laps::start();
-        let capture = self.read(input)?;
+        let capture = self.args.frames.read(input, &self.scope)?;
         laps.end("reading");
         let done = self.look_and_write(pipeline, input, &capture, &mut laps);
         tracing::info!("{}: {laps}", input.path.display());
         done.with_context(|| input.path.display().to_string())
-    }
-
-    /// Reads a frame, without the pixels that the scope excludes.
-    fn read(&self, input: &Input) -> Result<Capture> {
-        let capture = input.open()?;
-        self.scope.limit(capture).with_context(|| input.path.display().to_string())
     }
 
     fn look_and_write(

@@ -63,3 +63,26 @@ pub struct Pose {
     /// Rotation as a unit quaternion.
     pub rotation_xyzw: [f64; 4],
 }
+
+impl Pose {
+    /// The z axis of the world in the camera frame: up, where the world's z points up, as in the TUM benchmark.
+    pub fn up(&self) -> [f32; 3] {
+        let [x, y, z, w] = self.rotation_xyzw;
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)].map(|part| part as f32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn up_is_the_worlds_z_axis_in_the_camera_frame() {
+        let up = |rotation_xyzw| Pose { position_m: [0.0; 3], rotation_xyzw }.up();
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        assert_eq!(up([0.0, 0.0, 0.0, 1.0]), [0.0, 0.0, 1.0]);
+        // Turned by -90 degrees about x: forward along the world's y axis, upright.
+        let upright = up([-half, 0.0, 0.0, half]);
+        assert!((upright[1] + 1.0).abs() < 1e-6 && upright[0].abs() + upright[2].abs() < 1e-6, "{upright:?}");
+    }
+}

@@ -120,6 +120,8 @@ pub struct UpDirection {
 pub enum UpSource {
     /// The normal of the dominant plane.
     Plane,
+    /// Measured gravity.
+    Measured,
     /// What earlier frames told, because this one shows no ground.
     Earlier,
     /// The camera's own up, by its tilt and roll: asked for, or there is no plane.
@@ -446,6 +448,7 @@ impl From<&discovery::Up> for UpDirection {
     fn from(up: &discovery::Up) -> Self {
         let source = match up.source {
             discovery::UpSource::Plane => UpSource::Plane,
+            discovery::UpSource::Measured => UpSource::Measured,
             discovery::UpSource::Earlier => UpSource::Earlier,
             discovery::UpSource::Camera => UpSource::Camera,
         };

@@ -77,7 +77,7 @@ impl Scope {
         if depth_m.as_slice().iter().all(|z| z.is_nan()) {
             return Err(nothing_left(&capture.frame));
         }
-        capture.frame = Frame::new(depth_m, capture.frame.color().cloned(), capture.frame.camera())?;
+        capture.frame = capture.frame.with_depth_m(depth_m)?;
         Ok(capture)
     }
 

@@ -23,11 +23,17 @@ pub(crate) enum Knowledge {
     Assumed,
     /// The user gave tilt or roll, roughly.
     Given,
+    /// It was measured.
+    Measured,
 }
 
 impl Attitude {
     /// What a frame and the parameters say.
     pub fn of(frame: &Frame, gravity: &params::Gravity) -> Self {
+        if let Some(up) = frame.up() {
+            let up = Vec3::from(up).as_dvec3();
+            return Self { up, knowledge: Knowledge::Measured, earlier_up: None };
+        }
         let earlier = frame.estimates().and_then(|estimates| estimates.up);
         let is_given = gravity.is_attitude_given();
         Self {

@@ -53,6 +53,12 @@ pub enum Error {
         /// The intrinsics given: fx, fy, cx and cy (px).
         camera: [f64; 4],
     },
+    /// A direction that is none.
+    #[error("{up:?} is no direction up: give three finite numbers of which not all are 0")]
+    BadUp {
+        /// The vector given.
+        up: [f32; 3],
+    },
     /// A parameter outside its range.
     #[error("{parameter} = {value} is outside its range {range}: see `objecthood params`")]
     BadParameter {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::buffers::Buffer;
@@ -29,6 +30,8 @@ pub struct Frame {
     camera: Camera,
     /// Pixels with depth.
     measured_px: usize,
+    /// The measured direction against gravity: a unit vector in the camera frame.
+    up: Option<[f32; 3]>,
     /// What frames before it told.
     estimates: Option<Estimates>,
 }
@@ -61,10 +64,36 @@ impl Frame {
         }
         if measured_px > 0 {
             let (depth_m, color) = (Arc::new(depth_m), color.map(Arc::new));
-            Ok(Self { depth_m, color, camera, measured_px, estimates: None })
+            Ok(Self { depth_m, color, camera, measured_px, up: None, estimates: None })
         } else {
             Err(Error::NoValidDepth)
         }
+    }
+
+    /// The same frame with a measured direction against gravity, as an accelerometer at rest or the camera's pose tells it. It is a
+    /// vector of any length in the camera frame (x right, y down, z forward).
+    ///
+    /// It decides what up is, and only surfaces that face it can be the ground. Tilt and roll of the parameters have no effect then.
+    ///
+    /// # Errors
+    /// [`Error::BadUp`] when it has no length, or is not finite.
+    pub fn with_up(self, up: [f32; 3]) -> Result<Self> {
+        let unit = Vec3::from(up).as_dvec3().try_normalize().ok_or(Error::BadUp { up })?;
+        Ok(Self { up: Some(unit.as_vec3().to_array()), ..self })
+    }
+
+    /// The measured direction against gravity, if there is one: a unit vector in the camera frame.
+    pub fn up(&self) -> Option<[f32; 3]> {
+        self.up
+    }
+
+    /// The same frame with other depth (m), as [`Frame::new`] takes it.
+    ///
+    /// # Errors
+    /// As [`Frame::new`].
+    pub fn with_depth_m(&self, depth_m: Raster<f32>) -> Result<Self> {
+        let other = Self::new(depth_m, self.color().cloned(), self.camera)?;
+        Ok(Self { up: self.up, estimates: self.estimates, ..other })
     }
 
     /// The same frame, to be looked at with what frames before it told: the noise of the sensor is a mean over all of them, and
@@ -127,7 +156,7 @@ impl Frame {
         };
         Arc::ptr_eq(&self.depth_m, &other.depth_m)
             && shares_color
-            && (self.camera, self.estimates) == (other.camera, other.estimates)
+            && (self.camera, self.up, self.estimates) == (other.camera, other.up, other.estimates)
     }
 
     /// Whether the pixel with index `i` has depth.
@@ -195,6 +224,12 @@ mod tests {
         let depth = Raster::filled(2, 2, 1.0).unwrap();
         let color = Raster::filled(2, 3, [0; 3]).unwrap();
         assert!(matches!(Frame::new(depth.clone(), Some(color), camera()), Err(Error::SizeMismatch { .. })));
+        let frame = Frame::new(depth.clone(), None, camera()).unwrap();
+        for up in [[0.0; 3], [f32::NAN, 1.0, 0.0]] {
+            assert!(matches!(frame.clone().with_up(up), Err(Error::BadUp { .. })), "{up:?}");
+        }
+        let up = frame.with_up([0.0, -9.81, 0.0]).unwrap();
+        assert_eq!(up.with_depth_m(depth.map(|z| 2.0 * z)).unwrap().up(), Some([0.0, -1.0, 0.0]));
         let unchecked = Camera { fx_px: 0.0, ..camera() };
         assert!(matches!(Frame::new(depth, None, unchecked), Err(Error::BadCamera { .. })));
     }

@@ -14,6 +14,8 @@ pub struct Up {
 pub enum UpSource {
     /// The normal of the dominant plane.
     Plane,
+    /// Measured gravity, by [`Frame::with_up`](crate::Frame::with_up).
+    Measured,
     /// What earlier frames told, because this one shows no ground.
     Earlier,
     /// The camera's own up, by its tilt and roll: requested by `up_from`, or because there is no plane.

@@ -74,7 +74,11 @@ pub fn conclude_context(
     let (objects, labels) = make_objects(kept, &scene.facets.segments, scene.points_m, graph)?;
     let missing_plane =
         planes.is_empty() && gravity.up_from == UpFrom::Plane && up.source == UpSource::Camera;
-    let told = up.source == UpSource::Earlier || up.source == UpSource::Plane && scene.is_ground_clear;
+    let told = match up.source {
+        UpSource::Measured | UpSource::Earlier => true,
+        UpSource::Plane => scene.is_ground_clear,
+        UpSource::Camera => false,
+    };
     let turned = (scene.turned_deg != 0).then_some(Notice::Turned { degrees: scene.turned_deg });
     let holes = (scene.bridged_share > 0.0).then_some(Notice::HoleGrid { share: scene.bridged_share });
     Ok(Discovery {

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::attitude::Attitude;
+use crate::attitude::{Attitude, Knowledge};
 use crate::buffers::Buffer;
 use crate::discovery::up::{Up, UpSource};
 use crate::params::{self, UpFrom};
@@ -70,12 +70,15 @@ pub(crate) fn mark_plane(
     labels.with_data(pixels.map(|(p, &object)| u16::from(object == 0 && is_near(p))).collect())
 }
 
-/// Finds the direction up: the normal of `plane`; without one what earlier frames told, else the camera's own up, as with
+/// Finds the direction up: measured gravity; else the normal of `plane`; without one what earlier frames told, else the camera's own up, as with
 /// `up_from = camera`.
 ///
 /// *Differs from the paper:* there the camera is held horizontally (`up_from = camera`, and neither tilt nor roll).
 pub fn find_up(plane: Option<&StructurePlane>, attitude: &Attitude, up_from: UpFrom) -> Up {
     let of = |up: DVec3, source| Up { direction: up.as_vec3().to_array(), source };
+    if attitude.knowledge == Knowledge::Measured {
+        return of(attitude.up, UpSource::Measured);
+    }
     match (up_from, plane, attitude.earlier_up) {
         (UpFrom::Plane, Some(plane), _) => Up { direction: plane.normal, source: UpSource::Plane },
         (UpFrom::Plane, None, Some(up)) => of(up, UpSource::Earlier),
@@ -102,7 +105,6 @@ pub fn find_ground(points_m: &Raster<[f32; 3]>, attitude: &Attitude, params: &pa
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::attitude::Knowledge;
 
     /// `on` points of the plane n · X = -1, and `off` points strewn around it.
     fn cloud(n: DVec3, on: usize, off: usize) -> Raster<[f32; 3]> {

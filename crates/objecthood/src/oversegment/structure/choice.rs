@@ -8,6 +8,8 @@ use crate::attitude::{Attitude, Knowledge};
 const PARALLEL: f64 = 0.966;
 /// Weight of a ground for which the camera would have to be turned about its optical axis.
 const TURNED_WEIGHT: f64 = 0.4;
+/// Cosine of the angle between a measured up and the ground (10 degrees).
+const NEAR_GRAVITY: f64 = 0.985;
 /// A ground is in doubt when a surface that is turned otherwise reaches this share of its votes.
 const RIVAL_SHARE: f64 = 0.5;
 
@@ -59,16 +61,19 @@ pub(super) fn choose_ground(evidence: &[Evidence], attitude: &Attitude) -> Optio
     }
 }
 
-/// Every surface as the ground, with the camera held as it is known to be and, unless that was given, turned by quarters.
+/// Every surface that can be the ground, with the camera held as it is known to be and, unless that was given, turned by quarters.
 fn rate(evidence: &[Evidence], attitude: &Attitude) -> Vec<Choice> {
     let turns: &[u16] = match attitude.knowledge {
         Knowledge::Assumed => &[0, 90, 180, 270],
-        Knowledge::Given => &[0],
+        Knowledge::Given | Knowledge::Measured => &[0],
+    };
+    let can_be_ground = |(_, surface): &(usize, &Evidence)| {
+        attitude.knowledge != Knowledge::Measured || surface.normal.dot(attitude.up) > NEAR_GRAVITY
     };
     let rated = turns.iter().flat_map(|&turned_deg| {
         let up = turn(attitude.up, turned_deg);
         let weight = if turned_deg == 0 { 1.0 } else { TURNED_WEIGHT };
-        evidence.iter().enumerate().map(move |(surface, leader)| {
+        evidence.iter().enumerate().filter(can_be_ground).map(move |(surface, leader)| {
             let votes = weight * facing(leader.normal, up) * together(evidence, leader);
             Choice { surface, turned_deg, is_clear: false, votes }
         })
@@ -136,6 +141,15 @@ mod tests {
         let empty = choose_ground(&[Evidence { normal: FLOOR, things: 0.6 }], &level()).unwrap();
         assert!(empty.is_clear);
         assert_eq!(choose_ground(&[], &level()), None);
+    }
+
+    #[test]
+    fn measured_gravity_admits_only_surfaces_that_face_it() {
+        let measured = |up: DVec3| Attitude { up, knowledge: Knowledge::Measured, ..level() };
+        let choice = ground(0.1, 9.0, &measured(FLOOR)).unwrap();
+        assert_eq!((choice.surface, choice.turned_deg, choice.is_clear), (0, 0, true));
+        assert_eq!(ground(9.0, 0.1, &measured(WALL)).unwrap().surface, 1, "a camera that looks down");
+        assert_eq!(ground(9.0, 9.0, &measured(DVec3::X)), None);
     }
 
     #[test]
