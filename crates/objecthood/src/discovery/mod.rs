@@ -81,6 +81,15 @@ pub enum Notice {
         /// By this much clockwise (degrees): 90, 180 or 270.
         degrees: u16,
     },
+    /// It is not clear which surface is the ground: another has half as many votes, or only the camera's attitude speaks for it.
+    GroundInDoubt {
+        /// Distance of the camera from the plane that was taken (m).
+        distance_m: f32,
+        /// Angle by which the camera looks down on it (degrees): 0 at the horizon, 90 straight down.
+        tilt_deg: f32,
+        /// Share of the pixels with depth that lie on it.
+        share: f32,
+    },
     /// Depth has a grid of small holes, as registering it to a larger colour image leaves. They were bridged.
     HoleGrid {
         /// Share of the pixels.
@@ -100,8 +109,17 @@ impl fmt::Display for Notice {
             Self::Turned { degrees } => write!(
                 f,
                 "the camera seems to be turned clockwise by about {degrees} degrees: up follows the plane on which most \
-                 things stand (if that is wrong, give gravity.tilt_deg and gravity.roll_deg)"
+                 things stand (if that is wrong, give --gravity X,Y,Z, or --set gravity.tilt_deg=.. and gravity.roll_deg=..)"
             ),
+            Self::GroundInDoubt { distance_m, tilt_deg, share } => {
+                let percent = 100.0 * share;
+                write!(
+                    f,
+                    "it is not clear which surface is the ground: taken is the one {distance_m:.2} m from the camera, on which it \
+                     looks down by {tilt_deg:.0} degrees, with {percent:.0} % of the depth (if that is wrong, give --gravity X,Y,Z, \
+                     or --set gravity.tilt_deg=.. and gravity.roll_deg=..)"
+                )
+            }
             Self::HoleGrid { share } => {
                 let percent = 100.0 * share;
                 write!(f, "depth has small holes all over ({percent:.0} % of the pixels), which were bridged")

@@ -10,6 +10,7 @@ use crate::objectness::decision::decide;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::objects::{make_objects, mark_objects};
 use crate::params::{self, Method, UpFrom};
+use crate::planes::StructurePlane;
 use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::support::gravity::{Ground, mark_plane};
@@ -80,6 +81,8 @@ pub fn conclude_context(
         UpSource::Camera => false,
     };
     let turned = (scene.turned_deg != 0).then_some(Notice::Turned { degrees: scene.turned_deg });
+    let ground = scene.ground_facet().map(|facet| &planes[facet.index()]);
+    let in_doubt = ground.filter(|_| !scene.is_ground_clear).map(ground_in_doubt);
     let holes = (scene.bridged_share > 0.0).then_some(Notice::HoleGrid { share: scene.bridged_share });
     Ok(Discovery {
         support: mark_objects(graph, &objects),
@@ -93,6 +96,18 @@ pub fn conclude_context(
             frames: scene.noise_frames,
             up: told.then_some(up.direction),
         }),
-        notices: missing_plane.then_some(Notice::NoPlane).into_iter().chain(turned).chain(holes).collect(),
+        notices: missing_plane
+            .then_some(Notice::NoPlane)
+            .into_iter()
+            .chain(turned)
+            .chain(in_doubt)
+            .chain(holes)
+            .collect(),
     })
+}
+
+/// The notice that names the plane that was taken for the ground.
+fn ground_in_doubt(plane: &StructurePlane) -> Notice {
+    let tilt_deg = libm::asin(f64::from(-plane.normal[2]).clamp(-1.0, 1.0)).to_degrees();
+    Notice::GroundInDoubt { distance_m: plane.offset_m, tilt_deg: tilt_deg as f32, share: plane.inlier_share }
 }
