@@ -15,13 +15,14 @@ use objecthood_scene::{Family, Sensor, generate, render};
 
 /// For these parameters no tested value changes the output of the stage that they name. So the test cannot notice if that stage is
 /// named too early: the code alone says that it reads them.
-const UNCHANGED: [&str; 10] = [
+const UNCHANGED: [&str; 11] = [
     "context contraction.occlusion_weight",
     "context objectness.footing_weight",
     "context objectness.max_side_m",
     "context objectness.min_size_px",
     "context sensor.lateral_noise_px",
     "context sensor.noise",
+    "context sensor.profile",
     "paper contact.distance_m",
     "paper contact.reach_px",
     "paper gravity.min_inlier_share",
