@@ -144,3 +144,24 @@ fn the_table_is_told_from_the_wall_also_upside_down() {
     assert_eq!((given.notices, found.notices[0]), (vec![], Notice::Turned { degrees: 180 }));
     assert!(matches!(found.notices[1..], [Notice::GroundInDoubt { .. }]), "{:?}", found.notices);
 }
+
+/// Phones smooth their depth, time of flight mixes two depths in a pixel; a Kinect and a noiseless sensor do neither.
+#[test]
+fn smeared_edges_are_recognised_by_sensor_and_become_steps() {
+    let smeared = |sensor: Sensor| {
+        worlds().map(|world| {
+            let seen = render(&world, sensor).unwrap();
+            let found = context(&seen, &default());
+            found.notices.iter().any(|notice| matches!(notice, Notice::Smeared { .. }))
+        })
+    };
+    assert_eq!([Sensor::Ideal, Sensor::Kinect, Sensor::StructuredLight].map(smeared), [[false; 3]; 3]);
+    assert_eq!([Sensor::Phone, Sensor::Tof].map(smeared), [[true; 3]; 2]);
+
+    // Most things come out with their outlines.
+    let world = generate(Family::Tabletop, 6);
+    let seen = render(&world, Sensor::Phone).unwrap();
+    let overlaps = overlaps(&world, &seen.truth.instance, &context(&seen, &default()));
+    let good = overlaps.iter().filter(|(_, iou)| *iou > 0.8).count();
+    assert!(2 * good > overlaps.len(), "{overlaps:?}");
+}

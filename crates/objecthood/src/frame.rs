@@ -96,6 +96,11 @@ impl Frame {
         Ok(Self { up: self.up, estimates: self.estimates, ..other })
     }
 
+    /// The same frame with other depths (m) at the pixels that have depth.
+    pub(crate) fn with_restored_depth(&self, depth_m: Raster<f32>) -> Self {
+        Self { depth_m: Arc::new(depth_m), ..self.clone() }
+    }
+
     /// The same frame, to be looked at with what frames before it told: the noise of the sensor is a mean over all of them, and
     /// where this frame does not show clearly which surface is its ground, their direction up decides (`context`).
     ///

@@ -91,16 +91,17 @@ pub(crate) fn paper<'k>(
 }
 
 /// The same four stages, with surfaces fitted in disparity and evidence from whole borders. Where borders cannot decide, the
-/// surroundings do. Colour is used only for parts behind an occluder.
+/// surroundings do. Colour is used only for parts behind an occluder and for smeared edges.
 pub(crate) fn context<'k>(
     frame: &Frame,
     params: &Params,
     kept: &'k mut ContextOutputs,
     observer: &mut dyn Observer,
 ) -> Result<&'k Discovery> {
-    // Single pixels: the plane that fits the surroundings of each best.
+    // Single pixels: the plane that fits the surroundings of each best. Smeared edges become steps before.
     let surfaces = recall(&mut kept.surfaces, || find_surfaces(frame, &params.sensor, &params.local_fit));
     observer.observe(Output::Normals(&surfaces.orientation.normal));
+    let (given, frame) = (frame, &surfaces.frame);
 
     // 1. Over-segmentation: large planes, then a watershed of the residuals of the plane fits.
     let structure = recall(&mut kept.structure, || {
@@ -142,7 +143,7 @@ pub(crate) fn context<'k>(
         find_cluster_hypotheses(scene, clusters, standing, &params.objectness, &params.contraction)
     });
     observer.observe(Output::Hypotheses(hypotheses));
-    let doubts = recall(&mut kept.doubts, || find_doubts(frame));
+    let doubts = recall(&mut kept.doubts, || find_doubts(given));
     let discovery = try_recall(&mut kept.discovery, || {
         let Params { gravity, objectness, .. } = params;
         let found = conclude_context(scene, standing, hypotheses, gravity, objectness)?;

@@ -35,6 +35,8 @@ pub struct Scene<'a> {
     pub supports: &'a [usize],
     /// The share of the pixels that are small holes in a grid, and were bridged.
     pub bridged_share: f32,
+    /// The share of the measured pixels that lay on smeared edges, and were moved to one of their sides.
+    pub sharpened_share: f32,
     /// The frames that the noise of `space` is a mean over; 0 when none told of it.
     pub noise_frames: u32,
     /// How far the camera is turned clockwise about its optical axis beyond what was given (degrees).
@@ -66,6 +68,7 @@ impl<'a> Scene<'a> {
             planes: &structure.planes,
             supports: &structure.supports.surfaces,
             bridged_share: surfaces.bridged_share,
+            sharpened_share: surfaces.sharpened_share,
             noise_frames: surfaces.noise_frames,
             turned_deg: structure.supports.turned_deg,
             is_ground_clear: structure.supports.is_clear,

@@ -96,6 +96,7 @@ impl Table {
             planes: &[],
             supports: &[0],
             bridged_share: 0.0,
+            sharpened_share: 0.0,
             noise_frames: 0,
             turned_deg: 0,
             is_ground_clear: true,

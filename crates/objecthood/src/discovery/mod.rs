@@ -95,6 +95,11 @@ pub enum Notice {
         /// Share of the pixels.
         share: f32,
     },
+    /// Edges were smeared over several pixels, and were made steps again.
+    Smeared {
+        /// Share of the pixels with depth that lay on smeared edges.
+        share: f32,
+    },
     /// Something about the frame cannot be: its camera, its unit, or how its images lie.
     Doubt(Doubt),
 }
@@ -123,6 +128,13 @@ impl fmt::Display for Notice {
             Self::HoleGrid { share } => {
                 let percent = 100.0 * share;
                 write!(f, "depth has small holes all over ({percent:.0} % of the pixels), which were bridged")
+            }
+            Self::Smeared { share } => {
+                let percent = 100.0 * share;
+                write!(
+                    f,
+                    "edges in the depth are smeared over several pixels ({percent:.1} % of the pixels), and were made steps again"
+                )
             }
             Self::Doubt(doubt) => doubt.fmt(f),
         }

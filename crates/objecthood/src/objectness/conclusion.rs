@@ -84,6 +84,7 @@ pub fn conclude_context(
     let ground = scene.ground_facet().map(|facet| &planes[facet.index()]);
     let in_doubt = ground.filter(|_| !scene.is_ground_clear).map(ground_in_doubt);
     let holes = (scene.bridged_share > 0.0).then_some(Notice::HoleGrid { share: scene.bridged_share });
+    let smeared = (scene.sharpened_share > 0.0).then_some(Notice::Smeared { share: scene.sharpened_share });
     Ok(Discovery {
         support: mark_objects(graph, &objects),
         objects,
@@ -102,6 +103,7 @@ pub fn conclude_context(
             .chain(turned)
             .chain(in_doubt)
             .chain(holes)
+            .chain(smeared)
             .collect(),
     })
 }

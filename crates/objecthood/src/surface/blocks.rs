@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use crate::buffers::Buffer;
-use crate::noise::{KINECT_RESIDUAL_QUANTA, MeasuredNoise, Reading, SIDES_PX};
+use crate::noise::{KINECT_RESIDUAL_QUANTA, Reading, SIDES_PX};
 use crate::quantile::element_at;
 use crate::raster::Raster;
 use crate::surface::disparity::DisparitySpace;
@@ -20,30 +20,23 @@ const LEAST_PAIRS: usize = 40;
 /// Every this many pixels along rows and columns a residual is read for the white noise.
 const RESIDUAL_STEP_PX: usize = 8;
 
-/// Measures the noise of the sensor in one frame. `residual`: of the plane fitted around every pixel.
+/// Measures the waves of the sensor in one frame: the disagreement (quanta) of neighbouring blocks of 8, 16 and 32 px.
 ///
-/// For blocks of 8, 16 and 32 px: the cost of merging two neighbouring blocks (as of two regions, docs/CONTEXT.md 2.1), first quartile
-/// over all pairs of blocks whose pixels are all measured. Block sums of 8 px add up to those of 16 and 32 px. O(pixels), parallel over
-/// rows of blocks.
-pub fn measure_noise(
-    disparity: &Raster<f32>,
-    residual: &Raster<f32>,
-    space: &DisparitySpace,
-) -> MeasuredNoise {
+/// It is the cost of merging two neighbouring blocks (as of two regions, docs/CONTEXT.md 2.1), first quartile over all pairs of blocks
+/// whose pixels are all measured. Block sums of 8 px add up to those of 16 and 32 px. O(pixels), parallel over rows of blocks.
+pub fn measure_waves(disparity: &Raster<f32>, space: &DisparitySpace) -> [Option<Reading>; 3] {
     let side = space.length_px(SIDES_PX[0]).max(LEAST_SIDE_PX);
     let mut blocks = Blocks::of(disparity, side);
-    let mut measured = MeasuredNoise { white: measure_white(residual), blocks_quanta: [None; 3] };
-    for (k, reading) in measured.blocks_quanta.iter_mut().enumerate() {
+    std::array::from_fn(|k| {
         if k > 0 {
             blocks = blocks.doubled();
         }
-        *reading = blocks.disagreement(space);
-    }
-    measured
+        blocks.disagreement(space)
+    })
 }
 
-/// Median residual, relative to a Kinect's; `None` without fits.
-fn measure_white(residual: &Raster<f32>) -> Option<Reading> {
+/// Measures the noise of single pixels: the median residual of the planes fitted around them, relative to a Kinect's. `None` without fits.
+pub fn measure_white(residual: &Raster<f32>) -> Option<Reading> {
     let (width, height) = residual.size();
     let rows = (0..height).step_by(RESIDUAL_STEP_PX);
     let pixels = rows.flat_map(|v| (0..width).step_by(RESIDUAL_STEP_PX).map(move |u| v * width + u));
@@ -174,7 +167,7 @@ fn sum_of_squares(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::{KINECT_QUANTA, Noise};
+    use crate::noise::{KINECT_QUANTA, MeasuredNoise, Noise};
     use crate::random::Lcg;
     use crate::surface::disparity::position;
     use crate::testing::space;
@@ -191,7 +184,8 @@ mod tests {
         let disparity = Raster::from_vec(width, height, disparity).unwrap();
         let residual = disparity.map(|_| KINECT_RESIDUAL_QUANTA as f32);
         let space = space([focal_px; 2], [width as f64 / 2.0, height as f64 / 2.0]);
-        measure_noise(&disparity, &residual, &space).alone()
+        let white = measure_white(&residual);
+        MeasuredNoise { white, blocks_quanta: measure_waves(&disparity, &space) }.alone()
     }
 
     /// Normal noise of standard deviation 1.

@@ -37,5 +37,7 @@ pub mod moments;
 mod noise_choice;
 pub mod normals;
 pub mod plane_fit;
+mod ramps;
+mod sharpen;
 pub mod surfaces;
 pub mod window_choice;

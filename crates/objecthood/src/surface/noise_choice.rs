@@ -6,7 +6,6 @@ use crate::noise::{MeasuredNoise, Noise};
 use crate::params::{NoiseFrom, Sensor};
 use crate::quantile::element_at;
 use crate::raster::Raster;
-use crate::surface::blocks::measure_noise;
 use crate::surface::disparity::DisparitySpace;
 
 /// A profile weighs as much as this many samples of a frame.
@@ -17,21 +16,21 @@ const DEPTH_STEP_PX: usize = 64;
 const USUAL_M: f64 = 1.0;
 
 /// Chooses the noise: given, or that of the frame in the mean with earlier frames, or that of the frame beside its sensor's profile.
-/// `residual`: of the plane fitted around every pixel. O(pixels).
+/// O(pixels).
 pub(super) fn choose_noise(
     sensor: &Sensor,
     earlier: Option<&Estimates>,
-    [disparity, residual]: [&Raster<f32>; 2],
+    measured: &MeasuredNoise,
+    disparity: &Raster<f32>,
     space: &DisparitySpace,
 ) -> Estimates {
     let profile = profile_noise(sensor, disparity, space);
     if sensor.noise == NoiseFrom::Given {
         return Estimates::of_noise(profile.unwrap_or(Noise::KINECT), 0);
     }
-    let measured = measure_noise(disparity, residual, space);
     match earlier.filter(|earlier| earlier.frames > 0) {
-        Some(earlier) => earlier.after(&measured),
-        None => Estimates::of_noise(by_one_frame(&measured, profile), measured.has_waves().into()),
+        Some(earlier) => earlier.after(measured),
+        None => Estimates::of_noise(by_one_frame(measured, profile), measured.has_waves().into()),
     }
 }
 

@@ -2,24 +2,31 @@
 
 use crate::estimates::Estimates;
 use crate::frame::Frame;
+use crate::noise::MeasuredNoise;
 use crate::params;
 use crate::raster::Raster;
+use crate::surface::blocks::{measure_waves, measure_white};
 use crate::surface::bridges::bridge_holes;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::noise_choice::choose_noise;
 use crate::surface::plane_fit::{PlaneFits, fit_planes};
+use crate::surface::sharpen::sharpen;
 use crate::surface::window_choice::{Orientation, choose_windows};
 
 /// The surface at every pixel.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Surfaces {
+    /// The frame, after its smeared edges became steps.
+    pub frame: Frame,
     /// The camera and the sensor's noise, which convert between pixels, quanta and metres.
     pub space: DisparitySpace,
     /// Disparity (quanta); `NaN` without depth from 0.1 to 20 m, except in small holes that are bridged.
     pub disparity: Raster<f32>,
     /// The share of the pixels that are small holes in a grid, and were bridged.
     pub bridged_share: f32,
+    /// The share of the measured pixels whose depth was changed because they lay on smeared edges.
+    pub sharpened_share: f32,
     /// The frames that the noise of `space` is a mean over; 0 when none told of it.
     pub noise_frames: u32,
     /// The plane fitted to the window around every pixel.
@@ -33,11 +40,35 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
     let space = DisparitySpace::new(frame.camera(), sensor);
     let mut disparity = space.disparity(frame.depth_m());
     let bridged_share = bridge_holes(&mut disparity);
+
+    let mut measured = MeasuredNoise { white: None, blocks_quanta: measure_waves(&disparity, &space) };
+    let waves = choose_noise(sensor, frame.estimates(), &measured, &disparity, &space).noise.waves();
+    let sharp = sharpen(&disparity, frame.color(), waves, &space);
+    let (frame, sharpened_share) = sharp
+        .as_ref()
+        .map_or_else(|| (frame.clone(), 0.0), |sharp| with_changes(frame, [&disparity, sharp], &space));
+    let disparity = sharp.unwrap_or(disparity);
+
     let fits = fit_planes(&disparity, space.length_px(params.radius_px));
-    let images = [&disparity, &fits.residual];
+    measured.white = measure_white(&fits.residual);
     let Estimates { noise, frames: noise_frames, .. } =
-        choose_noise(sensor, frame.estimates(), images, &space);
+        choose_noise(sensor, frame.estimates(), &measured, &disparity, &space);
     let space = space.with_noise(noise);
     let orientation = choose_windows(&disparity, &fits, &space, params);
-    Surfaces { space, disparity, bridged_share, noise_frames, fits, orientation }
+    Surfaces { frame, space, disparity, bridged_share, sharpened_share, noise_frames, fits, orientation }
+}
+
+/// The frame with the depths of the pixels whose disparity was changed, and the share of its measured pixels that they are.
+fn with_changes(frame: &Frame, [before, after]: [&Raster<f32>; 2], space: &DisparitySpace) -> (Frame, f32) {
+    let mut depth_m = frame.depth_m().clone();
+    let mut changed = 0_usize;
+    let images = before.as_slice().iter().zip(after.as_slice());
+    for (z_m, (before, after)) in depth_m.as_mut_slice().iter_mut().zip(images) {
+        // A hole that was bridged has a disparity, but no depth.
+        if !z_m.is_nan() && !after.is_nan() && before != after {
+            *z_m = space.depth_m(f64::from(*after)) as f32;
+            changed += 1;
+        }
+    }
+    (frame.with_restored_depth(depth_m), changed as f32 / frame.measured_px() as f32)
 }

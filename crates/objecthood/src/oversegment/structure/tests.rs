@@ -3,6 +3,7 @@ use glam::DVec3;
 use super::surface::BEYOND_M;
 use super::*;
 use crate::attitude::Knowledge;
+use crate::frame::Frame;
 use crate::random::Lcg;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::plane_fit::fit_planes;
@@ -31,7 +32,10 @@ fn seen_with(params: &params::Structure, depth_m: impl Fn(usize) -> f64) -> Stru
     let disparity = space.disparity(&depth);
     let fits = fit_planes(&disparity, 2);
     let orientation = choose_windows(&disparity, &fits, &space, &params::LocalFit::default());
-    let surfaces = Surfaces { space, disparity, bridged_share: 0.0, noise_frames: 0, fits, orientation };
+    let frame = Frame::new(Raster::filled(SIZE.0, SIZE.1, 1.0).unwrap(), None, space.camera()).unwrap();
+    let (bridged_share, sharpened_share, noise_frames) = (0.0, 0.0, 0);
+    let surfaces =
+        Surfaces { frame, space, disparity, bridged_share, sharpened_share, noise_frames, fits, orientation };
     let level = Attitude { up: DVec3::NEG_Y, knowledge: Knowledge::Assumed, earlier_up: None };
     find_structure(&depth, &surfaces, &level, params)
 }

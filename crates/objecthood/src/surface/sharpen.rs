@@ -1,0 +1,108 @@
+//! Restores edges that were smeared (docs/CONTEXT.md 0.7, ours, because every stage looks for steps).
+//!
+//! Phones and filled depth have no steps: over 6 to 14 px depth goes smoothly from a thing to what is behind it. Time of flight mixes
+//! the two within a pixel or two, and stereo within the window that it matches. Such a ramp looks like a steep face of the thing.
+
+use rayon::prelude::*;
+
+use crate::buffers::Buffer;
+use crate::raster::Raster;
+use crate::surface::disparity::DisparitySpace;
+use crate::surface::ramps::{Limits, Line, Restored};
+
+/// Two pixels this far apart in a row or column (px at a focal length of 525 px) ...
+const PAIR_PX: usize = 8;
+/// ... that differ by more than this have an edge between them (quanta).
+const EDGE_QUANTA: f32 = 40.0;
+/// An edge is sharp when one step from a pixel to the next makes more than this share of the difference.
+const STEP_SHARE: f32 = 0.6;
+/// Edges are smeared when a smaller share of them is sharp. Raw depth has 0.93 and more, time of flight 0.6 to 0.9, smoothed depth 0.01.
+const LEAST_SHARP: f32 = 0.9;
+/// Edges below this number tell nothing.
+const LEAST_EDGES: usize = 20;
+/// Every this many rows and columns are looked at.
+const STRIDE_PX: usize = 4;
+/// Sensors with larger waves, relative to a Kinect, match windows, and so smear edges over their width. Clear of a Kinect, whose waves on
+/// scenes full of curved things reach 1.5.
+const MATCHED_WAVES: f64 = 1.8;
+
+/// Restores the edges of a disparity image (quanta) if they were smeared: every pixel on a ramp takes the disparity of the surface before or
+/// behind the edge. `None` when its edges are sharp. `waves`: of the sensor, relative to a Kinect. `color`, of the same size, tells
+/// where in a ramp the edge is. O(pixels), parallel over rows and columns.
+pub(super) fn sharpen(
+    disparity: &Raster<f32>,
+    color: Option<&Raster<[u8; 3]>>,
+    waves: f64,
+    space: &DisparitySpace,
+) -> Option<Raster<f32>> {
+    if waves < MATCHED_WAVES && !is_smeared(disparity, space) {
+        return None;
+    }
+    let limits = &Limits::of(space);
+    let along = restore_rows(disparity, color, limits);
+    let (turned, turned_color) = (transposed(disparity), color.map(transposed));
+    let down = transposed(&restore_rows(&turned, turned_color.as_ref(), limits));
+    let mut sharp = disparity.clone();
+    let both = along.as_slice().iter().zip(down.as_slice());
+    for (d, (along, down)) in sharp.as_mut_slice().iter_mut().zip(both) {
+        // The shorter ramp crosses the edge more squarely.
+        let restored = if down.length_px < along.length_px { down } else { along };
+        if !restored.disparity.is_nan() {
+            *d = restored.disparity;
+        }
+    }
+    Some(sharp)
+}
+
+/// Whether most edges go over several pixels.
+fn is_smeared(disparity: &Raster<f32>, space: &DisparitySpace) -> bool {
+    let (width, height) = disparity.size();
+    let span = space.length_px(PAIR_PX);
+    let rows = (0..height).step_by(STRIDE_PX).map(|v| count_edges(|u| disparity[v * width + u], width, span));
+    let columns =
+        (0..width).step_by(STRIDE_PX).map(|u| count_edges(|v| disparity[v * width + u], height, span));
+    let (edges, sharp) = rows.chain(columns).fold((0, 0), |sum, line| (sum.0 + line.0, sum.1 + line.1));
+    edges >= LEAST_EDGES && (sharp as f32) < LEAST_SHARP * edges as f32
+}
+
+/// The edges of a line, and how many of them are sharp. A hole at an edge leaves nothing smeared: the edge is sharp.
+fn count_edges(disparity: impl Fn(usize) -> f32, length: usize, span: usize) -> (usize, usize) {
+    let (mut edges, mut sharp) = (0, 0);
+    for start in (0..length.saturating_sub(span)).step_by(span) {
+        let difference = (disparity(start + span) - disparity(start)).abs();
+        if difference > EDGE_QUANTA {
+            let is_step = |k: usize| {
+                let step = (disparity(k + 1) - disparity(k)).abs();
+                step.is_nan() || step > STEP_SHARE * difference
+            };
+            edges += 1;
+            sharp += usize::from((start..start + span).any(is_step));
+        }
+    }
+    (edges, sharp)
+}
+
+fn restore_rows(
+    disparity: &Raster<f32>,
+    color: Option<&Raster<[u8; 3]>>,
+    limits: &Limits,
+) -> Raster<Restored> {
+    let width = disparity.width();
+    let mut restored = Buffer::filled(disparity.len(), Restored::NONE);
+    restored.par_chunks_mut(width).enumerate().for_each(|(v, restored)| {
+        let row = v * width..(v + 1) * width;
+        let color = color.map(|color| &color.as_slice()[row.clone()]);
+        Line { disparity: &disparity.as_slice()[row], color }.restore(restored, limits);
+    });
+    disparity.with_data(restored)
+}
+
+/// The image with rows and columns exchanged.
+fn transposed<T: Copy + Send + Sync + 'static>(image: &Raster<T>) -> Raster<T> {
+    let (width, height) = image.size();
+    let mut turned = Buffer::stale(image.len(), image[0]);
+    turned.par_chunks_mut(height).enumerate().for_each(|(u, column)| {
+        column.iter_mut().enumerate().for_each(|(v, pixel)| *pixel = image[v * width + u]);
+    });
+    Raster::from_vec(height, width, turned.into_vec()).expect("as many pixels as before")
+}
