@@ -22,6 +22,9 @@ pub(super) fn reason(reason: Reason) -> &'static str {
         Reason::Passed => "nothing speaks against it",
         Reason::Rule(Rule::Fragment) => "a fragment goes to what it touches most",
         Reason::Rule(Rule::Low) => "what hardly rises above the support is a part of it",
+        Reason::Rule(Rule::Bump) => {
+            "what rises no higher above a wall than the sensor's waves is a part of it"
+        }
         Reason::Rule(Rule::VesselInside) => "two pieces of the inside of a vessel",
         Reason::Rule(Rule::VesselWall) => "the inside of a vessel and the wall before it",
         Reason::Rule(Rule::VesselRim) => "within the rim of a vessel",

@@ -14,6 +14,8 @@ pub enum Rule {
     Fragment,
     /// A cluster that hardly rises above the support is a part of it (docs/CONTEXT.md 4.3).
     Low,
+    /// A cluster that rises no higher above a wall than the sensor's waves is a part of it (docs/CONTEXT.md 4.3).
+    Bump,
     /// Two pieces of the inside of a vessel are joined (docs/CONTEXT.md 4.4.1).
     VesselInside,
     /// The inside of a vessel and the wall in front of it are joined (docs/CONTEXT.md 4.4.2).

@@ -41,6 +41,7 @@
 
 pub(crate) mod borders;
 pub(crate) mod bottoms;
+pub(crate) mod bumps;
 pub(crate) mod candidates;
 pub mod check;
 pub(crate) mod cluster;

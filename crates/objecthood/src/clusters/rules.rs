@@ -1,6 +1,7 @@
 //! The rules in their order (docs/CONTEXT.md 4.2 to 4.6).
 
 use crate::clusters::bottoms::join_bottoms;
+use crate::clusters::bumps::drop_bumps;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::clustering::Clustering;
 use crate::clusters::fragments::absorb_fragments;
@@ -40,6 +41,7 @@ pub fn find_clusters(scene: &Scene<'_>, shapes: &Shapes, rules: Rules<'_>) -> Cl
     let mut clusters = Clusters::new(scene, shapes);
     absorb_fragments(&mut clusters, rules.fragments);
     drop_low(&mut clusters, rules.height);
+    drop_bumps(&mut clusters);
     join_vessels(&mut clusters, rules.vessels);
     join_bottoms(&mut clusters, rules.vessels);
     join_behind_occluders(&mut clusters, rules.occlusion);

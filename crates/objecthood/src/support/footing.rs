@@ -6,20 +6,14 @@ use glam::DVec3;
 
 use crate::raster::Raster;
 use crate::regions::SegmentId;
+use crate::support::column::{LEAST_AIR_M, STEP_M, behind_m};
+use crate::support::load::carries_structure;
 use crate::support::scene::SupportScene;
 
 /// About this many pixels of a thing are looked at.
 const COLUMNS: usize = 300;
-/// A column is followed down in steps of this length (m).
-const STEP_M: f64 = 0.01;
 /// A column is followed for at most this length (m) below a pixel: what hangs higher is no graspable thing's foot.
 const DEEPEST_M: f64 = 0.6;
-/// Air below a thing that is at least this high (m) is no overhang of a vessel or a rounded edge.
-const LEAST_AIR_M: f64 = 0.04;
-/// What is seen lies behind a column when it is farther by this much (m) ...
-const BEHIND_M: f64 = 0.02;
-/// ... and by this many quanta.
-const BEHIND_QUANTA: f64 = 4.0;
 /// From this share of columns on that go down to the structure, the footing is 1: a thing may overhang with the rest.
 const ENOUGH: f32 = 0.25;
 
@@ -73,6 +67,7 @@ pub(crate) fn measure_footing(scene: &SupportScene<'_>) -> Vec<f32> {
         if followed > 0.0 {
             footing[thing] = (held / followed / ENOUGH).min(1.0);
         }
+        footing[thing] *= 1.0 - load(scene, up, &pixels[thing], thing);
     }
     footing
 }
@@ -82,6 +77,15 @@ fn sample(runs: &[Range<usize>], points_m: &Raster<[f32; 3]>) -> Vec<usize> {
     let measured = || runs.iter().cloned().flatten().filter(|&i| !points_m[i][2].is_nan());
     let step = (runs.iter().map(Range::len).sum::<usize>() / COLUMNS).max(1);
     measured().step_by(step).collect()
+}
+
+/// The share of the columns above these pixels of a thing that end on structure which it carries, among those that can be followed.
+fn load(scene: &SupportScene<'_>, up: DVec3, pixels: &[usize], thing: usize) -> f32 {
+    let (mut carrying, mut followed) = (0, 0);
+    for carries in pixels.iter().filter_map(|&i| carries_structure(scene, up, i, thing)) {
+        (carrying, followed) = (carrying + usize::from(carries), followed + 1);
+    }
+    if followed > 0 { carrying as f32 / followed as f32 } else { 0.0 }
 }
 
 /// Follows the column below pixel `i` of a thing.
@@ -101,8 +105,7 @@ fn follow(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> End {
         if seen.is_some_and(|region| region.index() == thing) {
             continue;
         }
-        let behind_m = scene.space.step_m(BEHIND_QUANTA, z_m).max(BEHIND_M);
-        if depth_m - z_m <= behind_m {
+        if depth_m - z_m <= behind_m(scene.space, z_m) {
             return seen.map_or(End::Unknown, End::Region);
         }
         air_m += STEP_M;

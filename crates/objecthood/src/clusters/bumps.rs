@@ -1,0 +1,86 @@
+//! Gives bumps of a wall to the background (docs/CONTEXT.md 4.3).
+
+use crate::clusters::check::{Bound, Check};
+use crate::clusters::cluster::Clusters;
+use crate::clusters::history::{Proposal, Rule, Source};
+use crate::clusters::scene::Scene;
+use crate::quantile::element_at;
+use crate::surface::disparity::position;
+
+/// About this many pixels of a cluster are looked at.
+const SAMPLED_PX: usize = 200;
+/// The relief of a cluster is this quantile of its distances from a surface.
+const RELIEF_SHARE: f64 = 0.9;
+/// Waves of a surface reach this many quanta for each time that the sensor's waves exceed a Kinect's: the tolerance of structure on a Kinect.
+const RELIEF_QUANTA: f64 = 2.5;
+
+/// Gives clusters that rise no higher above a wall than the waves of the sensor to the background. Does nothing for a sensor whose waves are
+/// a Kinect's, whose tolerance of structure is wide enough. Supports are left to [`drop_low`](super::height::drop_low).
+/// O(clusters · walls).
+pub(crate) fn drop_bumps(clusters: &mut Clusters<'_>) {
+    let waves = clusters.scene.space.noise().sure_waves();
+    if waves <= 1.0 {
+        return;
+    }
+    for id in clusters.alive() {
+        let Some(relief_quanta) = least_relief_quanta(clusters.scene, &clusters.get(id).pixels) else {
+            continue;
+        };
+        let mut drop = Proposal::new(Rule::Bump, Source::Cluster(id), None);
+        let is_bump = drop.check(Check::new(
+            "its relief on the wall",
+            "quanta",
+            relief_quanta,
+            Bound::Below,
+            RELIEF_QUANTA * waves,
+        ));
+        if is_bump {
+            clusters.give(drop.accept(None));
+        } else {
+            clusters.history.note_misses([drop.refuse()]);
+        }
+    }
+}
+
+/// The relief (quanta) of some pixels on the wall that they follow most closely; `None` without a wall.
+fn least_relief_quanta(scene: &Scene<'_>, pixels: &[u32]) -> Option<f64> {
+    let step = pixels.len().div_ceil(SAMPLED_PX).max(1);
+    let sample = || pixels.iter().step_by(step).map(|&i| i as usize);
+    let walls = (0..scene.surfaces.len()).filter(|wall| !scene.supports.contains(wall));
+    let relief = |wall: usize| {
+        let model = &scene.surfaces[wall].model;
+        let off = |i: usize| {
+            (f64::from(scene.disparity[i]) - model.value(position(i, scene.disparity.width()))).abs()
+        };
+        let mut off: Vec<f64> = sample().map(off).collect();
+        element_at(&mut off, RELIEF_SHARE)
+    };
+    walls.map(relief).min_by(f64::total_cmp)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clusters::testing::{Table, named, single};
+    use crate::noise::Noise;
+
+    /// At 1 m a quantum is 3 mm: with three times a Kinect's waves, a wall has bumps of 7.5 quanta or 21 mm.
+    #[test]
+    fn what_rises_no_higher_than_the_waves_is_a_bump_of_the_wall() {
+        let rows = ["____________", "_aaaa__bbbb_", "_aaaa__bbbb_", "____________"];
+        let wall = Table::drawn(&rows, &[0.018, 0.025]);
+        let left = |scene: &Scene<'_>| {
+            let mut clusters = single(scene);
+            drop_bumps(&mut clusters);
+            named(&clusters)
+        };
+        let kinect = wall.scene().space.noise().blocks_quanta;
+        let noisy =
+            wall.scene().space.with_noise(Noise { white: 1.0, blocks_quanta: kinect.map(|c| 3.0 * c) });
+        let seen = Scene { supports: &[], ..wall.scene() };
+        assert_eq!(left(&Scene { space: &noisy, ..seen }), [None, Some(1)]);
+        assert_eq!(left(&seen), [Some(0), Some(1)], "a Kinect has no such waves");
+        let table = Scene { space: &noisy, ..wall.scene() };
+        assert_eq!(left(&table), [Some(0), Some(1)], "on a support the height decides");
+    }
+}
