@@ -42,7 +42,7 @@ fn for_reading(error: &Error) -> Option<String> {
         Error::NoFrames => "name one that holds some, or images by --color and --depth".to_owned(),
         Error::NoCameraFile { .. } => "add one, or give the camera by --camera".to_owned(),
         Error::NoImageSize { .. } => "write --camera fx,fy,cx,cy,width,height".to_owned(),
-        Error::Unorganized { .. } | Error::CameraResidual { .. } => format!("give the camera, {CAMERA}"),
+        Error::NoView { .. } | Error::CameraResidual { .. } => format!("give the camera, {CAMERA}"),
         Error::NotPinhole => format!("convert them to it, or give the camera, {CAMERA}"),
         Error::NothingInScope { .. } => "widen --range, --roi or --mask".to_owned(),
         Error::Image(error) => return for_image(error),

@@ -111,7 +111,7 @@ pub(crate) struct FrameArgs {
     pub(crate) inputs: Vec<PathBuf>,
 
     /// Camera of the frames: its numbers in pixels, or a file: JSON with fx, fy, cx, cy and optionally width, height and
-    /// `depth_scale`, a camera of Open3D, ROS, RealSense or BOP, or a 3x3 matrix as text. Needed for depth images and unorganized clouds; optional for organized clouds and TUM folders.
+    /// `depth_scale`, a camera of Open3D, ROS, RealSense or BOP, or a 3x3 matrix as text. Needed for depth images; optional for point clouds and TUM folders.
     #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]|FILE", value_parser = CameraArg::parse)]
     pub(crate) camera: Option<CameraArg>,
 
@@ -171,7 +171,7 @@ pub(crate) struct SegmentArgs {
     pub(crate) method: Option<MethodName>,
 
     /// What to write for each frame, separated by commas.
-    #[arg(long, value_name = "KINDS", value_delimiter = ',', default_value = "labels,json")]
+    #[arg(long, value_name = "KINDS", value_delimiter = ',', default_value = "labels,points,json")]
     pub(crate) write: Vec<OutputKind>,
 
     /// Repeat in DIR the folders of the inputs, from the folder down that all inputs share.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, anyhow};
 use objecthood::{Discovery, Params};
 use objecthood_io::scene::SceneFile;
-use objecthood_io::{Capture, label_image};
+use objecthood_io::{Capture, label_image, point_labels};
 use objecthood_view::{Recording, overlay, panels, png};
 
 use crate::args::OutputKind;
@@ -36,6 +36,10 @@ impl Found<'_> {
         for kind in kinds {
             let bytes = match kind {
                 OutputKind::Labels => label_image::encode(&discovery.labels)?,
+                OutputKind::Points => {
+                    let Some(list) = &capture.list else { continue };
+                    point_labels::encode(list, &discovery.labels)
+                }
                 OutputKind::Json => {
                     SceneFile::new(source, capture, params, discovery).to_json()?.into_bytes()
                 }

@@ -118,6 +118,15 @@ fn contents_that_contradict_themselves() {
     );
 }
 
+/// A cloud on both sides of its origin.
+fn half_behind(cloud: Cloud) -> Cloud {
+    cloud.map(|p| {
+        if p.xyz_m[0] < 0.0 {
+            p.xyz_m[2] *= -1.0;
+        }
+    })
+}
+
 #[test]
 fn clouds_that_show_nothing() {
     let folder = Folder::new();
@@ -129,10 +138,10 @@ fn clouds_that_show_nothing() {
     // Every pixel at its place, but not on the ray that a pinhole camera would have there.
     folder.write("bent.pcd", &cloud().map(|p| p.xyz_m[0] += p.xyz_m[1].powi(2) * 3.0).to_binary_pcd());
     let flat = Cloud { width: 320 * 240, height: 1, points: cloud().points };
-    folder.write("unorganized.pcd", &flat.to_binary_pcd());
+    folder.write("around.pcd", &half_behind(flat).to_binary_pcd());
     only_the_good_one_is_done(
         &folder,
-        &["nan.pcd", "zero.pcd", "behind.pcd", "infinite.pcd", "bent.pcd", "unorganized.pcd"],
+        &["nan.pcd", "zero.pcd", "behind.pcd", "infinite.pcd", "bent.pcd", "around.pcd"],
     );
 }
 
@@ -280,13 +289,14 @@ fn what_an_option_helps_against_names_it() {
     let flat = Cloud { width: 320 * 240, height: 1, points: Cloud::two_boxes(0.0).points };
     folder.write("good.pcd", &cloud.to_binary_pcd());
     folder.write("flat.pcd", &flat.to_binary_pcd());
+    folder.write("around.pcd", &half_behind(flat).to_binary_pcd());
     folder.write(
         "bent.pcd",
         &Cloud::two_boxes(0.0).map(|p| p.xyz_m[0] += p.xyz_m[1].powi(2) * 3.0).to_binary_pcd(),
     );
     folder.write("mirrored.pcd", &Cloud::two_boxes(0.0).map(|p| p.xyz_m[0] *= -1.0).to_binary_pcd());
     for (arguments, advice) in [
-        ("flat.pcd", ": give the camera, --camera fx,fy,cx,cy"),
+        ("around.pcd", ": give the camera, --camera fx,fy,cx,cy"),
         ("flat.pcd --camera 262,262,-500,119", ": write --camera fx,fy,cx,cy,width,height"),
         ("bent.pcd", ": give the camera, --camera fx,fy,cx,cy"),
         ("mirrored.pcd", ": convert them to it, or give the camera, --camera"),

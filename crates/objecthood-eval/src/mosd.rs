@@ -159,8 +159,9 @@ impl SceneRef {
     pub fn load(&self, camera: Option<&GridCamera>) -> Result<Scene> {
         let open = |camera| open_frame(&self.path, &Given { camera, ..Given::default() });
         let capture = match open(camera.copied()) {
+            Ok(capture) if capture.list.as_ref().is_some_and(|list| list.is_virtual) => open(Some(CAMERA)),
             Err(objecthood_io::Error::At { error, .. })
-                if camera.is_none() && matches!(*error, objecthood_io::Error::Unorganized { .. }) =>
+                if camera.is_none() && matches!(*error, objecthood_io::Error::NoView { .. }) =>
             {
                 open(Some(CAMERA))
             }

@@ -2,9 +2,10 @@
 
 use std::ffi::OsString;
 
+use glam::{DQuat, DVec3};
 use objecthood::{Frame, Raster};
 
-use crate::organize::{CameraFit, GridCamera};
+use crate::organize::{CameraFit, GridCamera, PointList};
 
 /// A frame, and what else its file says.
 #[derive(Clone, Debug)]
@@ -25,6 +26,8 @@ pub struct Capture {
     pub truth: Option<Raster<u32>>,
     /// How well the camera fits the points; `None` unless it was fitted to them.
     pub camera_fit: Option<CameraFit>,
+    /// What became of each point of an unorganized cloud.
+    pub list: Option<PointList>,
     /// Whether the points had the axes of computer graphics (x right, y up, z backward) and were turned by half about x.
     pub turned: bool,
 }
@@ -40,6 +43,7 @@ impl Capture {
             said: Said::default(),
             truth: None,
             camera_fit: None,
+            list: None,
             turned: false,
         }
     }
@@ -65,6 +69,23 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// The world is the frame of the camera.
+    pub const ORIGIN: Self = Self { position_m: [0.0; 3], rotation_xyzw: [0.0, 0.0, 0.0, 1.0] };
+
+    /// The rotation from the camera frame to the world.
+    pub(crate) fn rotation(&self) -> DQuat {
+        DQuat::from_array(self.rotation_xyzw)
+    }
+
+    /// A point of the world (m) in the camera frame.
+    pub(crate) fn to_camera(self, point_m: [f32; 3]) -> [f32; 3] {
+        if self == Self::ORIGIN {
+            return point_m;
+        }
+        let point = DVec3::from(point_m.map(f64::from)) - DVec3::from(self.position_m);
+        (self.rotation().inverse() * point).as_vec3().to_array()
+    }
+
     /// The z axis of the world in the camera frame: up, where the world's z points up, as in the TUM benchmark.
     pub fn up(&self) -> [f32; 3] {
         let [x, y, z, w] = self.rotation_xyzw;

@@ -1,5 +1,6 @@
 //! Point clouds, whatever file they come from.
 
+use crate::capture::Pose;
 use crate::error::{Error, Result};
 
 /// Points in the frame of the camera that saw them: x right, y down, z forward.
@@ -18,6 +19,8 @@ pub struct PointCloud {
     pub color: Option<Vec<[u8; 3]>>,
     /// Truth label of every point as the file has it, if it has labels.
     pub label: Option<Vec<u32>>,
+    /// Where the file says that the sensor was; `None`: in the origin, with the axes above.
+    pub viewpoint: Option<Pose>,
 }
 
 impl PointCloud {
@@ -57,11 +60,12 @@ mod tests {
             points_m: vec![[0.0; 3]; 4],
             color: Some(vec![[0; 3]; 4]),
             label: Some(vec![0; 4]),
+            viewpoint: None,
         };
         assert!(cloud.check().is_ok());
         for wrong in [
             PointCloud { width: 3, ..cloud.clone() },
-            PointCloud { width: 0, height: 0, points_m: vec![], color: None, label: None },
+            PointCloud { width: 0, height: 0, points_m: vec![], color: None, label: None, viewpoint: None },
             PointCloud { width: usize::MAX, height: usize::MAX, ..cloud.clone() },
             PointCloud { color: Some(vec![[0; 3]; 3]), ..cloud.clone() },
             PointCloud { label: Some(vec![0; 5]), ..cloud },

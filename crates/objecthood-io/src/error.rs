@@ -111,11 +111,11 @@ pub enum Error {
         /// Row of the principal point (px).
         cy_px: f64,
     },
-    /// An unorganized cloud without a camera.
+    /// An unorganized cloud that no one camera sees.
     #[error(
-        "the {points} points are not organized in rows and columns, so the camera that saw them must be given"
+        "the {points} points lie all around the place from which they would be seen, or span more than 120 degrees: save them in the frame of the camera, or cut out a part"
     )]
-    Unorganized {
+    NoView {
         /// Points in the cloud.
         points: usize,
     },

@@ -6,7 +6,7 @@
 //! [`organize`](mod@organize) puts on the pixel grid with a camera that is given or fitted. [`images`] are frames in depth
 //! and colour images, with the camera of a [`camera_file`]. [`scope`] limits what is looked at.
 //!
-//! Out: [`label_image`] (16-bit PNG), [`scene`] (JSON, with its schema) and [`explanation`] (JSON); [`output`] puts the bytes
+//! Out: [`label_image`] (16-bit PNG), [`point_labels`] (PCD), [`scene`] (JSON, with its schema) and [`explanation`] (JSON); [`output`] puts the bytes
 //! on the disk, whole or not at all.
 //!
 //! Only [`output`], [`FrameRef::read`], functions called `open..` and a [`Source`] that searches a folder touch files.
@@ -42,6 +42,7 @@ pub mod label_image;
 pub mod natural;
 pub mod organize;
 pub mod output;
+pub mod point_labels;
 pub mod scene;
 pub mod scope;
 mod source;
@@ -52,5 +53,5 @@ pub use cloud::PointCloud;
 pub use error::{Error, Result};
 pub use formats::{decode, extensions};
 pub use given::{DEFAULT_MAX_PIXELS, Given};
-pub use organize::{CameraFit, GridCamera};
+pub use organize::{CameraFit, GridCamera, PointList};
 pub use source::{FrameRef, Notice, Source, open_frame};

@@ -5,6 +5,8 @@
 //! * An *unorganized* cloud is a list. With the camera given, every point with depth goes to the pixel that sees it,
 //!   u = round(fx·x/z + cx), v = round(fy·y/z + cy); points outside the image are dropped, and of two points in a pixel
 //!   the later one stays. Pixels without a point have no depth, colour 0 and label 0.
+//!   Without a camera it gets a virtual one that fits the points, and of two points in a pixel the
+//!   nearer one stays. Either way, a [`PointList`] tells the label of every point.
 //!
 //! A point is missing when a coordinate is not finite or z is not positive; its label becomes 0. Depth is the z of the
 //! point, bit by bit. Only depth and camera are kept, not x and y.
@@ -13,49 +15,80 @@
 //! y up, z backward. Then not one point lies in front of the camera, and the cloud is turned by half about x.
 
 mod fit;
+mod focal;
 mod grid_camera;
+mod lattice;
+mod list;
+mod virtual_view;
 
 pub use fit::{CameraFit, MAX_RESIDUAL_PX, fit_camera};
 pub use grid_camera::GridCamera;
+pub use list::PointList;
 
 use objecthood::{Camera, Frame, Raster};
 
-use crate::capture::Capture;
+use list::Shown;
+use virtual_view::HALF_TURN;
+
+use crate::capture::{Capture, Pose};
 use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
 use crate::given::Given;
 use crate::images::check_pixels;
 
 /// Puts a cloud on the pixel grid. The camera of an organized cloud is fitted unless it is given; its size is then the
-/// cloud's. A list of points needs a given camera. O(points).
+/// cloud's. A list of points without a camera gets a virtual one. O(points).
 ///
 /// # Errors
 /// * organized: those of [`fit_camera`] without a camera, [`Error::CameraSize`] with one of another size;
-/// * a list: [`Error::Unorganized`] without a camera, [`Error::NothingInView`] with a wrong one, [`Error::NoImageSize`]
-///   when its size is neither given nor implied;
+/// * a list: [`Error::NoView`] without a camera when the points span too much, [`Error::NothingInView`] with a wrong
+///   one, [`Error::NoImageSize`] when its size is neither given nor implied;
 /// * both: [`Error::CloudLengths`], [`Error::Image`] with `TooManyPixels`, [`Error::Frame`] with `NoValidDepth` when no
 ///   point is valid.
-pub fn organize(mut cloud: PointCloud, given: &Given) -> Result<Capture> {
+pub fn organize(cloud: PointCloud, given: &Given) -> Result<Capture> {
     cloud.check()?;
+    if cloud.is_organized() { organize_grid(cloud, given) } else { organize_list(cloud, given) }
+}
+
+fn organize_grid(mut cloud: PointCloud, given: &Given) -> Result<Capture> {
     let turned = face_forward(&mut cloud.points_m);
-    if cloud.is_organized() {
-        check_pixels((cloud.width, cloud.height), given.max_pixels)?;
-    }
-    let capture = match (cloud.is_organized(), given.camera) {
-        (true, None) => {
+    check_pixels((cloud.width, cloud.height), given.max_pixels)?;
+    let capture = match given.camera {
+        None => {
             let fit = fit_camera(&cloud)?;
             keep_grid(cloud, fit.camera, Some(fit))
         }
-        (true, Some(camera)) => match camera.size {
+        Some(camera) => match camera.size {
             Some(size) if size != (cloud.width, cloud.height) => {
                 Err(Error::CameraSize { given: size, cloud: (cloud.width, cloud.height) })
             }
             _ => keep_grid(cloud, camera.camera, None),
         },
-        (false, None) => Err(Error::Unorganized { points: cloud.points_m.len() }),
-        (false, Some(camera)) => to_grid(&cloud, &camera, given.max_pixels),
     }?;
     Ok(Capture { turned, ..capture })
+}
+
+fn organize_list(cloud: PointCloud, given: &Given) -> Result<Capture> {
+    let points_m = &cloud.points_m;
+    let (grid, pose, shown) = match given.camera {
+        Some(camera) => {
+            // The points do not tell how many pixels there are: the camera does, and it may come from a file.
+            check_pixels(camera.image_size()?, given.max_pixels)?;
+            let is_forward = points_m.iter().any(|&point| is_valid(point));
+            (camera, if is_forward { Pose::ORIGIN } else { HALF_TURN }, Shown::Last)
+        }
+        None => {
+            let is_there = |point: &[f32; 3]| point.iter().all(|part| part.is_finite()) && *point != [0.0; 3];
+            if !points_m.iter().any(is_there) {
+                return Err(objecthood::Error::NoValidDepth.into());
+            }
+            let (grid, pose) = virtual_view::choose(points_m, cloud.viewpoint, given.max_pixels)?;
+            (grid, pose, Shown::Nearest)
+        }
+    };
+    let capture = list::place(cloud, &grid, pose, shown)?;
+    let pose = (pose != Pose::ORIGIN).then_some(pose);
+    Ok(Capture { turned: pose == Some(HALF_TURN), pose: pose.or(capture.pose), ..capture })
 }
 
 /// Turns points by half about x unless one of them lies in front of the camera; says whether it did.
@@ -73,7 +106,7 @@ fn is_valid([x, y, z]: [f32; 3]) -> bool {
 }
 
 fn keep_grid(cloud: PointCloud, camera: Camera, camera_fit: Option<CameraFit>) -> Result<Capture> {
-    let PointCloud { width, height, points_m, color, label } = cloud;
+    let PointCloud { width, height, points_m, color, label, .. } = cloud;
     let depth_m = points_m.iter().map(|&point| if is_valid(point) { point[2] } else { f32::NAN });
     let depth_m = Raster::from_vec(width, height, depth_m.collect())?;
     let color = color.map(|color| Raster::from_vec(width, height, color)).transpose()?;
@@ -84,35 +117,6 @@ fn keep_grid(cloud: PointCloud, camera: Camera, camera_fit: Option<CameraFit>) -
     });
     let truth = truth.transpose()?;
     Ok(Capture { truth, camera_fit, ..Capture::new(Frame::new(depth_m, color, camera)?) })
-}
-
-fn to_grid(cloud: &PointCloud, given: &GridCamera, max_pixels: usize) -> Result<Capture> {
-    let (width, height) = given.image_size()?;
-    // The points do not tell how many pixels there are: the camera does, and it may come from a file.
-    check_pixels((width, height), max_pixels)?;
-    let mut depth_m = Raster::filled(width, height, f32::NAN)?;
-    let mut color = cloud.color.as_ref().map(|_| Raster::filled(width, height, [0; 3])).transpose()?;
-    let mut truth = cloud.label.as_ref().map(|_| Raster::filled(width, height, 0)).transpose()?;
-
-    let (mut valid, mut placed) = (0_usize, 0_usize);
-    for (k, &point) in cloud.points_m.iter().enumerate().filter(|(_, point)| is_valid(**point)) {
-        valid += 1;
-        let (u, v) = given.camera.project(point);
-        let (Some(u), Some(v)) = (nearest(u, width), nearest(v, height)) else { continue };
-        placed += 1;
-        let pixel = v * width + u;
-        depth_m.as_mut_slice()[pixel] = point[2];
-        if let (Some(raster), Some(color)) = (&mut color, &cloud.color) {
-            raster.as_mut_slice()[pixel] = color[k];
-        }
-        if let (Some(raster), Some(label)) = (&mut truth, &cloud.label) {
-            raster.as_mut_slice()[pixel] = label[k];
-        }
-    }
-    if valid > 0 && placed == 0 {
-        return Err(Error::NothingInView { points: valid, size: (width, height) });
-    }
-    Ok(Capture { truth, ..Capture::new(Frame::new(depth_m, color, given.camera)?) })
 }
 
 /// The pixel nearest to `x` of `count`, ties to even; `None` outside and for NaN.
@@ -141,7 +145,14 @@ mod tests {
         let mut points_m: Vec<_> = (0..48).map(pixel).collect();
         points_m[7] = NAN;
         let color = (0..48).map(|i| [i as u8, 1, 2]).collect();
-        PointCloud { width: 8, height: 6, points_m, color: Some(color), label: Some((100..148).collect()) }
+        PointCloud {
+            width: 8,
+            height: 6,
+            points_m,
+            color: Some(color),
+            label: Some((100..148).collect()),
+            viewpoint: None,
+        }
     }
 
     fn flattened(cloud: &PointCloud, keep: impl Fn([f32; 3]) -> bool) -> PointCloud {
@@ -152,6 +163,7 @@ mod tests {
             points_m: kept.iter().map(|&i| cloud.points_m[i]).collect(),
             color: cloud.color.as_ref().map(|color| kept.iter().map(|&i| color[i]).collect()),
             label: cloud.label.as_ref().map(|label| kept.iter().map(|&i| label[i]).collect()),
+            viewpoint: None,
         }
     }
 
@@ -221,8 +233,14 @@ mod tests {
     fn the_later_point_stays_and_the_outside_is_dropped() {
         let points_m =
             vec![[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [100.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0, f32::NAN, 5.0]];
-        let cloud =
-            PointCloud { width: 5, height: 1, points_m, color: None, label: Some(vec![1, 2, 3, 4, 5]) };
+        let cloud = PointCloud {
+            width: 5,
+            height: 1,
+            points_m,
+            color: None,
+            label: Some(vec![1, 2, 3, 4, 5]),
+            viewpoint: None,
+        };
         let given = GridCamera { camera: Camera::new(1.0, 1.0, 1.0, 0.0).unwrap(), size: Some((2, 1)) };
         let capture = organize(cloud, Some(&given)).unwrap();
         assert_eq!(capture.frame.depth_m()[1], 2.0);
@@ -235,7 +253,10 @@ mod tests {
     fn an_unorganized_cloud_needs_a_fitting_camera() {
         let list = flattened(&organized(), is_valid);
         let said = |camera: Option<GridCamera>| organize(list.clone(), camera.as_ref()).unwrap_err();
-        assert!(matches!(said(None), Error::Unorganized { points: 47 }));
+        assert!(
+            organize(list.clone(), None)
+                .is_ok_and(|capture| capture.list.is_some_and(|list| list.is_virtual))
+        );
         let far = Camera::new(10.0, 10.0, -500.0, 2.5).unwrap();
         assert!(matches!(said(Some(GridCamera { camera: far, size: None })), Error::NoImageSize { .. }));
         let aside = GridCamera { camera: far, size: Some((8, 6)) };
@@ -249,10 +270,27 @@ mod tests {
         for (cloud, camera) in [
             (flattened(&organized(), is_valid), Some(&given)),
             (
-                PointCloud { width: 49, height: 1, points_m: vec![NAN; 49], color: None, label: None },
+                PointCloud {
+                    width: 49,
+                    height: 1,
+                    points_m: vec![NAN; 49],
+                    color: None,
+                    label: None,
+                    viewpoint: None,
+                },
                 Some(&given),
             ),
-            (PointCloud { width: 7, height: 7, points_m: vec![NAN; 49], color: None, label: None }, None),
+            (
+                PointCloud {
+                    width: 7,
+                    height: 7,
+                    points_m: vec![NAN; 49],
+                    color: None,
+                    label: None,
+                    viewpoint: None,
+                },
+                None,
+            ),
         ] {
             let error = organize(cloud, camera).unwrap_err();
             assert!(error.to_string().starts_with("7x7 pixels are more than the 48"), "{error}");
@@ -265,7 +303,7 @@ mod tests {
         for (width, height) in [(4, 2), (8, 1), (1, 8), (1, 1)] {
             for bad in [NAN, [0.0; 3], [0.0, 0.0, f32::INFINITY]] {
                 let points_m = vec![bad; width * height];
-                let cloud = PointCloud { width, height, points_m, color: None, label: None };
+                let cloud = PointCloud { width, height, points_m, color: None, label: None, viewpoint: None };
                 let given = (height == 1 && width > 1).then_some(&given);
                 let error = organize(cloud, given).unwrap_err();
                 assert!(matches!(error, Error::Frame(objecthood::Error::NoValidDepth)), "{error}");

@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
-use crate::capture::Capture;
+use crate::capture::{Capture, Pose};
 use crate::error::{Error, Result};
+use crate::organize::PointList;
 
 /// Version of the schema that is written. A reader of version 1 can read every file of version 1.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -43,6 +44,10 @@ pub struct SceneFile {
     pub image: ImageSize,
     /// The camera that saw it.
     pub camera: PinholeCamera,
+    /// Where the camera is in the frame of the points; absent unless it was chosen to fit an unorganized cloud.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "VirtualView")]
+    pub virtual_view: Option<VirtualView>,
     /// The direction against gravity.
     pub up: UpDirection,
     /// Large planes of the scene: the table, the floor.
@@ -102,6 +107,21 @@ pub struct PinholeCamera {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", range(min = 0))]
     pub fit_residual_px: Option<f64>,
+}
+
+/// A camera that was chosen to look at points without one: a point p of the camera frame is at rotation · p + position
+/// in the frame of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VirtualView {
+    /// Its position (m).
+    pub position_m: [f64; 3],
+    /// Its rotation as a unit quaternion.
+    pub rotation_xyzw: [f64; 4],
+    /// Points of the file.
+    pub points: usize,
+    /// Those that it sees: the others are missing, outside the image or hidden, and belong to no object.
+    pub seen_points: usize,
 }
 
 /// The direction against gravity.
@@ -401,6 +421,7 @@ impl SceneFile {
             parameters_fingerprint: fingerprint(params),
             image: ImageSize { width_px, height_px },
             camera: PinholeCamera { fx_px, fy_px, cx_px, cy_px, fit_residual_px },
+            virtual_view: virtual_list(capture).map(VirtualView::from),
             up: (&discovery.up).into(),
             structure_planes: discovery.structure_planes.iter().map(StructurePlane::from).collect(),
             objects: discovery.objects.iter().map(SceneObject::from).collect(),
@@ -428,7 +449,27 @@ impl SceneFile {
 pub fn notices(capture: &Capture, discovery: &Discovery) -> Vec<String> {
     let turned = "every point lies behind the camera: the cloud is read as x right, y up, z backward";
     let of_reading = capture.turned.then(|| turned.to_owned());
+    let of_view = virtual_list(capture).map(|list| {
+        let ((width, height), focal_px) = (capture.frame.size(), capture.frame.camera().fx_px);
+        let (seen, points) = (list.seen, list.points_m.len());
+        let whence = if list.viewpoint.is_some_and(|viewpoint| viewpoint.position_m == list.camera_pose.position_m) {
+            "the VIEWPOINT of the file"
+        } else {
+            "their origin"
+        };
+        let percent = 100.0 * seen as f64 / points as f64;
+        format!(
+            "no camera is given: the points are looked at from {whence} by a virtual one of {width}x{height} px with a \
+             focal length of {focal_px:.1} px, which sees {percent:.1} % of them"
+        )
+    });
+    let of_reading = of_reading.into_iter().chain(of_view);
     of_reading.into_iter().chain(discovery.notices.iter().map(ToString::to_string)).collect()
+}
+
+/// The points, if their camera is virtual.
+fn virtual_list(capture: &Capture) -> Option<&PointList> {
+    capture.list.as_ref().filter(|list| list.is_virtual)
 }
 
 /// Where in a scene or an explanation the first null stands. A number that is not finite becomes one, and nothing else does.
@@ -441,6 +482,13 @@ pub(crate) fn first_null(value: &Value) -> Option<String> {
         }
         Value::Object(map) => map.iter().find_map(|(key, value)| inside(format!(".{key}"), value)),
         Value::Bool(_) | Value::Number(_) | Value::String(_) => None,
+    }
+}
+
+impl From<&PointList> for VirtualView {
+    fn from(list: &PointList) -> Self {
+        let Pose { position_m, rotation_xyzw } = list.camera_pose;
+        Self { position_m, rotation_xyzw, points: list.points_m.len(), seen_points: list.seen }
     }
 }
 

@@ -9,7 +9,7 @@ use common::{data_folder, decode, open};
 use objecthood::{Frame, Raster};
 use objecthood_io::formats::pcd;
 use objecthood_io::organize::organize;
-use objecthood_io::{Capture, Error, Given, GridCamera, PointCloud};
+use objecthood_io::{Capture, Given, GridCamera, PointCloud};
 
 fn learn_scenes(data: &Path) -> Vec<PathBuf> {
     (0..45).map(|k| data.join(format!("mosd/learn/learn{k}.pcd"))).collect()
@@ -69,7 +69,11 @@ fn flattened_scenes_come_back_to_their_grid() {
         let size = b"WIDTH 640\nHEIGHT 480\n";
         let at = file.windows(size.len()).position(|window| window == size).unwrap();
         let list = [&file[..at], b"WIDTH 307200\nHEIGHT 1\n", &file[at + size.len()..]].concat();
-        assert!(matches!(decode(&list, None), Err(Error::Unorganized { points: 307_200 })));
+        // Without a camera, the pixels are found again from the points.
+        let again = decode(&list, None).unwrap();
+        let (grid_camera, camera) = (grid.frame.camera(), again.frame.camera());
+        assert!((camera.fx_px - grid_camera.fx_px).abs() < 1e-2, "{camera:?}");
+        assert_eq!(again.frame.measured_px(), grid.frame.measured_px());
         assert_same(&grid, &decode(&list, Some(&kinect())).unwrap());
 
         // The list without the missing points.
@@ -82,6 +86,7 @@ fn flattened_scenes_come_back_to_their_grid() {
             points_m: kept.iter().map(|&i| cloud.points_m[i]).collect(),
             color: Some(kept.iter().map(|&i| color[i]).collect()),
             label: Some(kept.iter().map(|&i| label[i]).collect()),
+            viewpoint: None,
         };
         assert!(short.width < 307_200);
         assert_same(

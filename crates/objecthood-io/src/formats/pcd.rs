@@ -10,10 +10,14 @@
 //! | `rgb` or `rgba` | U4, I4, or F4 with the same 32 bits | R = bits 16-23, G = 8-15, B = 0-7 |
 //! | `label` | any U or I | the segment that the point belongs to; negative = none = 0 |
 //!
-//! Fields stand in any order; others are skipped, whatever their type and COUNT. VIEWPOINT is skipped too: the points
-//! are taken to be in the frame of the camera. Whatever follows the last point is ignored, as the Point Cloud Library
+//! Fields stand in any order; others are skipped, whatever their type and COUNT. Whatever follows the last point is ignored, as the Point Cloud Library
 //! does. In `ascii` the declared type says how the colour is printed, again as there: an F4 as the float whose bits
 //! hold the colour (`4.2108e+06`), a U4 as an integer.
+//!
+//! VIEWPOINT, tx ty tz qw qx qy qz, is where the sensor was. The documentation leaves open whether the points are in its frame
+//! or it is in theirs, and programs do both: normals and range images of the Point Cloud Library take the points to be
+//! in the world, `pcl_transform_from_viewpoint` in the frame of the sensor. So [`organize`](crate::organize) decides by the
+//! points.
 //!
 //! Source: *The PCD (Point Cloud Data) file format*, documentation of the Point Cloud Library; for what it leaves open,
 //! the behaviour of that library's reader.
@@ -61,6 +65,7 @@ pub fn parse(bytes: &[u8]) -> Result<PointCloud, PcdError> {
         points_m: columns::points_m(roles.xyz.map(|field| table.column(field)))?,
         color: roles.color.map(|field| columns::colors(table.column(field))).transpose()?,
         label: roles.label.map(|field| columns::labels(table.column(field))).transpose()?,
+        viewpoint: header.viewpoint,
     })
 }
 

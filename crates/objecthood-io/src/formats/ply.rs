@@ -54,7 +54,7 @@ pub fn parse(bytes: &[u8]) -> Result<PointCloud, PlyError> {
     let header = Header::parse(&mut lines)?;
     let roles = roles(&header.properties)?;
     let (points_m, color) = points::read(&header, &roles, lines)?;
-    Ok(PointCloud { width: points_m.len(), height: 1, points_m, color, label: None })
+    Ok(PointCloud { width: points_m.len(), height: 1, points_m, color, label: None, viewpoint: None })
 }
 
 /// What each property is used for.

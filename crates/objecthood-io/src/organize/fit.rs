@@ -139,7 +139,7 @@ mod tests {
         let points_m = (0..width * height)
             .map(|i| camera.back_project(i % width, i / width, z_m(i % width, i / width)))
             .collect();
-        PointCloud { width, height, points_m, color: None, label: None }
+        PointCloud { width, height, points_m, color: None, label: None, viewpoint: None }
     }
 
     fn kinect() -> Camera {
@@ -193,8 +193,14 @@ mod tests {
     #[test]
     fn one_pixel_takes_the_nominal_focal_length() {
         let one_of_many = seen(kinect(), 40, 30, |u, v| if (u, v) == (3, 4) { 0.8 } else { 0.0 });
-        let alone =
-            PointCloud { width: 1, height: 1, points_m: vec![[0.3, -0.2, 1.5]], color: None, label: None };
+        let alone = PointCloud {
+            width: 1,
+            height: 1,
+            points_m: vec![[0.3, -0.2, 1.5]],
+            color: None,
+            label: None,
+            viewpoint: None,
+        };
         for (cloud, focal_px) in [(one_of_many, 40.0 * 525.0 / 640.0), (alone, 525.0 / 640.0)] {
             let fit = fit_camera(&cloud).unwrap();
             assert_eq!((fit.camera.fx_px, fit.camera.fy_px, fit.points), (focal_px, focal_px, 1));

@@ -21,10 +21,14 @@ pub(super) fn search(folder: &Path, given: Given) -> impl Iterator<Item = Result
     })
 }
 
+/// What the labels of points end in, which `objecthood segment` writes; they are no input of a later run.
+const POINT_LABELS: &str = ".labels.pcd";
+
 /// Whether an entry is a file, perhaps by a link, with an ending that is looked for.
 fn is_frame(entry: &DirEntry) -> bool {
     let extension = entry.path().extension().unwrap_or_default();
-    extensions().any(|e| extension.eq_ignore_ascii_case(e)) && entry.path().is_file()
+    let is_output = entry.file_name().as_encoded_bytes().ends_with(POINT_LABELS.as_bytes());
+    !is_output && extensions().any(|e| extension.eq_ignore_ascii_case(e)) && entry.path().is_file()
 }
 
 /// A folder that cannot be listed.

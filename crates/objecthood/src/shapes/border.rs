@@ -52,8 +52,8 @@ const RAW_DEPTHS: f64 = 2.0;
 const TORN_RIDGE_DEG: f64 = 25.0;
 /// A torn ridge counts as a fold of this share of its length.
 const TORN_RIDGE_SHARE: f64 = 0.5;
-/// Every other pair of pixels is a sample, so each sample represents two pairs.
-const PAIRS_PER_SAMPLE: f64 = 2.0;
+/// Every other pair of pixels is a sample (px at 525 px). A sharper image has as many samples on a border, not more.
+const PAIRS_PER_SAMPLE: usize = 2;
 
 /// Marks a pixel whose right (`RIGHT`) or lower (`BELOW`) neighbour lies on another facet.
 const RIGHT: i32 = 1;
@@ -71,7 +71,7 @@ enum Kind {
 }
 
 /// Measures the common borders of facets, except between two facets of the structure. Every other pair of pixels along a border is
-/// a sample. Each sample fits a plane to either side within `radius_px`: locally, because curved and L-shaped facets have no
+/// a sample, or fewer where pixels are smaller. Each sample fits a plane to either side within `radius_px`: locally, because curved and L-shaped facets have no
 /// single direction. O(border pixels · radius^2); parallel over rows.
 pub fn measure_borders(
     facets: &Facets,
@@ -81,9 +81,10 @@ pub fn measure_borders(
 ) -> RegionGraph<BorderEvidence> {
     let (width, height) = disparity.size();
     let surroundings = Surroundings { facets, disparity, space, radius: space.length_px(params.radius_px) };
-    let borders = Borders { surroundings, params };
+    let pairs_per_sample = space.length_px(PAIRS_PER_SAMPLE).max(PAIRS_PER_SAMPLE);
+    let borders = Borders { surroundings, params, pairs_per_sample };
     let sample_row = |marks: &mut Vec<i32>, v: usize| {
-        mark_borders(facets.segments.labels(), v, marks);
+        mark_borders(facets.segments.labels(), v, pairs_per_sample, marks);
         let mut samples = Vec::new();
         for u in marked(marks) {
             let i = v * width + u;
@@ -100,16 +101,16 @@ pub fn measure_borders(
     RegionGraph::gather(facets.segments.count(), rows.into_iter().flatten(), BorderEvidence::add)
 }
 
-/// Marks the samples of row `v`: horizontal pairs in odd rows, vertical pairs in odd columns.
-fn mark_borders(labels: &Raster<i32>, v: usize, marks: &mut [i32]) {
+/// Marks the samples of row `v`: horizontal pairs in every `step`-th row, vertical pairs in every `step`-th column, from the second.
+fn mark_borders(labels: &Raster<i32>, v: usize, step: usize, marks: &mut [i32]) {
     let (width, height) = labels.size();
     let row = |v: usize| &labels.as_slice()[v * width..(v + 1) * width];
     let is_border = |a: i32, b: i32| i32::from((a != b) & (a >= 0) & (b >= 0));
     let (own, below) = (row(v), row((v + 1).min(height - 1)));
-    for (u, (mark, (own, below))) in (0..).zip(marks.iter_mut().zip(own.iter().zip(below))) {
-        *mark = BELOW * (is_border(*own, *below) & u & 1);
-    }
-    if v % 2 == 1 {
+    marks.fill(0);
+    let columns = marks.iter_mut().zip(own.iter().zip(below)).skip(1).step_by(step);
+    columns.for_each(|(mark, (own, below))| *mark = BELOW * is_border(*own, *below));
+    if v % step == 1 {
         for (mark, (own, right)) in marks.iter_mut().zip(own.iter().zip(&own[1..])) {
             *mark |= RIGHT * is_border(*own, *right);
         }
@@ -120,6 +121,8 @@ fn mark_borders(labels: &Raster<i32>, v: usize, marks: &mut [i32]) {
 struct Borders<'a> {
     surroundings: Surroundings<'a>,
     params: &'a params::Border,
+    /// Pairs of pixels that a sample stands for.
+    pairs_per_sample: usize,
 }
 
 /// The difference between the two sides at one place.
@@ -153,7 +156,7 @@ impl Borders<'_> {
         let camera = space.camera();
         // A horizontal pair represents a vertical piece of border.
         let focal_px = if i.abs_diff(j) == 1 { camera.fy_px } else { camera.fx_px };
-        let length_m = PAIRS_PER_SAMPLE * z_m / focal_px;
+        let length_m = self.pairs_per_sample as f64 * z_m / focal_px;
         let before = sides[0].value - sides[1].value;
         let gaps =
             Gaps { length_m, quanta_m: before * length_m, depth_m2: space.step_m(before, z_m) * length_m };

@@ -5,6 +5,7 @@ use std::str::FromStr;
 use objecthood::Raster;
 
 use super::error::PcdError;
+use crate::capture::Pose;
 use crate::text::preview;
 
 /// The header lines there are; DATA ends the header.
@@ -97,12 +98,14 @@ pub(super) enum Encoding {
 }
 
 /// A consistent header. Its sizes in bytes may still be beyond every file; they saturate rather than overflow.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Header<'a> {
     pub(super) fields: Vec<Field<'a>>,
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) encoding: Encoding,
+    /// Where the sensor was, unless it was in the origin.
+    pub(super) viewpoint: Option<Pose>,
     /// Lines of the file up to and including DATA.
     pub(super) lines: usize,
 }
@@ -119,8 +122,9 @@ impl<'a> Header<'a> {
             ("binary", Encoding::Binary),
             ("binary_compressed", Encoding::Compressed),
         ];
+        let viewpoint = lines.viewpoint()?;
         let encoding = lines.one_of("DATA", &encodings, "ascii, binary or binary_compressed")?;
-        Ok((Self { fields, width, height, encoding, lines: lines.count }, lines.data))
+        Ok((Self { fields, width, height, encoding, viewpoint, lines: lines.count }, lines.data))
     }
 
     /// Number of points.
@@ -235,6 +239,24 @@ impl<'a> Lines<'a> {
         Ok((width as usize, height as usize))
     }
 
+    /// Where the sensor was. A rotation without a length, as some programs write, is none.
+    fn viewpoint(&self) -> Result<Option<Pose>, PcdError> {
+        const SEVEN: &str = "seven numbers, a position and a quaternion: tx ty tz qw qx qy qz";
+        let Some(line) = self.find("VIEWPOINT") else { return Ok(None) };
+        let numbers: Vec<f64> = line.numbers(SEVEN)?;
+        let &[tx, ty, tz, qw, qx, qy, qz] = numbers.as_slice() else {
+            return Err(line.bad(line.values, SEVEN));
+        };
+        let length = [qw, qx, qy, qz].iter().map(|part| part * part).sum::<f64>().sqrt();
+        if !(numbers.iter().all(|number| number.is_finite()) && length.is_finite()) {
+            return Err(line.bad(line.values, SEVEN));
+        }
+        let rotation_xyzw =
+            if length > 0.0 { [qx, qy, qz, qw].map(|part| part / length) } else { [0.0, 0.0, 0.0, 1.0] };
+        let pose = Pose { position_m: [tx, ty, tz], rotation_xyzw };
+        Ok((pose != Pose::ORIGIN).then_some(pose))
+    }
+
     fn fields(&self) -> Result<Vec<Field<'a>>, PcdError> {
         let names: Vec<&'a str> = self.get("FIELDS")?.values.split_ascii_whitespace().collect();
         let sizes: Vec<usize> = self.get("SIZE")?.numbers("one size in bytes per field")?;
@@ -318,6 +340,15 @@ mod tests {
     }
 
     #[test]
+    fn the_viewpoint_is_a_position_and_a_rotation() {
+        let viewpoint = |numbers: &str| parse(&GOOD.replace("0 0 0 1 0 0 0", numbers)).unwrap().viewpoint;
+        assert_eq!(viewpoint("0 0 0 1 0 0 0"), None);
+        assert_eq!(viewpoint("0 0 0 0 0 0 0"), None);
+        let turned = Pose { position_m: [1.0, 0.0, -2.0], rotation_xyzw: [1.0, 0.0, 0.0, 0.0] };
+        assert_eq!(viewpoint("1 0 -2 0 2 0 0"), Some(turned));
+    }
+
+    #[test]
     fn the_data_begin_after_the_line_end() {
         for (end, data) in [("DATA binary\r\n\n#", "\n#"), ("DATA binary\n", ""), ("DATA binary", "")] {
             let text = GOOD.replace("DATA binary\n", end);
@@ -344,6 +375,8 @@ mod tests {
             ("WIDTH 3", "WIDTH 0", "WIDTH 0 and HEIGHT 2"),
             ("WIDTH 3", "WIDTH -3", "WIDTH `-3`: expected one whole number"),
             ("WIDTH 3", "WIDTH 3 3", "WIDTH `3 3`"),
+            ("VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 0 1 0 0", "expected seven numbers"),
+            ("VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 nan 1 0 0 0", "expected seven numbers"),
             ("POINTS 6", "POINTS 7", "POINTS 7 but WIDTH 3 times HEIGHT 2"),
             ("POINTS 6\n", "", "no POINTS line"),
             ("DATA binary", "DATA bin", "expected ascii, binary or binary_compressed"),
