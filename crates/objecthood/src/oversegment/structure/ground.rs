@@ -76,8 +76,7 @@ impl Supports {
 /// Counts the things on each surface: pieces of what lies on no surface that hang together, have a graspable size, and touch this
 /// surface more than the others.
 fn count_things(scene: &Seen<'_>, surfaces: &[StructureSurface], max_side_m: f64) -> Vec<Evidence> {
-    let of_cell = scene.find_pieces();
-    let count = of_cell.iter().flatten().max().map_or(0, |most| most + 1);
+    let (of_cell, count) = scene.find_pieces();
     let mut pieces = vec![Piece::new(surfaces.len()); count];
     let mut evidence: Vec<Evidence> =
         surfaces.iter().map(|s| Evidence { normal: s.normal, things: 0.0 }).collect();
@@ -212,8 +211,8 @@ impl<'a> Seen<'a> {
         a.distance(b) < MOST_STRETCH * px * b.z.min(a.z) / self.space.camera().fx_px
     }
 
-    /// The piece of every cell that is measured and lies on no surface.
-    fn find_pieces(&self) -> Vec<Option<usize>> {
+    /// The piece of every cell that is measured and lies on no surface, and the number of pieces.
+    fn find_pieces(&self) -> (Vec<Option<usize>>, usize) {
         let cells = self.columns * self.rows;
         let is_free = |cell: usize| {
             let i = self.pixel(cell);
@@ -228,7 +227,15 @@ impl<'a> Seen<'a> {
                 }
             }
         }
-        let (piece_of, _) = sets.groups();
-        (0..cells).map(|cell| is_free(cell).then_some(piece_of[cell] as usize)).collect()
+        // Every cell of a surface is a set of its own, but no piece.
+        let (set_of, sets) = sets.groups();
+        let (mut piece_of, mut count) = (vec![None; sets], 0);
+        let mut piece = |cell: usize| {
+            let piece = piece_of[set_of[cell] as usize].get_or_insert(count);
+            count += usize::from(*piece == count);
+            *piece
+        };
+        let pieces = (0..cells).map(|cell| is_free(cell).then(|| piece(cell))).collect();
+        (pieces, count)
     }
 }
