@@ -28,7 +28,7 @@ fn nested(rng: &mut Rng, layout: &mut Layout) {
     let Some(lowest) = layout.stand(rng, &first, MIDDLE) else { return };
     let mut bowls = vec![lowest];
     for _ in 0..1 + rng.below(2) {
-        outer *= rng.range(0.72..0.88);
+        outer *= rng.range(0.66..0.82);
         let mut next = thing::bowl_of(rng, outer);
         if is_set {
             next.parts[0].paints.clone_from(&first.parts[0].paints);
@@ -111,7 +111,7 @@ fn served(rng: &mut Rng, layout: &mut Layout) {
         serve(rng, radius, 0.0);
     } else {
         for side in [-1.0, 1.0] {
-            let radius = radius_m * rng.range(0.3..0.45);
+            let radius = radius_m * rng.range(0.38..0.49);
             serve(rng, radius, side * (radius_m - radius));
         }
     }
