@@ -3,15 +3,22 @@
 mod arm;
 mod bin;
 mod bodies;
+mod contents;
 mod crowd;
+mod flush;
 mod furniture;
 mod heap;
+mod parts;
+mod patterned;
+mod printed;
 mod rooms;
 mod setting;
 mod shelf;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod thin;
+mod tools;
 mod views;
 
 use std::fmt;
@@ -58,11 +65,27 @@ pub enum Family {
     EmptyTable,
     /// A room with furniture and nothing else.
     EmptyRoom,
+    /// Boxes pushed together in rows and towers, so that faces go on in each other; of different colour or print.
+    Flush,
+    /// The same, but the boxes of a group look alike.
+    FlushAlike,
+    /// Boxes that stand alone, with blocks of colour, bands, labels and print that are no joints.
+    Printed,
+    /// Flat things, 0.5 to 12 mm thick, of the colour of the table or another.
+    Thin,
+    /// Tables with tiles, stripes, cloths, stains and sharp shadows; none to two tall things and nothing flat.
+    Patterned,
+    /// Bodies of two and more convex parts: toys, animals, bottles, pots with lids, mugs with big handles.
+    Parts,
+    /// Vessels with contents that touch their walls or fill them; bowls in bowls.
+    Contents,
+    /// Elongated things with a handle of another colour, lying.
+    Tools,
 }
 
 impl Family {
     /// Every family there is.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 22] = [
         Self::Single,
         Self::Tabletop,
         Self::Stacked,
@@ -77,6 +100,14 @@ impl Family {
         Self::RobotArm,
         Self::EmptyTable,
         Self::EmptyRoom,
+        Self::Flush,
+        Self::FlushAlike,
+        Self::Printed,
+        Self::Thin,
+        Self::Patterned,
+        Self::Parts,
+        Self::Contents,
+        Self::Tools,
     ];
 
     /// Those whose things stand on a table in plain view.
@@ -100,14 +131,39 @@ impl Family {
             Self::RobotArm => "robot-arm",
             Self::EmptyTable => "empty-table",
             Self::EmptyRoom => "empty-room",
+            Self::Flush => "flush",
+            Self::FlushAlike => "flush-alike",
+            Self::Printed => "printed",
+            Self::Thin => "thin",
+            Self::Patterned => "patterned",
+            Self::Parts => "parts",
+            Self::Contents => "contents",
+            Self::Tools => "tools",
         }
+    }
+
+    /// Those that ask what colour tells where depth is silent.
+    pub const COLOR: [Self; 8] = [
+        Self::Flush,
+        Self::FlushAlike,
+        Self::Printed,
+        Self::Thin,
+        Self::Patterned,
+        Self::Parts,
+        Self::Contents,
+        Self::Tools,
+    ];
+
+    fn is_about_color(self) -> bool {
+        Self::COLOR.contains(&self)
     }
 
     /// So many objects a scene has at least.
     fn fewest(self) -> usize {
         match self {
-            Self::EmptyTable | Self::EmptyRoom => 0,
-            Self::Single => 1,
+            Self::EmptyTable | Self::EmptyRoom | Self::Patterned => 0,
+            Self::Single | Self::Printed | Self::Parts | Self::Tools => 1,
+            Self::Flush | Self::FlushAlike | Self::Thin | Self::Contents => 2,
             Self::Room | Self::Bin => 5,
             Self::Shelf => 6,
             Self::Clutter => 8,
@@ -157,6 +213,9 @@ pub fn generate(family: Family, seed: u64) -> World {
 fn draw(family: Family, seed: u64, attempt: u64) -> World {
     let mut rng = Rng::new(seed, family as u64 * 1000 + attempt);
     let rng = &mut rng;
+    if family == Family::Patterned {
+        return patterned::table(rng, seed);
+    }
     let (layout, viewpoint) = match family {
         Family::Room => rooms::furnished(rng, true),
         Family::EmptyRoom => rooms::furnished(rng, false),
@@ -167,7 +226,8 @@ fn draw(family: Family, seed: u64, attempt: u64) -> World {
         Family::RobotArm => arm::over_table(rng),
         _ => on_table(family, rng),
     };
-    World::new(seed, layout.solids, layout.contacts, views::lighting(rng), viewpoint)
+    let lighting = if family.is_about_color() { views::mixed_lighting(rng) } else { views::lighting(rng) };
+    World::new(seed, layout.solids, layout.contacts, lighting, viewpoint)
 }
 
 fn on_table(family: Family, rng: &mut Rng) -> (Layout, Viewpoint) {
@@ -186,6 +246,13 @@ fn on_table(family: Family, rng: &mut Rng) -> (Layout, Viewpoint) {
         Family::Stacked => tables::stacked(rng, &mut layout),
         Family::Occluded => tables::occluded(rng, &mut layout, &viewpoint),
         Family::Vessels => tables::vessels(rng, &mut layout),
+        Family::Flush => flush::pushed_together(rng, &mut layout, false),
+        Family::FlushAlike => flush::pushed_together(rng, &mut layout, true),
+        Family::Printed => printed::boxes(rng, &mut layout),
+        Family::Thin => thin::lying(rng, &mut layout),
+        Family::Parts => parts::bodies(rng, &mut layout),
+        Family::Contents => contents::filled(rng, &mut layout),
+        Family::Tools => tools::lying(rng, &mut layout),
         Family::Clutter => {
             let count = 9 + rng.below(6);
             tables::tabletop(rng, &mut layout, count, Region { half_m: [0.40, 0.28], ..middle });

@@ -35,7 +35,18 @@ impl World {
         let lit = if facing > 0.0 { self.lamp_share(sight, pixel) * facing / square } else { 0.0 };
         let open = self.sky_share(sight, pixel) * (0.65 + 0.35 * sight.normal.z);
         let albedo = self.albedo(sight);
-        [0, 1, 2].map(|k| albedo[k] * (lamp[k] * lit + sky[k] * open))
+        let gloss = self.paint(sight).gloss;
+        let spot = if gloss > 0.0 { gloss * lit * self.mirrored(sight, toward) } else { 0.0 };
+        [0, 1, 2].map(|k| albedo[k] * (lamp[k] * lit + sky[k] * open) + lamp[k] * spot)
+    }
+
+    /// How nearly a surface mirrors the lamp into the camera, 0..1 (Blinn 1977).
+    fn mirrored(&self, sight: &Sight, toward_lamp: DVec3) -> f64 {
+        const SHARPNESS: f64 = 60.0;
+        let toward_camera = self.viewpoint().pose.origin - sight.point;
+        let halfway =
+            (toward_lamp.normalize_or_zero() + toward_camera.normalize_or_zero()).normalize_or_zero();
+        libm::pow(halfway.dot(sight.normal).max(0.0), SHARPNESS)
     }
 
     /// How much of the lamp is seen from there.

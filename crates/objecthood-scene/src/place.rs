@@ -3,6 +3,8 @@
 //! Certainty comes from supports: two solids are apart when along some direction one ends before the other begins. A
 //! finite set of directions is tried, so a placement may be refused without need but is never wrong.
 
+mod flush;
+mod inside;
 mod spot;
 
 use glam::DVec3;

@@ -105,8 +105,13 @@ impl Solid {
     }
 
     /// Laid on its side: turned by a quarter about its y axis, so that it rests on what was its side.
-    pub(crate) fn laid(mut self) -> Self {
-        let turned = Pose::at([0.0; 3]).turned(1, 90.0);
+    pub(crate) fn laid(self) -> Self {
+        self.laid_dipped(0.0)
+    }
+
+    /// The same, but what was its upper end dips by an angle.
+    pub(crate) fn laid_dipped(mut self, dip_deg: f64) -> Self {
+        let turned = Pose::at([0.0; 3]).turned(1, 90.0 + dip_deg);
         for part in &mut self.parts {
             part.pose = turned.after(&part.pose);
         }

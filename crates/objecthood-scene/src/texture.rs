@@ -1,5 +1,7 @@
 //! What is painted on a surface.
 
+mod patterns;
+
 use std::f64::consts::TAU;
 
 use crate::random::Field;
@@ -13,6 +15,8 @@ pub(crate) struct Paint {
     pub(crate) base: Albedo,
     pub(crate) ink: Albedo,
     pub(crate) texture: Texture,
+    /// Share of the lamp's light that a spot returns in which the surface mirrors the lamp; 0 when it is dull.
+    pub(crate) gloss: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -32,11 +36,45 @@ pub(crate) enum Texture {
         seed: u64,
         board_m: f64,
     },
+    /// Ink where v, or when upright u, lies between two lines: a band or block of colour right across the face.
+    Band {
+        low_m: f64,
+        high_m: f64,
+        upright: bool,
+    },
+    /// A field of ink of this half size in the middle of the face, with rows as of text in it.
+    Label {
+        seed: u64,
+        half_m: [f64; 2],
+    },
+    /// From base to ink along v within this length about the middle of the face.
+    Gradient {
+        length_m: f64,
+    },
+    /// Squares, each of a tone of its own, with ink between them.
+    Tiles {
+        seed: u64,
+        side_m: f64,
+    },
+    /// Stripes across stripes, as on a table cloth.
+    Checks {
+        period_m: f64,
+    },
+    /// Base and ink mixed in clouds of this size: marble, wear, fur.
+    Clouds {
+        seed: u64,
+        cell_m: f64,
+    },
+    /// Round stains of ink, about one in a square of this side.
+    Stains {
+        seed: u64,
+        side_m: f64,
+    },
 }
 
 impl Paint {
     pub(crate) fn plain(base: Albedo) -> Self {
-        Self { base, ink: base, texture: Texture::Plain }
+        Self { base, ink: base, texture: Texture::Plain, gloss: 0.0 }
     }
 
     /// The colour at a place of the surface.
@@ -49,6 +87,15 @@ impl Paint {
             }
             Texture::Print { seed } => self.print(seed, u, v),
             Texture::Wood { seed, board_m } => self.wood(seed, u, v, board_m),
+            Texture::Band { low_m, high_m, upright } => {
+                self.mixed(f64::from(u8::from((low_m..high_m).contains(if upright { &u } else { &v }))))
+            }
+            Texture::Label { seed, half_m } => self.label(seed, [u, v], half_m),
+            Texture::Gradient { length_m } => self.mixed((v / length_m + 0.5).clamp(0.0, 1.0)),
+            Texture::Tiles { seed, side_m } => self.tiles(seed, [u, v], side_m),
+            Texture::Checks { period_m } => self.checks([u, v], period_m),
+            Texture::Clouds { seed, cell_m } => self.clouds(seed, [u, v], cell_m),
+            Texture::Stains { seed, side_m } => self.stains(seed, [u, v], side_m),
         }
     }
 
@@ -100,16 +147,30 @@ mod tests {
 
     #[test]
     fn stripes_have_their_period() {
-        let paint =
-            Paint { base: BLACK, ink: GREY, texture: Texture::Stripes { period_m: 0.02, upright: true } };
+        let paint = Paint {
+            ink: GREY,
+            texture: Texture::Stripes { period_m: 0.02, upright: true },
+            ..Paint::plain(BLACK)
+        };
         let seen: Vec<Albedo> = [0.005, 0.015, 0.025, -0.005].map(|u| paint.albedo([u, 9.0])).into();
         assert_eq!(seen, [GREY, BLACK, GREY, BLACK]);
     }
 
     #[test]
     fn every_texture_returns_no_more_light_than_falls_on_it() {
-        for texture in [Texture::Plain, Texture::Print { seed: 3 }, Texture::Wood { seed: 3, board_m: 0.1 }] {
-            let paint = Paint { base: [0.9, 0.5, 0.0], ink: [0.1, 1.0, 0.2], texture };
+        for texture in [
+            Texture::Plain,
+            Texture::Print { seed: 3 },
+            Texture::Wood { seed: 3, board_m: 0.1 },
+            Texture::Band { low_m: 0.0, high_m: 0.02, upright: true },
+            Texture::Label { seed: 3, half_m: [0.03, 0.02] },
+            Texture::Gradient { length_m: 0.1 },
+            Texture::Tiles { seed: 3, side_m: 0.05 },
+            Texture::Checks { period_m: 0.03 },
+            Texture::Clouds { seed: 3, cell_m: 0.02 },
+            Texture::Stains { seed: 3, side_m: 0.1 },
+        ] {
+            let paint = Paint { ink: [0.1, 1.0, 0.2], texture, ..Paint::plain([0.9, 0.5, 0.0]) };
             let mut colors = Vec::new();
             for i in 0..10_000 {
                 let albedo =

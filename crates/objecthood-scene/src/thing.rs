@@ -1,12 +1,22 @@
 //! The things there are: each a function from a generator to a solid that stands on z = 0.
 
 mod angular;
+mod content;
+mod flat;
+mod palette;
 mod round;
+mod tool;
+mod toy;
 mod vessel;
 
 pub(crate) use angular::{block, book, brick, package, parcel, slab};
-pub(crate) use round::{ball, bottle, can, cone};
-pub(crate) use vessel::{bowl, cup, mug, plate};
+pub(crate) use content::{filling, open_box};
+pub(crate) use flat::{bar, booklet, card, coaster, phone, sheet};
+pub(crate) use palette::Palette;
+pub(crate) use round::{ball, bottle, can, cone, disc};
+pub(crate) use tool::{brush, hammer, knife, screwdriver};
+pub(crate) use toy::{animal, doll, pawn, pot};
+pub(crate) use vessel::{big_mug, bowl, bowl_of, cup, mug, plate};
 
 use crate::pose::Pose;
 use crate::random::Rng;
@@ -45,7 +55,7 @@ fn paint(rng: &mut Rng, printed: f64, striped: f64) -> Paint {
     } else {
         Texture::Plain
     };
-    Paint { base, ink, texture }
+    Paint { base, ink, texture, gloss: 0.0 }
 }
 
 fn part(shape: Shape, origin_m: [f64; 3], paint: Paint) -> Part {

@@ -232,9 +232,14 @@ impl World {
 
     /// The colour of the surface where a ray met it.
     pub(crate) fn albedo(&self, sight: &Sight) -> [f64; 3] {
+        self.paint(sight).albedo(sight.uv_m)
+    }
+
+    /// The paint of the surface where a ray met it.
+    pub(crate) fn paint(&self, sight: &Sight) -> &Paint {
         let placed = &self.parts[sight.part];
         let face = usize::from(sight.surface - placed.first_surface);
-        placed.paints[face.min(placed.paints.len() - 1)].albedo(sight.uv_m)
+        &placed.paints[face.min(placed.paints.len() - 1)]
     }
 }
 

@@ -53,7 +53,8 @@ pub(crate) struct SynthArgs {
     pub(crate) seed: u32,
 
     /// Kind of scenes: single, tabletop, stacked, occluded, vessels, clutter, room, shelf, bin, heap, bodies, robot-arm,
-    /// empty-table or empty-room [default: the first six in turn].
+    /// empty-table, empty-room, flush, flush-alike, printed, thin, patterned, parts, contents or tools [default: the first
+    /// six in turn].
     #[arg(long, value_name = "NAME")]
     pub(crate) family: Option<Family>,
 

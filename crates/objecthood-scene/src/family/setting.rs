@@ -51,7 +51,13 @@ pub(crate) fn with_table(rng: &mut Rng, full: bool) -> Layout {
 /// Any wood, in boards of this width.
 pub(super) fn wood(rng: &mut Rng, board_m: f64) -> Paint {
     let (base, ink) = rng.pick(&WOODS);
-    Paint { base, ink, texture: Texture::Wood { seed: rng.bits(), board_m } }
+    Paint { ink, texture: Texture::Wood { seed: rng.bits(), board_m }, ..Paint::plain(base) }
+}
+
+/// Paints the top of the table.
+pub(super) fn cover(layout: &mut Layout, paint: Paint) {
+    let table = layout.table();
+    layout.solids[table].parts[0].paints = vec![paint];
 }
 
 /// What a wall may be painted with.
@@ -125,8 +131,11 @@ fn cable(rng: &mut Rng, table_depth: f64) -> Solid {
 
 /// A sheet of paper near an edge of the table, which is `side` wide and the sheet on its positive or negative side.
 fn sheet(rng: &mut Rng, side: f64) -> Solid {
-    let paint =
-        Paint { base: [0.8, 0.8, 0.79], ink: [0.3, 0.3, 0.4], texture: Texture::Print { seed: rng.bits() } };
+    let paint = Paint {
+        ink: [0.3, 0.3, 0.4],
+        texture: Texture::Print { seed: rng.bits() },
+        ..Paint::plain([0.8, 0.8, 0.79])
+    };
     let place = [side * 0.5 - 0.18_f64.copysign(side), rng.range(-0.3..0.3), TABLE_M];
     thing::block("sheet", Role::Furniture, [0.21, 0.297, 0.0003], paint)
         .at(Pose::at(place).turned(2, rng.range(-25.0..25.0)))

@@ -53,6 +53,18 @@ pub(super) fn kinect_at(pose: Pose) -> Viewpoint {
     Viewpoint { camera, size_px: (640, 480), pose }
 }
 
+/// The same, but every second lamp is coloured: a warm bulb, the blue of a window, the green of old tubes.
+pub(super) fn mixed_lighting(rng: &mut Rng) -> Lighting {
+    let lighting = lighting(rng);
+    if rng.chance(0.5) {
+        return lighting;
+    }
+    let (warmth, green) = (rng.range(-0.35..0.45), rng.range(-0.08..0.15));
+    let tint = [1.0 + warmth, 1.0 + green, 1.0 - warmth];
+    let lamp = [0, 1, 2].map(|k| lighting.lamp[1] * tint[k]);
+    Lighting { lamp, ..lighting }
+}
+
 /// A lamp between warm and cold, above and to one side, and the light of the room.
 pub(super) fn lighting(rng: &mut Rng) -> Lighting {
     let warmth = rng.range(-0.12..0.12);

@@ -105,6 +105,14 @@ impl Revolved {
         self.faces.iter().map(reach).fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// Radius of the flat underside on which it stands; 0 when there is none.
+    pub(crate) fn foot_m(&self) -> f64 {
+        match self.faces.first() {
+            Some(Face::Frustum(face)) if face.from[1] == face.to[1] => face.to[0],
+            _ => 0.0,
+        }
+    }
+
     pub(crate) fn surfaces(&self) -> usize {
         self.faces.len()
     }

@@ -50,7 +50,12 @@ pub(crate) fn parcel(rng: &mut Rng) -> Solid {
     let sides = [rng.range(0.18..0.36), rng.range(0.15..0.28), rng.range(0.10..0.30)];
     let card = [rng.range(0.45..0.6), rng.range(0.32..0.42), rng.range(0.18..0.26)];
     let ink = color(rng);
-    block("box", Role::Object, sides, Paint { base: card, ink, texture: Texture::Print { seed: rng.bits() } })
+    block(
+        "box",
+        Role::Object,
+        sides,
+        Paint { ink, texture: Texture::Print { seed: rng.bits() }, ..Paint::plain(card) },
+    )
 }
 
 /// A thin upright box: what leans.
@@ -71,9 +76,9 @@ pub(crate) fn book(rng: &mut Rng) -> Solid {
     let cover = Paint { texture: Texture::Print { seed: rng.bits() }, ..paint(rng, 1.0, 0.0) };
     let spine = Paint::plain(color(rng));
     let pages = Paint {
-        base: [0.78, 0.76, 0.68],
         ink: [0.55, 0.53, 0.47],
         texture: Texture::Stripes { period_m: 0.0022, upright: false },
+        ..Paint::plain([0.78, 0.76, 0.68])
     };
     let (board, back) = (0.0025, 0.004);
     let cuboid = |x: f64, y: f64, z: f64| Shape::Cuboid(Cuboid { half_m: DVec3::new(x, y, z) / 2.0 });

@@ -36,6 +36,17 @@ pub(crate) fn can(rng: &mut Rng) -> Solid {
     object("can", Revolved::cylinder(radius_m, height_m), vec![lid, label, lid], form)
 }
 
+/// A low cylinder of one paint.
+pub(crate) fn disc(kind: &'static str, role: Role, radius_m: f64, height_m: f64, paint: Paint) -> Solid {
+    let form = Form { has_straight_sides: true, has_flat_top: true, ..form(radius_m, height_m) };
+    Solid { role, ..object(kind, Revolved::cylinder(radius_m, height_m), vec![paint], form) }
+}
+
+/// What lies in a round vessel up to a level: it rests on its lowest point.
+pub(super) fn heap(kind: &'static str, shape: Revolved, radius_m: f64, height_m: f64, paint: Paint) -> Solid {
+    object(kind, shape, vec![paint], Form { has_flat_base: false, ..form(radius_m, height_m) })
+}
+
 /// A ball.
 pub(crate) fn ball(rng: &mut Rng, radius_m: f64) -> Solid {
     let form = Form { has_flat_base: false, ..form(radius_m, 2.0 * radius_m) };

@@ -1,5 +1,7 @@
 //! Hollow things: bowls, cups, mugs, plates.
 
+use std::ops::Range;
+
 use super::{color, paint, part};
 use crate::pose::Pose;
 use crate::random::Rng;
@@ -31,6 +33,11 @@ fn vessel(
 /// A bowl with a round inside and a flat foot.
 pub(crate) fn bowl(rng: &mut Rng) -> Solid {
     let outer = rng.range(0.065..0.10);
+    bowl_of(rng, outer)
+}
+
+/// The same, part of a ball of this radius.
+pub(crate) fn bowl_of(rng: &mut Rng, outer: f64) -> Solid {
     let inner = outer - rng.range(0.003..0.005);
     let center_z = inner + 0.001;
     let foot = (outer * outer - center_z * center_z).sqrt();
@@ -80,15 +87,25 @@ pub(crate) fn cup(rng: &mut Rng) -> Solid {
 
 /// A mug: a straight cup with a handle whose ends are sunk in its wall.
 pub(crate) fn mug(rng: &mut Rng) -> Solid {
+    mug_with(rng, 0.0045..0.006, 0.25..0.32)
+}
+
+/// The same with a thick handle that stands far out.
+pub(crate) fn big_mug(rng: &mut Rng) -> Solid {
+    mug_with(rng, 0.006..0.009, 0.34..0.40)
+}
+
+/// The handle is this thick (m, half), and its bow this wide (share of the height, half).
+fn mug_with(rng: &mut Rng, thick_m: Range<f64>, bow: Range<f64>) -> Solid {
     let (radius, height) = (rng.range(0.036..0.045), rng.range(0.08..0.105));
-    let (wall, minor) = (0.004, rng.range(0.0045..0.006));
+    let (wall, minor) = (0.004, rng.range(thick_m));
     let paints = beaker_paints(rng);
     let outside = paints[1];
     let shape = beaker(radius, radius, height, wall, 0.005);
     let cavity = Cavity::Flat { floor_z: 0.005, radius_m: radius - wall };
     let mut mug = vessel("mug", shape, paints, radius, height, cavity);
 
-    let major = height * rng.range(0.25..0.32);
+    let major = height * rng.range(bow);
     let half_angle_deg = 100.0;
     // The round tips of the handle are sunk in the wall but do not come out of it inside.
     let tip_x = radius - wall + minor + 0.0005;

@@ -14,6 +14,8 @@ use crate::surface::ramps::{Limits, Line, Restored};
 const PAIR_PX: usize = 8;
 /// ... that differ by more than this have an edge between them (quanta).
 const EDGE_QUANTA: f32 = 40.0;
+/// In images so coarse that [`PAIR_PX`] is less than this (px of the image), a smeared edge is a step.
+const LEAST_PAIR_PX: usize = 4;
 /// An edge is sharp when one step from a pixel to the next makes more than this share of the difference.
 const STEP_SHARE: f32 = 0.6;
 /// Edges are smeared when a smaller share of them is sharp. Raw depth has 0.93 and more, time of flight 0.6 to 0.9, smoothed depth 0.01.
@@ -58,6 +60,9 @@ pub(super) fn sharpen(
 fn is_smeared(disparity: &Raster<f32>, space: &DisparitySpace) -> bool {
     let (width, height) = disparity.size();
     let span = space.length_px(PAIR_PX);
+    if span < LEAST_PAIR_PX {
+        return false;
+    }
     let rows = (0..height).step_by(STRIDE_PX).map(|v| count_edges(|u| disparity[v * width + u], width, span));
     let columns =
         (0..width).step_by(STRIDE_PX).map(|u| count_edges(|v| disparity[v * width + u], height, span));
