@@ -25,6 +25,11 @@ const MISFIT_QUANTA: f64 = 1.2;
 /// Least share of the tolerance of a merge that is left on a sensor better than a Kinect.
 const LEAST_MERGE_SCALE: f64 = 0.32;
 
+/// Sensors that match windows have larger waves than this, relative to a Kinect. A Kinect has up to 1.5, and 2.2 in half its resolution ...
+const MATCHED_WAVES: f64 = 1.8;
+/// ... but then its blocks of 8 px disagree as much more; those of matched windows do not, by this factor.
+const MATCHED_GROWTH: f64 = 1.5;
+
 /// The noise of a depth sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
@@ -41,6 +46,12 @@ impl Noise {
     /// Waves of 16 to 40 px, relative to a Kinect v1.
     pub fn waves(&self) -> f64 {
         self.blocks_quanta[1] / KINECT_QUANTA[1]
+    }
+
+    /// Whether the sensor matches windows, as stereo does: its waves are large, and larger than its noise over 8 px tells.
+    pub(crate) fn is_matched(&self) -> bool {
+        let short = self.blocks_quanta[0] / KINECT_QUANTA[0];
+        self.waves() > MATCHED_WAVES && self.waves() > MATCHED_GROWTH * short
     }
 
     /// The same; 1 for a sensor that may be a Kinect.

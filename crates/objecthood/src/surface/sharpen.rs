@@ -1,7 +1,7 @@
 //! Restores edges that were smeared (docs/CONTEXT.md 0.7, ours, because every stage looks for steps).
 //!
-//! Phones and filled depth have no steps: over 6 to 14 px depth goes smoothly from a thing to what is behind it. Time of flight mixes
-//! the two within a pixel or two, and stereo within the window that it matches. Such a ramp looks like a steep face of the thing.
+//! Phones and filled depth have no steps: over 6 to 14 px depth goes smoothly from a thing to what is behind it. Stereo smears edges over
+//! the window that it matches. Such a ramp looks like a steep face of the thing.
 
 use rayon::prelude::*;
 
@@ -18,26 +18,24 @@ const EDGE_QUANTA: f32 = 40.0;
 const LEAST_PAIR_PX: usize = 4;
 /// An edge is sharp when one step from a pixel to the next makes more than this share of the difference.
 const STEP_SHARE: f32 = 0.6;
-/// Edges are smeared when a smaller share of them is sharp. Raw depth has 0.93 and more, time of flight 0.6 to 0.9, smoothed depth 0.01.
-const LEAST_SHARP: f32 = 0.9;
+/// Edges are smeared when a smaller share of them is sharp. Smoothed depth has 0.01; raw depth has 0.6 and more, by flying pixels and narrow
+/// side faces.
+const LEAST_SHARP: f32 = 0.5;
 /// Edges below this number tell nothing.
 const LEAST_EDGES: usize = 20;
 /// Every this many rows and columns are looked at.
 const STRIDE_PX: usize = 4;
-/// Sensors with larger waves, relative to a Kinect, match windows, and so smear edges over their width. Clear of a Kinect, whose waves on
-/// scenes full of curved things reach 1.5.
-const MATCHED_WAVES: f64 = 1.8;
 
 /// Restores the edges of a disparity image (quanta) if they were smeared: every pixel on a ramp takes the disparity of the surface before or
-/// behind the edge. `None` when its edges are sharp. `waves`: of the sensor, relative to a Kinect. `color`, of the same size, tells
+/// behind the edge. `None` when its edges are sharp. `is_matched`: whether the sensor matches windows. `color`, of the same size, tells
 /// where in a ramp the edge is. O(pixels), parallel over rows and columns.
 pub(super) fn sharpen(
     disparity: &Raster<f32>,
     color: Option<&Raster<[u8; 3]>>,
-    waves: f64,
+    is_matched: bool,
     space: &DisparitySpace,
 ) -> Option<Raster<f32>> {
-    if waves < MATCHED_WAVES && !is_smeared(disparity, space) {
+    if !is_matched && !is_smeared(disparity, space) {
         return None;
     }
     let limits = &Limits::of(space);

@@ -42,8 +42,8 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
     let bridged_share = bridge_holes(&mut disparity);
 
     let mut measured = MeasuredNoise { white: None, blocks_quanta: measure_waves(&disparity, &space) };
-    let waves = choose_noise(sensor, frame.estimates(), &measured, &disparity, &space).noise.waves();
-    let sharp = sharpen(&disparity, frame.color(), waves, &space);
+    let known = choose_noise(sensor, frame.estimates(), &measured, &disparity, &space).noise;
+    let sharp = sharpen(&disparity, frame.color(), known.is_matched(), &space);
     let (frame, sharpened_share) = sharp
         .as_ref()
         .map_or_else(|| (frame.clone(), 0.0), |sharp| with_changes(frame, [&disparity, sharp], &space));
