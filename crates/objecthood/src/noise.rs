@@ -55,7 +55,7 @@ impl Noise {
     }
 
     /// The same; 1 for a sensor that may be a Kinect.
-    pub(crate) fn sure_waves(&self) -> f64 {
+    fn sure_waves(&self) -> f64 {
         let waves = self.waves();
         if DEAD_BAND.contains(&waves) { 1.0 } else { waves }
     }

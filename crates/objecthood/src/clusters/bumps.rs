@@ -14,12 +14,12 @@ const RELIEF_SHARE: f64 = 0.9;
 /// Waves of a surface reach this many quanta for each time that the sensor's waves exceed a Kinect's: the tolerance of structure on a Kinect.
 const RELIEF_QUANTA: f64 = 2.5;
 
-/// Gives clusters that rise no higher above a wall than the waves of the sensor to the background. Does nothing for a sensor whose waves are
-/// a Kinect's, whose tolerance of structure is wide enough. Supports are left to [`drop_low`](super::height::drop_low).
+/// Gives clusters that rise no higher above a wall than the waves of the sensor to the background. Does nothing for a sensor that does not
+/// match windows: for it the tolerance of structure is wide enough. Supports are left to [`drop_low`](super::height::drop_low).
 /// O(clusters · walls).
 pub(crate) fn drop_bumps(clusters: &mut Clusters<'_>) {
-    let waves = clusters.scene.space.noise().sure_waves();
-    if waves <= 1.0 {
+    let noise = *clusters.scene.space.noise();
+    if !noise.is_matched() {
         return;
     }
     for id in clusters.alive() {
@@ -32,7 +32,7 @@ pub(crate) fn drop_bumps(clusters: &mut Clusters<'_>) {
             "quanta",
             relief_quanta,
             Bound::Below,
-            RELIEF_QUANTA * waves,
+            RELIEF_QUANTA * noise.waves(),
         ));
         if is_bump {
             clusters.give(drop.accept(None));
@@ -75,8 +75,10 @@ mod tests {
             named(&clusters)
         };
         let kinect = wall.scene().space.noise().blocks_quanta;
-        let noisy =
-            wall.scene().space.with_noise(Noise { white: 1.0, blocks_quanta: kinect.map(|c| 3.0 * c) });
+        let noisy = wall
+            .scene()
+            .space
+            .with_noise(Noise { white: 1.0, blocks_quanta: [kinect[0], 3.0 * kinect[1], 3.0 * kinect[2]] });
         let seen = Scene { supports: &[], ..wall.scene() };
         assert_eq!(left(&Scene { space: &noisy, ..seen }), [None, Some(1)]);
         assert_eq!(left(&seen), [Some(0), Some(1)], "a Kinect has no such waves");
