@@ -28,7 +28,7 @@ const LEAST_MERGE_SCALE: f64 = 0.32;
 /// Sensors that match windows have larger waves than this, relative to a Kinect. A Kinect has up to 1.5, and 2.2 in half its resolution ...
 const MATCHED_WAVES: f64 = 1.8;
 /// ... but then its blocks of 8 px disagree as much more; those of matched windows do not, by this factor.
-const MATCHED_GROWTH: f64 = 1.5;
+const MATCHED_GROWTH: f64 = 1.8;
 
 /// The noise of a depth sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
