@@ -88,8 +88,7 @@ impl Pose {
 
     /// The z axis of the world in the camera frame: up, where the world's z points up, as in the TUM benchmark.
     pub fn up(&self) -> [f32; 3] {
-        let [x, y, z, w] = self.rotation_xyzw;
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)].map(|part| part as f32)
+        (self.rotation().inverse() * DVec3::Z).as_vec3().to_array()
     }
 }
 

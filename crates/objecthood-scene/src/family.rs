@@ -114,6 +114,18 @@ impl Family {
     pub const TABLES: [Self; 6] =
         [Self::Single, Self::Tabletop, Self::Stacked, Self::Occluded, Self::Vessels, Self::Clutter];
 
+    /// Those that ask what colour tells where depth is silent.
+    pub const COLOR: [Self; 8] = [
+        Self::Flush,
+        Self::FlushAlike,
+        Self::Printed,
+        Self::Thin,
+        Self::Patterned,
+        Self::Parts,
+        Self::Contents,
+        Self::Tools,
+    ];
+
     /// Its name, as [`FromStr`] reads it.
     pub fn name(self) -> &'static str {
         match self {
@@ -141,18 +153,6 @@ impl Family {
             Self::Tools => "tools",
         }
     }
-
-    /// Those that ask what colour tells where depth is silent.
-    pub const COLOR: [Self; 8] = [
-        Self::Flush,
-        Self::FlushAlike,
-        Self::Printed,
-        Self::Thin,
-        Self::Patterned,
-        Self::Parts,
-        Self::Contents,
-        Self::Tools,
-    ];
 
     fn is_about_color(self) -> bool {
         Self::COLOR.contains(&self)

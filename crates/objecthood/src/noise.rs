@@ -24,10 +24,10 @@ const MERGE_SIGMAS: f64 = 5.0;
 const MISFIT_QUANTA: f64 = 1.2;
 /// Least share of the tolerance of a merge that is left on a sensor better than a Kinect.
 const LEAST_MERGE_SCALE: f64 = 0.32;
-
-/// Sensors that match windows have larger waves than this, relative to a Kinect. A Kinect has up to 1.5, and 2.2 in half its resolution ...
+/// Sensors that match windows have larger waves than this, relative to a Kinect ...
 const MATCHED_WAVES: f64 = 1.8;
-/// ... but then its blocks of 8 px disagree as much more; those of matched windows do not, by this factor.
+/// ... and their waves exceed a Kinect's by this factor more than their blocks of 8 px do. A coarse image has large waves too, but then all
+/// blocks disagree more alike.
 const MATCHED_GROWTH: f64 = 1.8;
 
 /// The noise of a depth sensor.
@@ -48,16 +48,16 @@ impl Noise {
         self.blocks_quanta[1] / KINECT_QUANTA[1]
     }
 
-    /// Whether the sensor matches windows, as stereo does: its waves are large, and larger than its noise over 8 px tells.
-    pub(crate) fn is_matched(&self) -> bool {
-        let short = self.blocks_quanta[0] / KINECT_QUANTA[0];
-        self.waves() > MATCHED_WAVES && self.waves() > MATCHED_GROWTH * short
-    }
-
     /// The same; 1 for a sensor that may be a Kinect.
     fn sure_waves(&self) -> f64 {
         let waves = self.waves();
         if DEAD_BAND.contains(&waves) { 1.0 } else { waves }
+    }
+
+    /// Whether the sensor matches windows, as stereo does: its waves are large, and larger than its noise over 8 px tells.
+    pub(crate) fn is_matched(&self) -> bool {
+        let short = self.blocks_quanta[0] / KINECT_QUANTA[0];
+        self.waves() > MATCHED_WAVES && self.waves() > MATCHED_GROWTH * short
     }
 
     /// Factor on tolerances of steps between fits: 1 for a Kinect and for noisier sensors, less for better ones. A larger factor loses

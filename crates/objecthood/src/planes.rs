@@ -13,6 +13,18 @@ pub struct StructurePlane {
     pub inlier_share: f32,
 }
 
+impl StructurePlane {
+    /// The unit normal, towards the side of the camera.
+    pub(crate) fn normal(&self) -> DVec3 {
+        Vec3::from(self.normal).as_dvec3()
+    }
+
+    /// Height (m) of a point above the plane: positive on the side of the camera.
+    pub(crate) fn height_m(&self, point: DVec3) -> f64 {
+        self.normal().dot(point) + f64::from(self.offset_m)
+    }
+}
+
 /// Fits a plane to points by total least squares, with an inlier share of 1. `None` for fewer than three points. O(points).
 pub fn fit_plane(points_m: &[[f32; 3]]) -> Option<StructurePlane> {
     let mut sums = PointSums::default();

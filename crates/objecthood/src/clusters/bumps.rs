@@ -3,16 +3,14 @@
 use crate::clusters::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
-use crate::clusters::scene::Scene;
+use crate::clusters::scene::{Scene, sampled};
 use crate::quantile::element_at;
 use crate::surface::disparity::position;
 
-/// About this many pixels of a cluster are looked at.
-const SAMPLED_PX: usize = 200;
-/// The relief of a cluster is this quantile of its distances from a surface.
-const RELIEF_SHARE: f64 = 0.9;
+/// The rise of a cluster is this quantile of its distances from a surface.
+const RISE_SHARE: f64 = 0.9;
 /// Waves of a surface reach this many quanta for each time that the sensor's waves exceed a Kinect's: the tolerance of structure on a Kinect.
-const RELIEF_QUANTA: f64 = 2.5;
+const RISE_QUANTA: f64 = 2.5;
 
 /// Gives clusters that rise no higher above a wall than the waves of the sensor to the background. Does nothing for a sensor that does not
 /// match windows: for it the tolerance of structure is wide enough. Supports are left to [`drop_low`](super::height::drop_low).
@@ -23,16 +21,16 @@ pub(crate) fn drop_bumps(clusters: &mut Clusters<'_>) {
         return;
     }
     for id in clusters.alive() {
-        let Some(relief_quanta) = least_relief_quanta(clusters.scene, &clusters.get(id).pixels) else {
+        let Some(rise_quanta) = least_rise_quanta(clusters.scene, &clusters.get(id).pixels) else {
             continue;
         };
         let mut drop = Proposal::new(Rule::Bump, Source::Cluster(id), None);
         let is_bump = drop.check(Check::new(
-            "its relief on the wall",
+            "its rise above the wall",
             "quanta",
-            relief_quanta,
+            rise_quanta,
             Bound::Below,
-            RELIEF_QUANTA * noise.waves(),
+            RISE_QUANTA * noise.waves(),
         ));
         if is_bump {
             clusters.give(drop.accept(None));
@@ -42,20 +40,18 @@ pub(crate) fn drop_bumps(clusters: &mut Clusters<'_>) {
     }
 }
 
-/// The relief (quanta) of some pixels on the wall that they follow most closely; `None` without a wall.
-fn least_relief_quanta(scene: &Scene<'_>, pixels: &[u32]) -> Option<f64> {
-    let step = pixels.len().div_ceil(SAMPLED_PX).max(1);
-    let sample = || pixels.iter().step_by(step).map(|&i| i as usize);
+/// The rise (quanta) of some pixels above the wall that they follow most closely; `None` without a wall.
+fn least_rise_quanta(scene: &Scene<'_>, pixels: &[u32]) -> Option<f64> {
     let walls = (0..scene.surfaces.len()).filter(|wall| !scene.supports.contains(wall));
-    let relief = |wall: usize| {
+    let rise = |wall: usize| {
         let model = &scene.surfaces[wall].model;
         let off = |i: usize| {
             (f64::from(scene.disparity[i]) - model.value(position(i, scene.disparity.width()))).abs()
         };
-        let mut off: Vec<f64> = sample().map(off).collect();
-        element_at(&mut off, RELIEF_SHARE)
+        let mut off: Vec<f64> = sampled(pixels).map(off).collect();
+        element_at(&mut off, RISE_SHARE)
     };
-    walls.map(relief).min_by(f64::total_cmp)
+    walls.map(rise).min_by(f64::total_cmp)
 }
 
 #[cfg(test)]

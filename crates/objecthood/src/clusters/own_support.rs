@@ -1,13 +1,8 @@
 //! The support below a cluster, over which its height is measured (docs/CONTEXT.md 4.1).
 
-use glam::DVec3;
-
-use crate::clusters::scene::Scene;
-use crate::planes::StructurePlane;
+use crate::clusters::scene::{Scene, sampled};
 use crate::quantile::element_at;
 
-/// About this many pixels of a cluster are looked at.
-const SAMPLED_PX: usize = 200;
 /// The foot of a cluster is this quantile of its heights.
 const FOOT_SHARE: f64 = 0.1;
 /// A foot may lie this much (m) below its support: noise, and rounded edges.
@@ -20,8 +15,7 @@ impl<'a> Scene<'a> {
         if others.is_empty() {
             return Some(*ground);
         }
-        let step = pixels.len().div_ceil(SAMPLED_PX).max(1);
-        let sample: Vec<usize> = pixels.iter().step_by(step).map(|&i| i as usize).collect();
+        let sample: Vec<usize> = sampled(pixels).collect();
         let foot_m = |support: usize| {
             let mut heights: Vec<f64> = sample.iter().map(|&i| self.height_over_m(i, support)).collect();
             element_at(&mut heights, FOOT_SHARE)
@@ -39,8 +33,7 @@ impl<'a> Scene<'a> {
         if self.supports.first() == Some(&support) {
             return self.height_m(i, &self.surfaces[support]);
         }
-        let StructurePlane { normal, offset_m, .. } = self.planes[support];
-        DVec3::from(normal.map(f64::from)).dot(self.point_at(i)) + f64::from(offset_m)
+        self.planes[support].height_m(self.point_at(i))
     }
 
     /// Whether a support goes on below most of some pixels: dropped onto it, they lie on it, behind something nearer, on a hole or

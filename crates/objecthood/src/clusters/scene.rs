@@ -12,6 +12,9 @@ use crate::regions::SegmentId;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::surfaces::Surfaces;
 
+/// About this many pixels of a cluster are looked at, where quantiles of them are wanted.
+const SAMPLED_PX: usize = 200;
+
 /// The inputs of the rules besides the clusters. The rules do not change them.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
@@ -45,6 +48,12 @@ pub struct Scene<'a> {
     pub is_ground_clear: bool,
     /// The largest differences in disparity that are no step.
     pub steps: StepLimits,
+}
+
+/// About [`SAMPLED_PX`] of the pixels of a cluster, evenly spread.
+pub(crate) fn sampled(pixels: &[u32]) -> impl Iterator<Item = usize> {
+    let step = pixels.len().div_ceil(SAMPLED_PX).max(1);
+    pixels.iter().step_by(step).map(|&i| i as usize)
 }
 
 impl<'a> Scene<'a> {

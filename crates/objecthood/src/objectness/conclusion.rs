@@ -75,6 +75,7 @@ pub fn conclude_context(
     let (objects, labels) = make_objects(kept, &scene.facets.segments, scene.points_m, graph)?;
     let missing_plane =
         planes.is_empty() && gravity.up_from == UpFrom::Plane && up.source == UpSource::Camera;
+    let no_plane = missing_plane.then_some(Notice::NoPlane);
     let told = match up.source {
         UpSource::Measured | UpSource::Earlier => true,
         UpSource::Plane => scene.is_ground_clear,
@@ -97,14 +98,7 @@ pub fn conclude_context(
             frames: scene.noise_frames,
             up: told.then_some(up.direction),
         }),
-        notices: missing_plane
-            .then_some(Notice::NoPlane)
-            .into_iter()
-            .chain(turned)
-            .chain(in_doubt)
-            .chain(holes)
-            .chain(smeared)
-            .collect(),
+        notices: [no_plane, turned, in_doubt, holes, smeared].into_iter().flatten().collect(),
     })
 }
 

@@ -68,10 +68,10 @@ fn sorted(box_m: &OrientedBox) -> [f32; 3] {
 /// Rates how well a thing with this box can be grasped and moved, in [0, 1] (ours, because the hard limits of the paper leave no
 /// doubt to weigh, and a thing that is thin in two directions is a sliver of another, however long).
 ///
-/// The longest side has the upper limit `max_side_m`, the second-longest the limits `min_second_side_m` and
-/// `max_second_side_m`. Limits are soft: the rating is 1/2 at the limit, 1 an octave inside, 0 an octave outside, and linear in the logarithm between. A thing may be larger
-/// than its visible part, so the lower limit counts by the share of the outline that is its own (`visibility`). A single point has no
-/// size: 0.
+/// The longest side has the upper limit `max_side_m`, the second-longest the limits `min_second_side_m` and `max_second_side_m`. Limits
+/// are soft: the rating is 1/2 at the limit, 1 an octave inside, 0 an octave outside, and linear in the logarithm between. A thing may
+/// be larger than its visible part, so the lower limit counts by the share of the outline that is its own (`visibility`). A single
+/// point has no size: 0.
 pub(crate) fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
     let [_, second_m, longest_m] = sorted(box_m);
     if longest_m == 0.0 {

@@ -71,8 +71,8 @@ enum Kind {
 }
 
 /// Measures the common borders of facets, except between two facets of the structure. Every other pair of pixels along a border is
-/// a sample, or fewer where pixels are smaller. Each sample fits a plane to either side within `radius_px`: locally, because curved and L-shaped facets have no
-/// single direction. O(border pixels · radius^2); parallel over rows.
+/// a sample, or fewer where pixels are smaller. Each sample fits a plane to either side within `radius_px`: locally, because curved and
+/// L-shaped facets have no single direction. O(border pixels · radius^2); parallel over rows.
 pub fn measure_borders(
     facets: &Facets,
     disparity: &Raster<f32>,

@@ -1,5 +1,9 @@
-//! Columns: places above or below a pixel along gravity, looked up in the image (docs/CONTEXT.md 6.7).
+//! Columns: the places above or below a pixel along gravity, looked up in the image (docs/CONTEXT.md 6.7).
 
+use glam::DVec3;
+
+use crate::regions::SegmentId;
+use crate::support::scene::SupportScene;
 use crate::surface::disparity::DisparitySpace;
 
 /// A column is followed in steps of this length (m).
@@ -11,7 +15,37 @@ const BEHIND_M: f64 = 0.02;
 /// ... and by this many quanta.
 const BEHIND_QUANTA: f64 = 4.0;
 
-/// How much farther (m) than a place at depth `z_m` something must be seen to lie behind it.
-pub(super) fn behind_m(space: &DisparitySpace, z_m: f64) -> f64 {
+/// A place of a column, and what the image shows there.
+pub(super) struct Place {
+    /// The region that is seen there.
+    pub region: Option<SegmentId>,
+    /// How much farther (m) than the place that is; `NaN` in a hole.
+    pub farther_m: f64,
+    /// From this on (m) it lies behind the place.
+    pub behind_m: f64,
+}
+
+/// The places beyond pixel `i` in a direction (unit vector), for at most `length_m`, as long as they are in the image.
+pub(super) fn places<'a>(
+    scene: &SupportScene<'a>,
+    i: usize,
+    direction: DVec3,
+    length_m: f64,
+) -> impl Iterator<Item = Place> + use<'a> {
+    let scene = *scene;
+    let point = DVec3::from(scene.points_m[i].map(f64::from));
+    let steps = (length_m / STEP_M) as usize;
+    (1..=steps).map_while(move |step| {
+        let place = point + direction * (step as f64 * STEP_M);
+        let j = scene.space.camera().pixel_at(place, scene.points_m.size())?;
+        Some(Place {
+            region: scene.regions.at(j),
+            farther_m: f64::from(scene.points_m[j][2]) - place.z,
+            behind_m: behind_m(scene.space, place.z),
+        })
+    })
+}
+
+fn behind_m(space: &DisparitySpace, z_m: f64) -> f64 {
     space.step_m(BEHIND_QUANTA, z_m).max(BEHIND_M)
 }

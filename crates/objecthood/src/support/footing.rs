@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::raster::Raster;
 use crate::regions::SegmentId;
-use crate::support::column::{LEAST_AIR_M, STEP_M, behind_m};
+use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
 use crate::support::load::carries_structure;
 use crate::support::scene::SupportScene;
 
@@ -90,23 +90,16 @@ fn load(scene: &SupportScene<'_>, up: DVec3, pixels: &[usize], thing: usize) -> 
 
 /// Follows the column below pixel `i` of a thing.
 fn follow(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> End {
-    let size = scene.points_m.size();
-    let point = DVec3::from(scene.points_m[i].map(f64::from));
-    let steps = (DEEPEST_M / STEP_M) as usize;
     let mut air_m = 0.0;
-    for step in 1..=steps {
-        let below = point - up * (step as f64 * STEP_M);
-        let Some(j) = scene.space.camera().pixel_at(below, size) else { return End::Unknown };
-        let seen = scene.regions.at(j);
-        let (z_m, depth_m) = (below.z, f64::from(scene.points_m[j][2]));
-        if depth_m.is_nan() {
+    for Place { region, farther_m, behind_m } in places(scene, i, -up, DEEPEST_M) {
+        if farther_m.is_nan() {
             return if air_m > 0.0 { End::Air } else { End::Unknown };
         }
-        if seen.is_some_and(|region| region.index() == thing) {
+        if region.is_some_and(|region| region.index() == thing) {
             continue;
         }
-        if depth_m - z_m <= behind_m(scene.space, z_m) {
-            return seen.map_or(End::Unknown, End::Region);
+        if farther_m <= behind_m {
+            return region.map_or(End::Unknown, End::Region);
         }
         air_m += STEP_M;
         if air_m >= LEAST_AIR_M {

@@ -62,16 +62,15 @@ pub(crate) fn mark_plane(
     params: &params::Gravity,
 ) -> Raster<u16> {
     let Some(plane) = plane else { return labels.map(|_| 0) };
-    let normal = Vec3::from(plane.normal).as_dvec3();
-    let distance_m = |p: &[f32; 3]| (normal.dot(Vec3::from(*p).as_dvec3()) + f64::from(plane.offset_m)).abs();
+    let distance_m = |p: &[f32; 3]| plane.height_m(Vec3::from(*p).as_dvec3()).abs();
     // False for NaN, that is without depth.
     let is_near = |p: &[f32; 3]| distance_m(p) < params.inlier_distance_m;
     let pixels = points_m.as_slice().iter().zip(labels.as_slice());
     labels.with_data(pixels.map(|(p, &object)| u16::from(object == 0 && is_near(p))).collect())
 }
 
-/// Finds the direction up: measured gravity; else the normal of `plane`; without one what earlier frames told, else the camera's own up, as with
-/// `up_from = camera`.
+/// Finds the direction up: measured gravity, else the normal of `plane`, else what earlier frames told, else the camera's own up. With
+/// `up_from = camera` it is the camera's own up unless gravity was measured.
 ///
 /// *Differs from the paper:* there the camera is held horizontally (`up_from = camera`, and neither tilt nor roll).
 pub fn find_up(plane: Option<&StructurePlane>, attitude: &Attitude, up_from: UpFrom) -> Up {

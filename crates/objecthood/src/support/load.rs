@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use crate::planes::StructurePlane;
-use crate::support::column::{LEAST_AIR_M, STEP_M, behind_m};
+use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
 use crate::support::scene::SupportScene;
 
 /// A surface whose normal has this component along up, within 26 degrees, can be carried.
@@ -13,26 +12,23 @@ const THICKEST_M: f64 = 0.08;
 /// A surface that hides the upper end of a thing is carried by it if it is this high (m) above the place: boards of a shelf are closer.
 const HIDDEN_M: f64 = 0.4;
 
+/// A column is followed up for at most this length (m): higher surfaces are carried by no thing that might be grasped.
+const HIGHEST_M: f64 = 2.0;
+
 /// Whether the column above pixel `i` of a thing ends on a level surface of the structure. `None` when the image does not show it.
 ///
 /// The column goes up along gravity. It passes the thing itself, up to 8 cm of what else lies in it, and what is hidden by something
 /// nearer. It ends in air if what is seen lies behind it for 4 cm. A surface less than 4 cm above the pixel, or 40 cm where a part of the
-/// column is hidden, does not count. O(steps across the image).
+/// column is hidden, does not count. O(steps).
 pub(super) fn carries_structure(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> Option<bool> {
-    let size = scene.points_m.size();
     let point = DVec3::from(scene.points_m[i].map(f64::from));
     let (mut air_m, mut between_m, mut is_hidden) = (0.0, 0.0, false);
-    for step in 1.. {
-        let above = point + up * (f64::from(step) * STEP_M);
-        let j = scene.space.camera().pixel_at(above, size)?;
-        let seen = scene.regions.at(j).map(|region| region.index());
-        if seen == Some(thing) {
+    for Place { region, farther_m, behind_m } in places(scene, i, up, HIGHEST_M) {
+        let region = region.map(|region| region.index());
+        if region == Some(thing) {
             continue;
         }
-        let depth_m = f64::from(scene.points_m[j][2]);
-        let behind_m = behind_m(scene.space, above.z);
-        let farther_m = depth_m - above.z;
-        if depth_m.is_nan() || farther_m < -behind_m {
+        if farther_m.is_nan() || farther_m < -behind_m {
             is_hidden = true;
         } else if farther_m > behind_m {
             air_m += STEP_M;
@@ -41,8 +37,8 @@ pub(super) fn carries_structure(scene: &SupportScene<'_>, up: DVec3, i: usize, t
             }
         } else {
             let least_m = if is_hidden { HIDDEN_M } else { LEAST_AIR_M };
-            let plane = seen.and_then(|region| scene.planes.get(region));
-            if plane.is_some_and(|plane| is_level_above(plane, up, point, least_m)) {
+            let plane = region.and_then(|region| scene.planes.get(region));
+            if plane.is_some_and(|plane| plane.normal().dot(up) > LEVEL && plane.height_m(point) < -least_m) {
                 return Some(true);
             }
             between_m += STEP_M;
@@ -54,16 +50,11 @@ pub(super) fn carries_structure(scene: &SupportScene<'_>, up: DVec3, i: usize, t
     None
 }
 
-/// Whether a plane is level, and a point lies at least this far (m) below it.
-fn is_level_above(plane: &StructurePlane, up: DVec3, point: DVec3, least_m: f64) -> bool {
-    let normal = DVec3::from(plane.normal.map(f64::from));
-    normal.dot(up) > LEVEL && normal.dot(point) + f64::from(plane.offset_m) < -least_m
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::discovery::up::{Up, UpSource};
+    use crate::planes::StructurePlane;
     use crate::raster::Raster;
     use crate::regions::Segments;
     use crate::testing::space;
@@ -128,5 +119,23 @@ mod tests {
         };
         assert!(load(2) > 0.9 && load(3) > 0.7, "legs: {} {}", load(2), load(3));
         assert_eq!([load(4), load(5)], [0.0; 2], "a box on the table, a post that stands free");
+    }
+
+    /// The column had no end: its places come ever nearer to one pixel.
+    #[test]
+    fn a_column_along_the_line_of_sight_ends() {
+        let space = space([160.0; 2], [159.5, 119.5]);
+        let labels = Raster::filled(SIZE.0, SIZE.1, 0).unwrap();
+        let points_m = labels.map(|_| [0.0, 0.0, 1.0]);
+        let normals = points_m.map(|_| [0.0; 3]);
+        let scene = SupportScene {
+            regions: &Segments::from_numbered(labels, 2),
+            points_m: &points_m,
+            normals: &normals,
+            planes: &[],
+            up: &Up { direction: [0.0, 0.0, 1.0], source: UpSource::Camera },
+            space: &space,
+        };
+        assert_eq!(carries_structure(&scene, DVec3::Z, 120 * SIZE.0 + 160, 1), None);
     }
 }

@@ -15,22 +15,34 @@ const DEPTH_STEP_PX: usize = 64;
 /// Depth at which a profile holds for a frame without any (m).
 const USUAL_M: f64 = 1.0;
 
-/// Chooses the noise: given, or that of the frame in the mean with earlier frames, or that of the frame beside its sensor's profile.
-/// O(pixels).
-pub(super) fn choose_noise(
-    sensor: &Sensor,
-    earlier: Option<&Estimates>,
-    measured: &MeasuredNoise,
-    disparity: &Raster<f32>,
-    space: &DisparitySpace,
-) -> Estimates {
-    let profile = profile_noise(sensor, disparity, space);
-    if sensor.noise == NoiseFrom::Given {
-        return Estimates::of_noise(profile.unwrap_or(Noise::KINECT), 0);
+/// What is known of the noise beside what a frame shows.
+pub(super) struct KnownNoise<'a> {
+    source: NoiseFrom,
+    earlier: Option<&'a Estimates>,
+    profile: Option<Noise>,
+}
+
+impl<'a> KnownNoise<'a> {
+    /// What the parameters say, and what frames before told. O(pixels / 64).
+    pub(super) fn of(
+        sensor: &Sensor,
+        earlier: Option<&'a Estimates>,
+        disparity: &Raster<f32>,
+        space: &DisparitySpace,
+    ) -> Self {
+        let earlier = earlier.filter(|earlier| earlier.frames > 0);
+        Self { source: sensor.noise, earlier, profile: profile_noise(sensor, disparity, space) }
     }
-    match earlier.filter(|earlier| earlier.frames > 0) {
-        Some(earlier) => earlier.after(measured),
-        None => Estimates::of_noise(by_one_frame(measured, profile), measured.has_waves().into()),
+
+    /// Chooses the noise: given, or that of the frame in the mean with earlier frames, or that of the frame beside its sensor's profile.
+    pub(super) fn with(&self, measured: &MeasuredNoise) -> Estimates {
+        match (self.source, self.earlier) {
+            (NoiseFrom::Given, _) => Estimates::of_noise(self.profile.unwrap_or(Noise::KINECT), 0),
+            (NoiseFrom::Estimated, Some(earlier)) => earlier.after(measured),
+            (NoiseFrom::Estimated, None) => {
+                Estimates::of_noise(by_one_frame(measured, self.profile), measured.has_waves().into())
+            }
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::raster::Raster;
 use crate::surface::blocks::{measure_waves, measure_white};
 use crate::surface::bridges::bridge_holes;
 use crate::surface::disparity::DisparitySpace;
-use crate::surface::noise_choice::choose_noise;
+use crate::surface::noise_choice::KnownNoise;
 use crate::surface::plane_fit::{PlaneFits, fit_planes};
 use crate::surface::sharpen::sharpen;
 use crate::surface::window_choice::{Orientation, choose_windows};
@@ -41,9 +41,10 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
     let mut disparity = space.disparity(frame.depth_m());
     let bridged_share = bridge_holes(&mut disparity);
 
+    let known = KnownNoise::of(sensor, frame.estimates(), &disparity, &space);
     let mut measured = MeasuredNoise { white: None, blocks_quanta: measure_waves(&disparity, &space) };
-    let known = choose_noise(sensor, frame.estimates(), &measured, &disparity, &space).noise;
-    let sharp = sharpen(&disparity, frame.color(), known.is_matched(), &space);
+    let is_matched = known.with(&measured).noise.is_matched();
+    let sharp = sharpen(&disparity, frame.color(), is_matched, &space);
     let (frame, sharpened_share) = sharp
         .as_ref()
         .map_or_else(|| (frame.clone(), 0.0), |sharp| with_changes(frame, [&disparity, sharp], &space));
@@ -51,8 +52,7 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
 
     let fits = fit_planes(&disparity, space.length_px(params.radius_px));
     measured.white = measure_white(&fits.residual);
-    let Estimates { noise, frames: noise_frames, .. } =
-        choose_noise(sensor, frame.estimates(), &measured, &disparity, &space);
+    let Estimates { noise, frames: noise_frames, .. } = known.with(&measured);
     let space = space.with_noise(noise);
     let orientation = choose_windows(&disparity, &fits, &space, params);
     Surfaces { frame, space, disparity, bridged_share, sharpened_share, noise_frames, fits, orientation }
