@@ -17,9 +17,9 @@ const HIGHEST_M: f64 = 2.0;
 
 /// Whether the column above pixel `i` of a thing ends on a level surface of the structure. `None` when the image does not show it.
 ///
-/// The column goes up along gravity. It passes the thing itself, up to 8 cm of what else lies in it, and what is hidden by something
-/// nearer. It ends in air if what is seen lies behind it for 4 cm. A surface less than 4 cm above the pixel, or 40 cm where a part of the
-/// column is hidden, does not count. O(steps).
+/// The column goes up along gravity. It may pass through the thing itself, through up to 8 cm of other things, and behind whatever is
+/// nearer to the camera. It ends in air if the image shows 4 cm of something farther. A surface less than 4 cm above the pixel, or 40 cm
+/// where a part of the column is hidden, does not count. O(steps).
 pub(super) fn carries_structure(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> Option<bool> {
     let point = DVec3::from(scene.points_m[i].map(f64::from));
     let (mut air_m, mut between_m, mut is_hidden) = (0.0, 0.0, false);
