@@ -1,5 +1,8 @@
 //! CIE L\*a\*b\* of sRGB pixels.
 
+pub mod histogram;
+pub mod image;
+
 use std::sync::LazyLock;
 
 /// Linear light of the 256 sRGB values, in [0, 1] (IEC 61966-2-1).
