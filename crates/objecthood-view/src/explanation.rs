@@ -297,6 +297,7 @@ mod tests {
             gap_mm: 0.0,
             folded_mm,
             stepped_mm,
+            seam_mm: 0.0,
             vote_mm,
             decision: None,
         }

@@ -46,6 +46,7 @@
 pub mod attitude;
 mod buffers;
 pub mod camera;
+pub mod check;
 pub mod clusters;
 pub mod color;
 pub mod discovery;

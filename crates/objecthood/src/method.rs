@@ -25,6 +25,7 @@ use crate::plausibility::find_doubts;
 use crate::shapes::border::measure_borders;
 use crate::shapes::contraction::{contract, sum_votes};
 use crate::shapes::paper::join_convex;
+use crate::shapes::seams::{Seams, find_seams};
 use crate::support::gravity::find_ground;
 use crate::support::paper::stack_by_height;
 use crate::support::standing::{StandingParams, find_standing};
@@ -91,7 +92,7 @@ pub(crate) fn paper<'k>(
 }
 
 /// The same four stages, with surfaces fitted in disparity and evidence from whole borders. Where borders cannot decide, the
-/// surroundings do. Colour is used only for parts behind an occluder and for smeared edges.
+/// surroundings do. Colour is asked where depth is silent: at seams, behind occluders, on smeared edges.
 pub(crate) fn context<'k>(
     frame: &Frame,
     params: &Params,
@@ -105,8 +106,7 @@ pub(crate) fn context<'k>(
 
     // 1. Over-segmentation: large planes, then a watershed of the residuals of the plane fits.
     let structure = recall(&mut kept.structure, || {
-        let attitude = &Attitude::of(frame, &params.gravity);
-        find_structure(frame.depth_m(), surfaces, attitude, &params.structure)
+        find_structure(frame.depth_m(), surfaces, &Attitude::of(frame, &params.gravity), &params.structure)
     });
     observer.observe(Output::Structure(LabelMap::structure(structure)));
     let superpixels =
@@ -117,15 +117,17 @@ pub(crate) fn context<'k>(
     let facets = recall(&mut kept.facets, || {
         find_facets(surfaces, structure, superpixels, &params.merging, &params.refinement)
     });
-    observer.observe(Output::Facets(&facets.segments));
 
-    // 3. Shapes: facets whose borders vote for one shape.
+    // 3. Shapes: facets whose borders vote for one shape. Colour cuts what flush things share.
     let borders = recall(&mut kept.borders, || {
         measure_borders(facets, &surfaces.disparity, &surfaces.space, &params.border)
     });
-    observer.observe(Output::Borders { facets, evidence: borders });
     let shapes =
         recall(&mut kept.shapes, || contract(&sum_votes(borders, facets.structure, &params.contraction)));
+    let seams = recall(&mut kept.seams, || find_seams((facets, shapes), structure, surfaces, params));
+    let (facets, borders, shapes) = Seams::or(seams, (facets, borders, shapes));
+    observer.observe(Output::Facets(&facets.segments));
+    observer.observe(Output::Borders { facets, evidence: borders });
     observer.observe(Output::Shapes(LabelMap::shapes(facets, shapes)));
 
     // 4. Objectness: shapes joined by their surroundings, support against gravity, and the score.
@@ -145,8 +147,7 @@ pub(crate) fn context<'k>(
     observer.observe(Output::Hypotheses(hypotheses));
     let doubts = recall(&mut kept.doubts, || find_doubts(given));
     let discovery = try_recall(&mut kept.discovery, || {
-        let Params { gravity, objectness, .. } = params;
-        let found = conclude_context(scene, standing, hypotheses, gravity, objectness)?;
+        let found = conclude_context(scene, standing, hypotheses, &params.gravity, &params.objectness)?;
         Ok(found.with_doubts(doubts))
     })?;
     observer.observe(Output::Objects(discovery));

@@ -16,6 +16,7 @@ use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 use crate::shapes::border::BorderEvidence;
 use crate::shapes::contraction::Shapes;
+use crate::shapes::seams::Seams;
 use crate::stage::Stage;
 use crate::support::gravity::Ground;
 use crate::support::standing::Standing;
@@ -66,9 +67,11 @@ outputs! {
         surfaces: Surfaces, of Normals;
         structure: Structure, of Structure;
         superpixels: LinkedSuperpixels, of Superpixels;
+        /// The facets, borders and shapes before seams cut them.
         facets: Facets, of Facets;
         borders: RegionGraph<BorderEvidence>, of Borders;
         shapes: Shapes, of Shapes;
+        seams: Option<Seams>, of Shapes;
         /// The facets after the gaps between them are filled.
         filled: Facets, of Clusters;
         points_m: Raster<[f32; 3]>, of Normals;

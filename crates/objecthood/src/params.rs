@@ -186,6 +186,18 @@ parameters! {
         full_vote_deg: f64 = 15.0, 1e-3..=360.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 3.2)";
         /// Vote of a step against one shape.
         occlusion_weight: f64 = 0.15, 0.0..=100.0, "dimensionless: vote per metre of step", "tuned on mOSD learn (docs/CONTEXT.md 3.2)", read by [Context: Shapes];
+        /// Vote of a seam of colour against one shape.
+        seam_weight: f64 = 2.0, 0.0..=100.0, "dimensionless: vote per metre of seam", "ours, because it has to outvote a flat border as clearly as a valley does (docs/CONTEXT.md 3.4)", read by [Context: Shapes];
+    }
+
+    /// Seams of colour that part flush things (`context`).
+    Seams seams, read by [Context: Borders] {
+        /// Whether colour parts flush things.
+        enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 3.4";
+        /// Least share of a section of the body where colour changes.
+        cross_share: f64 = 0.7, 0.0..=1.0, "dimensionless: share of the section", "ours, because print ends within a face (docs/CONTEXT.md 3.4)";
+        /// Greatest overlap of the colours of both sides.
+        color_overlap: f64 = 0.12, 0.0..=1.0, "dimensionless: share in common", "ours, because print comes back on the other side (docs/CONTEXT.md 3.4)";
     }
 
     /// Small clusters are given to a neighbour (`context`).
@@ -211,6 +223,14 @@ parameters! {
         /// Background that an object encloses is its bottom when at least this share of its border touches without a step; above 1 =
         /// never.
         bottom_contact_share: f64 = 0.8, 0.0..=2.0, "dimensionless: share of the border", "ours, because a plate came out as a ring; the far half of a ring's border touches";
+    }
+
+    /// Convex parts of one body joined across a neck or fold (`context`).
+    Necks necks, read by [Context: Clusters] {
+        /// Whether such parts are joined.
+        enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 4.7";
+        /// Least overlap of their colour histograms.
+        color_overlap: f64 = 0.5, 0.0..=1.0, "dimensionless: share in common", "ours, because parts of one body share colours (docs/CONTEXT.md 4.7)";
     }
 
     /// Parts of an object joined behind an occluder (`context`).

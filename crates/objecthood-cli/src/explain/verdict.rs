@@ -40,7 +40,7 @@ fn why(explanation: &Explanation) -> String {
 
 #[cfg(test)]
 mod tests {
-    use objecthood::clusters::check::{Bound, Check};
+    use objecthood::check::{Bound, Check};
     use objecthood::clusters::history::Rule;
     use objecthood::explain::{Decision, Flip, Question};
 

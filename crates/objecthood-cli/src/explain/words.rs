@@ -1,6 +1,6 @@
 //! Reasons, measurements and changes of parameters in words.
 
-use objecthood::clusters::check::{Bound, Check};
+use objecthood::check::{Bound, Check};
 use objecthood::clusters::history::Rule;
 use objecthood::explain::{Flip, Reason};
 
@@ -15,6 +15,7 @@ pub(super) fn reason(reason: Reason) -> &'static str {
     match reason {
         Reason::Folds => "the folds of their border",
         Reason::Steps => "the steps of their border",
+        Reason::Seam => "a seam of colour runs along their border",
         Reason::OtherBorders => "other borders outvote their own",
         Reason::Size => "it has too few pixels",
         Reason::Structure => "it lies on a large plane that carries or encloses objects",
@@ -30,6 +31,7 @@ pub(super) fn reason(reason: Reason) -> &'static str {
         Reason::Rule(Rule::VesselRim) => "within the rim of a vessel",
         Reason::Rule(Rule::VesselRemainder) => "a remainder of a vessel",
         Reason::Rule(Rule::VesselBottom) => "the bottom of a vessel",
+        Reason::Rule(Rule::Neck) => "the parts of one body, across a neck or fold",
         Reason::Rule(Rule::Occlusion) => "one surface behind something nearer",
     }
 }

@@ -1,6 +1,6 @@
 //! Gives bumps of a wall to the background (docs/CONTEXT.md 4.3).
 
-use crate::clusters::check::{Bound, Check};
+use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
 use crate::clusters::scene::{Scene, sampled};

@@ -1,6 +1,6 @@
 //! Candidates: the clusters that are large enough for an object, as regions of the support graph (docs/CONTEXT.md 6.6).
 
-use crate::clusters::check::{Bound, Check};
+use crate::check::{Bound, Check};
 use crate::clusters::clustering::{Clustering, FinalCluster};
 use crate::clusters::scene::Scene;
 use crate::discovery::ids::NodeId;

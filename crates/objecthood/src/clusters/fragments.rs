@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::clusters::check::{Bound, Check};
+use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
 use crate::params;

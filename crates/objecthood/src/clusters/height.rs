@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::clusters::check::{Bound, Check};
+use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
 use crate::params;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::clusters::check::Check;
+use crate::check::Check;
 use crate::discovery::join::Join;
 use crate::regions::SegmentId;
 
@@ -28,6 +28,8 @@ pub enum Rule {
     VesselBottom,
     /// A surface goes on behind something nearer (docs/CONTEXT.md 4.6).
     Occlusion,
+    /// The convex parts of one body are joined across a neck or fold (docs/CONTEXT.md 4.7).
+    Neck,
 }
 
 /// The cluster or patch that a rule gives away.

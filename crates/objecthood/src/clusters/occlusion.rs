@@ -19,7 +19,7 @@ use self::along::{Along, ROUNDING_DEG};
 use self::pieces::{Piece, find_pieces};
 use self::sight::{HIDDEN_SHARE, HOPELESS, SEEN_THROUGH_SHARE, Seen, look_into_gap};
 use self::surface::{Surface, fit_jointly};
-use crate::clusters::check::{Bound, Check};
+use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
 use crate::discovery::join::{Continuation, Join, JoinEvidence};

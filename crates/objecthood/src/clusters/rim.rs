@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::Vec3;
 
-use crate::clusters::check::{Bound, Check};
+use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::scene::Scene;
 use crate::discovery::join::RimCircle;

@@ -1,4 +1,4 @@
-//! The rules in their order (docs/CONTEXT.md 4.2 to 4.6).
+//! The rules in their order (docs/CONTEXT.md 4.2 to 4.7).
 
 use crate::clusters::bottoms::join_bottoms;
 use crate::clusters::bumps::drop_bumps;
@@ -6,6 +6,7 @@ use crate::clusters::cluster::Clusters;
 use crate::clusters::clustering::Clustering;
 use crate::clusters::fragments::absorb_fragments;
 use crate::clusters::height::drop_low;
+use crate::clusters::necks::join_necks;
 use crate::clusters::occlusion::join_behind_occluders;
 use crate::clusters::scene::Scene;
 use crate::clusters::vessels::join_vessels;
@@ -21,6 +22,8 @@ pub struct Rules<'a> {
     pub height: &'a params::Height,
     /// For vessels and their bottoms.
     pub vessels: &'a params::Vessels,
+    /// For the convex parts of one body.
+    pub necks: &'a params::Necks,
     /// For parts behind something nearer.
     pub occlusion: &'a params::Occlusion,
 }
@@ -28,8 +31,8 @@ pub struct Rules<'a> {
 impl<'a> Rules<'a> {
     /// Selects the rules' groups from all parameters.
     pub fn of(params: &'a Params) -> Self {
-        let Params { fragments, height, vessels, occlusion, .. } = params;
-        Self { fragments, height, vessels, occlusion }
+        let Params { fragments, height, vessels, necks, occlusion, .. } = params;
+        Self { fragments, height, vessels, necks, occlusion }
     }
 }
 
@@ -44,6 +47,7 @@ pub fn find_clusters(scene: &Scene<'_>, shapes: &Shapes, rules: Rules<'_>) -> Cl
     drop_bumps(&mut clusters);
     join_vessels(&mut clusters, rules.vessels);
     join_bottoms(&mut clusters, rules.vessels);
+    join_necks(&mut clusters, rules.necks);
     join_behind_occluders(&mut clusters, rules.occlusion);
     clusters.finish()
 }

@@ -28,6 +28,8 @@ pub struct Scene<'a> {
     pub points_m: &'a Raster<[f32; 3]>,
     /// Colour, if the frame has any.
     pub color: Option<&'a Raster<[u8; 3]>>,
+    /// The same as L\*a\*b\*, smoothed.
+    pub lab: Option<&'a Raster<[f32; 3]>>,
     /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
     /// The surfaces of the structure; surface k is facet k.
@@ -72,6 +74,7 @@ impl<'a> Scene<'a> {
             normals: &surfaces.orientation.normal,
             points_m,
             color: frame.color(),
+            lab: surfaces.lab.as_ref(),
             space: &surfaces.space,
             surfaces: &structure.surfaces,
             planes: &structure.planes,

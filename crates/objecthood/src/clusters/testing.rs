@@ -28,6 +28,7 @@ pub(crate) struct Table {
     pub(crate) facets: Facets,
     pub(crate) disparity: Raster<f32>,
     pub(crate) color: Option<Raster<[u8; 3]>>,
+    pub(crate) lab: Option<Raster<[f32; 3]>>,
     normals: Raster<[f32; 3]>,
     points_m: Raster<[f32; 3]>,
     space: DisparitySpace,
@@ -69,7 +70,7 @@ impl Table {
         let normals = choose_windows(&disparity, &fits, &space, &params).normal;
         let support = StructureSurface { model: table, normal: DVec3::NEG_Z, offset_m: TABLE_M, scale: 1.0 };
         let facets = Facets { segments, models, structure: 1 };
-        Self { facets, disparity, color: None, normals, points_m, space, support }
+        Self { facets, disparity, color: None, lab: None, normals, points_m, space, support }
     }
 
     /// Drawn as text: `.` = nothing, `_` = the table, the letters a, b, .. are facets of these heights (m).
@@ -91,6 +92,7 @@ impl Table {
             normals: &self.normals,
             points_m: &self.points_m,
             color: self.color.as_ref(),
+            lab: self.lab.as_ref(),
             space: &self.space,
             surfaces: std::slice::from_ref(&self.support),
             planes: &[],

@@ -11,7 +11,7 @@ impl Explainer {
     pub(super) fn borders(&self, facet: SegmentId) -> Vec<BorderReport> {
         let own = |edge: &&RegionEdge<BorderEvidence>| edge.a == facet || edge.b == facet;
         let mut edges: Vec<&RegionEdge<BorderEvidence>> =
-            self.subject.run.borders.edges().iter().filter(own).collect();
+            self.subject.run.shaped().1.edges().iter().filter(own).collect();
         let length_m = |edge: &RegionEdge<BorderEvidence>| edge.evidence.gaps.length_m;
         edges.sort_by(|a, b| length_m(b).total_cmp(&length_m(a)));
         edges.into_iter().map(|edge| self.border(facet, edge)).collect()
@@ -33,6 +33,7 @@ impl Explainer {
             gap_mm: sign * 1e3 * gaps.depth_m2 / gaps.length_m,
             folded_mm: 1e3 * fold_m,
             stepped_mm: 1e3 * evidence.step_m,
+            seam_mm: 1e3 * evidence.seam_m,
             vote_mm: vote_m.map(|vote_m| 1e3 * vote_m),
             decision: vote_m.map(|vote_m| self.vote(facet, other, evidence, vote_m)),
         }
@@ -48,6 +49,11 @@ impl Explainer {
             let (rule, checks) =
                 event.map_or((Rule::VesselBottom, Vec::new()), |event| (event.rule, event.checks.clone()));
             return self.decision(question, Reason::Rule(rule), checks);
+        }
+        let seam =
+            Option::as_ref(&self.subject.run.seams).and_then(|seams| seams.between(a.index(), b.index()));
+        if let Some(seam) = seam.filter(|_| !one_shape) {
+            return self.decision(question, Reason::Seam, seam.checks.clone());
         }
         let steps_m = self.subject.params.contraction.occlusion_weight * evidence.step_m;
         let reason = match (one_shape, vote_m > 0.0) {

@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::clusters::check::Check;
+use crate::check::Check;
 use crate::clusters::history::Rule;
 
 /// The explanation of a pixel.
@@ -110,6 +110,8 @@ pub struct BorderReport {
     pub folded_mm: f64,
     /// Length of the border that is a step in depth (mm).
     pub stepped_mm: f64,
+    /// Length of the border that runs along a seam of colour (mm).
+    pub seam_mm: f64,
     /// Its vote (mm of border): above 0 for one shape, below 0 for two. `None` with structure, whose borders do not vote.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vote_mm: Option<f64>,
@@ -169,6 +171,8 @@ pub enum Reason {
     Folds,
     /// The steps of the border.
     Steps,
+    /// A seam of colour.
+    Seam,
     /// The votes of other borders, against the vote of the common border.
     OtherBorders,
     /// It has too few pixels.

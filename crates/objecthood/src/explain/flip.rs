@@ -112,7 +112,8 @@ impl<'a> Search<'a> {
             return Asked::Refused;
         }
         let run = trial.context_outputs().and_then(Run::new);
-        run.map_or(Asked::Refused, |run| Asked::Answer(run.answer(question)))
+        let asked = |run: Run| Some(run.answer(run.translated(question, &self.asked.run)?));
+        run.and_then(asked).map_or(Asked::Refused, Asked::Answer)
     }
 
     /// Takes `looks` from the budget; `None` if too little is left.
@@ -140,7 +141,7 @@ impl<'a> Search<'a> {
     fn narrowed(&mut self, guess: &Guess, [a, b]: [usize; 2]) -> f64 {
         let &Guess { parameter, from, mut near, to: mut far } = guess;
         let together = |shapes: &Shapes| shapes.of_facet[a] == shapes.of_facet[b];
-        let now = together(&self.asked.run.shapes);
+        let now = together(self.asked.run.shaped().2);
         for _ in 0..NARROWINGS {
             if (far - near).abs() <= last_digit(far) {
                 break;

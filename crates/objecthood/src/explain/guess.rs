@@ -1,6 +1,6 @@
 //! Guesses: values of a parameter, in few digits, that may turn a decision.
 
-use crate::clusters::check::{Bound, Check};
+use crate::check::{Bound, Check};
 use crate::params::{ParameterInfo, Params};
 
 /// Significant digits of a guess.

@@ -23,7 +23,7 @@ pub use explanation::{
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
-use crate::clusters::check::Check;
+use crate::check::Check;
 use crate::discovery::Discovery;
 use crate::discovery::ids::ObjectId;
 use crate::discovery::parts::ObjectnessParts;

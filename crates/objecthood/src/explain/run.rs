@@ -16,14 +16,14 @@ use crate::outputs::ContextOutputs;
 use crate::regions::{RegionGraph, SegmentId};
 use crate::shapes::border::BorderEvidence;
 use crate::shapes::contraction::Shapes;
+use crate::shapes::seams::{Seams, Shaped};
 
 /// The fate of every facet in one run of `context`.
 pub(super) struct Run {
     pub(super) discovery: Arc<Discovery>,
-    /// The facets of stage 2, before gaps are filled; their borders were measured.
-    pub(super) facets: Arc<Facets>,
-    pub(super) borders: Arc<RegionGraph<BorderEvidence>>,
-    pub(super) shapes: Arc<Shapes>,
+    /// The facets, borders and shapes before seams cut them.
+    before_seams: BeforeSeams,
+    pub(super) seams: Arc<Option<Seams>>,
     /// The facets after the gaps between them are filled.
     pub(super) filled: Arc<Facets>,
     clusters: Arc<Clustering>,
@@ -41,11 +41,20 @@ pub(super) struct Run {
     bottom_of: BTreeMap<SegmentId, SegmentId>,
 }
 
+/// The facets, borders and shapes before seams cut them, shared.
+type BeforeSeams = (Arc<Facets>, Arc<RegionGraph<BorderEvidence>>, Arc<Shapes>);
+
+fn shaped<'a>(seams: &'a Option<Seams>, (facets, borders, shapes): &'a BeforeSeams) -> Shaped<'a> {
+    Seams::or(seams, (facets, borders, shapes))
+}
+
 impl Run {
     /// Reads the outputs of `context`; `None` when not all stages have run. O(pixels).
     pub(super) fn new(outputs: &ContextOutputs) -> Option<Self> {
         let clusters = outputs.clusters.clone()?;
-        let shapes = outputs.shapes.clone()?;
+        let before_seams = (outputs.facets.clone()?, outputs.borders.clone()?, outputs.shapes.clone()?);
+        let seams = outputs.seams.clone()?;
+        let (_, _, shapes) = shaped(&seams, &before_seams);
         let candidates = outputs.hypotheses.clone()?;
         let filled = outputs.filled.clone()?;
         let mut sizes = vec![0_usize; filled.segments.count()];
@@ -63,9 +72,8 @@ impl Run {
             steps(clusters.history().events().to_vec(), clusters.history().misses().to_vec(), largest);
         let mut run = Self {
             discovery: outputs.discovery.clone()?,
-            facets: outputs.facets.clone()?,
-            borders: outputs.borders.clone()?,
-            shapes,
+            before_seams,
+            seams,
             filled,
             clusters,
             steps,
@@ -78,6 +86,11 @@ impl Run {
         };
         (0..).zip(candidates.iter()).for_each(|(place, hypothesis)| run.look_up(place, hypothesis));
         Some(run)
+    }
+
+    /// The facets of stages 2 and 3, before gaps are filled, with their borders and shapes.
+    pub(super) fn shaped(&self) -> Shaped<'_> {
+        shaped(&self.seams, &self.before_seams)
     }
 
     /// Finds the cluster of a hypothesis, and the background facets that are its bottom. O(pixels).
@@ -102,7 +115,7 @@ impl Run {
 
     /// The shape of a facet; `None` for structure. The cluster that began as a shape has the number of the shape.
     pub(super) fn shape(&self, facet: SegmentId) -> Option<SegmentId> {
-        self.shapes.of_facet.get(self.free(facet)?).map(|&shape| SegmentId(shape))
+        self.shaped().2.of_facet.get(self.free(facet)?).map(|&shape| SegmentId(shape))
     }
 
     /// The final cluster of a facet; `None` = structure or background. A low facet that became the bottom of a vessel belongs to the
@@ -148,6 +161,23 @@ impl Run {
                 cluster.is_some() && self.bottom(patch).is_some_and(|step| step.owner == cluster)
             }
         }
+    }
+
+    /// A question about facets of another run, with the numbers that they have in this run: seams may cut other facets. `None` when a
+    /// facet has no pixel in common with any of this run.
+    pub(super) fn translated(&self, question: Question, other: &Self) -> Option<Question> {
+        let translated = |facet: u32| {
+            let pixel = (*other.first.get(facet as usize)?)?;
+            self.filled.segments.at(pixel).map(|facet| facet.0)
+        };
+        Some(match question {
+            Question::OneThing { facets: [a, b] } => {
+                Question::OneThing { facets: [translated(a)?, translated(b)?] }
+            }
+            Question::Kept { facet } => Question::Kept { facet: translated(facet)? },
+            Question::OfObject { .. } => question,
+            Question::Bottom { facet, patch } => Question::Bottom { facet: translated(facet)?, patch },
+        })
     }
 
     /// Whether two facets are one thing: they belong to one shape, or to one cluster that is not background.

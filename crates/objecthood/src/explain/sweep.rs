@@ -55,12 +55,17 @@ impl Sweep {
     /// The shapes with another value of one parameter.
     pub(super) fn shapes(&self, run: &Run, parameter: &str, value: f64) -> Option<Shapes> {
         let params = self.params.with_number(parameter, value)?;
-        let structure = run.facets.structure;
+        let (facets, borders, _) = run.shaped();
+        let structure = facets.structure;
         Some(if looks_at(parameter) == 0 {
-            contract(&sum_votes(&run.borders, structure, &params.contraction))
+            contract(&sum_votes(borders, structure, &params.contraction))
         } else {
             let evidence =
-                measure_borders(&run.facets, &self.surfaces.disparity, &self.surfaces.space, &params.border);
+                measure_borders(facets, &self.surfaces.disparity, &self.surfaces.space, &params.border);
+            let evidence = match &*run.seams {
+                Some(seams) => seams.mark(&evidence),
+                None => evidence,
+            };
             contract(&sum_votes(&evidence, structure, &params.contraction))
         })
     }
@@ -69,7 +74,7 @@ impl Sweep {
     /// becomes two. Facets are counted without the structure.
     pub(super) fn guesses(&self, run: &Run, [a, b]: [usize; 2]) -> Vec<Guess> {
         let together = |shapes: &Shapes| shapes.of_facet[a] == shapes.of_facet[b];
-        let now = together(&run.shapes);
+        let now = together(run.shaped().2);
         let guess = |side: &Side| {
             let k = side.shapes.iter().position(|(_, shapes)| together(shapes) != now)?;
             let &Side { parameter, from, .. } = side;

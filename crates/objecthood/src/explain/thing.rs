@@ -1,7 +1,7 @@
 //! Explains the thing of a facet: the rules that joined it, the rules that nearly did, and the filters.
 
+use crate::check::{Bound, Check};
 use crate::clusters::candidates::check_too_small;
-use crate::clusters::check::{Bound, Check};
 use crate::clusters::fragments::check_small;
 use crate::clusters::history::{Rule, Source};
 use crate::explain::Explainer;

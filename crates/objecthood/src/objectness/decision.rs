@@ -1,6 +1,6 @@
 //! The decision: which hypotheses become objects.
 
-use crate::clusters::check::{Bound, Check};
+use crate::check::{Bound, Check};
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::size::longest_side_m;
 use crate::params::{self, Method};

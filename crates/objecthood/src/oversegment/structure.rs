@@ -14,6 +14,7 @@ mod surface;
 mod tilt;
 mod trials;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use self::candidates::{Candidate, GRID_PX, View};
@@ -121,6 +122,11 @@ fn renumber(labels: &mut Raster<i32>, kept: &[usize]) {
 }
 
 impl Structure {
+    /// The unit normal of the ground, if there is one.
+    pub(crate) fn ground_normal(&self) -> Option<DVec3> {
+        self.supports.surfaces.first().map(|&ground| self.planes[ground].normal())
+    }
+
     /// The label map of the surfaces alone.
     pub(crate) fn segments(&self) -> Segments {
         Segments::from_numbered(self.labels.clone(), self.surfaces.len())

@@ -20,6 +20,8 @@ pub struct BorderEvidence {
     pub folds: Vec<Fold>,
     /// Length of the border (m) that is a step: one facet lies in front of the other by more than noise.
     pub step_m: f64,
+    /// Length of the border (m) that runs along a seam of colour.
+    pub seam_m: f64,
     /// How far the first facet lies in front of the second at the border, summed over all samples.
     pub gaps: Gaps,
 }
@@ -247,10 +249,10 @@ impl BorderEvidence {
     }
 
     /// The vote of the border (m): above 0 for one shape, below 0 for two. It is the sum of the votes of the folds, minus
-    /// `occlusion_weight` times the length of the steps.
+    /// `occlusion_weight` times the length of the steps, minus `seam_weight` times the length of the seams.
     pub fn vote_m(&self, params: &params::Contraction) -> f64 {
         let folds = self.folds.iter().map(|fold| fold.vote_m(params)).sum::<f64>();
-        folds - params.occlusion_weight * self.step_m
+        folds - params.occlusion_weight * self.step_m - params.seam_weight * self.seam_m
     }
 }
 

@@ -36,3 +36,4 @@ pub mod contraction;
 pub mod convexity;
 pub mod descriptor;
 pub mod paper;
+pub mod seams;

@@ -1,7 +1,7 @@
 //! Rule 1: concave pieces that touch are one inside (docs/CONTEXT.md 4.4.1).
 
 use super::limits::{CONCAVITY, INSIDE_TOUCH_PX, Limits};
-use crate::clusters::check::{Bound, Check};
+use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::discovery::join::JoinEvidence;

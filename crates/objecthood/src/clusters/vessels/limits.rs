@@ -1,6 +1,6 @@
 //! Limits that the rules for vessels share.
 
-use crate::clusters::check::{Bound, Check};
+use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::oversegment::structure::StructureSurface;
 use crate::params;

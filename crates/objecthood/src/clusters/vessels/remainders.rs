@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::limits::Limits;
-use crate::clusters::check::{Bound, Check};
+use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::discovery::join::JoinEvidence;

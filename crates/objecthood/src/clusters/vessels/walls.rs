@@ -6,8 +6,8 @@
 use std::collections::BTreeSet;
 
 use super::limits::{CONCAVITY, INSIDE_TOUCH_PX, Limits, RIM_HEIGHT};
+use crate::check::{Bound, Check};
 use crate::clusters::borders::BorderCounts;
-use crate::clusters::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::clusters::rim::{check_circle, fit_rim_circle, measure_share_within};

@@ -34,8 +34,17 @@ fn seen_with(params: &params::Structure, depth_m: impl Fn(usize) -> f64) -> Stru
     let orientation = choose_windows(&disparity, &fits, &space, &params::LocalFit::default());
     let frame = Frame::new(Raster::filled(SIZE.0, SIZE.1, 1.0).unwrap(), None, space.camera()).unwrap();
     let (bridged_share, sharpened_share, noise_frames) = (0.0, 0.0, 0);
-    let surfaces =
-        Surfaces { frame, space, disparity, bridged_share, sharpened_share, noise_frames, fits, orientation };
+    let surfaces = Surfaces {
+        frame,
+        space,
+        lab: None,
+        disparity,
+        bridged_share,
+        sharpened_share,
+        noise_frames,
+        fits,
+        orientation,
+    };
     let level = Attitude { up: DVec3::NEG_Y, knowledge: Knowledge::Assumed, earlier_up: None };
     find_structure(&depth, &surfaces, &level, params)
 }

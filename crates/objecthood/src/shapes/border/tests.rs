@@ -121,7 +121,12 @@ fn two_surfaces_of_the_structure_have_no_border() {
 
 #[test]
 fn a_vote_is_in_metres_of_border() {
-    let params = params::Contraction { reflex_offset_deg: 12.0, full_vote_deg: 15.0, occlusion_weight: 0.15 };
+    let params = params::Contraction {
+        reflex_offset_deg: 12.0,
+        full_vote_deg: 15.0,
+        occlusion_weight: 0.15,
+        seam_weight: 2.0,
+    };
     let vote = |folds: &[(f64, f64)], step_m: f64| {
         let folds = folds.iter().map(|&(angle_deg, length_m)| Fold { angle_deg, length_m }).collect();
         BorderEvidence { folds, step_m, ..Default::default() }.vote_m(&params)

@@ -1,0 +1,174 @@
+//! Joins the convex parts of one body across a neck or fold (docs/CONTEXT.md 4.7).
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::check::{Bound, Check};
+use crate::clusters::cluster::Clusters;
+use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
+use crate::clusters::scene::{Scene, sampled};
+use crate::color::histogram::ColorHistogram;
+use crate::neighbours::four_neighbours;
+use crate::params;
+use crate::quantile::element_at;
+use crate::raster::Raster;
+use crate::regions::SegmentId;
+use crate::surface::disparity::position;
+use crate::union_find::UnionFind;
+
+/// Parts touch along at least this many pairs of pixels (px at 525 px).
+const TOUCH_PX: usize = 8;
+/// A smaller part has too few colours to compare (px at 525 px).
+const PART_PX: usize = 100;
+/// The foot of a part is this quantile of its heights.
+const FOOT_SHARE: f64 = 0.05;
+/// A part whose foot is no higher above its support (m) stands on it: twice the noise of a foot at 1.5 m.
+const FOOT_M: f64 = 0.015;
+/// The lower part is looked at this far (m) around the contact: where a foot would stand.
+const AROUND_M: f64 = 0.03;
+/// A pixel within this angle of level can carry a foot (degrees): what stands on more slides off.
+const LEVEL_DEG: f64 = 25.0;
+/// With a larger share of level pixels around the contact the lower part carries the upper one.
+const LEVEL_SHARE: f64 = 0.3;
+/// Contacts around which the lower part is looked at, at most: evenly spread, their surroundings overlap.
+const CONTACTS: usize = 16;
+
+/// Joins two clusters that touch when they share their colours, and the upper one has no foot of its own: it stands neither on a support
+/// nor on a level face of the lower one, as stacked things do. Pairs that share most are joined first.
+///
+/// Source: ours, because a neck or fold is a valley between convex parts (paper, future work: concavity). O(pairs that touch · pixels of
+/// both); parallel over pairs. Does nothing without colour or without a support.
+pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
+    let scene = clusters.scene;
+    let (Some(lab), Some(ground)) = (scene.lab.filter(|_| params.enabled), scene.ground()) else { return };
+    let least_touch = scene.space.length_px(TOUCH_PX) as u32;
+    let least_px = scene.space.area_px(PART_PX);
+    let is_part = |id: SegmentId| clusters.get(id).pixels.len() >= least_px;
+    let mut pairs = Vec::new();
+    for id in clusters.alive().into_iter().filter(|&id| is_part(id)) {
+        let touching = clusters.get(id).neighbours.iter().filter(|(_, borders)| borders.touch >= least_touch);
+        let others = touching.filter_map(|(other, _)| *other).filter(|&other| other > id && is_part(other));
+        pairs.extend(others.map(|other| [id, other]));
+    }
+    let compare = Compare { clusters, lab, up: ground.normal, params };
+    let mut compared: Vec<Pair> = pairs.into_par_iter().map(|pair| compare.pair(pair)).collect();
+    compared.sort_by(|a, b| b.overlap.total_cmp(&a.overlap));
+    let (joins, misses): (Vec<Pair>, Vec<Pair>) = compared.into_iter().partition(Pair::is_join);
+    let count = clusters.alive().last().map_or(0, |last| last.index() + 1);
+    let mut sets = UnionFind::new(count);
+    for pair in joins {
+        let [a, b] = pair.parts.map(|part| sets.find(part.index()));
+        if a != b {
+            sets.link(a.min(b), a.max(b));
+            clusters.give(pair.event([a.min(b), a.max(b)].map(|root| SegmentId(root as u32))));
+        }
+    }
+    clusters.history.note_misses(misses.into_iter().map(Pair::miss));
+}
+
+/// Two clusters that touch, the upper one first.
+struct Pair {
+    parts: [SegmentId; 2],
+    overlap: f64,
+    checks: Vec<Check>,
+}
+
+impl Pair {
+    fn is_join(&self) -> bool {
+        self.checks.iter().all(Check::holds)
+    }
+
+    fn propose(self, [into, from]: [SegmentId; 2]) -> Proposal {
+        let mut proposal = Proposal::new(Rule::Neck, Source::Cluster(from), Some(into));
+        proposal.extend(self.checks);
+        proposal
+    }
+
+    fn event(self, parts: [SegmentId; 2]) -> Event {
+        self.propose(parts).accept(None)
+    }
+
+    fn miss(self) -> Miss {
+        let parts = self.parts;
+        self.propose(parts).refuse()
+    }
+}
+
+struct Compare<'a> {
+    clusters: &'a Clusters<'a>,
+    lab: &'a Raster<[f32; 3]>,
+    up: DVec3,
+    params: &'a params::Necks,
+}
+
+impl Compare<'_> {
+    fn pair(&self, pair: [SegmentId; 2]) -> Pair {
+        let scene = self.clusters.scene;
+        let pixels = pair.map(|id| &self.clusters.get(id).pixels);
+        let feet_m = pixels.map(|pixels| foot_m(scene, pixels));
+        let is_first_upper = feet_m[0] >= feet_m[1];
+        let [upper, lower] = if is_first_upper { pair } else { [pair[1], pair[0]] };
+        let foot_m = feet_m[0].max(feet_m[1]);
+        let colors = pixels.map(|pixels| ColorHistogram::of(sampled(pixels).map(|i| self.lab[i])));
+        let overlap = colors[0].overlap(&colors[1]);
+        let level_share = self.level_share(upper, lower);
+        let least = self.params.color_overlap;
+        let checks = vec![
+            Check::new("overlap of their colours", "", overlap, Bound::AtLeast, least)
+                .set_by("necks.color_overlap"),
+            Check::new("foot of the upper part above its support", "m", foot_m, Bound::Above, FOOT_M),
+            Check::new(
+                "share of the lower part around it that is level",
+                "",
+                level_share,
+                Bound::Below,
+                LEVEL_SHARE,
+            ),
+        ];
+        Pair { parts: [upper, lower], overlap, checks }
+    }
+
+    /// The share of the pixels of the lower part around its contact with the upper one that are level.
+    fn level_share(&self, upper: SegmentId, lower: SegmentId) -> f64 {
+        let scene = self.clusters.scene;
+        let (width, height) = scene.disparity.size();
+        let cluster_at = |i: usize| {
+            let facet = scene.facets.segments.at(i)?.index().checked_sub(scene.facets.structure)?;
+            self.clusters.of_facet(facet)
+        };
+        let meets = |&i: &usize| {
+            four_neighbours(i, width, height)
+                .any(|(j, _)| cluster_at(j) == Some(upper) && scene.steps.touch(scene.disparity, i, j))
+        };
+        let pixels = &self.clusters.get(lower).pixels;
+        let contacts: Vec<usize> = pixels.iter().map(|&i| i as usize).filter(meets).collect();
+        let step = contacts.len().div_ceil(CONTACTS).max(1);
+        let around: Vec<(usize, DVec3)> =
+            contacts.into_iter().step_by(step).map(|i| (i, scene.point_at(i))).collect();
+        let focal_px = scene.space.camera().fx_px.max(scene.space.camera().fy_px);
+        let is_near = |&i: &usize| {
+            let at = position(i, width);
+            around.iter().any(|&(contact, point)| {
+                let reach_px = AROUND_M * focal_px / point.z;
+                let of_contact = position(contact, width);
+                (0..2).all(|k| (at[k] - of_contact[k]).abs() < reach_px)
+                    && scene.point_at(i).distance(point) < AROUND_M
+            })
+        };
+        let cosine = libm::cos(LEVEL_DEG.to_radians());
+        let (mut near, mut level) = (0_u32, 0_u32);
+        for i in pixels.iter().map(|&i| i as usize).filter(is_near) {
+            let normal = scene.normals[i].map(f64::from);
+            near += 1;
+            level += u32::from(self.up.dot(normal.into()) > cosine);
+        }
+        f64::from(level) / f64::from(near.max(1))
+    }
+}
+
+/// Height (m) of the foot of some pixels above the support below them.
+fn foot_m(scene: &Scene<'_>, pixels: &[u32]) -> f64 {
+    let Some(support) = scene.own_support(pixels) else { return 0.0 };
+    let mut heights: Vec<f64> = sampled(pixels).map(|i| scene.height_over_m(i, support)).collect();
+    element_at(&mut heights, FOOT_SHARE)
+}

@@ -1,0 +1,226 @@
+//! Seams: joints of flush things, which only colour shows (docs/CONTEXT.md 3.4).
+//!
+//! Two boxes that stand flush share faces: no fold and no step parts them. They are joined along a plane, and its trace runs across
+//! every face of the joint body. On the whole trace the colour changes, and what lies on one side looks unlike what lies on the other.
+//! Print does not do both: it ends within a face, or comes back on the other side.
+
+mod axes;
+mod body;
+mod profile;
+#[cfg(test)]
+mod tests;
+mod trace;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::check::{Bound, Check};
+use crate::facets::Facets;
+use crate::oversegment::structure::Structure;
+use crate::params::{self, Params};
+use crate::raster::Raster;
+use crate::regions::{RegionGraph, Segments};
+use crate::shapes::border::{BorderEvidence, measure_borders};
+use crate::shapes::contraction::{Shapes, contract, sum_votes};
+use crate::shapes::seams::axes::find_axes;
+use crate::shapes::seams::body::Body;
+use crate::shapes::seams::profile::find_traces;
+use crate::shapes::seams::trace::Trace;
+use crate::surface::disparity::DisparitySpace;
+use crate::surface::surfaces::Surfaces;
+
+/// A body is parted at most so often.
+const MOST_SEAMS: usize = 8;
+/// A seam of this clearness parts nothing, whatever the colours beside it: print and shading are as clear.
+const FAINT: f64 = 0.25;
+
+/// The plane along which a body of facets was parted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seam {
+    /// The checks that it passed: measured values with their limits.
+    pub checks: Vec<Check>,
+}
+
+/// The seams of a body that lead to one of its pieces: their numbers, and whether the piece lies above them.
+type Sides = Vec<(usize, bool)>;
+
+/// The facets after seams parted them, with their borders and shapes.
+#[derive(Clone, Debug)]
+pub struct Seams {
+    /// The facets. One that a seam crosses is cut: the first piece keeps its number, the others come last.
+    pub facets: Facets,
+    /// Their borders; those that run along seams are marked.
+    pub borders: RegionGraph<BorderEvidence>,
+    /// Their shapes.
+    pub shapes: Shapes,
+    cuts: Cuts,
+}
+
+/// The seams, and where the facets lie.
+#[derive(Clone, Debug)]
+struct Cuts {
+    seams: Vec<Seam>,
+    /// For each facet the seams that its body was parted along, and its side.
+    sides: Vec<Sides>,
+}
+
+/// Facets with their borders and shapes.
+pub(crate) type Shaped<'a> = (&'a Facets, &'a RegionGraph<BorderEvidence>, &'a Shapes);
+
+impl Seams {
+    /// The final facets, borders and shapes: those `before` seams if there is no seam.
+    pub(crate) fn or<'a>(seams: &'a Option<Self>, before: Shaped<'a>) -> Shaped<'a> {
+        seams.as_ref().map_or(before, |seams| (&seams.facets, &seams.borders, &seams.shapes))
+    }
+
+    /// The seam between two facets; `None` if there is none, or they are of two bodies. O(seams of the body).
+    pub fn between(&self, a: usize, b: usize) -> Option<&Seam> {
+        self.cuts.between(a, b)
+    }
+
+    /// The evidence of the borders of the facets, with those marked that run along seams. O(borders).
+    pub(crate) fn mark(&self, borders: &RegionGraph<BorderEvidence>) -> RegionGraph<BorderEvidence> {
+        self.cuts.mark(borders)
+    }
+}
+
+impl Cuts {
+    fn between(&self, a: usize, b: usize) -> Option<&Seam> {
+        let mut ways = self.sides[a].iter().zip(&self.sides[b]);
+        let ((seam, _), _) = ways.find(|(a, b)| a != b).filter(|(a, b)| a.0 == b.0)?;
+        Some(&self.seams[*seam])
+    }
+
+    fn mark(&self, borders: &RegionGraph<BorderEvidence>) -> RegionGraph<BorderEvidence> {
+        borders.map(|edge| {
+            let is_seam = self.between(edge.a.index(), edge.b.index()).is_some();
+            let evidence = edge.evidence.clone();
+            BorderEvidence { seam_m: if is_seam { evidence.gaps.length_m } else { 0.0 }, ..evidence }
+        })
+    }
+
+    /// Cuts the facets at the seams of all bodies. O(pixels of the cut facets).
+    fn make(partings: Vec<Parting>, facets: &Facets) -> (Self, Facets) {
+        let mut labels = facets.segments.labels().clone();
+        let mut models = facets.models.clone();
+        let mut cuts = Self { seams: Vec::new(), sides: vec![Sides::new(); models.len()] };
+        for Parting { seams, pieces } in partings {
+            let first = cuts.seams.len();
+            cuts.seams.extend(seams);
+            let mut seen = Vec::new();
+            for Piece { body, sides } in pieces {
+                let sides: Sides =
+                    sides.into_iter().map(|(seam, is_above)| (first + seam, is_above)).collect();
+                for face in body.faces {
+                    if !seen.contains(&face.facet) {
+                        seen.push(face.facet);
+                        cuts.sides[face.facet].clone_from(&sides);
+                        continue;
+                    }
+                    let number = models.len() as i32;
+                    face.pixels.iter().for_each(|p| labels.as_mut_slice()[p.i as usize] = number);
+                    models.push(models[face.facet]);
+                    cuts.sides.push(sides.clone());
+                }
+            }
+        }
+        let segments = Segments::from_numbered(labels, models.len());
+        (cuts, Facets { segments, models, structure: facets.structure })
+    }
+}
+
+/// Finds seams in the bodies that borders have made, the `shapes` of the `facets`, cuts the facets that they cross, and joins what is
+/// left to shapes.
+///
+/// Planes across the body are compared, perpendicular to its edges. The clearest is a seam if colour changes along `cross_share` of its
+/// trace, and the colours of its two sides overlap little; then both sides are searched. `None` if there is no seam, or no colour.
+/// Source: ours, because the paper has no colour in this stage. O(pixels of bodies · edges of a body); parallel over bodies.
+pub fn find_seams(
+    (facets, shapes): (&Facets, &Shapes),
+    structure: &Structure,
+    surfaces: &Surfaces,
+    params: &Params,
+) -> Option<Seams> {
+    let (space, up) = (&surfaces.space, structure.ground_normal());
+    let lab = surfaces.lab.as_ref().filter(|_| params.seams.enabled)?;
+    let partings = Search { lab, space, params: &params.seams, up }.part_all(facets, shapes);
+    if partings.is_empty() {
+        return None;
+    }
+    let (cuts, facets) = Cuts::make(partings, facets);
+    let borders = cuts.mark(&measure_borders(&facets, &surfaces.disparity, space, &params.border));
+    let shapes = contract(&sum_votes(&borders, facets.structure, &params.contraction));
+    Some(Seams { facets, borders, shapes, cuts })
+}
+
+/// The seams of a body, and its pieces.
+struct Parting {
+    seams: Vec<Seam>,
+    pieces: Vec<Piece>,
+}
+
+/// A piece of a body; its seams are numbered from 0.
+struct Piece {
+    body: Body,
+    sides: Sides,
+}
+
+/// The inputs of the search besides the bodies.
+struct Search<'a> {
+    lab: &'a Raster<[f32; 3]>,
+    space: &'a DisparitySpace,
+    params: &'a params::Seams,
+    up: Option<DVec3>,
+}
+
+impl Search<'_> {
+    /// The partings of the bodies that have seams, in the order of the shapes.
+    fn part_all(&self, facets: &Facets, shapes: &Shapes) -> Vec<Parting> {
+        let bodies = Body::of_shapes(facets, shapes, self.space).into_par_iter().with_max_len(1);
+        bodies.map(|body| self.part(body)).filter(|parting| !parting.seams.is_empty()).collect()
+    }
+
+    /// Parts a body along its seams, the clearest first.
+    fn part(&self, body: Body) -> Parting {
+        let mut parting = Parting { seams: Vec::new(), pieces: Vec::new() };
+        let mut open = vec![Piece { body, sides: Vec::new() }];
+        while let Some(piece) = open.pop() {
+            let may_part = parting.seams.len() < MOST_SEAMS;
+            let Some((trace, seam)) = may_part.then(|| self.find(&piece.body)).flatten() else {
+                parting.pieces.push(piece);
+                continue;
+            };
+            let number = parting.seams.len();
+            parting.seams.push(seam);
+            for (is_above, body) in
+                [(false, piece.body.side(&trace, false)), (true, piece.body.side(&trace, true))]
+            {
+                let sides = piece.sides.iter().copied().chain([(number, is_above)]).collect();
+                open.push(Piece { body, sides });
+            }
+        }
+        parting
+    }
+
+    /// The clearest seam of a body.
+    fn find(&self, body: &Body) -> Option<(Trace, Seam)> {
+        let axes = find_axes(body, self.up).into_iter();
+        let traces = axes.flat_map(|axis| find_traces(body, axis, self.lab, self.space));
+        let seams = traces.map(|trace| (trace, Seam { checks: self.checks(body, &trace) }));
+        let passed = seams.filter(|(_, seam)| seam.checks.iter().all(Check::holds));
+        passed.reduce(|best, next| if next.0.clearness > best.0.clearness { next } else { best })
+    }
+
+    /// The checks of a seam. The clearer it is, the more colours its sides may share.
+    fn checks(&self, body: &Body, trace: &Trace) -> Vec<Check> {
+        let overlap = body.overlap_across(trace, self.lab);
+        let clear = (trace.clearness - FAINT) / (1.0 - FAINT);
+        let (share, most) = (self.params.cross_share, clear * self.params.color_overlap);
+        vec![
+            Check::new("share of the section where colour changes", "", trace.share, Bound::AtLeast, share)
+                .set_by("seams.cross_share"),
+            Check::new("overlap of the colours of both sides", "", overlap, Bound::AtMost, most)
+                .set_by("seams.color_overlap"),
+        ]
+    }
+}

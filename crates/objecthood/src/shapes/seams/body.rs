@@ -1,0 +1,113 @@
+//! A body: facets that their borders have joined, with their pixels in space.
+
+use glam::DVec3;
+
+use crate::color::histogram::ColorHistogram;
+use crate::facets::Facets;
+use crate::raster::Raster;
+use crate::shapes::contraction::Shapes;
+use crate::shapes::seams::trace::Trace;
+use crate::surface::disparity::{DisparitySpace, position};
+
+/// A smaller body is not searched: one of its sides would be too small for an object (px at 525 px).
+const LEAST_BODY_PX: usize = 500;
+
+/// A pixel of a body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BodyPixel {
+    /// Its place in the image.
+    pub(super) i: u32,
+    /// The point (m) on the surface of its facet, which has less noise than the measured one.
+    pub(super) point: DVec3,
+}
+
+/// A facet of a body, or a part of it.
+#[derive(Clone, Debug)]
+pub(super) struct Face {
+    /// The number of the facet.
+    pub(super) facet: usize,
+    /// In scan order; at least one.
+    pub(super) pixels: Vec<BodyPixel>,
+    /// Unit normal in the middle of the facet, towards the camera.
+    pub(super) normal: DVec3,
+}
+
+/// The faces of a body.
+#[derive(Clone, Debug)]
+pub(super) struct Body {
+    pub(super) faces: Vec<Face>,
+}
+
+impl Body {
+    /// The bodies that are large enough for a seam, in the order of the shapes. O(pixels).
+    pub(super) fn of_shapes(facets: &Facets, shapes: &Shapes, space: &DisparitySpace) -> Vec<Self> {
+        let Facets { segments, structure, .. } = facets;
+        segments.find_runs();
+        let shape_of = |facet: usize| Some(shapes.of_facet[facet.checked_sub(*structure)?] as usize);
+        let mut sizes = vec![0; shapes.count];
+        for (run, facet) in segments.runs() {
+            shape_of(facet).into_iter().for_each(|shape| sizes[shape] += run.len());
+        }
+        let least_px = space.area_px(LEAST_BODY_PX);
+        let width = segments.labels().width();
+        let mut pixels: Vec<Vec<BodyPixel>> = vec![Vec::new(); segments.count()];
+        for (run, facet) in segments.runs() {
+            if shape_of(facet).is_some_and(|shape| sizes[shape] >= least_px) {
+                pixels[facet].extend(run.map(|i| {
+                    let at = position(i, width);
+                    let point = space.point_m(at, facets.models[facet].value(at)).into();
+                    BodyPixel { i: i as u32, point }
+                }));
+            }
+        }
+        let mut bodies = vec![Self { faces: Vec::new() }; shapes.count];
+        for (facet, pixels) in pixels.into_iter().enumerate().filter(|(_, pixels)| !pixels.is_empty()) {
+            let normal = normal_in_middle(&pixels, facet, facets, space);
+            if let Some(shape) = shape_of(facet) {
+                bodies[shape].faces.push(Face { facet, pixels, normal });
+            }
+        }
+        bodies.retain(|body| !body.faces.is_empty());
+        bodies
+    }
+
+    pub(super) fn pixels(&self) -> impl Iterator<Item = &BodyPixel> {
+        self.faces.iter().flat_map(|face| &face.pixels)
+    }
+
+    /// The number of its pixels.
+    pub(super) fn size_px(&self) -> usize {
+        self.faces.iter().map(|face| face.pixels.len()).sum()
+    }
+
+    /// What lies on one side of a trace.
+    pub(super) fn side(&self, trace: &Trace, is_above: bool) -> Self {
+        let of_face = |face: &Face| {
+            let own = face.pixels.iter().filter(|p| trace.is_above(p.point) == is_above);
+            let pixels: Vec<BodyPixel> = own.copied().collect();
+            (!pixels.is_empty()).then_some(Face { pixels, ..*face })
+        };
+        Self { faces: self.faces.iter().filter_map(of_face).collect() }
+    }
+
+    /// The overlap of the colours on both sides of a trace, without the pixels that may show both.
+    pub(super) fn overlap_across(&self, trace: &Trace, lab: &Raster<[f32; 3]>) -> f64 {
+        let side = |sign: f64| {
+            let beyond = self.pixels().filter(|p| sign * trace.height_m(p.point) > trace.blur_m);
+            ColorHistogram::of(beyond.map(|p| lab[p.i as usize]))
+        };
+        side(-1.0).overlap(&side(1.0))
+    }
+}
+
+/// The normal of a facet in the middle of its pixels.
+fn normal_in_middle(pixels: &[BodyPixel], facet: usize, facets: &Facets, space: &DisparitySpace) -> DVec3 {
+    let width = facets.segments.labels().width();
+    let sum = pixels.iter().fold([0.0; 2], |sum, p| {
+        let at = position(p.i as usize, width);
+        [sum[0] + at[0], sum[1] + at[1]]
+    });
+    let middle = sum.map(|x| x / pixels.len() as f64);
+    let model = &facets.models[facet];
+    space.normal(middle, model.value(middle), model.slope(middle)).into()
+}

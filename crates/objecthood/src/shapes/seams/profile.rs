@@ -1,0 +1,196 @@
+//! How clearly colour changes across a body, place by place along one of its edges.
+
+use glam::DVec3;
+
+use crate::raster::Raster;
+use crate::shapes::seams::body::{Body, BodyPixel, Face};
+use crate::shapes::seams::trace::Trace;
+use crate::surface::disparity::DisparitySpace;
+
+/// Places are this far apart (m), or one pixel where that is more.
+const STEP_M: f64 = 0.002;
+/// Colours are compared from this far on either side of a place (m), or from `GAP_PX` where that is more: nearer, both sides mix.
+const GAP_M: f64 = 0.003;
+/// As `GAP_M` (px at 525 px): the width of an edge in the smoothed image.
+const GAP_PX: f64 = 2.0;
+/// Colours are compared over this length (m), or `WINDOW_PX` where that is more, in stripes of the same width: letters are smaller.
+const WINDOW_M: f64 = 0.008;
+/// As `WINDOW_M` (px at 525 px): a window of 25 pixels has a fifth of the noise of one.
+const WINDOW_PX: f64 = 5.0;
+/// A window with fewer pixels tells nothing.
+const LEAST_PX: f32 = 4.0;
+/// A joint is at least this far from the ends of the body and from its folds (m): the thinnest box that is told by its side.
+const MARGIN_M: f64 = 0.012;
+/// Each side of a joint has at least so many pixels (px at 525 px): the smallest object.
+const LEAST_SIDE_PX: usize = 200;
+/// A face whose normal is within this cosine of the edge lies across it: it is a fold, and shows no trace.
+const ACROSS: f64 = 0.8;
+/// Weight of lightness in the difference of two colours: shading changes it more than chroma.
+const LIGHTNESS: f32 = 0.6;
+/// Colours differ from this difference on (Lab, lightness weighted): print and light change even faces by less.
+const CONTRAST: f32 = 12.0;
+/// A difference from this on is wholly clear (Lab, lightness weighted).
+const CLEAR_CONTRAST: f64 = 40.0;
+/// A place needs this share of the stripes that the best measured place has.
+const LEAST_MEASURED: f64 = 0.5;
+/// Places of this share of the greatest clearness are alike: the joint is in their middle.
+const ALIKE: f64 = 0.95;
+/// Places that are proposed for each edge, the clearest first.
+const MOST_TRACES: usize = 4;
+/// An edge with more places is no edge of a thing.
+const MOST_PLACES: usize = 2048;
+
+/// Proposes the clearest places along an edge, the clearest first. O(pixels + stripes · places).
+pub(super) fn find_traces(
+    body: &Body,
+    axis: DVec3,
+    lab: &Raster<[f32; 3]>,
+    space: &DisparitySpace,
+) -> Vec<Trace> {
+    let Some(places) = Places::along(body, axis, space) else { return Vec::new() };
+    let is_across = |face: &&Face| face.normal.dot(axis).abs() > ACROSS;
+    let (folds, faces): (Vec<&Face>, Vec<&Face>) = body.faces.iter().partition(is_across);
+    let mut contrasts: Vec<Vec<f32>> = vec![Vec::new(); places.count];
+    faces.into_iter().for_each(|face| places.compare(face, lab, &mut contrasts));
+    let folds_m: Vec<f64> = folds.into_iter().map(|face| mean_along(axis, &face.pixels)).collect();
+    places.clearest(&rate(&mut contrasts), &folds_m, body, space.area_px(LEAST_SIDE_PX))
+}
+
+/// The mean place of pixels along a direction (m).
+fn mean_along(axis: DVec3, pixels: &[BodyPixel]) -> f64 {
+    pixels.iter().map(|p| axis.dot(p.point)).sum::<f64>() / pixels.len() as f64
+}
+
+/// For each place the share of its stripes whose colour changes, and its clearness; 0 where few stripes are seen.
+fn rate(contrasts: &mut [Vec<f32>]) -> Vec<[f64; 2]> {
+    let most = contrasts.iter().map(Vec::len).max().unwrap_or(0);
+    let rate = |contrasts: &mut Vec<f32>| {
+        let count = contrasts.len() as f64;
+        if contrasts.is_empty() || count < LEAST_MEASURED * most as f64 {
+            return [0.0; 2];
+        }
+        let share = contrasts.iter().filter(|contrast| **contrast > CONTRAST).count() as f64 / count;
+        contrasts.sort_by(f32::total_cmp);
+        let median = f64::from(contrasts[contrasts.len() / 2]);
+        [share, share * (median / CLEAR_CONTRAST).min(1.0)]
+    };
+    contrasts.iter_mut().map(rate).collect()
+}
+
+/// Places along an edge of a body.
+struct Places {
+    axis: DVec3,
+    low_m: f64,
+    step_m: f64,
+    count: usize,
+    /// Places between a joint and the windows beside it.
+    gap: usize,
+    /// Places that a window covers.
+    window: usize,
+    stripe_m: f64,
+}
+
+/// The colours of the pixels of a stripe up to a place.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    count: f32,
+    color: [f32; 3],
+}
+
+impl Places {
+    /// `None` for a body that is too short for a joint, or absurdly long.
+    fn along(body: &Body, axis: DVec3, space: &DisparitySpace) -> Option<Self> {
+        let (mut low_m, mut high_m, mut depth_m) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
+        for pixel in body.pixels() {
+            let at_m = axis.dot(pixel.point);
+            (low_m, high_m) = (low_m.min(at_m), high_m.max(at_m));
+            depth_m += pixel.point.z;
+        }
+        let camera = space.camera();
+        let pixel_m = depth_m / body.size_px() as f64 / camera.fx_px.min(camera.fy_px);
+        let step_m = STEP_M.max(pixel_m);
+        let at_least_m = |m: f64, px: f64| m.max(px / space.length_at_525_px(1.0) * pixel_m);
+        let places = |m: f64| (m / step_m).ceil() as usize;
+        let count = places(high_m - low_m) + 1;
+        (count <= MOST_PLACES && high_m - low_m > 2.0 * MARGIN_M).then(|| Self {
+            axis,
+            low_m,
+            step_m,
+            count,
+            gap: places(at_least_m(GAP_M, GAP_PX)),
+            window: places(at_least_m(WINDOW_M, WINDOW_PX)),
+            stripe_m: at_least_m(WINDOW_M, WINDOW_PX),
+        })
+    }
+
+    /// Adds the contrast at each place of each stripe of a face.
+    fn compare(&self, face: &Face, lab: &Raster<[f32; 3]>, contrasts: &mut [Vec<f32>]) {
+        let across = face.normal.cross(self.axis).normalize();
+        let first_m = face.pixels.iter().map(|p| across.dot(p.point)).fold(f64::INFINITY, f64::min);
+        let stripe = |p: &BodyPixel| ((across.dot(p.point) - first_m) / self.stripe_m) as usize;
+        let stripes = face.pixels.iter().map(stripe).max().map_or(0, |last| last + 1);
+        let width = self.count + 1;
+        if stripes > MOST_PLACES {
+            return;
+        }
+        let mut sums = vec![Sum::default(); stripes * width];
+        for pixel in &face.pixels {
+            let place = ((self.axis.dot(pixel.point) - self.low_m) / self.step_m) as usize;
+            let cell = &mut sums[stripe(pixel) * width + place.min(self.count - 1) + 1];
+            cell.count += 1.0;
+            (0..3).for_each(|k| cell.color[k] += lab[pixel.i as usize][k]);
+        }
+        for sums in sums.chunks_mut(width) {
+            for k in 1..width {
+                let before = sums[k - 1];
+                sums[k].count += before.count;
+                (0..3).for_each(|c| sums[k].color[c] += before.color[c]);
+            }
+            contrasts.iter_mut().enumerate().for_each(|(k, all)| all.extend(self.contrast_at(sums, k)));
+        }
+    }
+
+    /// The difference of the colours on both sides of a place of a stripe; `None` where too little is seen.
+    fn contrast_at(&self, sums: &[Sum], place: usize) -> Option<f32> {
+        let mean = |from: usize, to: usize| {
+            let count = sums[to].count - sums[from].count;
+            let color = std::array::from_fn(|k| (sums[to].color[k] - sums[from].color[k]) / count);
+            (count >= LEAST_PX).then_some(color)
+        };
+        let (before, behind) = (place.checked_sub(self.gap)?, (place + self.gap).min(self.count));
+        let low: [f32; 3] = mean(before.saturating_sub(self.window), before)?;
+        let high: [f32; 3] = mean(behind, (behind + self.window).min(self.count))?;
+        let [l, a, b] = std::array::from_fn(|k| low[k] - high[k]);
+        Some(((LIGHTNESS * l).powi(2) + a * a + b * b).sqrt())
+    }
+
+    /// The clearest places that are a window apart, if they lie a margin from the ends and from folds, with enough on both sides.
+    fn clearest(&self, rated: &[[f64; 2]], folds_m: &[f64], body: &Body, least_px: usize) -> Vec<Trace> {
+        let place_m = |k: usize| self.low_m + k as f64 * self.step_m;
+        let ends_m = [self.low_m, place_m(self.count - 1)];
+        let is_inside =
+            |at_m: f64| ends_m.iter().chain(folds_m).all(|other_m| (other_m - at_m).abs() > MARGIN_M);
+        let mut open: Vec<usize> = (0..rated.len()).filter(|&k| rated[k][1] > 0.0).collect();
+        let mut traces = Vec::new();
+        for _ in 0..MOST_TRACES {
+            // On ties the first place.
+            let clearest = open.iter().rev().max_by(|&&a, &&b| rated[a][1].total_cmp(&rated[b][1]));
+            let Some(&best) = clearest else { break };
+            let [share, clearness] = rated[best];
+            // All places whose gap hides the joint are as clear; the joint is in their middle.
+            let is_alike = |k: &&usize| {
+                k.abs_diff(best) <= 2 * self.gap + self.window && rated[**k][1] >= ALIKE * clearness
+            };
+            let (sum_m, alike) =
+                open.iter().filter(is_alike).fold((0.0, 0), |(sum, n), &k| (sum + place_m(k), n + 1));
+            let (at_m, blur_m) = (sum_m / f64::from(alike), self.gap as f64 * self.step_m);
+            open.retain(|k| k.abs_diff(best) > self.window);
+            let trace = Trace { axis: self.axis, at_m, share, clearness, blur_m };
+            let above = body.pixels().filter(|p| trace.is_above(p.point)).count();
+            if is_inside(at_m) && above.min(body.size_px() - above) >= least_px {
+                traces.push(trace);
+            }
+        }
+        traces
+    }
+}

@@ -1,0 +1,93 @@
+//! Seams of painted boards.
+
+use super::*;
+use crate::surface::model::Basis;
+use crate::surface::moments::Moments;
+use crate::testing::kinect;
+
+const SIZE: (usize, usize) = (100, 80);
+const RED: [f32; 3] = [50.0, 50.0, 30.0];
+const BLUE: [f32; 3] = [40.0, 10.0, -40.0];
+
+/// A board that fills the image, 1 m before the camera: 190 mm x 150 mm, 1.9 mm a pixel. It is one facet.
+fn board() -> (Facets, Raster<f32>) {
+    let (width, height) = SIZE;
+    let disparity = Raster::filled(width, height, 351.0_f32).unwrap();
+    let pixels: Vec<u32> = (0..(width * height) as u32).collect();
+    let model = Moments::of(&pixels, &disparity).fit(Basis::Plane).model;
+    let segments = Segments::from_numbered(disparity.map(|_| 0), 1);
+    (Facets { segments, models: vec![model], structure: 0 }, disparity)
+}
+
+/// The seams of the board when it is painted so, and its facets.
+fn seams(paint: impl Fn(usize, usize) -> [f32; 3], params: &params::Seams) -> Option<(Cuts, Facets)> {
+    let lab = (0..SIZE.0 * SIZE.1).map(|i| paint(i % SIZE.0, i / SIZE.0)).collect();
+    let lab = &Raster::from_vec(SIZE.0, SIZE.1, lab).unwrap();
+    let (shapes, facets) = (Shapes { of_facet: vec![0], count: 1 }, board().0);
+    let search = Search { lab, space: &kinect(), params, up: Some(DVec3::NEG_Y) };
+    let partings = search.part_all(&facets, &shapes);
+    (!partings.is_empty()).then(|| Cuts::make(partings, &facets))
+}
+
+fn count(paint: impl Fn(usize, usize) -> [f32; 3]) -> usize {
+    seams(paint, &params::Seams::default()).map_or(1, |(_, facets)| facets.segments.count())
+}
+
+#[test]
+fn two_colors_that_meet_across_the_board_are_two_things() {
+    for joint in [30, 50, 64] {
+        let paint = |u: usize, _: usize| if u < joint { RED } else { BLUE };
+        let (cuts, facets) = seams(paint, &params::Seams::default()).unwrap();
+        let labels = facets.segments.labels();
+        let wrong = (0..labels.len()).filter(|i| (labels[*i] != labels[0]) != (i % SIZE.0 >= joint)).count();
+        assert!(wrong <= SIZE.1, "{wrong} pixels of a joint at {joint}");
+        assert!(cuts.between(0, 1).is_some() && cuts.between(1, 1).is_none());
+    }
+    assert_eq!(count(|_, v| if v < 40 { RED } else { BLUE }), 2);
+}
+
+#[test]
+fn three_boxes_in_a_row_are_three_things() {
+    assert_eq!(count(|u, _| [RED, BLUE, [80.0, -20.0, 50.0]][(u / 34).min(2)]), 3);
+}
+
+#[test]
+fn print_is_no_joint() {
+    let within = |u: usize, v: usize| (20..60).contains(&u) && (20..60).contains(&v);
+    assert_eq!(count(|u, v| if within(u, v) { RED } else { BLUE }), 1, "closed inside the face");
+    assert_eq!(count(|u, _| if (40..60).contains(&u) { RED } else { BLUE }), 1, "comes back beyond a band");
+    assert_eq!(count(|u, _| if u / 12 % 2 == 0 { RED } else { BLUE }), 1, "stripes");
+    assert_eq!(count(|u, v| if u < 50 && v < 45 { RED } else { BLUE }), 1, "ends within the face");
+}
+
+#[test]
+fn shading_and_the_same_color_are_no_joint() {
+    assert_eq!(count(|_, _| RED), 1);
+    assert_eq!(count(|u, _| [30.0 + 0.4 * u as f32, RED[1], RED[2]]), 1, "light that falls off");
+    assert_eq!(count(|u, _| [if u < 50 { 50.0 } else { 60.0 }, RED[1], RED[2]]), 1, "a pale shadow");
+}
+
+#[test]
+fn what_is_too_narrow_for_a_thing_is_not_cut_off() {
+    assert_eq!(count(|u, _| if u < 4 { RED } else { BLUE }), 1, "8 mm from the end");
+}
+
+#[test]
+fn a_seam_outvotes_the_flat_border_that_it_cuts() {
+    let (cuts, facets) = seams(|u, _| if u < 50 { RED } else { BLUE }, &params::Seams::default()).unwrap();
+    let borders = measure_borders(&facets, &board().1, &kinect(), &params::Border::default());
+    let joined = |borders, params: &params::Contraction| contract(&sum_votes(borders, 0, params)).count;
+    let votes = params::Contraction::default();
+    assert_eq!(joined(&borders, &votes), 1, "depth alone sees one board");
+    let marked = cuts.mark(&borders);
+    assert_eq!(joined(&marked, &votes), 2);
+    assert_eq!(joined(&marked, &params::Contraction { seam_weight: 0.0, ..votes }), 1);
+}
+
+#[test]
+fn the_parameters_decide() {
+    let default = params::Seams::default();
+    let torn = |u: usize, v: usize| if u < 50 || v < 32 { RED } else { BLUE };
+    assert!(seams(torn, &default).is_none());
+    assert!(seams(torn, &params::Seams { cross_share: 0.4, color_overlap: 1.0, ..default }).is_some());
+}
