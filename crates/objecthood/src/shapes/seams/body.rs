@@ -11,6 +11,12 @@ use crate::surface::disparity::{DisparitySpace, position};
 
 /// A smaller body is not searched: one of its sides would be too small for an object (px at 525 px).
 const LEAST_BODY_PX: usize = 500;
+/// A face is flat when its normal turns by less than this on average (degrees): noise turns that of a quadratic by half of it.
+const FLAT_DEG: f64 = 10.0;
+/// A body with a smaller share of its pixels on flat faces is not searched: a can's label or a bottle's cap is no joint.
+const FLAT_SHARE: f64 = 0.7;
+/// About this many pixels of a face show whether it is flat.
+const NORMALS: usize = 32;
 
 /// A pixel of a body.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +36,8 @@ pub(super) struct Face {
     pub(super) pixels: Vec<BodyPixel>,
     /// Unit normal in the middle of the facet, towards the camera.
     pub(super) normal: DVec3,
+    /// Whether its normal is nearly the same everywhere.
+    is_flat: bool,
 }
 
 /// The faces of a body.
@@ -62,12 +70,12 @@ impl Body {
         }
         let mut bodies = vec![Self { faces: Vec::new() }; shapes.count];
         for (facet, pixels) in pixels.into_iter().enumerate().filter(|(_, pixels)| !pixels.is_empty()) {
-            let normal = normal_in_middle(&pixels, facet, facets, space);
+            let (normal, is_flat) = direction(&pixels, facet, facets, space);
             if let Some(shape) = shape_of(facet) {
-                bodies[shape].faces.push(Face { facet, pixels, normal });
+                bodies[shape].faces.push(Face { facet, pixels, normal, is_flat });
             }
         }
-        bodies.retain(|body| !body.faces.is_empty());
+        bodies.retain(Self::is_flat);
         bodies
     }
 
@@ -78,6 +86,12 @@ impl Body {
     /// The number of its pixels.
     pub(super) fn size_px(&self) -> usize {
         self.faces.iter().map(|face| face.pixels.len()).sum()
+    }
+
+    /// Whether it has faces, and nearly all are flat.
+    fn is_flat(&self) -> bool {
+        let flat: usize = self.faces.iter().filter(|face| face.is_flat).map(|face| face.pixels.len()).sum();
+        flat > 0 && flat as f64 >= FLAT_SHARE * self.size_px() as f64
     }
 
     /// What lies on one side of a trace.
@@ -100,14 +114,21 @@ impl Body {
     }
 }
 
-/// The normal of a facet in the middle of its pixels.
-fn normal_in_middle(pixels: &[BodyPixel], facet: usize, facets: &Facets, space: &DisparitySpace) -> DVec3 {
+/// The normal of a facet in the middle of its pixels, and whether it is nearly the same everywhere.
+fn direction(pixels: &[BodyPixel], facet: usize, facets: &Facets, space: &DisparitySpace) -> (DVec3, bool) {
     let width = facets.segments.labels().width();
+    let model = &facets.models[facet];
+    let normal_at = |at: [f64; 2]| DVec3::from(space.normal(at, model.value(at), model.slope(at)));
     let sum = pixels.iter().fold([0.0; 2], |sum, p| {
         let at = position(p.i as usize, width);
         [sum[0] + at[0], sum[1] + at[1]]
     });
-    let middle = sum.map(|x| x / pixels.len() as f64);
-    let model = &facets.models[facet];
-    space.normal(middle, model.value(middle), model.slope(middle)).into()
+    let normal = normal_at(sum.map(|x| x / pixels.len() as f64));
+    let sample = pixels.iter().step_by(pixels.len().div_ceil(NORMALS));
+    let turn = |p: &BodyPixel| {
+        let cosine = normal_at(position(p.i as usize, width)).dot(normal);
+        libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees()
+    };
+    let (turns, count) = sample.map(turn).fold((0.0, 0), |(sum, n), turn| (sum + turn, n + 1));
+    (normal, turns < FLAT_DEG * f64::from(count))
 }
