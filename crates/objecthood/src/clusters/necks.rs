@@ -172,3 +172,60 @@ fn foot_m(scene: &Scene<'_>, pixels: &[u32]) -> f64 {
     let mut heights: Vec<f64> = sampled(pixels).map(|i| scene.height_over_m(i, support)).collect();
     element_at(&mut heights, FOOT_SHARE)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clusters::testing::{Table, named, single};
+
+    const RED: [f32; 3] = [50.0, 50.0, 30.0];
+    const BLUE: [f32; 3] = [40.0, 10.0, -40.0];
+
+    /// A part that rises from a height by a slope to its right, where a level part joins it, as seen from above.
+    fn body([from_m, slope, joined_m]: [f64; 3], colors: [[f32; 3]; 2]) -> Table {
+        let of = |u: usize, v: usize| match (u, v) {
+            (4..16, 4..24) => 1,
+            (16..28, 4..24) => 2,
+            _ => 0,
+        };
+        let mut table = Table::new((32, 28), |u, v| {
+            let height_m = [0.0, from_m + slope * 0.0019 * (u as f64 - 4.0), joined_m][of(u, v) as usize];
+            Some((of(u, v), height_m))
+        });
+        let lab = |i: usize| [BLUE, colors[0], colors[1]][of(i % 32, i / 32) as usize];
+        table.lab = Some(Raster::from_vec(32, 28, (0..32 * 28).map(lab).collect()).unwrap());
+        table
+    }
+
+    fn joined(table: &Table) -> Vec<Option<u32>> {
+        let scene = table.scene();
+        let mut clusters = single(&scene);
+        join_necks(&mut clusters, &params::Necks::default());
+        named(&clusters)
+    }
+
+    #[test]
+    fn parts_that_share_colors_are_one_unless_the_upper_one_stands_by_itself() {
+        let (one, two) = (vec![Some(0), Some(0)], vec![Some(0), Some(1)]);
+        // Twelve columns of 1.9 mm: a slope of 1 rises by 21 mm.
+        let doll = [0.020, 1.0, 0.045];
+        assert_eq!(joined(&body(doll, [RED, RED])), one);
+        assert_eq!(joined(&body(doll, [RED, BLUE])), two, "other colours");
+        assert_eq!(joined(&body([0.040, 0.0, 0.045], [RED, RED])), two, "a level face carries it");
+        assert_eq!(joined(&body([0.0, 0.6, 0.014], [RED, RED])), two, "it stands on the table");
+        let mut depth_only = body(doll, [RED, RED]);
+        depth_only.lab = None;
+        assert_eq!(joined(&depth_only), two);
+    }
+
+    #[test]
+    fn what_is_refused_says_why() {
+        let table = body([0.020, 1.0, 0.045], [RED, BLUE]);
+        let scene = table.scene();
+        let mut clusters = single(&scene);
+        join_necks(&mut clusters, &params::Necks::default());
+        let [(_, miss)] = clusters.history.misses() else { panic!("one pair") };
+        assert_eq!((miss.rule, miss.checks.iter().filter(|check| !check.holds()).count()), (Rule::Neck, 1));
+        assert_eq!(miss.checks[0].parameter, Some("necks.color_overlap"));
+    }
+}
