@@ -11,6 +11,7 @@ use crate::clusters::steps::StepLimits;
 use crate::discovery::Discovery;
 use crate::error::Result;
 use crate::facets::find_facets;
+use crate::facets::flat::{FlatParams, find_flats};
 use crate::facets::paper::group_alike;
 use crate::frame::Frame;
 use crate::objectness::conclusion::{PaperScene, conclude_context, conclude_paper};
@@ -113,9 +114,10 @@ pub(crate) fn context<'k>(
         recall(&mut kept.superpixels, || flood_superpixels(surfaces, structure, &params.watershed));
     observer.observe(Output::Superpixels(LabelMap::superpixels(structure, &superpixels.segments)));
 
-    // 2. Facets: superpixels that lie on one surface.
+    // 2. Facets: superpixels that lie on one surface, and flat things on the structure.
     let facets = recall(&mut kept.facets, || {
-        find_facets(surfaces, structure, superpixels, &params.merging, &params.refinement)
+        let facets = find_facets(surfaces, structure, superpixels, &params.merging, &params.refinement);
+        find_flats(facets, frame, surfaces, structure, FlatParams::of(params))
     });
     observer.observe(Output::Facets(&facets.segments));
 

@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 
 use rayon::prelude::*;
 
+use crate::facets::flat::Flat;
 use crate::oversegment::linked::LinkedSuperpixels;
 use crate::oversegment::structure::{Structure, StructureSurface};
 use crate::params;
@@ -35,6 +36,8 @@ pub struct Facets {
     pub models: Vec<Model>,
     /// Number of facets that are structure.
     pub structure: usize,
+    /// The flat things on supports, by ascending facet: the last facets.
+    pub flats: Vec<Flat>,
 }
 
 /// A region that grows by merges.
@@ -216,7 +219,7 @@ impl Regions {
             labels.as_mut_slice()[run].fill(facet_of[s]);
         }
         let segments = Segments::from_numbered(labels, models.len());
-        Facets { segments, models, structure: surfaces.len() }
+        Facets { segments, models, structure: surfaces.len(), flats: Vec::new() }
     }
 }
 

@@ -29,6 +29,7 @@
 //! ```
 
 pub mod appearance;
+pub mod flat;
 mod bins;
 pub mod grouping;
 pub mod merging;

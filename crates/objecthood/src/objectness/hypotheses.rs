@@ -36,6 +36,8 @@ pub struct Hypothesis {
     pub top_m: Option<f32>,
     /// The joins of its parts that do not touch as one surface. Empty in `paper`.
     pub joins: Vec<Join>,
+    /// Whether it is a flat thing on a support (docs/CONTEXT.md 2.3). Never in `paper`.
+    pub is_flat: bool,
 }
 
 /// The inputs by which regions are judged.
@@ -107,7 +109,7 @@ fn judge_regions(
         };
         let objectness = parts.objectness(objectness);
         let region = SegmentId(region as u32);
-        Some(Hypothesis { region, pixels, box_m, objectness, parts, top_m: None, joins: Vec::new() })
+        Some(Hypothesis { region, pixels, box_m, objectness, parts, top_m: None, joins: Vec::new(), is_flat: false })
     };
     pixels.into_par_iter().enumerate().filter_map(judge).collect()
 }
@@ -149,6 +151,12 @@ pub fn find_cluster_hypotheses(
     for hypothesis in &mut hypotheses {
         hypothesis.top_m = candidates.top_m(hypothesis.region, clusters);
         hypothesis.joins = candidates.joins(hypothesis.region, clusters);
+        if let Some(flat) = candidates.flat(hypothesis.region, clusters, scene.facets) {
+            hypothesis.is_flat = true;
+            let parts = &mut hypothesis.parts;
+            parts.separation = parts.separation.max(flat.separation());
+            hypothesis.objectness = parts.objectness(objectness);
+        }
     }
     hypotheses
 }

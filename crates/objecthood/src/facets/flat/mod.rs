@@ -1,0 +1,101 @@
+//! Flat things: what is 0.2 to 12 mm thick and lies on a support (docs/CONTEXT.md 2.3).
+//!
+//! Pixel by pixel they are as near to their support as its noise. But they have many pixels: a mean over a book of 2 mm lies far
+//! outside the noise of such means, and a sheet of paper has another colour than the table, inside a sharp, closed, convex outline.
+
+mod evidence;
+mod field;
+mod hull;
+mod patches;
+mod proposals;
+mod raised;
+mod search;
+mod surroundings;
+
+use crate::clusters::check::Check;
+use crate::facets::Facets;
+use crate::facets::flat::field::Field;
+use crate::facets::flat::search::Search;
+use crate::frame::Frame;
+use crate::oversegment::structure::Structure;
+use crate::params::{self, Params};
+use crate::regions::{SegmentId, Segments};
+use crate::surface::model::Basis;
+use crate::surface::moments::Moments;
+use crate::surface::surfaces::Surfaces;
+
+/// A flat thing: a facet, with the evidence for it.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Flat {
+    /// Its facet.
+    pub facet: SegmentId,
+    /// Whether depth proves it: it rises above its surroundings by more than noise. Otherwise colour alone shows it.
+    pub is_proven: bool,
+    /// The checks that decided; all of them hold.
+    pub checks: Vec<Check>,
+}
+
+/// Separation of a flat thing that colour alone shows: as good as sure, but below everything that depth shows.
+const COLOR_SEPARATION: f32 = 0.75;
+
+impl Flat {
+    /// How clear its border is, in [0, 1].
+    pub(crate) fn separation(&self) -> f32 {
+        if self.is_proven { 1.0 } else { COLOR_SEPARATION }
+    }
+}
+
+/// The parameters of [`find_flats`].
+#[derive(Clone, Copy, Debug)]
+pub struct FlatParams<'a> {
+    /// For flat things.
+    pub flat: &'a params::Flat,
+    /// For the sizes of objects.
+    pub objectness: &'a params::Objectness,
+}
+
+impl<'a> FlatParams<'a> {
+    /// Selects the groups of [`find_flats`] from all parameters.
+    pub fn of(params: &'a Params) -> Self {
+        let Params { flat, objectness, .. } = params;
+        Self { flat, objectness }
+    }
+}
+
+/// Finds flat things and makes each a facet of its own: the last facets.
+///
+/// Proposals come from colour (patches of a graph segmentation that differ from their support, and groups of these) and from depth (cells
+/// that rise above it). Each is judged beside the ring around it. Of accepted groups that overlap, the larger and more solid one is kept.
+/// Source: ours, because the paper cuts at steps and folds, and a thing thinner than the noise of a pixel has neither. O(pixels + cells of
+/// the proposals · log), without a support O(1).
+pub fn find_flats(
+    facets: Facets,
+    frame: &Frame,
+    surfaces: &Surfaces,
+    structure: &Structure,
+    params: FlatParams<'_>,
+) -> Facets {
+    if !params.flat.enabled || structure.supports.surfaces.is_empty() {
+        return facets;
+    }
+    let field = Field::new(frame, surfaces, structure, &facets);
+    let found = Search::new(&field, surfaces, structure, params).run(frame.color().is_some());
+    if found.is_empty() {
+        return facets;
+    }
+    let Facets { segments, mut models, structure, .. } = facets;
+    let mut labels = segments.into_labels();
+    let mut flats = Vec::with_capacity(found.len());
+    for group in found {
+        let pixels = field.pixels_of(&group.cells, labels.width());
+        pixels.iter().for_each(|&i| labels.as_mut_slice()[i as usize] = models.len() as i32);
+        flats.push(Flat {
+            facet: SegmentId(models.len() as u32),
+            is_proven: group.is_proven,
+            checks: group.checks,
+        });
+        models.push(Moments::of(&pixels, &surfaces.disparity).fit(Basis::Plane).model);
+    }
+    Facets { segments: Segments::from_numbered(labels, models.len()), models, structure, flats }
+}
