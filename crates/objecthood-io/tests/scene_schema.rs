@@ -39,6 +39,7 @@ fn discovery() -> Discovery {
         visibility: 0.7,
     };
     object.top_m = Some(0.1);
+    object.is_flat = true;
     object.centroid_m = [0.1, -0.2, 1.0];
     object.facets = 2;
     object.node = NodeId(1);

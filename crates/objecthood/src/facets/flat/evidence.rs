@@ -138,8 +138,8 @@ fn unlike_shadow(color: [f32; 3], lit: [f32; 3]) -> f64 {
     (a * a + b * b).sqrt()
 }
 
-/// Least share of the convex hull: a ruler of a few cells across has ragged sides, a letter or a stain has less.
-const LEAST_SOLID: f64 = 0.75;
+/// Least share of the convex hull: rectangles and discs have 0.9 and more, letters, stains and grain less.
+const LEAST_SOLID: f64 = 0.85;
 /// Least share of the outline at which the support goes on: a thing may stand on or before the rest.
 const LEAST_CLOSED: f64 = 0.75;
 
@@ -169,7 +169,7 @@ const LEAST_UNLIKE_SHADOW: f64 = 8.0;
 /// With this many others of its colour it is a pattern: print, tiles, stains.
 const PATTERN: usize = 3;
 /// Least area (px at 525 px) without depth as proof: the outline of less cannot be told from print.
-pub(super) const LEAST_PX: usize = 400;
+pub(super) const LEAST_PX: usize = 300;
 /// Greatest second-longest side (m) without depth as proof: a sheet of A4 has 0.21 m; place mats and rugs begin at 0.3 m.
 const MOST_SIDE_M: f64 = 0.25;
 

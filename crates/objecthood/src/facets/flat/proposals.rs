@@ -18,6 +18,13 @@ const FAMILIAR_SHARE: f64 = 0.5;
 /// The colours of each support: of its own patches.
 pub(super) type OwnColors = BTreeMap<u8, ColorHistogram>;
 
+/// Cells that may be a flat thing.
+pub(super) struct Proposal {
+    pub cells: Vec<u32>,
+    /// Whether cells of other colours that are not the support's touch it: then colour alone does not say that it ends there.
+    pub is_part: bool,
+}
+
 /// What is known of a patch.
 #[derive(Clone, Default)]
 struct Patch {
@@ -44,7 +51,7 @@ pub(super) fn propose_by_color(
     field: &Field,
     patches: &Patches,
     is_large: impl Fn(&[u32]) -> bool,
-) -> (Vec<Vec<u32>>, OwnColors) {
+) -> (Vec<Proposal>, OwnColors) {
     let found = measure(field, patches);
     let support_of = |patch: &Patch| field.cells[patch.cells[0] as usize].support;
     let colors_of = |cells: &mut dyn Iterator<Item = &u32>| {
@@ -69,13 +76,14 @@ pub(super) fn propose_by_depth(
     field: &Field,
     pieces: &Patches,
     is_large: impl Fn(&[u32]) -> bool,
-) -> Vec<Vec<u32>> {
+) -> Vec<Proposal> {
     let found = measure(field, pieces).into_iter();
-    found.filter(|piece| piece.is_closed() && !is_large(&piece.cells)).map(|piece| piece.cells).collect()
+    let closed = found.filter(|piece| piece.is_closed() && !is_large(&piece.cells));
+    closed.map(|piece| Proposal { cells: piece.cells, is_part: true }).collect()
 }
 
 /// The patches that are not their support's own, and the groups of them that touch.
-fn with_groups(found: Vec<Patch>, is_own: &[bool]) -> Vec<Vec<u32>> {
+fn with_groups(found: Vec<Patch>, is_own: &[bool]) -> Vec<Proposal> {
     let mut sets = UnionFind::new(found.len());
     for (k, patch) in found.iter().enumerate().filter(|(k, _)| !is_own[*k]) {
         for &other in patch.neighbours.iter().filter(|&&other| !is_own[other as usize]) {
@@ -89,10 +97,11 @@ fn with_groups(found: Vec<Patch>, is_own: &[bool]) -> Vec<Vec<u32>> {
     }
     let mut proposals = Vec::new();
     for parts in groups.into_values() {
-        if parts.len() > 1 {
-            proposals.push(parts.concat());
+        let is_part = parts.len() > 1;
+        if is_part {
+            proposals.push(Proposal { cells: parts.concat(), is_part: false });
         }
-        proposals.extend(parts);
+        proposals.extend(parts.into_iter().map(|cells| Proposal { cells, is_part }));
     }
     proposals
 }

@@ -9,7 +9,7 @@ use crate::facets::flat::FlatParams;
 use crate::facets::flat::evidence::{LEAST_PX, Shown, measure};
 use crate::facets::flat::field::Field;
 use crate::facets::flat::patches::{difference, find_patches, find_pieces};
-use crate::facets::flat::proposals::{OwnColors, propose_by_color, propose_by_depth};
+use crate::facets::flat::proposals::{OwnColors, Proposal, propose_by_color, propose_by_depth};
 use crate::facets::flat::raised::find_raised;
 use crate::facets::flat::surroundings::Surroundings;
 use crate::noise::KINECT_QUANTA;
@@ -31,6 +31,7 @@ const SAMPLED_CELLS: usize = 200;
 /// A group of cells with its evidence.
 struct Group {
     cells: Vec<usize>,
+    is_part: bool,
     shown: Shown,
     /// Its longest and its second-longest side (m).
     sides_m: [f64; 2],
@@ -74,30 +75,36 @@ impl<'a> Search<'a> {
         let raised = find_raised(self.field, self.noise_quanta(0));
         proposals.extend(propose_by_depth(self.field, &find_pieces(self.field, &raised), is_large));
         let least_cells = self.cells(self.params.objectness.min_size_px);
-        proposals.retain(|cells| cells.len() >= least_cells && !is_large(cells));
-        let groups: Vec<Group> = proposals.par_iter().filter_map(|cells| self.look(cells, &own)).collect();
+        proposals.retain(|Proposal { cells, .. }| cells.len() >= least_cells && !is_large(cells));
+        let groups: Vec<Group> = proposals.par_iter().filter_map(|proposal| self.look(proposal, &own)).collect();
         let found = (0..groups.len()).filter_map(|k| self.judge(&groups, k)).collect();
         self.choose(found)
     }
 
     /// Measures a proposal; `None` if its shape is none of a thing.
-    fn look(&self, cells: &[u32], own: &OwnColors) -> Option<Group> {
+    fn look(&self, Proposal { cells, is_part }: &Proposal, own: &OwnColors) -> Option<Group> {
         let around = Surroundings::new(self.field, cells, usize::from(*self.ring.end()) + 1);
         let shown = measure(self.field, &around, self.ring.clone(), own.get(&around.support));
         let is_thing = shown.check_shape().iter().all(Check::holds);
-        is_thing.then(|| Group { cells: around.inside().collect(), shown, sides_m: self.sides_m(cells) })
+        let group = || Group {
+            cells: around.inside().collect(),
+            is_part: *is_part,
+            shown,
+            sides_m: self.sides_m(cells),
+        };
+        is_thing.then(group)
     }
 
     /// Decides whether a group is a flat thing.
     fn judge(&self, groups: &[Group], k: usize) -> Option<Found> {
-        let Group { cells, shown, sides_m } = &groups[k];
+        let Group { cells, is_part, shown, sides_m } = &groups[k];
         let mut checks = shown.check_shape().to_vec();
         let rises = shown.check_offset(self.noise_quanta(1), self.params.flat);
         let is_proven = rises.holds();
         if is_proven {
             checks.push(rises);
         } else {
-            let color = shown.color.filter(|_| cells.len() >= self.cells(LEAST_PX))?;
+            let color = shown.color.filter(|_| !is_part && cells.len() >= self.cells(LEAST_PX))?;
             checks.extend(color.check(count_alike(groups, k), sides_m[1], self.params.flat));
         }
         // What lies deeper than its ring is no thing, whatever its colour.
@@ -158,14 +165,20 @@ impl<'a> Search<'a> {
 /// The other groups of about the colour and the size of one.
 fn count_alike(groups: &[Group], k: usize) -> usize {
     let (own, own_cells) = (&groups[k].shown, &groups[k].cells);
-    let is_alike = |other: &&Group| {
+    let is_alike = |other: &Group| {
         let sizes = [own.cells, other.shown.cells].map(|cells| cells as f64);
         let colors = own.color.zip(other.shown.color);
         sizes[0].min(sizes[1]) >= ALIKE_SHARE * sizes[0].max(sizes[1])
             && colors.is_some_and(|(a, b)| difference(a.mean, b.mean) < ALIKE)
-            && !overlap(own_cells, &other.cells)
     };
-    groups.iter().filter(is_alike).count()
+    // A group and the patches that it consists of are one.
+    let mut counted = vec![own_cells];
+    for other in groups.iter().filter(|other| is_alike(other)) {
+        if !counted.iter().any(|cells| overlap(cells, &other.cells)) {
+            counted.push(&other.cells);
+        }
+    }
+    counted.len() - 1
 }
 
 /// Whether two lists of cells in scan order have one in common.
