@@ -29,8 +29,8 @@
 //! ```
 
 pub mod appearance;
-pub mod flat;
 mod bins;
+pub mod flat;
 pub mod grouping;
 pub mod merging;
 pub mod paper;

@@ -246,8 +246,12 @@ mod tests {
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let models = [201.0, 203.0, 204.0].map(level).to_vec();
-            let facets =
-                Facets { segments: Segments::from_numbered(labels.clone(), 3), models, structure: 0, flats: vec![] };
+            let facets = Facets {
+                segments: Segments::from_numbered(labels.clone(), 3),
+                models,
+                structure: 0,
+                flats: vec![],
+            };
             let params = params::Refinement::default();
             pool.install(|| refine(facets, &disparity, &params)).segments.into_labels()
         };

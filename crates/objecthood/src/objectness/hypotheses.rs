@@ -109,7 +109,16 @@ fn judge_regions(
         };
         let objectness = parts.objectness(objectness);
         let region = SegmentId(region as u32);
-        Some(Hypothesis { region, pixels, box_m, objectness, parts, top_m: None, joins: Vec::new(), is_flat: false })
+        Some(Hypothesis {
+            region,
+            pixels,
+            box_m,
+            objectness,
+            parts,
+            top_m: None,
+            joins: Vec::new(),
+            is_flat: false,
+        })
     };
     pixels.into_par_iter().enumerate().filter_map(judge).collect()
 }

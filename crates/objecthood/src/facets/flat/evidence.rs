@@ -177,9 +177,21 @@ impl ShownColor {
     /// Checks that colour alone shows a thing: all of them must hold. `alike`: others of its colour; `side_m`: its second-longest side.
     pub(super) fn check(&self, alike: usize, side_m: f64, params: &params::Flat) -> Vec<Check> {
         vec![
-            Check::new("overlap with the ring's colours", "", self.overlap, Bound::AtMost, params.color_overlap)
-                .set_by("flat.color_overlap"),
-            Check::new("its colours elsewhere on the support", "", self.familiar, Bound::Below, MOST_FAMILIAR),
+            Check::new(
+                "overlap with the ring's colours",
+                "",
+                self.overlap,
+                Bound::AtMost,
+                params.color_overlap,
+            )
+            .set_by("flat.color_overlap"),
+            Check::new(
+                "its colours elsewhere on the support",
+                "",
+                self.familiar,
+                Bound::Below,
+                MOST_FAMILIAR,
+            ),
             Check::new("contrast close to its outline", "", self.sharp, Bound::AtLeast, LEAST_SHARP),
             Check::new("unlike a shadow", "ΔE", self.unlike_shadow, Bound::AtLeast, LEAST_UNLIKE_SHADOW),
             Check::new("others of its colour", "", alike as f64, Bound::Below, PATTERN as f64),

@@ -118,7 +118,8 @@ impl Rise<'_> {
     /// How far (quanta) a pixel lies before a support.
     fn quanta(&self, i: usize, place: usize) -> f64 {
         let surface = &self.structure.surfaces[self.structure.supports.surfaces[place]];
-        f64::from(self.surfaces.disparity[i]) - surface.model.value(position(i, self.surfaces.disparity.width()))
+        f64::from(self.surfaces.disparity[i])
+            - surface.model.value(position(i, self.surfaces.disparity.width()))
     }
 
     /// The support before which a pixel lies by at most the height of flat things, if there is one.

@@ -28,9 +28,8 @@ pub(super) fn solidity(cells: &[usize], width: usize) -> f64 {
 
 /// One side of the hull of sorted points (Andrew 1979), without its last point.
 fn half_hull(points: impl Iterator<Item = [i64; 2]>) -> Vec<[i64; 2]> {
-    let turn = |o: [i64; 2], a: [i64; 2], b: [i64; 2]| {
-        (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
-    };
+    let turn =
+        |o: [i64; 2], a: [i64; 2], b: [i64; 2]| (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
     let mut hull: Vec<[i64; 2]> = Vec::new();
     for point in points {
         while hull.len() > 1 && turn(hull[hull.len() - 2], hull[hull.len() - 1], point) <= 0 {

@@ -99,3 +99,6 @@ pub fn find_flats(
     }
     Facets { segments: Segments::from_numbered(labels, models.len()), models, structure, flats }
 }
+
+#[cfg(test)]
+mod tests;

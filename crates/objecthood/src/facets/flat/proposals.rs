@@ -60,7 +60,8 @@ pub(super) fn propose_by_color(
     let mut is_own: Vec<bool> = found.iter().map(|p| !p.is_closed() || is_large(&p.cells)).collect();
     let supports: BTreeSet<u8> = found.iter().map(support_of).collect();
     let colors = supports.into_iter().map(|support| {
-        let own = found.iter().zip(&is_own).filter(|(patch, is_own)| **is_own && support_of(patch) == support);
+        let own =
+            found.iter().zip(&is_own).filter(|(patch, is_own)| **is_own && support_of(patch) == support);
         (support, colors_of(&mut own.flat_map(|(patch, _)| &patch.cells)))
     });
     let own: OwnColors = colors.collect();

@@ -13,7 +13,8 @@ const REACH: usize = 3;
 pub(super) fn find_raised(field: &Field, disagreement_quanta: f64) -> Vec<bool> {
     let (width, height) = (field.width, field.height);
     let across = sums(&values(field), width, height, 1);
-    let mean: Vec<f32> = across.iter().map(|[sum, count]| if *count > 0.0 { sum / count } else { 0.0 }).collect();
+    let mean: Vec<f32> =
+        across.iter().map(|[sum, count]| if *count > 0.0 { sum / count } else { 0.0 }).collect();
     let greatest = greatest(&mean, width, height);
     let least = (RAISED_SIGMAS * disagreement_quanta) as f32;
     let is_raised = |i: usize| {
@@ -24,7 +25,8 @@ pub(super) fn find_raised(field: &Field, disagreement_quanta: f64) -> Vec<bool> 
 
 /// Rise and weight of every cell.
 fn values(field: &Field) -> Vec<[f32; 2]> {
-    let value = |cell: &super::field::Cell| if cell.support == NO_SUPPORT { [0.0; 2] } else { [cell.rise, 1.0] };
+    let value =
+        |cell: &super::field::Cell| if cell.support == NO_SUPPORT { [0.0; 2] } else { [cell.rise, 1.0] };
     field.cells.iter().map(value).collect()
 }
 
@@ -77,7 +79,8 @@ mod tests {
 
     #[test]
     fn an_edge_lies_at_half_of_its_height() {
-        let rise = |i: usize| if (10..20).contains(&(i % 30)) && (10..20).contains(&(i / 30)) { 4.0 } else { 0.0 };
+        let rise =
+            |i: usize| if (10..20).contains(&(i % 30)) && (10..20).contains(&(i / 30)) { 4.0 } else { 0.0 };
         let cells: Vec<Cell> = (0..900).map(|i| Cell { support: 0, rise: rise(i), lab: [0.0; 3] }).collect();
         let field = Field { width: 30, height: 30, cells, support: Vec::new() };
         let raised = find_raised(&field, 0.285);

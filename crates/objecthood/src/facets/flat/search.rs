@@ -76,7 +76,8 @@ impl<'a> Search<'a> {
         proposals.extend(propose_by_depth(self.field, &find_pieces(self.field, &raised), is_large));
         let least_cells = self.cells(self.params.objectness.min_size_px);
         proposals.retain(|Proposal { cells, .. }| cells.len() >= least_cells && !is_large(cells));
-        let groups: Vec<Group> = proposals.par_iter().filter_map(|proposal| self.look(proposal, &own)).collect();
+        let groups: Vec<Group> =
+            proposals.par_iter().filter_map(|proposal| self.look(proposal, &own)).collect();
         let found = (0..groups.len()).filter_map(|k| self.judge(&groups, k)).collect();
         self.choose(found)
     }

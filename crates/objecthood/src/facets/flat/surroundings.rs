@@ -67,7 +67,8 @@ impl Surroundings {
     /// What the border of the rectangle does not reach is inside.
     fn fill_holes(&mut self) {
         let (width, height) = (self.width, self.height);
-        let is_border = |k: usize| k % width == 0 || k % width + 1 == width || k < width || k / width + 1 == height;
+        let is_border =
+            |k: usize| k % width == 0 || k % width + 1 == width || k < width || k / width + 1 == height;
         let border: Vec<usize> = (0..width * height).filter(|&k| is_border(k) && self.away[k] != 0).collect();
         let free = self.away.clone();
         let reached = self.spread(&border, usize::MAX, |k| free[k] != 0);
@@ -107,7 +108,9 @@ impl Surroundings {
 
     /// The cells of the group that lie at least so many steps from the outside.
     pub(super) fn core(&self, least: u8) -> impl Iterator<Item = usize> + '_ {
-        (0..self.away.len()).filter(move |&k| self.away[k] == 0 && self.deep[k] >= least).map(|k| self.global(k))
+        (0..self.away.len())
+            .filter(move |&k| self.away[k] == 0 && self.deep[k] >= least)
+            .map(|k| self.global(k))
     }
 
     /// The cells of the field on the same support that lie some steps from the group.
