@@ -116,8 +116,8 @@ pub(crate) fn context<'k>(
 
     // 2. Facets: superpixels that lie on one surface, and flat things on the structure.
     let facets = recall(&mut kept.facets, || {
-        let facets = find_facets(surfaces, structure, superpixels, &params.merging, &params.refinement);
-        find_flats(facets, frame, surfaces, structure, FlatParams::of(params))
+        let found = find_facets(surfaces, structure, superpixels, &params.merging, &params.refinement);
+        find_flats(found, frame, surfaces, structure, FlatParams::of(params))
     });
     observer.observe(Output::Facets(&facets.segments));
 
@@ -147,9 +147,8 @@ pub(crate) fn context<'k>(
     observer.observe(Output::Hypotheses(hypotheses));
     let doubts = recall(&mut kept.doubts, || find_doubts(given));
     let discovery = try_recall(&mut kept.discovery, || {
-        let Params { gravity, objectness, .. } = params;
-        let found = conclude_context(scene, standing, hypotheses, gravity, objectness)?;
-        Ok(found.with_doubts(doubts))
+        conclude_context(scene, standing, hypotheses, &params.gravity, &params.objectness)
+            .map(|found| found.with_doubts(doubts))
     })?;
     observer.observe(Output::Objects(discovery));
     Ok(discovery)
