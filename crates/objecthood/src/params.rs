@@ -174,7 +174,7 @@ parameters! {
         /// Greatest overlap of the colours of a flat thing with those of the ring around it, where depth proves nothing.
         color_overlap: f64 = 0.35, 0.0..=1.0, "dimensionless: share in common", "ours, because 99 % of empty patches have 0.45 or more (docs/CONTEXT.md 2.3)";
         /// A rise above the ring is proof from this many times the disagreement of blocks of an empty surface on.
-        offset_sigmas: f64 = 5.0, 0.0..=1000.0, "dimensionless: multiples of the noise of docs/CONTEXT.md 0.5", "ours, because no empty patch of 200 scenes reached it (docs/CONTEXT.md 2.3)";
+        offset_sigmas: f64 = 5.0, 0.0..=1000.0, "dimensionless: multiples of the noise of docs/CONTEXT.md 0.5", "ours, because empty patches of a Kinect reach four (docs/CONTEXT.md 2.3)";
     }
 
     /// Evidence from the common border of two facets (`context`).

@@ -132,10 +132,12 @@ impl<'a> Search<'a> {
         found
     }
 
-    /// The disagreement (quanta) of blocks of an empty surface. A Kinect's at least: bent tables and stray light do not shrink with the
-    /// noise.
+    /// The disagreement (quanta) of blocks of an empty surface: a Kinect's, times the most that blocks of any size exceed it, because waves
+    /// of stereo are longer than the blocks. A Kinect's at least: bent tables and stray light do not shrink with the noise.
     fn noise_quanta(&self, block: usize) -> f64 {
-        self.surfaces.space.noise().blocks_quanta[block].max(KINECT_QUANTA[block])
+        let noise = self.surfaces.space.noise().blocks_quanta;
+        let ratios = noise.iter().zip(KINECT_QUANTA).map(|(own, kinect)| own / kinect);
+        ratios.fold(1.0, f64::max) * KINECT_QUANTA[block]
     }
 
     /// An area in pixels at a focal length of 525 px, in cells.
