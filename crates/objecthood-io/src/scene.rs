@@ -186,6 +186,9 @@ pub struct SceneObject {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f32")]
     pub top_m: Option<f32>,
+    /// Whether it is a thing 0.2 to 12 mm thick that lies flat on its support; absent where it is not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub flat: bool,
     /// Number of facets it is made of.
     pub facets: usize,
     /// Its node: index into the nodes of the support graph.
@@ -526,6 +529,7 @@ impl From<&objecthood::Object> for SceneObject {
             centroid_m: object.centroid_m,
             box_m: OrientedBox { center_m, rotation_xyzw, extents_m },
             top_m: object.top_m,
+            flat: object.is_flat,
             facets: object.facets,
             node: object.node.0,
             parents: object.parents.iter().map(|node| node.0).collect(),

@@ -39,6 +39,7 @@ fn discovery() -> Discovery {
         visibility: 0.7,
     };
     object.top_m = Some(0.1);
+    object.is_flat = true;
     object.centroid_m = [0.1, -0.2, 1.0];
     object.facets = 2;
     object.node = NodeId(1);
@@ -243,7 +244,7 @@ fn every_unknown_missing_or_wrong_entry_is_refused() {
     places(&example, "", &mut all);
     assert!(all.len() > 80, "{}", all.len());
     let optional = |place: &str| {
-        ["fit_residual_px", "nodes/1/object", "objects/0/top_m", "/noise"]
+        ["fit_residual_px", "nodes/1/object", "objects/0/top_m", "objects/0/flat", "/noise"]
             .iter()
             .any(|end| place.ends_with(end))
     };

@@ -129,7 +129,7 @@ fn check_consistent(explainer: &Explainer, explanation: &Explanation) {
             (Reason::Folds, false) => assert!(vote_mm <= 0.0 && border.folded_mm > 0.0, "{border:?}"),
             (Reason::Steps, yes) => assert!(!yes && vote_mm <= 0.0 && border.stepped_mm > 0.0, "{border:?}"),
             (Reason::Seam, yes) => {
-                assert!(!yes && border.seam_mm > 0.0 && !decision.checks.is_empty(), "{border:?}")
+                assert!(!yes && border.seam_mm > 0.0 && !decision.checks.is_empty(), "{border:?}");
             }
             (Reason::OtherBorders, yes) => assert_eq!(yes, vote_mm <= 0.0, "{border:?}"),
             (Reason::Rule(_), yes) => assert!(yes, "{border:?}"),

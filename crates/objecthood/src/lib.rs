@@ -61,6 +61,7 @@ mod neighbours;
 pub mod noise;
 pub mod objectness;
 pub mod observe;
+pub mod oriented_box;
 mod outputs;
 pub mod oversegment;
 pub mod params;

@@ -11,6 +11,7 @@ use crate::clusters::steps::StepLimits;
 use crate::discovery::Discovery;
 use crate::error::Result;
 use crate::facets::find_facets;
+use crate::facets::flat::{FlatParams, find_flats};
 use crate::facets::paper::group_alike;
 use crate::frame::Frame;
 use crate::objectness::conclusion::{PaperScene, conclude_context, conclude_paper};
@@ -113,9 +114,10 @@ pub(crate) fn context<'k>(
         recall(&mut kept.superpixels, || flood_superpixels(surfaces, structure, &params.watershed));
     observer.observe(Output::Superpixels(LabelMap::superpixels(structure, &superpixels.segments)));
 
-    // 2. Facets: superpixels that lie on one surface.
+    // 2. Facets: superpixels that lie on one surface, and flat things on the structure.
     let facets = recall(&mut kept.facets, || {
-        find_facets(surfaces, structure, superpixels, &params.merging, &params.refinement)
+        let found = find_facets(surfaces, structure, superpixels, &params.merging, &params.refinement);
+        find_flats(found, frame, surfaces, structure, FlatParams::of(params))
     });
 
     // 3. Shapes: facets whose borders vote for one shape. Colour cuts what flush things share.
@@ -145,10 +147,9 @@ pub(crate) fn context<'k>(
         find_cluster_hypotheses(scene, clusters, standing, &params.objectness, &params.contraction)
     });
     observer.observe(Output::Hypotheses(hypotheses));
-    let doubts = recall(&mut kept.doubts, || find_doubts(given));
     let discovery = try_recall(&mut kept.discovery, || {
-        let found = conclude_context(scene, standing, hypotheses, &params.gravity, &params.objectness)?;
-        Ok(found.with_doubts(doubts))
+        conclude_context(scene, standing, hypotheses, &params.gravity, &params.objectness)
+            .map(|found| found.with_doubts(recall(&mut kept.doubts, || find_doubts(given)).as_slice()))
     })?;
     observer.observe(Output::Objects(discovery));
     Ok(discovery)

@@ -1,10 +1,13 @@
 //! Candidates: the clusters that are large enough for an object, as regions of the support graph (docs/CONTEXT.md 6.6).
 
 use crate::check::{Bound, Check};
+use crate::clusters::cluster::find_flat;
 use crate::clusters::clustering::{Clustering, FinalCluster};
 use crate::clusters::scene::Scene;
 use crate::discovery::ids::NodeId;
 use crate::discovery::join::Join;
+use crate::facets::Facets;
+use crate::facets::facet::Flat;
 use crate::params;
 use crate::planes::StructurePlane;
 use crate::raster::Raster;
@@ -79,6 +82,16 @@ impl Candidates {
     /// Height of the top of a region's cluster above the support (m); `None` without a support.
     pub(crate) fn top_m(&self, region: SegmentId, clusters: &Clustering) -> Option<f32> {
         clusters.get(self.cluster(region))?.top_m
+    }
+
+    /// The flat thing in a region's cluster.
+    pub(crate) fn flat<'a>(
+        &self,
+        region: SegmentId,
+        clusters: &Clustering,
+        facets: &'a Facets,
+    ) -> Option<&'a Flat> {
+        find_flat(facets, &clusters.of_facet, self.cluster(region))
     }
 
     /// The joins of a region's cluster: the evidence for its parts that do not touch as one surface.

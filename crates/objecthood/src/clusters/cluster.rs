@@ -10,6 +10,7 @@ use crate::clusters::history::{Event, History, Proposal, Source};
 use crate::clusters::scene::Scene;
 use crate::discovery::join::{Join, JoinEvidence, JoinedPart};
 use crate::facets::Facets;
+use crate::facets::facet::Flat;
 use crate::oversegment::structure::StructureSurface;
 use crate::quantile::element_at;
 use crate::raster::PixelBox;
@@ -88,6 +89,11 @@ impl<'a> Clusters<'a> {
     /// The cluster of a facet outside the structure; these facets are counted from 0. `None` = background.
     pub(crate) fn of_facet(&self, facet: usize) -> Option<SegmentId> {
         self.of_facet[facet]
+    }
+
+    /// The flat thing in a cluster, the surest if it has several (docs/CONTEXT.md 2.3).
+    pub(crate) fn flat(&self, id: SegmentId) -> Option<&'a Flat> {
+        find_flat(self.scene.facets, &self.of_facet, id)
     }
 
     /// The size of a cluster and its place in the image, as a part of a join.
@@ -198,6 +204,16 @@ impl<'a> Clusters<'a> {
         let cluster = self.get(id);
         *cluster.convexity.get_or_init(|| measure_convexity(self.scene, &cluster.pixels))
     }
+}
+
+/// The flat thing in a cluster, the surest if it has several. `of_facet`: the cluster of each facet outside the structure. O(flat things).
+pub(crate) fn find_flat<'f>(
+    facets: &'f Facets,
+    of_facet: &[Option<SegmentId>],
+    id: SegmentId,
+) -> Option<&'f Flat> {
+    let own = facets.flats.iter().filter(|flat| of_facet[flat.facet.index() - facets.structure] == Some(id));
+    own.max_by_key(|flat| flat.is_proven)
 }
 
 impl Cluster {

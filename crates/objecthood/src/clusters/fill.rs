@@ -27,8 +27,9 @@ pub fn fill_facets(facets: &Facets, disparity: &Raster<f32>, steps: StepLimits) 
             }
         }
     }
-    let models = facets.models.clone();
-    Facets { segments: Segments::from_numbered(labels, count), models, structure: facets.structure }
+    let Facets { models, structure, flats, .. } = facets;
+    let segments = Segments::from_numbered(labels, count);
+    Facets { segments, models: models.clone(), structure: *structure, flats: flats.clone() }
 }
 
 /// The pixels with a facet that touch a measured pixel without one, in scan order. O(pixels + n log n) for n such pixels; parallel
@@ -76,7 +77,7 @@ mod tests {
             let labels = disparity.with_data(
                 (0..labels.len()).map(|i| if disparity[i].is_nan() { -1 } else { labels[i] }).collect(),
             );
-            let facets = Facets { segments: Segments::from_numbered(labels.clone(), 2), models: Vec::new(), structure: 0 };
+            let facets = Facets { segments: Segments::from_numbered(labels.clone(), 2), models: Vec::new(), structure: 0, flats: vec![] };
             let steps = StepLimits { touch_quanta: 3.0, level_quanta: 2.0 };
             let filled = fill_facets(&facets, &disparity, steps).segments;
             let (width, height) = labels.size();

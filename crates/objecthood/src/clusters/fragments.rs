@@ -16,7 +16,7 @@ const ROUNDS: usize = 3;
 /// Touching pixel pairs that a fragment needs to be absorbed by a neighbour (px at a focal length of 525 px).
 const LEAST_TOUCH_PX: usize = 4;
 
-/// Merges clusters of fewer than `max_size_px` pixels into the neighbour that they touch most. The neighbour may be the background,
+/// Merges clusters of fewer than `max_size_px` pixels, except flat things, into the neighbour that they touch most. The neighbour may be the background,
 /// but not a smaller cluster. O(rounds · clusters · neighbours).
 pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fragments) {
     for round in 1..=ROUNDS {
@@ -36,7 +36,8 @@ fn find_moves(clusters: &Clusters<'_>, params: &params::Fragments) -> (Vec<Event
     let space = clusters.scene.space;
     let least_touch = space.length_px(LEAST_TOUCH_PX) as f64;
     let size = |id: SegmentId| clusters.get(id).pixels.len();
-    let is_small = |id: SegmentId| check_small(size(id), space, params).holds();
+    let is_small =
+        |id: SegmentId| check_small(size(id), space, params).holds() && clusters.flat(id).is_none();
     let mut fragments: Vec<SegmentId> = clusters.alive().into_iter().filter(|&id| is_small(id)).collect();
     fragments.sort_by_key(|&id| (size(id), id));
     let mut moves: BTreeMap<SegmentId, Event> = BTreeMap::new();

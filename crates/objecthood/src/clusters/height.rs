@@ -14,9 +14,10 @@ const NEAR_M: f64 = 0.010;
 const NOISE_QUANTA: f64 = 6.0;
 
 /// Gives clusters whose top is less than `min_top_m` above the support surface to the background. They are remains of the table, or
-/// small pieces at the edge of the view. Does nothing without a support surface. O(pixels of clusters).
+/// small pieces at the edge of the view. Flat things have other evidence and stay. Does nothing without a support surface. O(pixels of clusters).
 pub(crate) fn drop_low(clusters: &mut Clusters<'_>, params: &params::Height) {
-    let alive = clusters.alive();
+    let alive: Vec<SegmentId> =
+        clusters.alive().into_iter().filter(|&id| clusters.flat(id).is_none()).collect();
     let before = &*clusters;
     // Giving a cluster away changes no other cluster's top.
     let top_and_limit = |&id: &SegmentId| Some((before.own_top_m(id)?, least_top_m(before, id, params)));

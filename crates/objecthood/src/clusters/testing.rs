@@ -69,7 +69,7 @@ impl Table {
         let fits = fit_planes(&disparity, params.radius_px);
         let normals = choose_windows(&disparity, &fits, &space, &params).normal;
         let support = StructureSurface { model: table, normal: DVec3::NEG_Z, offset_m: TABLE_M, scale: 1.0 };
-        let facets = Facets { segments, models, structure: 1 };
+        let facets = Facets { segments, models, structure: 1, flats: Vec::new() };
         Self { facets, disparity, color: None, lab: None, normals, points_m, space, support }
     }
 

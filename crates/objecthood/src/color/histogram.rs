@@ -51,6 +51,15 @@ impl ColorHistogram {
         let pairs = self.shares.iter().zip(&other.shares);
         pairs.map(|(a, b)| f64::from((a / self.count).min(b / other.count))).sum()
     }
+
+    /// The share of its colours that another histogram shows too, even if that shows them up to `rare` times more seldom. O(bins).
+    pub(crate) fn share_in(&self, other: &Self, rare: f32) -> f64 {
+        if self.count == 0.0 || other.count == 0.0 {
+            return 0.0;
+        }
+        let pairs = self.shares.iter().zip(&other.shares);
+        pairs.map(|(a, b)| f64::from((a / self.count).min(rare * b / other.count))).sum()
+    }
 }
 
 #[cfg(test)]

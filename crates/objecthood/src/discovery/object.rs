@@ -29,6 +29,9 @@ pub struct Object {
     pub facets: usize,
     /// The joins of its parts that do not touch as one surface. Empty in `paper`.
     pub joins: Vec<Join>,
+    /// Whether it is a thing 0.2 to 12 mm thick that lies flat on its support, seen by its colour or by a rise that only many pixels together
+    /// show (docs/CONTEXT.md 2.3). Never in `paper`.
+    pub is_flat: bool,
     /// Its node in the support graph.
     pub node: NodeId,
     /// The nodes that it stands on, lies in or leans against.
@@ -59,6 +62,7 @@ impl Object {
             node: NodeId(0),
             parents: Vec::new(),
             joins: Vec::new(),
+            is_flat: false,
         }
     }
 }

@@ -58,13 +58,26 @@ impl Explainer {
                     Some(unlikely) if unlikely.holds() => (Reason::Objectness, vec![unlikely]),
                     _ => {
                         let not_given = if fragment.holds() { self.spared(cluster) } else { Some(fragment) };
-                        let passed = low.into_iter().chain([too_small]).chain(not_given).chain(unlikely);
+                        let passed = self
+                            .of_flat(cluster)
+                            .into_iter()
+                            .chain(low)
+                            .chain([too_small])
+                            .chain(not_given)
+                            .chain(unlikely);
                         (Reason::Passed, passed.collect())
                     }
                 }
             }
         };
         self.decision(question, reason, checks)
+    }
+
+    /// The checks that made a cluster a flat thing; none if it is no flat thing.
+    fn of_flat(&self, cluster: SegmentId) -> Vec<Check> {
+        let run = &self.subject.run;
+        let mut flats = run.filled.flats.iter().filter(|flat| run.cluster(flat.facet) == Some(cluster));
+        flats.next().map_or_else(Vec::new, |flat| flat.checks.clone())
     }
 
     /// Whether a pixel of a structure plane belongs to an object, and why: it can only be a part of a bottom.

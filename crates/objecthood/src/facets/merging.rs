@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 
 use rayon::prelude::*;
 
+use crate::facets::facet::Facets;
 use crate::oversegment::linked::LinkedSuperpixels;
 use crate::oversegment::structure::{Structure, StructureSurface};
 use crate::params;
@@ -25,17 +26,6 @@ const LEAST_SAY: f64 = 0.3;
 const QUADRATIC_TRIAL_PX: f64 = 12.0;
 /// In the result, facets with fewer pixels have a plane.
 const QUADRATIC_PX: f64 = 40.0;
-
-/// Facets of `context`: regions with one surface model each. The facets of the structure come first.
-#[derive(Clone, Debug)]
-pub struct Facets {
-    /// The label map.
-    pub segments: Segments,
-    /// The surface of every facet.
-    pub models: Vec<Model>,
-    /// Number of facets that are structure.
-    pub structure: usize,
-}
 
 /// A region that grows by merges.
 struct Region {
@@ -216,7 +206,7 @@ impl Regions {
             labels.as_mut_slice()[run].fill(facet_of[s]);
         }
         let segments = Segments::from_numbered(labels, models.len());
-        Facets { segments, models, structure: surfaces.len() }
+        Facets { segments, models, structure: surfaces.len(), flats: Vec::new() }
     }
 }
 

@@ -30,12 +30,14 @@
 
 pub mod appearance;
 mod bins;
+pub mod facet;
+pub mod flat;
 pub mod grouping;
 pub mod merging;
 pub mod paper;
 pub mod refinement;
 
-pub use crate::facets::merging::Facets;
+pub use crate::facets::facet::{Facets, Flat};
 
 use crate::facets::merging::merge_surfaces;
 use crate::facets::refinement::refine;

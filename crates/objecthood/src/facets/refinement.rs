@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::facets::merging::Facets;
+use crate::facets::facet::Facets;
 use crate::params;
 use crate::raster::{Raster, marked, part};
 use crate::regions::Segments;
@@ -27,7 +27,7 @@ const INERTIA: f64 = 0.1;
 /// After the first pass only pixels beside a change are examined again: the others would keep their facets. O(pixels + border
 /// pixels + passes · changes); parallel over pixels.
 pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refinement) -> Facets {
-    let Facets { segments, models, structure } = facets;
+    let Facets { segments, models, structure, flats } = facets;
     let count = segments.count();
     let mut labels = segments.into_labels();
     let (width, height) = labels.size();
@@ -54,7 +54,7 @@ pub fn refine(facets: Facets, disparity: &Raster<f32>, params: &params::Refineme
             }
         }
     }
-    Facets { segments: Segments::from_numbered(labels, count), models, structure }
+    Facets { segments: Segments::from_numbered(labels, count), models, structure, flats }
 }
 
 /// For each pixel, the last pass in which it was tested for being open: 0 = none yet. The border of the image holds 255, a pass
@@ -224,7 +224,7 @@ mod tests {
                 expected = naive_pass(&expected, &disparity, &models, agreement_quanta);
             }
             let segments = Segments::from_numbered(labels.clone(), 3);
-            let facets = Facets { segments, models: models.clone(), structure: 1 };
+            let facets = Facets { segments, models: models.clone(), structure: 1, flats: vec![] };
             let refined = refine(facets, &disparity, &params::Refinement { agreement_quanta });
             prop_assert_eq!(refined.segments.labels(), &expected);
             prop_assert_eq!((refined.models, refined.structure, refined.segments.count()), (models, 1, 3));
@@ -246,8 +246,12 @@ mod tests {
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let models = [201.0, 203.0, 204.0].map(level).to_vec();
-            let facets =
-                Facets { segments: Segments::from_numbered(labels.clone(), 3), models, structure: 0 };
+            let facets = Facets {
+                segments: Segments::from_numbered(labels.clone(), 3),
+                models,
+                structure: 0,
+                flats: vec![],
+            };
             let params = params::Refinement::default();
             pool.install(|| refine(facets, &disparity, &params)).segments.into_labels()
         };
@@ -270,6 +274,7 @@ mod tests {
             segments: Segments::from_numbered(ragged, 2),
             models: vec![level(200.0), level(204.0)],
             structure: 0,
+            flats: vec![],
         };
         let refined = refine(facets, &disparity, &params::Refinement::default());
         for i in (0..108).filter(|&i| (1..8).contains(&at(i).1)) {

@@ -59,7 +59,16 @@ mod tests {
             visibility: 1.0,
         };
         let pixels = vec![0];
-        Hypothesis { region: SegmentId(0), pixels, box_m, objectness, parts, top_m: None, joins: Vec::new() }
+        Hypothesis {
+            region: SegmentId(0),
+            pixels,
+            box_m,
+            objectness,
+            parts,
+            top_m: None,
+            joins: Vec::new(),
+            is_flat: false,
+        }
     }
 
     #[test]

@@ -11,7 +11,8 @@ use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::up::Up;
 use crate::objectness::compactness::measure_compactness;
 use crate::objectness::outline::measure_outlines;
-use crate::objectness::size::{fit_oriented_box, rate_size};
+use crate::objectness::size::rate_size;
+use crate::oriented_box::fit_oriented_box;
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
@@ -36,6 +37,8 @@ pub struct Hypothesis {
     pub top_m: Option<f32>,
     /// The joins of its parts that do not touch as one surface. Empty in `paper`.
     pub joins: Vec<Join>,
+    /// Whether it is a flat thing on a support (docs/CONTEXT.md 2.3). Never in `paper`.
+    pub is_flat: bool,
 }
 
 /// The inputs by which regions are judged.
@@ -107,7 +110,16 @@ fn judge_regions(
         };
         let objectness = parts.objectness(objectness);
         let region = SegmentId(region as u32);
-        Some(Hypothesis { region, pixels, box_m, objectness, parts, top_m: None, joins: Vec::new() })
+        Some(Hypothesis {
+            region,
+            pixels,
+            box_m,
+            objectness,
+            parts,
+            top_m: None,
+            joins: Vec::new(),
+            is_flat: false,
+        })
     };
     pixels.into_par_iter().enumerate().filter_map(judge).collect()
 }
@@ -149,6 +161,12 @@ pub fn find_cluster_hypotheses(
     for hypothesis in &mut hypotheses {
         hypothesis.top_m = candidates.top_m(hypothesis.region, clusters);
         hypothesis.joins = candidates.joins(hypothesis.region, clusters);
+        if let Some(flat) = candidates.flat(hypothesis.region, clusters, scene.facets) {
+            hypothesis.is_flat = true;
+            let parts = &mut hypothesis.parts;
+            parts.separation = parts.separation.max(flat.separation());
+            hypothesis.objectness = parts.objectness(objectness);
+        }
     }
     hypotheses
 }

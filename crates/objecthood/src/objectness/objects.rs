@@ -34,7 +34,8 @@ pub fn make_objects(
     let mut objects = Vec::with_capacity(hypotheses.len());
     let mut seen = vec![0; facets.count() + 1];
     for (number, hypothesis) in (1..=u16::MAX).zip(hypotheses) {
-        let &Hypothesis { region, ref pixels, box_m, objectness, parts, top_m, ref joins } = hypothesis;
+        let &Hypothesis { region, ref pixels, box_m, objectness, parts, top_m, ref joins, is_flat } =
+            hypothesis;
         pixels.iter().for_each(|&i| labels[i] = number);
         objects.push(Object {
             id: ObjectId(number),
@@ -47,6 +48,7 @@ pub fn make_objects(
             facets: facets_among(pixels, facets, number, &mut seen),
             top_m,
             joins: joins.clone(),
+            is_flat,
             node: NodeId(region.0),
             parents: parents.get(region.index()).cloned().unwrap_or_default(),
         });
@@ -108,6 +110,7 @@ mod tests {
             parts,
             top_m: None,
             joins: vec![],
+            is_flat: false,
         }
     }
 

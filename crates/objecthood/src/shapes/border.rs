@@ -72,7 +72,8 @@ enum Kind {
     Step { length_m: f64 },
 }
 
-/// Measures the common borders of facets, except between two facets of the structure. Every other pair of pixels along a border is
+/// Measures the common borders of facets, except between two facets of the structure, or between a flat thing and
+/// another facet that is no structure. Every other pair of pixels along a border is
 /// a sample, or fewer where pixels are smaller. Each sample fits a plane to either side within `radius_px`: locally, because curved and
 /// L-shaped facets have no single direction. O(border pixels · radius^2); parallel over rows.
 pub fn measure_borders(
@@ -137,7 +138,8 @@ struct Step {
 }
 
 impl Borders<'_> {
-    /// Samples the border between the 4-neighbours i and j, if they lie on two facets that are not both structure.
+    /// Samples the border between the 4-neighbours i and j, if they lie on two facets that are not both structure, and none is a flat thing
+    /// beside another facet.
     fn sample(&self, i: usize, j: usize) -> Option<(SegmentId, SegmentId, Sample)> {
         let Surroundings { facets, disparity, space, .. } = self.surroundings;
         let (i, j, a, b) = match (facets.segments.at(i)?, facets.segments.at(j)?) {
@@ -145,7 +147,9 @@ impl Borders<'_> {
             (a, b) if a < b => (i, j, a, b),
             (a, b) => (j, i, b, a),
         };
-        if b.index() < facets.structure {
+        // Flat things end where their evidence ends: their borders join nothing (docs/CONTEXT.md 2.3).
+        let first_flat = facets.segments.count() - facets.flats.len();
+        if b.index() < facets.structure || (a.index() >= facets.structure && b.index() >= first_flat) {
             return None;
         }
         let width = disparity.width();

@@ -125,7 +125,7 @@ impl Cuts {
             }
         }
         let segments = Segments::from_numbered(labels, models.len());
-        (cuts, Facets { segments, models, structure: facets.structure })
+        (cuts, Facets { segments, models, structure: facets.structure, flats: facets.flats.clone() })
     }
 }
 

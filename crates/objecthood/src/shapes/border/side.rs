@@ -185,7 +185,7 @@ mod tests {
             radius in 0_usize..8,
         ) {
             let space = kinect();
-            let facets = Facets { segments: Segments::from_numbered(labels.clone(), 3), models: Vec::new(), structure: 0 };
+            let facets = Facets { segments: Segments::from_numbered(labels.clone(), 3), models: Vec::new(), structure: 0, flats: vec![] };
             let surroundings = Surroundings { facets: &facets, disparity: &disparity, space: &space, radius };
             let width = labels.width();
             let middle = position(at % labels.len(), width);

@@ -37,8 +37,12 @@ impl Walls {
         let pixels: [Vec<u32>; 2] = [of(false), of(true)];
         let models = pixels.map(|pixels| Moments::of(&pixels, &disparity).fit(Basis::Quadratic).model);
         let labels = depth_m.with_data((0..width * height).map(|i| i32::from(is_right(i))).collect());
-        let facets =
-            Facets { segments: Segments::from_numbered(labels, 2), models: models.to_vec(), structure: 0 };
+        let facets = Facets {
+            segments: Segments::from_numbered(labels, 2),
+            models: models.to_vec(),
+            structure: 0,
+            flats: vec![],
+        };
         Self { facets, disparity, space }
     }
 

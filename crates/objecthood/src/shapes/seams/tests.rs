@@ -16,7 +16,7 @@ fn board() -> (Facets, Raster<f32>) {
     let pixels: Vec<u32> = (0..(width * height) as u32).collect();
     let model = Moments::of(&pixels, &disparity).fit(Basis::Plane).model;
     let segments = Segments::from_numbered(disparity.map(|_| 0), 1);
-    (Facets { segments, models: vec![model], structure: 0 }, disparity)
+    (Facets { segments, models: vec![model], structure: 0, flats: Vec::new() }, disparity)
 }
 
 /// The seams of the board when it is painted so, and its facets.

@@ -1,0 +1,128 @@
+//! Proposals: groups of cells that may be flat things, by colour or by depth (docs/CONTEXT.md 2.3).
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::color::histogram::ColorHistogram;
+use crate::facets::flat::field::Field;
+use crate::facets::flat::patches::{LEAST_CELLS, NO_PATCH, Patches};
+use crate::neighbours::four_neighbours;
+use crate::union_find::UnionFind;
+
+/// A patch that ends where the field ends along more than this share of its outline is the support's own: it goes on under things.
+const OPEN_SHARE: f64 = 0.25;
+/// A colour that a support shows up to this many times more seldom than a patch does is the support's colour too.
+pub(super) const RARE: f32 = 10.0;
+/// A patch of which at least this share has colours of the support is a part of it.
+const FAMILIAR_SHARE: f64 = 0.5;
+
+/// The colours of each support: of its own patches.
+pub(super) type OwnColors = BTreeMap<u8, ColorHistogram>;
+
+/// Cells that may be a flat thing.
+pub(super) struct Proposal {
+    pub cells: Vec<u32>,
+    /// Whether cells of other colours that are not the support's touch it: then colour alone does not say that it ends there.
+    pub is_part: bool,
+}
+
+/// What is known of a patch.
+#[derive(Clone, Default)]
+struct Patch {
+    cells: Vec<u32>,
+    /// Sides of its cells beyond which it ends.
+    outline: u32,
+    /// Of these, those beyond which the field ends.
+    open: u32,
+    /// Whether it reaches the border of the image.
+    is_cut: bool,
+    neighbours: BTreeSet<u32>,
+}
+
+impl Patch {
+    /// Whether it has an end of its own.
+    fn is_closed(&self) -> bool {
+        !self.is_cut && f64::from(self.open) <= OPEN_SHARE * f64::from(self.outline)
+    }
+}
+
+/// Finds by colour what differs from its support: patches of other colours, and groups of such patches that touch. Also returns the
+/// supports' own colours. `is_large`: whether so many cells, with these among them, are too many for a thing. O(cells · log patches).
+pub(super) fn propose_by_color(
+    field: &Field,
+    patches: &Patches,
+    is_large: impl Fn(&[u32]) -> bool,
+) -> (Vec<Proposal>, OwnColors) {
+    let found = measure(field, patches);
+    let support_of = |patch: &Patch| field.cells[patch.cells[0] as usize].support;
+    let colors_of = |cells: &mut dyn Iterator<Item = &u32>| {
+        ColorHistogram::of(cells.map(|&i| field.cells[i as usize].lab))
+    };
+    let mut is_own: Vec<bool> = found.iter().map(|p| !p.is_closed() || is_large(&p.cells)).collect();
+    let supports: BTreeSet<u8> = found.iter().map(support_of).collect();
+    let colors = supports.into_iter().map(|support| {
+        let own =
+            found.iter().zip(&is_own).filter(|(patch, is_own)| **is_own && support_of(patch) == support);
+        (support, colors_of(&mut own.flat_map(|(patch, _)| &patch.cells)))
+    });
+    let own: OwnColors = colors.collect();
+    for (patch, is_own) in found.iter().zip(&mut is_own).filter(|(_, is_own)| !**is_own) {
+        *is_own = patch.cells.len() < LEAST_CELLS as usize
+            || colors_of(&mut patch.cells.iter()).share_in(&own[&support_of(patch)], RARE) >= FAMILIAR_SHARE;
+    }
+    (with_groups(found, &is_own), own)
+}
+
+/// Finds by depth what rises above its support: pieces of raised cells that hang together. O(cells).
+pub(super) fn propose_by_depth(
+    field: &Field,
+    pieces: &Patches,
+    is_large: impl Fn(&[u32]) -> bool,
+) -> Vec<Proposal> {
+    let found = measure(field, pieces).into_iter();
+    let closed = found.filter(|piece| piece.is_closed() && !is_large(&piece.cells));
+    closed.map(|piece| Proposal { cells: piece.cells, is_part: true }).collect()
+}
+
+/// The patches that are not their support's own, and the groups of them that touch.
+fn with_groups(found: Vec<Patch>, is_own: &[bool]) -> Vec<Proposal> {
+    let mut sets = UnionFind::new(found.len());
+    for (k, patch) in found.iter().enumerate().filter(|(k, _)| !is_own[*k]) {
+        for &other in patch.neighbours.iter().filter(|&&other| !is_own[other as usize]) {
+            let (a, b) = (sets.find(k), sets.find(other as usize));
+            sets.link(a.min(b), a.max(b));
+        }
+    }
+    let mut groups: BTreeMap<usize, Vec<Vec<u32>>> = BTreeMap::new();
+    for (k, patch) in found.into_iter().enumerate().filter(|(k, _)| !is_own[*k]) {
+        groups.entry(sets.find(k)).or_default().push(patch.cells);
+    }
+    let mut proposals = Vec::new();
+    for parts in groups.into_values() {
+        let is_part = parts.len() > 1;
+        if is_part {
+            proposals.push(Proposal { cells: parts.concat(), is_part: false });
+        }
+        proposals.extend(parts.into_iter().map(|cells| Proposal { cells, is_part }));
+    }
+    proposals
+}
+
+fn measure(field: &Field, patches: &Patches) -> Vec<Patch> {
+    let mut found = vec![Patch::default(); patches.count];
+    let (width, height) = (field.width, field.height);
+    for (i, &k) in patches.of_cell.iter().enumerate().filter(|(_, k)| **k != NO_PATCH) {
+        let patch = &mut found[k as usize];
+        patch.cells.push(i as u32);
+        let (u, v) = (i % width, i / width);
+        patch.is_cut |= u == 0 || v == 0 || u + 1 == width || v + 1 == height;
+        for (j, _) in four_neighbours(i, width, height).filter(|(j, _)| patches.of_cell[*j] != k) {
+            patch.outline += 1;
+            if field.cells[j].support != field.cells[i].support {
+                patch.open += 1;
+            } else if patches.of_cell[j] != NO_PATCH {
+                patch.neighbours.insert(patches.of_cell[j]);
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,208 @@
+//! The search: proposals, their evidence, and the choice among those that overlap.
+
+use std::ops::RangeInclusive;
+
+use rayon::prelude::*;
+
+use crate::check::Check;
+use crate::facets::flat::evidence::{LEAST_PX, Shown, measure};
+use crate::facets::flat::field::Field;
+use crate::facets::flat::patches::{difference, find_patches, find_pieces};
+use crate::facets::flat::proposals::{OwnColors, Proposal, propose_by_color, propose_by_depth};
+use crate::facets::flat::raised::find_raised;
+use crate::facets::flat::surroundings::Surroundings;
+use crate::noise::KINECT_QUANTA;
+use crate::oriented_box::fit_oriented_box;
+use crate::oversegment::structure::Structure;
+use crate::params::{self, Params};
+use crate::surface::surfaces::Surfaces;
+
+/// The parameters of [`find_flats`](super::find_flats).
+#[derive(Clone, Copy, Debug)]
+pub struct FlatParams<'a> {
+    /// For flat things.
+    pub flat: &'a params::Flat,
+    /// For the sizes of objects.
+    pub objectness: &'a params::Objectness,
+}
+
+impl<'a> FlatParams<'a> {
+    /// Selects the groups of [`find_flats`](super::find_flats) from all parameters.
+    pub fn of(params: &'a Params) -> Self {
+        let Params { flat, objectness, .. } = params;
+        Self { flat, objectness }
+    }
+}
+
+/// The ring around a group (px at a focal length of 525 px): beyond mixed pixels and smeared depth, and near enough for one plane.
+const RING_PX: [usize; 2] = [5, 20];
+/// Two groups are alike when their mean colours differ by less than this (ΔE) ...
+const ALIKE: f32 = 12.0;
+/// ... and the smaller one has at least this share of the cells of the larger one.
+const ALIKE_SHARE: f64 = 0.15;
+/// A group may lose this share of its cells to another one; with more in common they are the same thing.
+const COMMON_SHARE: f64 = 0.2;
+/// The sides of a group are measured on about this many of its cells.
+const SAMPLED_CELLS: usize = 200;
+
+/// A group of cells with its evidence.
+struct Group {
+    cells: Vec<usize>,
+    is_part: bool,
+    shown: Shown,
+    /// Its longest and its second-longest side (m).
+    sides_m: [f64; 2],
+}
+
+/// A group that is a flat thing.
+pub(super) struct Found {
+    pub cells: Vec<usize>,
+    pub is_proven: bool,
+    pub checks: Vec<Check>,
+    rank: f64,
+}
+
+pub(super) struct Search<'a> {
+    field: &'a Field,
+    surfaces: &'a Surfaces,
+    structure: &'a Structure,
+    params: FlatParams<'a>,
+    ring: RangeInclusive<u8>,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(
+        field: &'a Field,
+        surfaces: &'a Surfaces,
+        structure: &'a Structure,
+        params: FlatParams<'a>,
+    ) -> Self {
+        let [near, far] = RING_PX.map(|px| surfaces.space.length_px(px).div_ceil(2).min(100) as u8);
+        Self { field, surfaces, structure, params, ring: near..=far }
+    }
+
+    /// The flat things, by their first cells.
+    pub(super) fn run(&self, has_color: bool) -> Vec<Found> {
+        let is_large = |cells: &[u32]| !self.is_graspable(self.sides_m(cells));
+        let (mut proposals, own) = if has_color {
+            propose_by_color(self.field, &find_patches(self.field), is_large)
+        } else {
+            (Vec::new(), OwnColors::new())
+        };
+        let raised = find_raised(self.field, self.noise_quanta(0));
+        proposals.extend(propose_by_depth(self.field, &find_pieces(self.field, &raised), is_large));
+        let least_cells = self.cells(self.params.objectness.min_size_px);
+        proposals.retain(|Proposal { cells, .. }| cells.len() >= least_cells && !is_large(cells));
+        let groups: Vec<Group> =
+            proposals.par_iter().filter_map(|proposal| self.look(proposal, &own)).collect();
+        let found = (0..groups.len()).filter_map(|k| self.judge(&groups, k)).collect();
+        self.choose(found)
+    }
+
+    /// Measures a proposal; `None` if its shape is none of a thing.
+    fn look(&self, Proposal { cells, is_part }: &Proposal, own: &OwnColors) -> Option<Group> {
+        let around = Surroundings::new(self.field, cells, usize::from(*self.ring.end()) + 1);
+        let shown = measure(self.field, &around, self.ring.clone(), own.get(&around.support));
+        let is_thing = shown.check_shape().iter().all(Check::holds);
+        let group = || Group {
+            cells: around.inside().collect(),
+            is_part: *is_part,
+            shown,
+            sides_m: self.sides_m(cells),
+        };
+        is_thing.then(group)
+    }
+
+    /// Decides whether a group is a flat thing.
+    fn judge(&self, groups: &[Group], k: usize) -> Option<Found> {
+        let Group { cells, is_part, shown, sides_m } = &groups[k];
+        let mut checks = shown.check_shape().to_vec();
+        let rises = shown.check_offset(self.noise_quanta(1), self.params.flat);
+        let is_proven = rises.holds();
+        if is_proven {
+            checks.push(rises);
+        } else {
+            let color = shown.color.filter(|_| !is_part && cells.len() >= self.cells(LEAST_PX))?;
+            checks.extend(color.check(count_alike(groups, k), sides_m[1], self.params.flat));
+        }
+        // What lies deeper than its ring is no thing, whatever its colour.
+        let is_sunk = shown.offset_quanta < -rises.limit;
+        let rank = cells.len() as f64 * shown.solid * shown.solid;
+        let is_thing = !is_sunk && checks.iter().all(Check::holds);
+        is_thing.then(|| Found { cells: cells.clone(), is_proven, checks, rank })
+    }
+
+    /// Of things that overlap, keeps the largest and most solid one.
+    fn choose(&self, mut found: Vec<Found>) -> Vec<Found> {
+        found.sort_by(|a, b| b.rank.total_cmp(&a.rank).then_with(|| a.cells.cmp(&b.cells)));
+        let mut is_taken = vec![false; self.field.cells.len()];
+        found.retain_mut(|thing| {
+            let all = thing.cells.len() as f64;
+            thing.cells.retain(|&i| !is_taken[i]);
+            let keeps = thing.cells.len() as f64 >= (1.0 - COMMON_SHARE) * all;
+            if keeps {
+                thing.cells.iter().for_each(|&i| is_taken[i] = true);
+            }
+            keeps
+        });
+        found.sort_by_key(|thing| thing.cells[0]);
+        found
+    }
+
+    /// The disagreement (quanta) of blocks of an empty surface: a Kinect's, times the most that blocks of any size exceed it, because waves
+    /// of stereo are longer than the blocks. A Kinect's at least: bent tables and stray light do not shrink with the noise.
+    fn noise_quanta(&self, block: usize) -> f64 {
+        let noise = self.surfaces.space.noise().blocks_quanta;
+        let ratios = noise.iter().zip(KINECT_QUANTA).map(|(own, kinect)| own / kinect);
+        ratios.fold(1.0, f64::max) * KINECT_QUANTA[block]
+    }
+
+    /// An area in pixels at a focal length of 525 px, in cells.
+    fn cells(&self, px: usize) -> usize {
+        self.surfaces.space.area_px(px).div_ceil(4).max(1)
+    }
+
+    fn is_graspable(&self, [longest_m, second_m]: [f64; 2]) -> bool {
+        let objectness = self.params.objectness;
+        longest_m <= f64::from(objectness.max_side_m) && second_m <= f64::from(objectness.max_second_side_m)
+    }
+
+    /// The longest and the second-longest side (m) of some cells on their support.
+    fn sides_m(&self, cells: &[u32]) -> [f64; 2] {
+        let place = usize::from(self.field.cells[cells[0] as usize].support);
+        let surface = &self.structure.surfaces[self.structure.supports.surfaces[place]];
+        let step = cells.len().div_ceil(SAMPLED_CELLS);
+        let points = cells.iter().step_by(step).map(|&i| {
+            let at = self.field.middle_px(i as usize);
+            self.surfaces.space.point_m(at, surface.model.value(at)).map(|x| x as f32)
+        });
+        let points: Vec<[f32; 3]> = points.collect();
+        let [x, y, _] = fit_oriented_box(&points, surface.normal().map(|x| x as f32)).extents_m;
+        [x.max(y), x.min(y)].map(f64::from)
+    }
+}
+
+/// The other groups of about the colour and the size of one.
+fn count_alike(groups: &[Group], k: usize) -> usize {
+    let (own, own_cells) = (&groups[k].shown, &groups[k].cells);
+    let is_alike = |other: &Group| {
+        let sizes = [own.cells, other.shown.cells].map(|cells| cells as f64);
+        let colors = own.color.zip(other.shown.color);
+        sizes[0].min(sizes[1]) >= ALIKE_SHARE * sizes[0].max(sizes[1])
+            && colors.is_some_and(|(a, b)| difference(a.mean, b.mean) < ALIKE)
+    };
+    // A group and the patches that it consists of are one.
+    let mut counted = vec![own_cells];
+    for other in groups.iter().filter(|other| is_alike(other)) {
+        if !counted.iter().any(|cells| overlap(cells, &other.cells)) {
+            counted.push(&other.cells);
+        }
+    }
+    counted.len() - 1
+}
+
+/// Whether two lists of cells in scan order have one in common.
+fn overlap(a: &[usize], b: &[usize]) -> bool {
+    let (few, many) = if a.len() < b.len() { (a, b) } else { (b, a) };
+    few.iter().any(|i| many.binary_search(i).is_ok())
+}
