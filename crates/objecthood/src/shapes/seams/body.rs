@@ -47,11 +47,16 @@ pub(super) struct Body {
 }
 
 impl Body {
-    /// The bodies that are large enough for a seam, in the order of the shapes. O(pixels).
+    /// The bodies that are large enough for a seam, in the order of the shapes. A flat thing was told by its outline; what is on it is
+    /// print. O(pixels).
     pub(super) fn of_shapes(facets: &Facets, shapes: &Shapes, space: &DisparitySpace) -> Vec<Self> {
         let Facets { segments, structure, .. } = facets;
         segments.find_runs();
-        let shape_of = |facet: usize| Some(shapes.of_facet[facet.checked_sub(*structure)?] as usize);
+        let end = facets.flats.first().map_or(segments.count(), |flat| flat.facet.index());
+        let shape_of = |facet: usize| {
+            let free = facet.checked_sub(*structure).filter(|_| facet < end)?;
+            Some(shapes.of_facet[free] as usize)
+        };
         let mut sizes = vec![0; shapes.count];
         for (run, facet) in segments.runs() {
             shape_of(facet).into_iter().for_each(|shape| sizes[shape] += run.len());
