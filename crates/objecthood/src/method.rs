@@ -117,7 +117,7 @@ pub(crate) fn context<'k>(
     // 2. Facets: superpixels that lie on one surface, and flat things on the structure.
     let facets = recall(&mut kept.facets, || {
         let found = find_facets(surfaces, structure, superpixels, &params.merging, &params.refinement);
-        find_flats(found, frame, surfaces, structure, FlatParams::of(params))
+        find_flats(found, surfaces, structure, FlatParams::of(params))
     });
 
     // 3. Shapes: facets whose borders vote for one shape. Colour cuts what flush things share.

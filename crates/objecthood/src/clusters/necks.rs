@@ -8,10 +8,10 @@ use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
 use crate::clusters::scene::{Scene, sampled};
 use crate::color::histogram::ColorHistogram;
+use crate::color::image::LabImage;
 use crate::neighbours::four_neighbours;
 use crate::params;
 use crate::quantile::element_at;
-use crate::raster::Raster;
 use crate::regions::SegmentId;
 use crate::surface::disparity::position;
 use crate::union_find::UnionFind;
@@ -96,7 +96,7 @@ impl Pair {
 
 struct Compare<'a> {
     clusters: &'a Clusters<'a>,
-    lab: &'a Raster<[f32; 3]>,
+    lab: &'a LabImage,
     up: DVec3,
     params: &'a params::Necks,
 }
@@ -192,8 +192,7 @@ mod tests {
             let height_m = [0.0, from_m + slope * 0.0019 * (u as f64 - 4.0), joined_m][of(u, v) as usize];
             Some((of(u, v), height_m))
         });
-        let lab = |i: usize| [BLUE, colors[0], colors[1]][of(i % 32, i / 32) as usize];
-        table.lab = Some(Raster::from_vec(32, 28, (0..32 * 28).map(lab).collect()).unwrap());
+        table.lab = Some(LabImage::drawn((32, 28), |u, v| [BLUE, colors[0], colors[1]][of(u, v) as usize]));
         table
     }
 

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::clusters::steps::StepLimits;
+use crate::color::image::LabImage;
 use crate::facets::Facets;
 use crate::frame::Frame;
 use crate::oversegment::structure::{Structure, StructureSurface};
@@ -28,8 +29,8 @@ pub struct Scene<'a> {
     pub points_m: &'a Raster<[f32; 3]>,
     /// Colour, if the frame has any.
     pub color: Option<&'a Raster<[u8; 3]>>,
-    /// The same as L\*a\*b\*, smoothed.
-    pub lab: Option<&'a Raster<[f32; 3]>>,
+    /// The same as it is compared.
+    pub lab: Option<&'a LabImage>,
     /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
     /// The surfaces of the structure; surface k is facet k.

@@ -6,6 +6,7 @@ use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Event, Rule, Source};
 use crate::clusters::scene::Scene;
 use crate::clusters::steps::StepLimits;
+use crate::color::image::LabImage;
 use crate::facets::Facets;
 use crate::oversegment::structure::StructureSurface;
 use crate::params;
@@ -28,7 +29,7 @@ pub(crate) struct Table {
     pub(crate) facets: Facets,
     pub(crate) disparity: Raster<f32>,
     pub(crate) color: Option<Raster<[u8; 3]>>,
-    pub(crate) lab: Option<Raster<[f32; 3]>>,
+    pub(crate) lab: Option<LabImage>,
     normals: Raster<[f32; 3]>,
     points_m: Raster<[f32; 3]>,
     space: DisparitySpace,

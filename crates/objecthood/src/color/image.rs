@@ -1,4 +1,6 @@
-//! The colour of a frame as `context` compares it: L\*a\*b\*, smoothed.
+//! The colour of a frame as `context` compares it: L\*a\*b\*, at half the resolution.
+
+use std::ops::Index;
 
 use rayon::prelude::*;
 
@@ -7,37 +9,66 @@ use crate::color::{linear, nearly_lab};
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
-/// Converts an sRGB image to L\*a\*b\* (L in 0..100, a and b about -128..128) and smooths it with the weights 1, 2, 1 along both axes.
+/// L\*a\*b\* (L in 0..100, a and b about -128..128) of cells of 2 x 2 pixels.
 ///
-/// Nine pixels take a third of the noise of single pixels away (σ 0.7 px), and an edge stays sharp to 2 px. At the border of the
-/// image the border pixel is repeated. Source: ours, because the paper smooths RGB by its own eq. 1, and a comparison of colours
-/// needs a space of equal steps. O(pixels); parallel over rows.
-pub fn lab_image(color: &Raster<[u8; 3]>) -> Raster<[f32; 3]> {
-    let (width, height) = color.size();
-    let mut smoothed = Buffer::stale(color.len(), [0.0; 3]);
-    smoothed.par_chunks_mut(width).enumerate().for_each_init(
-        || vec![[0.0; 3]; width],
-        |down, (v, row)| {
-            let rows = [v.saturating_sub(1), v, (v + 1).min(height - 1)];
-            let [above, own, below] = rows.map(|v| &color.as_slice()[v * width..(v + 1) * width]);
-            for (sum, ((a, b), c)) in down.iter_mut().zip(above.iter().zip(own).zip(below)) {
-                let [a, b, c] = [a, b, c].map(|rgb| linear(*rgb));
-                *sum = std::array::from_fn(|k| 0.25 * (a[k] + 2.0 * b[k] + c[k]));
+/// The mean of four pixels has half their noise, and costs a quarter of their conversion. Indexed by pixels in scan order.
+#[derive(Clone, Debug)]
+pub struct LabImage {
+    cells: Raster<[f32; 3]>,
+    /// Columns of the image.
+    width: usize,
+}
+
+impl LabImage {
+    /// Converts an sRGB image. The mean is taken in linear light; where the image ends within a cell, its last pixels count twice. Source:
+    /// ours, because the paper smooths RGB by its own eq. 1, and a comparison of colours needs a space of equal steps. O(pixels);
+    /// parallel over rows.
+    #[expect(clippy::missing_panics_doc, reason = "half of a size is a size")]
+    pub fn new(color: &Raster<[u8; 3]>) -> Self {
+        let (width, height) = color.size();
+        let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
+        let mut cells = Buffer::stale(columns * rows, [0.0; 3]);
+        cells.par_chunks_mut(columns).enumerate().for_each(|(row, cells)| {
+            let rows = [2 * row, (2 * row + 1).min(height - 1)];
+            let rows = rows.map(|v| &color.as_slice()[v * width..(v + 1) * width]);
+            for (column, cell) in cells.iter_mut().enumerate() {
+                let (left, right) = (2 * column, (2 * column + 1).min(width - 1));
+                let light = rows.map(|row| [linear(row[left]), linear(row[right])]);
+                *cell =
+                    std::array::from_fn(|k| 0.25 * light.iter().flatten().map(|light| light[k]).sum::<f32>());
             }
             vectorized(
                 #[inline(always)]
-                || {
-                    for (u, pixel) in row.iter_mut().enumerate() {
-                        let [left, own, right] =
-                            [u.saturating_sub(1), u, (u + 1).min(width - 1)].map(|u| down[u]);
-                        *pixel =
-                            nearly_lab(std::array::from_fn(|k| 0.25 * (left[k] + 2.0 * own[k] + right[k])));
-                    }
-                },
+                || cells.iter_mut().for_each(|cell| *cell = nearly_lab(*cell)),
             );
-        },
-    );
-    color.with_data(smoothed)
+        });
+        let cells = Raster::from_vec(columns, rows, cells.into_vec()).expect("a size");
+        Self { cells, width }
+    }
+
+    /// The colour of the cell in this column and row of cells.
+    #[inline]
+    pub(crate) fn cell(&self, column: usize, row: usize) -> [f32; 3] {
+        self.cells[row * self.cells.width() + column]
+    }
+
+    /// An image of these colours, one for each pixel; a cell has that of its first.
+    #[cfg(test)]
+    pub(crate) fn drawn((width, height): (usize, usize), color: impl Fn(usize, usize) -> [f32; 3]) -> Self {
+        let columns = width.div_ceil(2);
+        let cells = (0..columns * height.div_ceil(2)).map(|i| color(2 * (i % columns), 2 * (i / columns)));
+        Self { cells: Raster::from_vec(columns, height.div_ceil(2), cells.collect()).unwrap(), width }
+    }
+}
+
+/// The colour of the cell around pixel `i`.
+impl Index<usize> for LabImage {
+    type Output = [f32; 3];
+
+    #[inline]
+    fn index(&self, i: usize) -> &[f32; 3] {
+        &self.cells[i / self.width / 2 * self.cells.width() + i % self.width / 2]
+    }
 }
 
 #[cfg(test)]
@@ -46,17 +77,27 @@ mod tests {
     use crate::color::lab;
 
     #[test]
-    fn an_even_image_keeps_its_color_and_an_edge_is_two_pixels_wide() {
+    fn every_pixel_has_the_color_of_its_cell_also_at_odd_sizes() {
         let (left, right) = ([200, 30, 60], [20, 90, 160]);
-        let pixels = (0..8 * 5).map(|i| if i % 8 < 4 { left } else { right }).collect();
-        let image = lab_image(&Raster::from_vec(8, 5, pixels).unwrap());
-        for i in 0..40 {
-            let distance = |rgb| -> f32 { lab(rgb).iter().zip(image[i]).map(|(x, y)| (x - y).abs()).sum() };
-            match i % 8 {
-                0..=2 => assert!(distance(left) < 0.01, "{i}"),
-                5..=7 => assert!(distance(right) < 0.01, "{i}"),
-                _ => assert!(distance(left) > 5.0 && distance(right) > 5.0, "{i}"),
+        for (width, height) in [(8, 6), (7, 5), (1, 1)] {
+            let pixels = (0..width * height).map(|i| if i % width < 4 { left } else { right }).collect();
+            let image = LabImage::new(&Raster::from_vec(width, height, pixels).unwrap());
+            for i in 0..width * height {
+                let expected = lab(if i % width < 4 { left } else { right });
+                let distance: f32 = expected.iter().zip(image[i]).map(|(x, y)| (x - y).abs()).sum();
+                assert!(distance < 0.01, "{i} of {width} x {height}: {distance}");
+                assert_eq!(image[i], image.cell(i % width / 2, i / width / 2));
             }
         }
+    }
+
+    #[test]
+    fn a_cell_is_the_mean_in_linear_light() {
+        let image = LabImage::new(&Raster::from_vec(2, 1, vec![[255; 3], [0; 3]]).unwrap());
+        assert!(
+            (image[0][0] - 76.07).abs() < 0.1 && image[0] == image[1],
+            "half the light of white: {:?}",
+            image[0]
+        );
     }
 }

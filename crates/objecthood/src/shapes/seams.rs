@@ -15,10 +15,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::check::{Bound, Check};
+use crate::color::image::LabImage;
 use crate::facets::Facets;
 use crate::oversegment::structure::Structure;
 use crate::params::{self, Params};
-use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 use crate::shapes::border::{BorderEvidence, measure_borders};
 use crate::shapes::contraction::{Shapes, contract, sum_votes};
@@ -167,7 +167,7 @@ struct Piece {
 
 /// The inputs of the search besides the bodies.
 struct Search<'a> {
-    lab: &'a Raster<[f32; 3]>,
+    lab: &'a LabImage,
     space: &'a DisparitySpace,
     params: &'a params::Seams,
     up: Option<DVec3>,
@@ -206,7 +206,8 @@ impl Search<'_> {
     fn find(&self, body: &Body) -> Option<(Trace, Seam)> {
         let axes = find_axes(body, self.up).into_iter();
         let traces = axes.flat_map(|axis| find_traces(body, axis, self.lab, self.space));
-        let seams = traces.map(|trace| (trace, Seam { checks: self.checks(body, &trace) }));
+        let wide = traces.filter(|trace| trace.share >= self.params.cross_share);
+        let seams = wide.map(|trace| (trace, Seam { checks: self.checks(body, &trace) }));
         let passed = seams.filter(|(_, seam)| seam.checks.iter().all(Check::holds));
         passed.reduce(|best, next| if next.0.clearness > best.0.clearness { next } else { best })
     }

@@ -1,6 +1,6 @@
 //! The surface at every pixel in `context`: the plane that fits its surroundings best (docs/CONTEXT.md 0.3, 0.4).
 
-use crate::color::image::lab_image;
+use crate::color::image::LabImage;
 use crate::estimates::Estimates;
 use crate::frame::Frame;
 use crate::noise::MeasuredNoise;
@@ -22,8 +22,8 @@ pub struct Surfaces {
     pub frame: Frame,
     /// The camera and the sensor's noise, which convert between pixels, quanta and metres.
     pub space: DisparitySpace,
-    /// Colour (L\*a\*b\*), smoothed; `None` without a colour image.
-    pub lab: Option<Raster<[f32; 3]>>,
+    /// Colour as it is compared; `None` without a colour image.
+    pub lab: Option<LabImage>,
     /// Disparity (quanta); `NaN` without depth from 0.1 to 20 m, except in small holes that are bridged.
     pub disparity: Raster<f32>,
     /// The share of the pixels that are small holes in a grid, and were bridged.
@@ -57,7 +57,7 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
     measured.white = measure_white(&fits.residual);
     let Estimates { noise, frames: noise_frames, .. } = known.with(&measured);
     let space = space.with_noise(noise);
-    let lab = frame.color().map(lab_image);
+    let lab = frame.color().map(LabImage::new);
     let orientation = choose_windows(&disparity, &fits, &space, params);
     Surfaces { frame, space, lab, disparity, bridged_share, sharpened_share, noise_frames, fits, orientation }
 }

@@ -2,11 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::color::{linear, nearly_lab};
 use crate::facets::Facets;
-use crate::frame::Frame;
 use crate::oversegment::structure::Structure;
-use crate::raster::Raster;
 use crate::surface::disparity::position;
 use crate::surface::surfaces::Surfaces;
 
@@ -14,6 +11,8 @@ use crate::surface::surfaces::Surfaces;
 const HIGHEST_M: f64 = 0.014;
 /// A facet beside the structure belongs to the field when this share of its pixels does: the rest are edges.
 const LOW_SHARE: f64 = 0.9;
+/// Every so-many-th pixel of a row of a facet tells whether it is low.
+const LOW_STEP: usize = 4;
 /// A cell belongs to the field when at least this many of its four pixels do.
 const LEAST_PIXELS: u32 = 2;
 /// No support.
@@ -41,7 +40,7 @@ pub(super) struct Field {
 
 impl Field {
     /// Collects the cells. O(pixels); parallel over rows.
-    pub(super) fn new(frame: &Frame, surfaces: &Surfaces, structure: &Structure, facets: &Facets) -> Self {
+    pub(super) fn new(surfaces: &Surfaces, structure: &Structure, facets: &Facets) -> Self {
         let rise = Rise { surfaces, structure };
         let is_low = low_facets(&rise, facets);
         let (full_width, full_height) = surfaces.disparity.size();
@@ -71,8 +70,8 @@ impl Field {
                     continue;
                 }
                 cell.rise = (sum.1 / f64::from(sum.0)) as f32;
-                if let Some(color) = frame.color() {
-                    cell.lab = mean_lab(color, pixels);
+                if let Some(lab) = &surfaces.lab {
+                    cell.lab = lab.cell(u, v);
                 }
             }
         });
@@ -96,11 +95,6 @@ impl Field {
         pixels.sort_unstable();
         pixels
     }
-}
-
-fn mean_lab(color: &Raster<[u8; 3]>, pixels: [usize; 4]) -> [f32; 3] {
-    let light = pixels.map(|i| linear(color[i]));
-    nearly_lab(std::array::from_fn(|k| 0.25 * light.iter().map(|light| light[k]).sum::<f32>()))
 }
 
 /// Distances before the supports.
@@ -139,8 +133,9 @@ impl Rise<'_> {
 fn low_facets(rise: &Rise<'_>, facets: &Facets) -> Vec<bool> {
     let mut counts = vec![(0_usize, 0_usize); facets.segments.count()];
     for (run, facet) in facets.segments.runs().filter(|&(_, facet)| facet >= facets.structure) {
-        let low = run.clone().filter(|&i| rise.nearest(i).is_some()).count();
-        counts[facet] = (counts[facet].0 + low, counts[facet].1 + run.len());
+        let sample = || run.clone().step_by(LOW_STEP);
+        let low = sample().filter(|&i| rise.nearest(i).is_some()).count();
+        counts[facet] = (counts[facet].0 + low, counts[facet].1 + sample().len());
     }
     counts.into_iter().map(|(low, all)| low as f64 > LOW_SHARE * all as f64).collect()
 }

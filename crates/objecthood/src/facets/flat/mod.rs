@@ -16,7 +16,6 @@ use crate::facets::facet::{Facets, Flat};
 use crate::facets::flat::field::Field;
 pub use crate::facets::flat::search::FlatParams;
 use crate::facets::flat::search::Search;
-use crate::frame::Frame;
 use crate::oversegment::structure::Structure;
 use crate::regions::{SegmentId, Segments};
 use crate::surface::model::Basis;
@@ -31,7 +30,6 @@ use crate::surface::surfaces::Surfaces;
 /// the proposals · log), without a support O(1).
 pub fn find_flats(
     facets: Facets,
-    frame: &Frame,
     surfaces: &Surfaces,
     structure: &Structure,
     params: FlatParams<'_>,
@@ -39,8 +37,8 @@ pub fn find_flats(
     if !params.flat.enabled || structure.supports.surfaces.is_empty() {
         return facets;
     }
-    let field = Field::new(frame, surfaces, structure, &facets);
-    let found = Search::new(&field, surfaces, structure, params).run(frame.color().is_some());
+    let field = Field::new(surfaces, structure, &facets);
+    let found = Search::new(&field, surfaces, structure, params).run(surfaces.lab.is_some());
     if found.is_empty() {
         return facets;
     }

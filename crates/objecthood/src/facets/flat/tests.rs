@@ -3,6 +3,7 @@ use crate::attitude::Attitude;
 use crate::camera::Camera;
 use crate::check::Check;
 use crate::facets::find_facets;
+use crate::frame::Frame;
 use crate::oversegment::linked::flood_superpixels;
 use crate::oversegment::structure::find_structure;
 use crate::params::Params;
@@ -31,7 +32,7 @@ fn flats(rise_m: f32, color: Option<[u8; 3]>) -> (Vec<Flat>, Vec<usize>) {
     let structure = find_structure(frame.depth_m(), &surfaces, &attitude, &params.structure);
     let superpixels = flood_superpixels(&surfaces, &structure, &params.watershed);
     let facets = find_facets(&surfaces, &structure, &superpixels, &params.merging, &params.refinement);
-    let found = find_flats(facets, &frame, &surfaces, &structure, FlatParams::of(&params));
+    let found = find_flats(facets, &surfaces, &structure, FlatParams::of(&params));
     let last = found.flats.last().map(|flat| flat.facet.index());
     let pixels = found.segments.members().filter(|&(_, facet)| Some(facet) == last).map(|(i, _)| i);
     (found.flats.clone(), pixels.collect())

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use crate::color::histogram::ColorHistogram;
+use crate::color::image::LabImage;
 use crate::facets::Facets;
-use crate::raster::Raster;
 use crate::shapes::contraction::Shapes;
 use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::{DisparitySpace, position};
@@ -17,6 +17,8 @@ const FLAT_DEG: f64 = 10.0;
 const FLAT_SHARE: f64 = 0.7;
 /// About this many pixels of a face show whether it is flat.
 const NORMALS: usize = 32;
+/// About this many pixels of a body tell its colours.
+const COLORS: usize = 4096;
 
 /// A pixel of a body.
 #[derive(Clone, Copy, Debug)]
@@ -110,9 +112,10 @@ impl Body {
     }
 
     /// The overlap of the colours on both sides of a trace, without the pixels that may show both.
-    pub(super) fn overlap_across(&self, trace: &Trace, lab: &Raster<[f32; 3]>) -> f64 {
+    pub(super) fn overlap_across(&self, trace: &Trace, lab: &LabImage) -> f64 {
         let side = |sign: f64| {
-            let beyond = self.pixels().filter(|p| sign * trace.height_m(p.point) > trace.blur_m);
+            let sample = self.pixels().step_by(self.size_px().div_ceil(COLORS));
+            let beyond = sample.filter(|p| sign * trace.height_m(p.point) > trace.blur_m);
             ColorHistogram::of(beyond.map(|p| lab[p.i as usize]))
         };
         side(-1.0).overlap(&side(1.0))

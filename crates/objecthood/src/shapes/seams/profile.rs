@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::raster::Raster;
+use crate::color::image::LabImage;
 use crate::shapes::seams::body::{Body, BodyPixel, Face};
 use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::DisparitySpace;
@@ -41,12 +41,7 @@ const MOST_TRACES: usize = 4;
 const MOST_PLACES: usize = 2048;
 
 /// Proposes the clearest places along an edge, the clearest first. O(pixels + stripes · places).
-pub(super) fn find_traces(
-    body: &Body,
-    axis: DVec3,
-    lab: &Raster<[f32; 3]>,
-    space: &DisparitySpace,
-) -> Vec<Trace> {
+pub(super) fn find_traces(body: &Body, axis: DVec3, lab: &LabImage, space: &DisparitySpace) -> Vec<Trace> {
     let Some(places) = Places::along(body, axis, space) else { return Vec::new() };
     let is_across = |face: &&Face| face.normal.dot(axis).abs() > ACROSS;
     let (folds, faces): (Vec<&Face>, Vec<&Face>) = body.faces.iter().partition(is_across);
@@ -124,7 +119,7 @@ impl Places {
     }
 
     /// Adds the contrast at each place of each stripe of a face.
-    fn compare(&self, face: &Face, lab: &Raster<[f32; 3]>, contrasts: &mut [Vec<f32>]) {
+    fn compare(&self, face: &Face, lab: &LabImage, contrasts: &mut [Vec<f32>]) {
         let across = face.normal.cross(self.axis).normalize();
         let first_m = face.pixels.iter().map(|p| across.dot(p.point)).fold(f64::INFINITY, f64::min);
         let stripe = |p: &BodyPixel| ((across.dot(p.point) - first_m) / self.stripe_m) as usize;

@@ -1,6 +1,7 @@
 //! Seams of painted boards.
 
 use super::*;
+use crate::raster::Raster;
 use crate::surface::model::Basis;
 use crate::surface::moments::Moments;
 use crate::testing::kinect;
@@ -21,8 +22,7 @@ fn board() -> (Facets, Raster<f32>) {
 
 /// The seams of the board when it is painted so, and its facets.
 fn seams(paint: impl Fn(usize, usize) -> [f32; 3], params: &params::Seams) -> Option<(Cuts, Facets)> {
-    let lab = (0..SIZE.0 * SIZE.1).map(|i| paint(i % SIZE.0, i / SIZE.0)).collect();
-    let lab = &Raster::from_vec(SIZE.0, SIZE.1, lab).unwrap();
+    let lab = &LabImage::drawn(SIZE, paint);
     let (shapes, facets) = (Shapes { of_facet: vec![0], count: 1 }, board().0);
     let search = Search { lab, space: &kinect(), params, up: Some(DVec3::NEG_Y) };
     let partings = search.part_all(&facets, &shapes);
