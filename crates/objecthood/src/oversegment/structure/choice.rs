@@ -92,7 +92,8 @@ pub(super) fn choose_ground(evidence: &[Evidence], things: f64, attitude: &Attit
         },
     };
     match attitude.earlier_up {
-        Some(up) if !choice.is_clear => {
+        // A camera is not turned between two frames.
+        Some(up) if !choice.is_clear || choice.turned_deg != 0 => {
             let alike = rated.iter().filter(|r| evidence[r.surface].normal.dot(up) > PARALLEL);
             most(alike, |r| r.upright.max(TURNED_WEIGHT * r.turned)).map(|r| Choice {
                 surface: r.surface,
@@ -102,6 +103,16 @@ pub(super) fn choose_ground(evidence: &[Evidence], things: f64, attitude: &Attit
         }
         _ => Some(choice),
     }
+}
+
+/// The angle (degrees) by which the surface with most votes faces away from a measured up that no surface faces.
+pub(super) fn missed_gravity_deg(evidence: &[Evidence], attitude: &Attitude) -> Option<f32> {
+    let rate = |leader| Rated::new(evidence, leader, 0.0, attitude);
+    let rated: Vec<Rated> = (0..evidence.len()).map(rate).collect();
+    if attitude.knowledge != Knowledge::Measured || rated.iter().any(|r| r.can_be_ground) {
+        return None;
+    }
+    most(rated.iter(), |r| r.votes).map(|r| libm::acos(r.above.clamp(-1.0, 1.0)).to_degrees() as f32)
 }
 
 /// The one with the greatest number, of equal ones the first.
@@ -304,6 +315,14 @@ mod tests {
         assert_eq!((choice.surface, choice.turned_deg, choice.is_clear), (0, 0, true));
         assert_eq!(ground(9.0, 0.1, &measured(WALL)).unwrap().surface, 1, "a camera that looks down");
         assert_eq!(ground(9.0, 9.0, &measured(DVec3::X)), None);
+        let missed = |up: DVec3| {
+            let stand =
+                |(normal, resting): (DVec3, f64)| Evidence { normal, things: resting, resting, share: 0.3 };
+            missed_gravity_deg(&[(FLOOR, 4.0), (WALL, 1.0)].map(stand), &measured(up))
+        };
+        assert_eq!(missed(FLOOR.normalize()), None);
+        assert!((missed(-FLOOR.normalize()).unwrap() - 180.0).abs() < 1.0, "the sign is exchanged");
+        assert!((missed(DVec3::X).unwrap() - 90.0).abs() < 1.0);
     }
 
     #[test]

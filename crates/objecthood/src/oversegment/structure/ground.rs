@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::choice::{Choice, Evidence, choose_ground};
+use super::choice::{Choice, Evidence, choose_ground, missed_gravity_deg};
 use super::surface::StructureSurface;
 use crate::attitude::Attitude;
 use crate::raster::Raster;
@@ -44,6 +44,8 @@ pub struct Supports {
     pub turned_deg: u16,
     /// Whether little speaks for another surface as the ground.
     pub is_clear: bool,
+    /// The angle (degrees) by which the surface on which most stands faces away from a measured up that no surface faces.
+    pub missed_gravity_deg: Option<f32>,
 }
 
 /// Finds the ground and all supports that are parallel to it.
@@ -60,14 +62,19 @@ pub(super) fn find_supports(
 ) -> Supports {
     let seen = Seen::new(labels, disparity, space);
     let (evidence, things) = count_things(&seen, surfaces);
-    let Some(ground) = choose_ground(&evidence, things, attitude) else { return Supports::default() };
+    let Some(ground) = choose_ground(&evidence, things, attitude) else {
+        return Supports {
+            missed_gravity_deg: missed_gravity_deg(&evidence, attitude),
+            ..Supports::default()
+        };
+    };
     let Choice { surface, turned_deg, is_clear, .. } = ground;
     let mut surfaces: Vec<usize> =
         (0..evidence.len()).filter(|&k| evidence[surface].is_parallel_to(&evidence[k])).collect();
     surfaces.retain(|&k| k < large || evidence[k].things >= 1.0);
     let votes = |k: usize| evidence[k].things + evidence[k].share;
     surfaces.sort_by(|&a, &b| votes(b).total_cmp(&votes(a)));
-    Supports { surfaces, turned_deg, is_clear }
+    Supports { surfaces, turned_deg, is_clear, missed_gravity_deg: None }
 }
 
 impl Supports {
