@@ -32,6 +32,11 @@ fn given_gravity_is_up_and_what_does_not_face_it_is_no_ground() {
     let (given, notices) = up(&format!("--gravity {}", down.join(",")));
     assert_eq!(given["source"], "measured");
     assert!(!notices.contains("gravity"), "{notices}");
+    let opposite: Vec<String> = down.iter().map(|x| (-x.parse::<f64>().unwrap()).to_string()).collect();
+    let (_, notices) = up(&format!("--gravity {}", opposite.join(",")));
+    assert!(notices.contains("180 degrees") && notices.contains("sign exchanged"), "{notices}");
+    let (_, notices) = up("--gravity 1,0,0");
+    assert!(notices.contains("no surface faces up"), "{notices}");
     folder.run("explain a.pcd --at 10,10 --gravity 1,0,0", 0);
     let run = folder.run("segment --out out --gravity poses a.pcd", 1);
     assert!(run.stderr.contains("no pose"), "{}", run.stderr);

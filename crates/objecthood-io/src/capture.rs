@@ -49,6 +49,21 @@ impl Capture {
     }
 }
 
+impl Capture {
+    /// A direction of the frame of the file's points, in the camera frame. They are the same, unless the points were turned by half about x, or
+    /// are a list that a virtual camera looks at.
+    pub fn to_camera_direction(&self, direction: [f32; 3]) -> [f32; 3] {
+        let [x, y, z] = direction;
+        match (&self.list, self.pose) {
+            (Some(_), Some(pose)) => {
+                (pose.rotation().inverse() * DVec3::from(direction.map(f64::from))).as_vec3().to_array()
+            }
+            _ if self.turned => [x, -y, -z],
+            _ => direction,
+        }
+    }
+}
+
 /// What a source says of its camera and units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Said {

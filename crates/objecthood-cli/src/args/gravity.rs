@@ -6,7 +6,7 @@ use objecthood_io::Capture;
 /// Gravity, or where to read it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum GravityArg {
-    /// The direction in which things fall, in the camera frame.
+    /// The direction in which things fall, in the frame of the points: of images the camera frame.
     Given([f32; 3]),
     /// The poses of the frames, in a world whose z axis points up.
     Poses,
@@ -33,7 +33,7 @@ impl GravityArg {
     /// When it is to be read from a pose that the frame does not have.
     pub(crate) fn set(self, mut capture: Capture) -> Result<Capture> {
         let up = match (self, capture.pose) {
-            (Self::Given(gravity), _) => gravity.map(|part| -part),
+            (Self::Given(gravity), _) => capture.to_camera_direction(gravity).map(|part| -part),
             (Self::Poses, Some(pose)) => pose.up(),
             (Self::Poses, None) => {
                 return Err(anyhow!(

@@ -49,6 +49,8 @@ pub struct Scene<'a> {
     pub turned_deg: u16,
     /// Whether little speaks for another surface as the ground.
     pub is_ground_clear: bool,
+    /// The angle (degrees) by which the surface on which most stands faces away from a measured up that no surface faces.
+    pub missed_gravity_deg: Option<f32>,
     /// The largest differences in disparity that are no step.
     pub steps: StepLimits,
 }
@@ -85,6 +87,7 @@ impl<'a> Scene<'a> {
             noise_frames: surfaces.noise_frames,
             turned_deg: structure.supports.turned_deg,
             is_ground_clear: structure.supports.is_clear,
+            missed_gravity_deg: structure.supports.missed_gravity_deg,
             steps,
         }
     }

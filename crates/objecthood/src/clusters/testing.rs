@@ -103,6 +103,7 @@ impl Table {
             noise_frames: 0,
             turned_deg: 0,
             is_ground_clear: true,
+            missed_gravity_deg: None,
             steps: StepLimits::of(&params::Watershed::default(), &self.space),
         }
     }

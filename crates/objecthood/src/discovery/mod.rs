@@ -68,6 +68,9 @@ impl Discovery {
     }
 }
 
+/// A surface on which things stand that faces away from up by more than this (degrees) tells that the sign of gravity is exchanged.
+const EXCHANGED_DEG: f32 = 150.0;
+
 /// A notice: something that the user should know about a result. It is no error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -89,6 +92,11 @@ pub enum Notice {
         tilt_deg: f32,
         /// Share of the pixels with depth that lie on it.
         share: f32,
+    },
+    /// No surface faces the measured direction up, so there is no ground.
+    GravityMissed {
+        /// Angle between that direction and the normal of the surface on which most stands (degrees).
+        angle_deg: f32,
     },
     /// Depth has a grid of small holes, as registering it to a larger colour image leaves. They were bridged.
     HoleGrid {
@@ -125,6 +133,16 @@ impl fmt::Display for Notice {
                      or --set gravity.tilt_deg=.. and gravity.roll_deg=..)"
                 )
             }
+            Self::GravityMissed { angle_deg } if *angle_deg > EXCHANGED_DEG => write!(
+                f,
+                "the surface on which most things stand faces {angle_deg:.0} degrees away from up as --gravity has it: is the sign exchanged? An accelerometer \
+                 at rest shows the opposite of the direction in which things fall"
+            ),
+            Self::GravityMissed { angle_deg } => write!(
+                f,
+                "no surface faces up as --gravity has it, so there is no ground: that on which most things stand faces {angle_deg:.0} degrees away \
+                 from it (are the axes x right, y down, z forward?)"
+            ),
             Self::HoleGrid { share } => {
                 let percent = 100.0 * share;
                 write!(f, "depth has small holes all over ({percent:.0} % of the pixels), which were bridged")

@@ -84,6 +84,7 @@ pub fn conclude_context(
     let turned = (scene.turned_deg != 0).then_some(Notice::Turned { degrees: scene.turned_deg });
     let ground = scene.ground_facet().map(|facet| &planes[facet.index()]);
     let in_doubt = ground.filter(|_| !scene.is_ground_clear).map(ground_in_doubt);
+    let missed = scene.missed_gravity_deg.map(|angle_deg| Notice::GravityMissed { angle_deg });
     let holes = (scene.bridged_share > 0.0).then_some(Notice::HoleGrid { share: scene.bridged_share });
     let smeared = (scene.sharpened_share > 0.0).then_some(Notice::Smeared { share: scene.sharpened_share });
     Ok(Discovery {
@@ -98,7 +99,7 @@ pub fn conclude_context(
             frames: scene.noise_frames,
             up: told.then_some(up.direction),
         }),
-        notices: [no_plane, turned, in_doubt, holes, smeared].into_iter().flatten().collect(),
+        notices: [no_plane, turned, in_doubt, missed, holes, smeared].into_iter().flatten().collect(),
     })
 }
 

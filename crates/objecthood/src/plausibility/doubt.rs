@@ -126,7 +126,8 @@ impl fmt::Display for Doubt {
                     f,
                     "the camera seems to be that of an image of {times:.1} times this size: for this one it is about "
                 )?;
-                numbers(f, likely)
+                numbers(f, likely)?;
+                f.write_str(", unless the image is cut out of a larger one")
             }
             Self::CenterSwapped { center_px: [cx, cy] } => write!(
                 f,
@@ -134,7 +135,7 @@ impl fmt::Display for Doubt {
             ),
             Self::CenterOff { center_px: [cx, cy], middle_px: [u, v] } => write!(
                 f,
-                "the principal point ({cx:.1}, {cy:.1}) is far from the middle of the image, near which cameras have it: is ({u:.1}, {v:.1}) meant?"
+                "the principal point ({cx:.1}, {cy:.1}) is far from the middle of the image, near which cameras have it: is ({u:.1}, {v:.1}) meant, or is the image cut out of a larger one?"
             ),
             Self::FieldOfView { degrees: [across, down] } => write!(
                 f,

@@ -117,7 +117,7 @@ mod tests {
             ([525.0, 525.0, 239.5, 319.5], "turned on its side"),
             (
                 [525.0, 525.0, 0.0, 0.0],
-                "far from the middle of the image, near which cameras have it: is (319.5, 239.5) meant?",
+                "far from the middle of the image, near which cameras have it: is (319.5, 239.5) meant, or is the image cut out",
             ),
             ([525.0, 525.0, 99999.0, 239.5], "far from the middle"),
             ([319.5, 239.5, 525.0, 525.0], "far from the middle"),

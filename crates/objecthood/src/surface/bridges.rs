@@ -13,10 +13,55 @@ const LEAST_SHARE: f32 = 0.01;
 /// Both sides of a hole agree when they differ by at most this (quanta): rounding, and a slope of one quantum a pixel.
 const AGREE_QUANTA: f32 = 2.0;
 
-/// Fills holes of one or two pixels, along their row and along their column, whose sides agree, by the mean of the values between them. A
-/// line of missing pixels stays: it is the border of a thing. So do holes at the border of the image. When such holes are no
-/// [`LEAST_SHARE`] of the image they are the sensor's own, often at borders, and stay too. Returns the share that was bridged. O(pixels).
+/// Bridges empty lines of the image, then single holes. Returns the share of the pixels that was bridged. O(pixels).
 pub(super) fn bridge_holes(disparity: &mut Raster<f32>) -> f32 {
+    bridge_lines(disparity) + bridge_dots(disparity)
+}
+
+/// Fills rows and columns without any measurement, at most two side by side, by the mean of the values on both sides if they agree. Depth
+/// that was mapped forward into a larger image has such lines; a sensor's own holes never are as long as the image. They stay when
+/// what is filled is no [`LEAST_SHARE`] of the image. O(pixels).
+fn bridge_lines(disparity: &mut Raster<f32>) -> f32 {
+    let (width, height) = disparity.size();
+    let (mut has_column, mut has_row) = (vec![false; width], vec![false; height]);
+    for (i, _) in disparity.as_slice().iter().enumerate().filter(|(_, d)| !d.is_nan()) {
+        (has_column[i % width], has_row[i / width]) = (true, true);
+    }
+    if has_column.iter().chain(&has_row).all(|&has| has) {
+        return 0.0;
+    }
+    // First across columns; where rows cross them both sides are empty, until the rows are filled too.
+    let mut filled = disparity.clone();
+    let mut count = 0;
+    for v in 0..height {
+        for u in (0..width).filter(|&u| !has_column[u]) {
+            if let Some(value) = between(u, width, |u| disparity[v * width + u]) {
+                filled.as_mut_slice()[v * width + u] = value;
+                count += 1;
+            }
+        }
+    }
+    let columns = filled.clone();
+    for v in (0..height).filter(|&v| !has_row[v]) {
+        for u in 0..width {
+            if let Some(value) = between(v, height, |v| columns[v * width + u]) {
+                filled.as_mut_slice()[v * width + u] = value;
+                count += 1;
+            }
+        }
+    }
+    let share = count as f32 / disparity.len() as f32;
+    if share < LEAST_SHARE {
+        return 0.0;
+    }
+    *disparity = filled;
+    share
+}
+
+/// Fills holes of one or two pixels, along their row and along their column, whose sides agree, by the mean of the values between them. A
+/// line of missing pixels that ends within the image stays: it is the border of a thing. So do holes at the border of the image. When such
+/// holes are no [`LEAST_SHARE`] of the image they are the sensor's own, often at borders, and stay too. Returns the share that was bridged.
+fn bridge_dots(disparity: &mut Raster<f32>) -> f32 {
     let (width, height) = disparity.size();
     let measured = &*disparity;
     let holes = measured.as_slice().iter().enumerate().filter(|(_, d)| d.is_nan());
@@ -74,9 +119,32 @@ mod tests {
         few.as_mut_slice()[210] = X;
         assert_eq!(bridge_holes(&mut few), 0.0, "the sensor's own hole");
         assert_eq!(left(&[level, level, [5.0, 5.0, X, 5.0, 5.0], level, level]), 0);
-        assert_eq!(left(&[[5.0, 5.0, X, 5.0, 5.0]; 5]), 5, "a line");
+        let line = [5.0, 5.0, X, 5.0, 5.0];
+        assert_eq!(left(&[line, line, line, line, level]), 4, "a line");
         assert_eq!(left(&[level, [5.0, 5.0, X, 9.0, 9.0], [5.0, 5.0, 5.0, 9.0, 9.0]]), 1, "a step");
         assert_eq!(left(&[level, [5.0, X, X, X, 5.0], level]), 3, "too wide");
-        assert_eq!(left(&[[5.0, 5.0, X, 5.0, 5.0], level, [X, 5.0, 5.0, 5.0, X]]), 3, "at the border");
+        assert_eq!(left(&[line, level, [X, 5.0, 5.0, 5.0, X]]), 3, "at the border");
+    }
+
+    #[test]
+    fn rows_and_columns_without_any_measurement_are_bridged() {
+        // Depth mapped forward into an image 1.5 times as large: a table, and a box on it.
+        let value = |u: usize, v: usize| if u > 20 && v > 20 { 60.0 } else { 5.0 + 0.1 * v as f32 };
+        let is_empty = |k: usize| k % 3 == 2;
+        let seen = |i: usize| {
+            let [u, v] = [i % 40, i / 40];
+            if is_empty(u) || is_empty(v) { X } else { value(u, v) }
+        };
+        let mut raster = Raster::from_vec(40, 40, (0..1600).map(seen).collect()).unwrap();
+        let share = bridge_holes(&mut raster);
+        assert!(share > 0.4, "{share}");
+        for i in 0..1600 {
+            let [u, v] = [i % 40, i / 40];
+            // The line between the table and the box stays.
+            if u != 20 && v != 20 {
+                assert!((raster[i] - value(u, v)).abs() < 0.01, "{u} {v}: {}", raster[i]);
+            }
+        }
+        assert!(raster[30 * 40 + 20].is_nan(), "a step");
     }
 }

@@ -65,7 +65,7 @@ impl Limits {
 }
 
 impl Line<'_> {
-    /// Restores the steps of a line: the pixels of every ramp take the surface before or behind it. O(pixels · reach).
+    /// Restores the steps of a line: the pixels of every ramp take the surface before or after it. O(pixels · reach).
     pub(super) fn restore(&self, restored: &mut [Restored], limits: &Limits) {
         let last = self.disparity.len().saturating_sub(1);
         let mut at = 0;
@@ -75,14 +75,14 @@ impl Line<'_> {
                 continue;
             }
             let (first, end) = self.ends(at, limits);
-            if let Some([before, behind]) = self.slopes_beyond(first, end, limits) {
+            if let Some([before, after]) = self.slopes_beyond(first, end, limits) {
                 let edge = self.edge(first, end, limits);
                 let length_px = (end - first) as f32;
                 for (p, restored) in (first + 1..end).zip(&mut restored[first + 1..end]) {
                     let disparity = if p < edge {
                         self.disparity[first] + before * (p - first) as f32
                     } else {
-                        self.disparity[end] - behind * (end - p) as f32
+                        self.disparity[end] - after * (end - p) as f32
                     };
                     *restored = Restored { disparity, length_px };
                 }
@@ -132,11 +132,11 @@ impl Line<'_> {
         let mean = change / (end - first) as f32;
         let over = |a: usize, b: usize| (self.disparity[b] - self.disparity[a]) / limits.end_px as f32;
         let before = first.checked_sub(limits.end_px).map_or(0.0, |from| over(from, first));
-        let has_behind = end + limits.end_px < self.disparity.len();
-        let behind = if has_behind { over(end, end + limits.end_px) } else { 0.0 };
-        let is_face = [before, behind].iter().any(|slope| slope / mean > FACE_SHARE);
+        let has_after = end + limits.end_px < self.disparity.len();
+        let after = if has_after { over(end, end + limits.end_px) } else { 0.0 };
+        let is_face = [before, after].iter().any(|slope| slope / mean > FACE_SHARE);
         let continued = |slope: f32| if (slope / mean).abs() <= CONTINUED_SHARE { slope } else { 0.0 };
-        (!is_face).then(|| [before, behind].map(continued))
+        (!is_face).then(|| [before, after].map(continued))
     }
 
     /// The first pixel of a ramp that shows the surface behind it: where colour changes, or else half of the depth.

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::choice::{Choice, Evidence, choose_ground};
+use super::choice::{Choice, Evidence, choose_ground, missed_gravity_deg};
 use super::surface::StructureSurface;
 use crate::attitude::Attitude;
 use crate::raster::Raster;
@@ -22,6 +22,14 @@ const CELL_PX: usize = 3;
 const CONTACT_CELLS: usize = 2;
 /// Least number of places where a thing touches the surface on which it stands.
 const LEAST_CONTACTS: u32 = 3;
+/// A thing surely rests on a surface if it rises by this many quanta ...
+const SURE_RISE_QUANTA: f64 = 8.0;
+/// ... has more pixels than this (at a focal length of 525 px) ...
+const SURE_PX: usize = 540;
+/// ... and touches the surface where it is no higher above it than this (m) ...
+const LOW_M: f64 = 0.01;
+/// ... or than this many quanta.
+const LOW_QUANTA: f64 = 4.0;
 /// Pieces of fewer pixels than this (at a focal length of 525 px) are noise, as fragments are.
 const LEAST_THING_PX: usize = 250;
 /// Pieces longer than this (m) along an axis of the camera are furniture, as for `objectness.max_side_m`.
@@ -36,6 +44,8 @@ pub struct Supports {
     pub turned_deg: u16,
     /// Whether little speaks for another surface as the ground.
     pub is_clear: bool,
+    /// The angle (degrees) by which the surface on which most stands faces away from a measured up that no surface faces.
+    pub missed_gravity_deg: Option<f32>,
 }
 
 /// Finds the ground and all supports that are parallel to it.
@@ -51,14 +61,20 @@ pub(super) fn find_supports(
     attitude: &Attitude,
 ) -> Supports {
     let seen = Seen::new(labels, disparity, space);
-    let evidence = count_things(&seen, surfaces, MOST_SIDE_M);
-    let Some(ground) = choose_ground(&evidence, attitude) else { return Supports::default() };
+    let (evidence, things) = count_things(&seen, surfaces);
+    let Some(ground) = choose_ground(&evidence, things, attitude) else {
+        return Supports {
+            missed_gravity_deg: missed_gravity_deg(&evidence, attitude),
+            ..Supports::default()
+        };
+    };
     let Choice { surface, turned_deg, is_clear, .. } = ground;
     let mut surfaces: Vec<usize> =
         (0..evidence.len()).filter(|&k| evidence[surface].is_parallel_to(&evidence[k])).collect();
     surfaces.retain(|&k| k < large || evidence[k].things >= 1.0);
-    surfaces.sort_by(|&a, &b| evidence[b].things.total_cmp(&evidence[a].things));
-    Supports { surfaces, turned_deg, is_clear }
+    let votes = |k: usize| evidence[k].things + evidence[k].share;
+    surfaces.sort_by(|&a, &b| votes(b).total_cmp(&votes(a)));
+    Supports { surfaces, turned_deg, is_clear, missed_gravity_deg: None }
 }
 
 impl Supports {
@@ -74,41 +90,30 @@ impl Supports {
 }
 
 /// Counts the things on each surface: pieces of what lies on no surface that hang together, have a graspable size, and touch this
-/// surface more than the others.
-fn count_things(scene: &Seen<'_>, surfaces: &[StructureSurface], max_side_m: f64) -> Vec<Evidence> {
-    let (of_cell, count) = scene.find_pieces();
-    let mut pieces = vec![Piece::new(surfaces.len()); count];
-    let mut evidence: Vec<Evidence> =
-        surfaces.iter().map(|s| Evidence { normal: s.normal, things: 0.0 }).collect();
-    let cells = of_cell.len().max(1) as f64;
-    for cell in 0..of_cell.len() {
-        if let Ok(s) = usize::try_from(scene.labels[scene.pixel(cell)]) {
-            evidence[s].things += 1.0 / cells;
-        }
-        if let Some(piece) = of_cell[cell] {
-            pieces[piece].add(scene.point_m(cell), surfaces);
-            pieces[piece].is_cut |= scene.is_at_border(cell);
-        }
-        for beside in scene.beside(cell, CONTACT_CELLS) {
-            for (on, above) in [(cell, beside), (beside, cell)] {
-                let (Some(s), Some(piece)) = (scene.surface(on), of_cell[above]) else { continue };
-                if scene.are_near([on, above].map(|cell| scene.point_m(cell)), CONTACT_CELLS) {
-                    pieces[piece].contacts[s] += 1;
-                }
-            }
-        }
+/// surface more than the others. Also returns how many could surely rest on one.
+fn count_things(scene: &Seen<'_>, surfaces: &[StructureSurface]) -> (Vec<Evidence>, f64) {
+    let evidence =
+        |s: &StructureSurface| Evidence { normal: s.normal, things: 0.0, resting: 0.0, share: 0.0 };
+    let mut evidence: Vec<Evidence> = surfaces.iter().map(evidence).collect();
+    let cells = (scene.columns * scene.rows).max(1) as f64;
+    for s in (0..scene.columns * scene.rows).filter_map(|cell| scene.surface(cell)) {
+        evidence[s].share += 1.0 / cells;
     }
-    for piece in pieces.iter().filter(|piece| piece.is_thing(scene, max_side_m)) {
-        // On ties the first surface wins.
-        let rises = |&s: &usize| {
-            let least_m = scene.space.step_m(LEAST_RISE_QUANTA * surfaces[s].scale, piece.far_m);
-            piece.contacts[s] >= LEAST_CONTACTS && piece.top_m[s] > least_m.max(LEAST_RISE_M)
-        };
-        if let Some(s) = (0..surfaces.len()).rev().filter(rises).max_by_key(|&s| piece.contacts[s]) {
+    let pieces = scene.measure_pieces(surfaces);
+    let things = || pieces.iter().filter(|piece| piece.is_thing(scene));
+    for piece in things() {
+        if let Some(s) = piece.support(scene, surfaces, LEAST_RISE_QUANTA) {
             evidence[s].things += 1.0;
         }
     }
-    evidence
+    let mut count = 0.0;
+    for piece in things().filter(|piece| piece.cells >= scene.cells_of(SURE_PX)) {
+        count += 1.0;
+        if let Some(s) = piece.lowest_support(scene, surfaces) {
+            evidence[s].resting += 1.0;
+        }
+    }
+    (evidence, count)
 }
 
 /// A piece of what lies on no surface.
@@ -123,6 +128,8 @@ struct Piece {
     far_m: f64,
     /// Places where it touches each surface.
     contacts: Vec<u32>,
+    /// Those of them where it is low above that surface.
+    low_contacts: Vec<u32>,
     /// Its greatest height above each surface (m).
     top_m: Vec<f64>,
 }
@@ -137,6 +144,7 @@ impl Piece {
             high_m,
             far_m: 0.0,
             contacts: vec![0; surfaces],
+            low_contacts: vec![0; surfaces],
             top_m: vec![0.0; surfaces],
         }
     }
@@ -145,14 +153,38 @@ impl Piece {
         self.cells += 1;
         self.far_m = self.far_m.max(point_m.z);
         for (top_m, surface) in self.top_m.iter_mut().zip(surfaces) {
-            *top_m = top_m.max(surface.normal.dot(point_m) + surface.offset_m);
+            *top_m = top_m.max(surface.above_m(point_m));
         }
         (self.low_m, self.high_m) = (self.low_m.min(point_m), self.high_m.max(point_m));
     }
 
-    fn is_thing(&self, scene: &Seen<'_>, max_side_m: f64) -> bool {
-        let least_cells = scene.space.area_px(LEAST_THING_PX) / (scene.step * scene.step);
-        !self.is_cut && self.cells > least_cells && (self.high_m - self.low_m).max_element() < max_side_m
+    fn is_thing(&self, scene: &Seen<'_>) -> bool {
+        let is_short = (self.high_m - self.low_m).max_element() < MOST_SIDE_M;
+        !self.is_cut && self.cells > scene.cells_of(LEAST_THING_PX) && is_short
+    }
+
+    /// The surface that it touches most among those from which it rises; on ties the first.
+    fn support(&self, scene: &Seen<'_>, surfaces: &[StructureSurface], least_quanta: f64) -> Option<usize> {
+        self.most_touched(surfaces, least_quanta, scene, &self.contacts)
+    }
+
+    /// The surface that it touches most among those at which it ends, and from which it surely rises.
+    fn lowest_support(&self, scene: &Seen<'_>, surfaces: &[StructureSurface]) -> Option<usize> {
+        self.most_touched(surfaces, SURE_RISE_QUANTA, scene, &self.low_contacts)
+    }
+
+    fn most_touched(
+        &self,
+        surfaces: &[StructureSurface],
+        least_quanta: f64,
+        scene: &Seen<'_>,
+        least: &[u32],
+    ) -> Option<usize> {
+        let rises = |&s: &usize| {
+            let least_m = scene.space.step_m(least_quanta * surfaces[s].scale, self.far_m);
+            least[s] >= LEAST_CONTACTS && self.top_m[s] > least_m.max(LEAST_RISE_M)
+        };
+        (0..surfaces.len()).rev().filter(rises).max_by_key(|&s| self.contacts[s])
     }
 }
 
@@ -209,6 +241,35 @@ impl<'a> Seen<'a> {
     fn are_near(&self, [a, b]: [DVec3; 2], apart: usize) -> bool {
         let px = (apart * self.step) as f64;
         a.distance(b) < MOST_STRETCH * px * b.z.min(a.z) / self.space.camera().fx_px
+    }
+
+    /// The cells that so many pixels (at a focal length of 525 px) fill.
+    fn cells_of(&self, px: usize) -> usize {
+        self.space.area_px(px) / (self.step * self.step)
+    }
+
+    /// The pieces of what lies on no surface, and where they touch surfaces. O(cells · surfaces).
+    fn measure_pieces(&self, surfaces: &[StructureSurface]) -> Vec<Piece> {
+        let (of_cell, count) = self.find_pieces();
+        let mut pieces = vec![Piece::new(surfaces.len()); count];
+        for cell in 0..of_cell.len() {
+            if let Some(piece) = of_cell[cell] {
+                pieces[piece].add(self.point_m(cell), surfaces);
+                pieces[piece].is_cut |= self.is_at_border(cell);
+            }
+            for beside in self.beside(cell, CONTACT_CELLS) {
+                for (on, above) in [(cell, beside), (beside, cell)] {
+                    let (Some(s), Some(piece)) = (self.surface(on), of_cell[above]) else { continue };
+                    let point_m = self.point_m(above);
+                    if self.are_near([self.point_m(on), point_m], CONTACT_CELLS) {
+                        let low_m = self.space.step_m(LOW_QUANTA, point_m.z).max(LOW_M);
+                        pieces[piece].contacts[s] += 1;
+                        pieces[piece].low_contacts[s] += u32::from(surfaces[s].above_m(point_m) < low_m);
+                    }
+                }
+            }
+        }
+        pieces
     }
 
     /// The piece of every cell that is measured and lies on no surface, and the number of pieces.

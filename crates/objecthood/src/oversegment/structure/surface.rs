@@ -27,6 +27,11 @@ impl StructureSurface {
         self.normal.to_array()
     }
 
+    /// Height (m) of a point above the plane it started from, along its normal.
+    pub(super) fn above_m(&self, point_m: DVec3) -> f64 {
+        self.normal.dot(point_m) + self.offset_m
+    }
+
     /// Height (m) of a pixel with this disparity (quanta) above the surface, along its normal.
     pub fn height_m(&self, at: [f64; 2], disparity: f64, space: &DisparitySpace) -> f64 {
         let below = self.model.value(at);
