@@ -15,11 +15,17 @@ use objecthood_scene::{Family, Sensor, generate, render};
 
 /// For these parameters no tested value changes the output of the stage that they name. So the test cannot notice if that stage is
 /// named too early: the code alone says that it reads them.
-const UNCHANGED: [&str; 11] = [
+const UNCHANGED: [&str; 17] = [
     "context contraction.occlusion_weight",
+    "context contraction.seam_weight",
+    "context flat.color_overlap",
+    "context flat.offset_sigmas",
     "context objectness.footing_weight",
     "context objectness.max_side_m",
     "context objectness.min_size_px",
+    "context seams.color_overlap",
+    "context seams.cross_share",
+    "context seams.enabled",
     "context sensor.lateral_noise_px",
     "context sensor.noise",
     "context sensor.profile",

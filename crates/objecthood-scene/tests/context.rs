@@ -84,6 +84,7 @@ fn a_vessel_is_one_object_of_inside_and_wall() {
     // Without the rules for vessels inside and wall are two.
     let mut params = default();
     params.vessels.concavity = 0.0;
+    params.necks.enabled = false;
     let parted = context(&seen, &params);
     assert!(parted.objects.len() >= 2 * vessels.len(), "{}", parted.objects.len());
     assert!(parted.objects.iter().all(|object| object.joins.is_empty()));

@@ -133,7 +133,7 @@ fn check_consistent(explainer: &Explainer, explanation: &Explanation) {
             }
             (Reason::OtherBorders, yes) => assert_eq!(yes, vote_mm <= 0.0, "{border:?}"),
             (Reason::Rule(_), yes) => assert!(yes, "{border:?}"),
-            (Reason::Size | Reason::Objectness | Reason::Structure | Reason::Passed, _) => {
+            (Reason::Size | Reason::Objectness | Reason::Structure | Reason::Passed | Reason::Flat, _) => {
                 panic!("{border:?}")
             }
         }
@@ -211,7 +211,8 @@ fn check_filter(
     let now = &explainer.discovery().labels;
     for object in &with.objects {
         let own: Vec<usize> = (0..now.len()).filter(|&i| with.labels[i] == object.id.0).collect();
-        if own.iter().any(|&i| now[i] > 0) {
+        // What is flat is found by its rise or colour, not spared by a filter.
+        if object.is_flat || own.iter().any(|&i| now[i] > 0) {
             continue;
         }
         let pixel = [own[0] % now.width(), own[0] / now.width()];

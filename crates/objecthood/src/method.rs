@@ -119,17 +119,17 @@ pub(crate) fn context<'k>(
         let found = find_facets(surfaces, structure, superpixels, &params.merging, &params.refinement);
         find_flats(found, surfaces, structure, FlatParams::of(params))
     });
+    observer.observe(Output::Facets(&facets.segments));
 
     // 3. Shapes: facets whose borders vote for one shape. Colour cuts what flush things share.
     let borders = recall(&mut kept.borders, || {
         measure_borders(facets, &surfaces.disparity, &surfaces.space, &params.border)
     });
+    observer.observe(Output::Borders { facets, evidence: borders });
     let shapes =
         recall(&mut kept.shapes, || contract(&sum_votes(borders, facets.structure, &params.contraction)));
     let seams = recall(&mut kept.seams, || find_seams((facets, shapes), structure, surfaces, params));
-    let (facets, borders, shapes) = Seams::or(seams, (facets, borders, shapes));
-    observer.observe(Output::Facets(&facets.segments));
-    observer.observe(Output::Borders { facets, evidence: borders });
+    let (facets, _, shapes) = Seams::or(seams, (facets, borders, shapes));
     observer.observe(Output::Shapes(LabelMap::shapes(facets, shapes)));
 
     // 4. Objectness: shapes joined by their surroundings, support against gravity, and the score.

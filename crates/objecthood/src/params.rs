@@ -201,7 +201,7 @@ parameters! {
     }
 
     /// Seams of colour that part flush things (`context`).
-    Seams seams, read by [Context: Borders] {
+    Seams seams, read by [Context: Shapes] {
         /// Whether colour parts flush things.
         enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 3.4";
         /// Least share of a section of the body where colour changes.
@@ -240,7 +240,7 @@ parameters! {
         /// Whether such parts are joined.
         enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 4.7";
         /// Least overlap of their colour histograms.
-        color_overlap: f64 = 0.5, 0.0..=1.0, "dimensionless: share in common", "ours, because parts of one body share colours (docs/CONTEXT.md 4.7)";
+        color_overlap: f64 = 0.55, 0.0..=1.0, "dimensionless: share in common", "ours, because parts of one body share colours (docs/CONTEXT.md 4.7)";
     }
 
     /// Parts of an object joined behind an occluder (`context`).

@@ -29,6 +29,15 @@ impl<T> Raster<T> {
         Ok(Self { width, height, data: data.into() })
     }
 
+    /// As [`Self::from_vec`], in reused memory.
+    ///
+    /// # Panics
+    /// When the size is not that of the buffer. No stage of the methods does that.
+    pub(crate) fn of_buffer(width: usize, height: usize, data: Buffer<T>) -> Self {
+        assert_eq!(data.len(), width * height, "one value a pixel");
+        Self { width, height, data }
+    }
+
     /// A raster of the same size with these values.
     ///
     /// # Panics

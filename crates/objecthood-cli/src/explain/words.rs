@@ -20,6 +20,7 @@ pub(super) fn reason(reason: Reason) -> &'static str {
         Reason::Size => "it has too few pixels",
         Reason::Structure => "it lies on a large plane that carries or encloses objects",
         Reason::Objectness => "its objectness is too low",
+        Reason::Flat => "it lies flat on its support, and differs from what is around it",
         Reason::Passed => "nothing speaks against it",
         Reason::Rule(Rule::Fragment) => "a fragment goes to what it touches most",
         Reason::Rule(Rule::Low) => "what hardly rises above the support is a part of it",

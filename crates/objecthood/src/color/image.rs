@@ -23,7 +23,6 @@ impl LabImage {
     /// Converts an sRGB image. The mean is taken in linear light; where the image ends within a cell, its last pixels count twice. Source:
     /// ours, because the paper smooths RGB by its own eq. 1, and a comparison of colours needs a space of equal steps. O(pixels);
     /// parallel over rows.
-    #[expect(clippy::missing_panics_doc, reason = "half of a size is a size")]
     pub fn new(color: &Raster<[u8; 3]>) -> Self {
         let (width, height) = color.size();
         let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
@@ -42,8 +41,7 @@ impl LabImage {
                 || cells.iter_mut().for_each(|cell| *cell = nearly_lab(*cell)),
             );
         });
-        let cells = Raster::from_vec(columns, rows, cells.into_vec()).expect("a size");
-        Self { cells, width }
+        Self { cells: Raster::of_buffer(columns, rows, cells), width }
     }
 
     /// The colour of the cell in this column and row of cells.

@@ -181,6 +181,8 @@ pub enum Reason {
     Objectness,
     /// It lies on a large plane that carries or encloses things.
     Structure,
+    /// It lies flat on a support, and rises above it or has other colours.
+    Flat,
     /// No rule or filter refused it.
     Passed,
     /// A rule of stage 4.

@@ -58,14 +58,11 @@ impl Explainer {
                     Some(unlikely) if unlikely.holds() => (Reason::Objectness, vec![unlikely]),
                     _ => {
                         let not_given = if fragment.holds() { self.spared(cluster) } else { Some(fragment) };
-                        let passed = self
-                            .of_flat(cluster)
-                            .into_iter()
-                            .chain(low)
-                            .chain([too_small])
-                            .chain(not_given)
-                            .chain(unlikely);
-                        (Reason::Passed, passed.collect())
+                        let passed = low.into_iter().chain([too_small]).chain(not_given).chain(unlikely);
+                        match self.of_flat(cluster) {
+                            flat if flat.is_empty() => (Reason::Passed, passed.collect()),
+                            flat => (Reason::Flat, flat),
+                        }
                     }
                 }
             }

@@ -23,18 +23,18 @@ pub(super) fn bridge_holes(disparity: &mut Raster<f32>) -> f32 {
 /// what is filled is no [`LEAST_SHARE`] of the image. O(pixels).
 fn bridge_lines(disparity: &mut Raster<f32>) -> f32 {
     let (width, height) = disparity.size();
-    let (mut has_column, mut has_row) = (vec![false; width], vec![false; height]);
-    for (i, _) in disparity.as_slice().iter().enumerate().filter(|(_, d)| !d.is_nan()) {
-        (has_column[i % width], has_row[i / width]) = (true, true);
-    }
-    if has_column.iter().chain(&has_row).all(|&has| has) {
+    let is_empty_column = |u: usize| (0..height).all(|v| disparity[v * width + u].is_nan());
+    let is_empty_row = |v: usize| (0..width).all(|u| disparity[v * width + u].is_nan());
+    let empty_columns = find_narrow(width, is_empty_column);
+    let empty_rows = find_narrow(height, is_empty_row);
+    if empty_columns.is_empty() && empty_rows.is_empty() {
         return 0.0;
     }
     // First across columns; where rows cross them both sides are empty, until the rows are filled too.
     let mut filled = disparity.clone();
     let mut count = 0;
     for v in 0..height {
-        for u in (0..width).filter(|&u| !has_column[u]) {
+        for &u in &empty_columns {
             if let Some(value) = between(u, width, |u| disparity[v * width + u]) {
                 filled.as_mut_slice()[v * width + u] = value;
                 count += 1;
@@ -42,7 +42,7 @@ fn bridge_lines(disparity: &mut Raster<f32>) -> f32 {
         }
     }
     let columns = filled.clone();
-    for v in (0..height).filter(|&v| !has_row[v]) {
+    for v in empty_rows {
         for u in 0..width {
             if let Some(value) = between(v, height, |v| columns[v * width + u]) {
                 filled.as_mut_slice()[v * width + u] = value;
@@ -56,6 +56,16 @@ fn bridge_lines(disparity: &mut Raster<f32>) -> f32 {
     }
     *disparity = filled;
     share
+}
+
+/// The empty lines with a line that is not empty on both sides, at most two being side by side. Bands and borders are no such lines.
+fn find_narrow(lines: usize, is_empty: impl Fn(usize) -> bool) -> Vec<usize> {
+    let is_narrow = |&k: &usize| {
+        let before = (1..=WIDEST_PX.min(k)).find(|j| !is_empty(k - j));
+        let after = (1..=WIDEST_PX.min(lines - 1 - k)).find(|j| !is_empty(k + j));
+        before.zip(after).is_some_and(|(before, after)| before + after <= WIDEST_PX + 1)
+    };
+    (0..lines).filter(|&k| is_empty(k)).filter(is_narrow).collect()
 }
 
 /// Fills holes of one or two pixels, along their row and along their column, whose sides agree, by the mean of the values between them. A
