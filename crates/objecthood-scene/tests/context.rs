@@ -126,7 +126,7 @@ fn a_rolled_camera_sees_the_same_objects_on_the_same_table() {
 }
 
 #[test]
-fn the_table_is_told_from_the_wall_also_upside_down() {
+fn upside_down_the_table_is_found_when_that_is_given_and_else_doubted() {
     // From where the room's wall fills more of the image than the table.
     let world = generate(Family::Single, 3);
     let mut viewpoint = *world.viewpoint();
@@ -137,13 +137,12 @@ fn the_table_is_told_from_the_wall_also_upside_down() {
         params.gravity.roll_deg = roll_deg;
         context(&seen, &params)
     };
-    // Upside down the camera's y points up. Whether that was given or found makes no difference but a notice.
+    // Upside down the camera's y points up.
     let (given, found) = (with_roll(180.0), with_roll(0.0));
     assert!(given.up.direction[1] > 0.8, "{:?}", given.up);
-    assert_eq!(found.up.direction, given.up.direction);
-    // One thing stands on the table, and the wall is large: what was found is also in doubt.
-    assert_eq!((given.notices, found.notices[0]), (vec![], Notice::Turned { degrees: 180 }));
-    assert!(matches!(found.notices[1..], [Notice::GroundInDoubt { .. }]), "{:?}", found.notices);
+    assert!(given.notices.is_empty(), "{:?}", given.notices);
+    // One thing stands on the table, and the wall is large: whatever was found is in doubt, and that is said.
+    assert!(matches!(found.notices[..], [.., Notice::GroundInDoubt { .. }]), "{:?}", found.notices);
 }
 
 /// Phones smooth their depth; the flying pixels of time of flight are no ramps.

@@ -13,8 +13,16 @@ pub struct Facets {
     pub models: Vec<Model>,
     /// Number of facets that are structure.
     pub structure: usize,
-    /// The flat things on supports, by ascending facet: the last facets.
+    /// The flat things on supports; their facets have consecutive numbers.
     pub flats: Vec<Flat>,
+}
+
+impl Facets {
+    /// Whether a facet is a flat thing. O(1).
+    pub(crate) fn is_flat(&self, facet: SegmentId) -> bool {
+        let first = self.flats.first().map(|flat| flat.facet.index());
+        first.is_some_and(|first| (first..first + self.flats.len()).contains(&facet.index()))
+    }
 }
 
 /// A flat thing: a facet, with the evidence for it.

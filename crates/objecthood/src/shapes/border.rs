@@ -148,8 +148,8 @@ impl Borders<'_> {
             (a, b) => (j, i, b, a),
         };
         // Flat things end where their evidence ends: their borders join nothing (docs/CONTEXT.md 2.3).
-        let first_flat = facets.segments.count() - facets.flats.len();
-        if b.index() < facets.structure || (a.index() >= facets.structure && b.index() >= first_flat) {
+        let is_of_flat = a.index() >= facets.structure && (facets.is_flat(a) || facets.is_flat(b));
+        if b.index() < facets.structure || is_of_flat {
             return None;
         }
         let width = disparity.width();

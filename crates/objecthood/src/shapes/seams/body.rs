@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::color::histogram::ColorHistogram;
 use crate::color::image::LabImage;
 use crate::facets::Facets;
+use crate::regions::SegmentId;
 use crate::shapes::contraction::Shapes;
 use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::{DisparitySpace, position};
@@ -54,10 +55,10 @@ impl Body {
     pub(super) fn of_shapes(facets: &Facets, shapes: &Shapes, space: &DisparitySpace) -> Vec<Self> {
         let Facets { segments, structure, .. } = facets;
         segments.find_runs();
-        let end = facets.flats.first().map_or(segments.count(), |flat| flat.facet.index());
         let shape_of = |facet: usize| {
-            let free = facet.checked_sub(*structure).filter(|_| facet < end)?;
-            Some(shapes.of_facet[free] as usize)
+            let free = facet.checked_sub(*structure)?;
+            let is_flat = facets.is_flat(SegmentId(facet as u32));
+            (!is_flat).then(|| shapes.of_facet[free] as usize)
         };
         let mut sizes = vec![0; shapes.count];
         for (run, facet) in segments.runs() {
