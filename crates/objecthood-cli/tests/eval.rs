@@ -201,7 +201,7 @@ fn the_ladder_ends_with_the_method_itself() {
     let figures = json(&folder, "figures.json");
     let settings: Vec<&str> =
         figures.as_array().unwrap().iter().map(|r| r["setting"].as_str().unwrap()).collect();
-    assert_eq!((settings[0], settings[16]), ("plane facets, convexity", "+ necks"));
+    assert_eq!((settings[0], settings[16]), ("plane facets, convexity", "+ objectness"));
     assert_eq!((settings[17], settings.len()), ("without occlusion evidence", 32));
     assert_eq!(run.stdout.lines().count(), 34, "{}", run.stdout);
     folder.run("eval root --split left --method context --composites 1 --json method.json", 0);
