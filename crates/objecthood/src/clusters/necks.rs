@@ -11,7 +11,6 @@ use crate::color::histogram::ColorHistogram;
 use crate::color::image::LabImage;
 use crate::neighbours::four_neighbours;
 use crate::params;
-use crate::quantile::element_at;
 use crate::regions::SegmentId;
 use crate::surface::disparity::position;
 use crate::union_find::UnionFind;
@@ -168,9 +167,8 @@ impl Compare<'_> {
 
 /// Height (m) of the foot of some pixels above the support below them.
 fn foot_m(scene: &Scene<'_>, pixels: &[u32]) -> f64 {
-    let Some(support) = scene.own_support(pixels) else { return 0.0 };
-    let mut heights: Vec<f64> = sampled(pixels).map(|i| scene.height_over_m(i, support)).collect();
-    element_at(&mut heights, FOOT_SHARE)
+    let support = scene.own_support(pixels);
+    support.map_or(0.0, |support| scene.height_quantile_m(sampled(pixels), support, FOOT_SHARE))
 }
 
 #[cfg(test)]

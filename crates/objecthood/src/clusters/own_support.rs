@@ -16,15 +16,23 @@ impl<'a> Scene<'a> {
             return Some(*ground);
         }
         let sample: Vec<usize> = sampled(pixels).collect();
-        let foot_m = |support: usize| {
-            let mut heights: Vec<f64> = sample.iter().map(|&i| self.height_over_m(i, support)).collect();
-            element_at(&mut heights, FOOT_SHARE)
-        };
+        let foot_m = |support: usize| self.height_quantile_m(sample.iter().copied(), support, FOOT_SHARE);
         let below = self.supports.iter().filter_map(|&k| {
             let foot_m = foot_m(k);
             (foot_m > -SLACK_M && self.goes_on_below(&sample, k)).then_some((foot_m, k))
         });
         Some(below.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(*ground, |(_, k)| k))
+    }
+
+    /// The height (m) above a support below which this share of some pixels lies. O(pixels).
+    pub(crate) fn height_quantile_m(
+        &self,
+        pixels: impl Iterator<Item = usize>,
+        support: usize,
+        share: f64,
+    ) -> f64 {
+        let mut heights: Vec<f64> = pixels.map(|i| self.height_over_m(i, support)).collect();
+        element_at(&mut heights, share)
     }
 
     /// Height (m) of a pixel above a support. Other supports than the ground may be far away and small: there a plane goes on, and a

@@ -50,8 +50,8 @@ impl Explainer {
                 event.map_or((Rule::VesselBottom, Vec::new()), |event| (event.rule, event.checks.clone()));
             return self.decision(question, Reason::Rule(rule), checks);
         }
-        let seam =
-            Option::as_ref(&self.subject.run.seams).and_then(|seams| seams.between(a.index(), b.index()));
+        let seam = Option::as_ref(&self.subject.run.seams)
+            .and_then(|seams| seams.cuts.between(a.index(), b.index()));
         if let Some(seam) = seam.filter(|_| !one_shape) {
             return self.decision(question, Reason::Seam, seam.checks.clone());
         }

@@ -4,12 +4,13 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use crate::clusters::cluster::find_flat;
 use crate::clusters::clustering::Clustering;
 use crate::clusters::history::Source;
 use crate::discovery::Discovery;
 use crate::explain::explanation::Question;
 use crate::explain::steps::{Largest, NearStep, Step, steps};
-use crate::facets::Facets;
+use crate::facets::{Facets, Flat};
 use crate::neighbours::four_neighbours;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::outputs::ContextOutputs;
@@ -129,6 +130,11 @@ impl Run {
     pub(super) fn object(&self, facet: SegmentId) -> u16 {
         let hypothesis = self.cluster(facet).and_then(|cluster| self.hypothesis(cluster));
         hypothesis.map_or(0, |hypothesis| self.discovery.labels[hypothesis.pixels[0]])
+    }
+
+    /// The flat thing in a cluster, if there is one.
+    pub(super) fn flat(&self, cluster: SegmentId) -> Option<&Flat> {
+        find_flat(&self.filled, &self.clusters.of_facet, cluster)
     }
 
     /// The number of pixels of a cluster; 0 if it does not remain.

@@ -63,7 +63,7 @@ impl Sweep {
             let evidence =
                 measure_borders(facets, &self.surfaces.disparity, &self.surfaces.space, &params.border);
             let evidence = match &*run.seams {
-                Some(seams) => seams.mark(&evidence),
+                Some(seams) => seams.cuts.mark(&evidence),
                 None => evidence,
             };
             contract(&sum_votes(&evidence, structure, &params.contraction))

@@ -72,9 +72,7 @@ impl Explainer {
 
     /// The checks that made a cluster a flat thing; none if it is no flat thing.
     fn of_flat(&self, cluster: SegmentId) -> Vec<Check> {
-        let run = &self.subject.run;
-        let mut flats = run.filled.flats.iter().filter(|flat| run.cluster(flat.facet) == Some(cluster));
-        flats.next().map_or_else(Vec::new, |flat| flat.checks.clone())
+        self.subject.run.flat(cluster).map_or_else(Vec::new, |flat| flat.checks.clone())
     }
 
     /// Whether a pixel of a structure plane belongs to an object, and why: it can only be a part of a bottom.

@@ -53,12 +53,13 @@ pub struct Seams {
     pub borders: RegionGraph<BorderEvidence>,
     /// Their shapes.
     pub shapes: Shapes,
-    cuts: Cuts,
+    /// The seams, and on which side of them each facet lies.
+    pub cuts: Cuts,
 }
 
-/// The seams, and where the facets lie.
+/// The seams, and on which side of them each facet lies.
 #[derive(Clone, Debug)]
-struct Cuts {
+pub struct Cuts {
     seams: Vec<Seam>,
     /// For each facet the seams that its body was parted along, and its side.
     sides: Vec<Sides>,
@@ -72,26 +73,18 @@ impl Seams {
     pub(crate) fn or<'a>(seams: &'a Option<Self>, before: Shaped<'a>) -> Shaped<'a> {
         seams.as_ref().map_or(before, |seams| (&seams.facets, &seams.borders, &seams.shapes))
     }
-
-    /// The seam between two facets; `None` if there is none, or they are of two bodies. O(seams of the body).
-    pub fn between(&self, a: usize, b: usize) -> Option<&Seam> {
-        self.cuts.between(a, b)
-    }
-
-    /// The evidence of the borders of the facets, with those marked that run along seams. O(borders).
-    pub(crate) fn mark(&self, borders: &RegionGraph<BorderEvidence>) -> RegionGraph<BorderEvidence> {
-        self.cuts.mark(borders)
-    }
 }
 
 impl Cuts {
-    fn between(&self, a: usize, b: usize) -> Option<&Seam> {
+    /// The seam between two facets; `None` if there is none, or they are of two bodies. O(seams of the body).
+    pub fn between(&self, a: usize, b: usize) -> Option<&Seam> {
         let mut ways = self.sides[a].iter().zip(&self.sides[b]);
         let ((seam, _), _) = ways.find(|(a, b)| a != b).filter(|(a, b)| a.0 == b.0)?;
         Some(&self.seams[*seam])
     }
 
-    fn mark(&self, borders: &RegionGraph<BorderEvidence>) -> RegionGraph<BorderEvidence> {
+    /// The evidence of the borders of the facets, with those marked that run along seams. O(borders).
+    pub(crate) fn mark(&self, borders: &RegionGraph<BorderEvidence>) -> RegionGraph<BorderEvidence> {
         borders.map(|edge| {
             let is_seam = self.between(edge.a.index(), edge.b.index()).is_some();
             let evidence = edge.evidence.clone();
@@ -192,9 +185,8 @@ impl Search<'_> {
             };
             let number = parting.seams.len();
             parting.seams.push(seam);
-            for (is_above, body) in
-                [(false, piece.body.side(&trace, false)), (true, piece.body.side(&trace, true))]
-            {
+            for is_above in [false, true] {
+                let body = piece.body.side(&trace, is_above);
                 let sides = piece.sides.iter().copied().chain([(number, is_above)]).collect();
                 open.push(Piece { body, sides });
             }
