@@ -138,7 +138,7 @@ pub struct UpDirection {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum UpSource {
-    /// The normal of the dominant plane.
+    /// The normal of the ground: the surface on which most things stand; in `paper` the dominant plane.
     Plane,
     /// Measured gravity.
     Measured,
