@@ -65,6 +65,49 @@ pub enum Error {
         /// Why it cannot be read.
         reason: std::io::Error,
     },
+    /// A file of the truth of a clip that is not there or cannot be read.
+    #[error("{}: cannot read the truth of a clip ({reason}): give a folder as `objecthood synth` writes it", path.display())]
+    ReadTruth {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: std::io::Error,
+    },
+    /// A file of a tracker that is not there or cannot be read.
+    #[error("{}: cannot read what the tracker says ({reason}): give the folder that it wrote for this clip", path.display())]
+    ReadTracks {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: std::io::Error,
+    },
+    /// A line of JSON that is not what it should be.
+    #[error("{}, line {line}: {reason}: see docs/EVALUATION.md, Videos, for what belongs there", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: usize,
+        /// What is wrong.
+        reason: serde_json::Error,
+    },
+    /// A file of a clip that contradicts itself or another.
+    #[error("{}: {why}", path.display())]
+    NotClip {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+    /// A folder without a clip.
+    #[error(
+        "{}: no clip with truth, and no folder of such clips: give a folder that holds clip.json, or the folder around",
+        path.display()
+    )]
+    NoClips {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A label image of another size than the truth.
     #[error(
         "the label image has {}x{} pixels, the truth {}x{}: give the labels of this scene",

@@ -51,6 +51,7 @@ pub mod stages;
 pub mod support;
 pub mod truth;
 pub mod verdict;
+pub mod video;
 
 pub use composer::Composer;
 pub use error::{Error, Result};

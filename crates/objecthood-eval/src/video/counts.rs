@@ -42,6 +42,49 @@ impl AddAssign for Counts {
     }
 }
 
+/// Cases that came out well, of all. Of several clips they are summed. Serialized with their `share`, `null` of none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cases {
+    /// Those that came out well.
+    pub right: u64,
+    /// All of them.
+    pub all: u64,
+}
+
+impl Cases {
+    /// Adds a case.
+    pub fn add(&mut self, is_right: bool) {
+        self.all += 1;
+        self.right += u64::from(is_right);
+    }
+
+    /// Share of the cases that came out well; `None` of none.
+    pub fn share(&self) -> Option<f64> {
+        share(self.right, self.all)
+    }
+}
+
+impl AddAssign for Cases {
+    fn add_assign(&mut self, other: Self) {
+        self.right += other.right;
+        self.all += other.all;
+    }
+}
+
+impl Serialize for Cases {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { right, all } = *self;
+        ShownCases { right, all, share: self.share() }.serialize(serializer)
+    }
+}
+
+#[derive(Serialize)]
+struct ShownCases {
+    right: u64,
+    all: u64,
+    share: Option<f64>,
+}
+
 #[derive(Serialize)]
 struct Shown {
     right: u64,

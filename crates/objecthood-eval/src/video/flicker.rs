@@ -12,6 +12,10 @@ pub struct FlickerCounts {
     pub same: u64,
     /// Of these the ones whose track changes, also to or from none.
     pub changed: u64,
+    /// Those of `same` on objects.
+    pub same_on_objects: u64,
+    /// Those of `changed` on objects: borders that flicker, and ids.
+    pub changed_on_objects: u64,
 }
 
 impl FlickerCounts {
@@ -19,12 +23,19 @@ impl FlickerCounts {
     pub fn share(&self) -> Option<f64> {
         share(self.changed, self.same)
     }
+
+    /// Share of the pixels of objects that change; `None` without two frames of an object.
+    pub fn share_on_objects(&self) -> Option<f64> {
+        share(self.changed_on_objects, self.same_on_objects)
+    }
 }
 
 impl AddAssign for FlickerCounts {
     fn add_assign(&mut self, other: Self) {
         self.same += other.same;
         self.changed += other.changed;
+        self.same_on_objects += other.same_on_objects;
+        self.changed_on_objects += other.changed_on_objects;
     }
 }
 
@@ -50,9 +61,14 @@ impl FlickerCounter {
         let now: Vec<_> = pixels.map(|(&track, &instance)| (track, thing(instance))).collect();
         if now.len() == self.before.len() {
             for (new, old) in now.iter().zip(&self.before) {
-                let is_same = new.1.is_some() && new.1 == old.1;
-                self.counts.same += u64::from(is_same);
-                self.counts.changed += u64::from(is_same && new.0 != old.0);
+                if new.1.is_none() || new.1 != old.1 {
+                    continue;
+                }
+                let (changed, on_object) = (u64::from(new.0 != old.0), u64::from(new.1 > Some(0)));
+                self.counts.same += 1;
+                self.counts.changed += changed;
+                self.counts.same_on_objects += on_object;
+                self.counts.changed_on_objects += changed * on_object;
             }
         }
         self.before = now;

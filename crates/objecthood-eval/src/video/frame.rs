@@ -32,19 +32,12 @@ impl Roles {
             disjoint.push(whole);
         }
         disjoint.sort();
-        disjoint.into_iter().filter(|group| group.len() > 1).map(|group| group.into_iter().collect()).collect()
+        disjoint
+            .into_iter()
+            .filter(|group| group.len() > 1)
+            .map(|group| group.into_iter().collect())
+            .collect()
     }
-}
-
-/// What is known of a frame beside its pixels.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TrueFrame {
-    /// When it was taken.
-    pub time_s: f64,
-    /// Which instances are what.
-    pub roles: Roles,
-    /// The instances in free flight.
-    pub airborne: Vec<u16>,
 }
 
 /// The pixels of a frame: what a tracker says, and what is true.
@@ -80,7 +73,8 @@ impl Places {
     pub(crate) fn of(roles: &Roles) -> Self {
         let groups = roles.disjoint_groups();
         let grouped: BTreeSet<u16> = groups.iter().flatten().copied().collect();
-        let last = [&roles.objects, &roles.unpunished, &grouped].into_iter().filter_map(|set| set.last()).max();
+        let last =
+            [&roles.objects, &roles.unpunished, &grouped].into_iter().filter_map(|set| set.last()).max();
         let mut of = vec![Place::Background; last.map_or(0, |&last| usize::from(last) + 1)];
         for &label in roles.unpunished.iter().filter(|&&label| label > 0) {
             of[usize::from(label)] = Place::Unpunished;
@@ -133,9 +127,6 @@ mod tests {
         let at = [0, 1, 2, 3, 7, 8, 9, 11].map(|label| places.at(label));
         use Place::{Background, Object, Unpunished};
         let group = Object(0);
-        assert_eq!(
-            at,
-            [Background, Object(1), group, group, Unpunished, Unpunished, Background, Background]
-        );
+        assert_eq!(at, [Background, Object(1), group, group, Unpunished, Unpunished, Background, Background]);
     }
 }

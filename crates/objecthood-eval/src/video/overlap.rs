@@ -167,7 +167,8 @@ fn count(frame: &LabelledFrame, places: &Places) -> Result<(FrameOverlap, Vec<us
     overlap.objects = rows.pixels[..objects].iter().map(|&px| Seen { id: 0, px }).collect();
     for object in 0..objects {
         let row = table.row(object);
-        let shared = judged.iter().enumerate().map(|(track, &column)| Common { object, track, px: row[column] });
+        let shared =
+            judged.iter().enumerate().map(|(track, &column)| Common { object, track, px: row[column] });
         overlap.common.extend(shared.filter(|common| common.px > 0));
     }
     Ok((overlap, rows.labels[..objects].iter().map(|&thing| thing as usize).collect()))
