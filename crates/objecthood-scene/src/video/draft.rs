@@ -92,7 +92,7 @@ impl Draft {
             holds: Vec::new(),
             launches: Vec::new(),
             groups: Vec::new(),
-            pace: rng.range(0.65..1.45),
+            pace: rng.range(0.6..1.25),
         }
     }
 

@@ -1,11 +1,13 @@
 //! What stands on what, frame by frame.
 
-use super::overlap::Forms;
+use super::overlap::{Forms, Meeting};
 use super::{Video, instance};
 use crate::solid::{Outline, Role};
 
 /// What holds another thing from below has a normal that points up at least so much there.
 const UPWARD: f64 = 0.35;
+/// Distances that differ by less are the same (m).
+const ALIKE_M: f64 = 0.0005;
 /// What lies in a vessel reaches below its rim by at least this (m).
 const BELOW_RIM_M: f64 = 0.003;
 
@@ -31,8 +33,8 @@ pub struct Edge {
     pub kind: SupportKind,
 }
 
-/// What every object touches that holds it from below; of several the one that holds it most nearly upright, of equal ones
-/// the first. Nothing for what no solid holds: what is carried, and what flies. O(objects · solids).
+/// What every object touches that holds it from below; of several the nearest, of equally near ones that which holds it
+/// most nearly upright, then the first. Nothing for what no solid holds: what is carried, and what flies. O(objects · solids).
 pub(super) fn support(video: &Video, forms: &Forms, frame: usize) -> Vec<Edge> {
     video.objects().filter_map(|child| held(video, forms, frame, child)).collect()
 }
@@ -41,14 +43,18 @@ fn held(video: &Video, forms: &Forms, frame: usize, child: usize) -> Option<Edge
     if video.recording[frame][child].was_free {
         return None;
     }
-    let mut best: Option<(f64, usize)> = None;
-    for parent in (0..video.things().len()).filter(|&parent| parent != child) {
-        let Some(met) = forms.meeting(video, frame, parent, child) else { continue };
-        if met.normal.z > UPWARD && best.is_none_or(|(upward, _)| met.normal.z > upward + 1e-3) {
-            best = Some((met.normal.z, parent));
-        }
-    }
-    let (_, parent) = best?;
+    let parents = (0..video.things().len()).filter(|&parent| parent != child);
+    let below: Vec<(usize, Meeting)> = parents
+        .filter_map(|parent| Some((parent, forms.meeting(video, frame, parent, child)?)))
+        .filter(|(_, met)| met.normal.z > UPWARD)
+        .collect();
+    // The floor of a vessel may be nearer to the table than what counts as touch.
+    let nearest = below.iter().map(|(_, met)| met.distance_m).fold(f64::INFINITY, f64::min);
+    let touching = below.iter().filter(|(_, met)| met.distance_m <= nearest + ALIKE_M);
+    let order = |a: &(usize, Meeting), b: &(usize, Meeting)| {
+        a.1.normal.z.total_cmp(&b.1.normal.z).then_with(|| b.0.cmp(&a.0))
+    };
+    let &(parent, _) = touching.max_by(|a, b| order(a, b))?;
     let is_object = video.things()[parent].role() == Role::Object;
     let kind =
         if is_object && is_inside(video, frame, child, parent) { SupportKind::In } else { SupportKind::On };

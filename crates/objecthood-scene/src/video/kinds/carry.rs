@@ -88,7 +88,7 @@ pub(super) fn twins(rng: &mut Rng) -> Option<Script> {
 /// Puts one or two boxes on another one.
 pub(super) fn stack(rng: &mut Rng) -> Option<Script> {
     let mut draft = Draft::new(rng);
-    draft.pace = draft.pace.min(1.0);
+    draft.pace *= 0.7;
     let base = broad(rng);
     let base = draft.stand(rng, &base, REACH)?;
     let count = 1 + rng.below(2);
@@ -126,7 +126,7 @@ fn broad(rng: &mut Rng) -> Solid {
 }
 
 /// A box that stands on others well.
-fn low_block(rng: &mut Rng) -> Solid {
+pub(super) fn low_block(rng: &mut Rng) -> Solid {
     let sides = [rng.range(0.05..0.075), rng.range(0.05..0.09), rng.range(0.035..0.06)];
     let paint = Palette::any(rng).paint(rng, 0.4);
     thing::block("box", Role::Object, sides, paint)
@@ -135,7 +135,7 @@ fn low_block(rng: &mut Rng) -> Solid {
 /// Takes one or two boxes from a stack, the upper one first.
 pub(super) fn unstack(rng: &mut Rng) -> Option<Script> {
     let mut draft = Draft::new(rng);
-    draft.pace = draft.pace.min(1.0);
+    draft.pace *= 0.7;
     let base = broad(rng);
     let mut top = draft.stand(rng, &base, REACH)?;
     let mut upper = Vec::new();
@@ -214,6 +214,6 @@ pub(super) fn occluder(rng: &mut Rng) -> Option<Script> {
     let away = draft.seen_direction([right * rng.range(0.22..0.28), rng.range(-0.02..0.06)]);
     let from = draft.layout.solids[occluder].pose;
     let to = Pose { origin: from.origin + away, ..from };
-    draft.carry(hand, occluder, &to, rng.range(0.01..0.05));
+    draft.carry(hand, occluder, &to, rng.range(0.03..0.07));
     Some(draft.script(AFTER_S))
 }

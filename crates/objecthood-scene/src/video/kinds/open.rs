@@ -56,7 +56,7 @@ pub(super) fn lid(rng: &mut Rng) -> Option<Script> {
     path.go(0.3 * pace, grip);
     path.grip(0.15, 0.012);
     let from_s = path.end_s();
-    path.swing(1.2 * pace, hinge, -pose.rotation.col(0), rng.range(70.0..100.0));
+    path.swing(1.2 * pace, hinge, -pose.rotation.col(0), rng.range(50.0..86.0));
     path.wait(0.1);
     let to_s = path.end_s();
     path.grip(0.15, 0.05);

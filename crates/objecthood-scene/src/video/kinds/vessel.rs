@@ -55,43 +55,64 @@ pub(super) fn bowl(rng: &mut Rng) -> Option<Script> {
     Some(draft.script(AFTER_S))
 }
 
-/// A ball or a small box is put into a bowl, sometimes taken out again.
+/// A ball is let fall into a bowl from its rim, or something is set down on a plate and sometimes taken away again.
 pub(super) fn put_in(rng: &mut Rng) -> Option<Script> {
     let mut draft = Draft::new(rng);
-    draft.pace = draft.pace.min(1.0);
+    draft.pace *= 0.8;
+    if rng.chance(0.5) { into_bowl(rng, &mut draft)? } else { onto_plate(rng, &mut draft)? }
+    Some(draft.script(AFTER_S))
+}
+
+fn into_bowl(rng: &mut Rng, draft: &mut Draft) -> Option<()> {
     let outer = rng.range(0.085..0.105);
     let bowl = thing::bowl_of(rng, outer);
-    let bowl = draft.stand(rng, &bowl, REACH)?;
+    let vessel = draft.stand(rng, &bowl, REACH)?;
     let radius = rng.range(0.022..0.030);
     let ball = thing::ball(rng, radius);
     let ball = draft.stand(rng, &ball, REACH)?;
     draft.bystanders(rng, 2);
     let side = draft.near_side(rng, ball);
     let hand = draft.add_hand(rng, side, 0.1..0.5);
-    let vessel = &draft.layout.solids[bowl];
-    let Cavity::Round { floor_z, .. } = vessel.form.cavity? else { return None };
     let from = draft.layout.solids[ball].pose;
-    let inside = Pose { origin: vessel.pose.point(DVec3::Z * floor_z), ..from };
+    // Fingers stay above the rim.
+    let origin = draft.layout.solids[vessel].pose.point(DVec3::Z * (bowl.form.height_m + 0.004));
     let grasp = draft.grasp(ball);
     draft.take(hand, ball, grasp);
-    draft.bring(hand, grasp, &from, &inside, rng.range(0.11..0.16));
+    draft.bring(hand, grasp, &from, &Pose { origin, ..from }, rng.range(0.06..0.12));
     draft.let_go(hand);
-    if rng.chance(0.4) {
-        let pace = draft.pace;
+    draft.withdraw(hand);
+    Some(())
+}
+
+fn onto_plate(rng: &mut Rng, draft: &mut Draft) -> Option<()> {
+    let plate = thing::plate(rng);
+    let vessel = draft.stand(rng, &plate, REACH)?;
+    let solid = super::carry::low_block(rng);
+    let thing = draft.stand(rng, &solid, REACH)?;
+    draft.bystanders(rng, 2);
+    let side = draft.near_side(rng, thing);
+    let hand = draft.add_hand(rng, side, 0.1..0.5);
+    let Cavity::Flat { floor_z, .. } = plate.form.cavity? else { return None };
+    let from = draft.layout.solids[thing].pose;
+    let inside = Pose { origin: draft.layout.solids[vessel].pose.point(DVec3::Z * floor_z), ..from };
+    let grasp = draft.grasp(thing);
+    draft.take(hand, thing, grasp);
+    draft.bring(hand, grasp, &from, &inside, rng.range(0.06..0.12));
+    draft.let_go(hand);
+    if rng.chance(0.5) {
+        let (pace, place) = (draft.pace, draft.layout.free_place(rng, &solid, REACH, FINGER_ROOM_M)?);
         let path = draft.path(hand);
-        path.wait(0.5 * pace);
+        path.wait(0.6 * pace);
         path.grip(0.15 * pace, grasp.width_m);
         let from_s = path.end_s();
-        draft.hold(hand, ball, from_s);
-        let solid = draft.layout.solids[ball].clone();
-        let place = draft.layout.free_place(rng, &solid, REACH, FINGER_ROOM_M)?;
+        draft.hold(hand, thing, from_s);
         let to = Pose { rotation: from.rotation, ..place };
         let held = Grasp { pose: inside.after(&from.inverse().after(&grasp.pose)), ..grasp };
-        draft.bring(hand, held, &inside, &to, rng.range(0.11..0.16));
+        draft.bring(hand, held, &inside, &to, rng.range(0.06..0.12));
         draft.let_go(hand);
     }
     draft.withdraw(hand);
-    Some(draft.script(AFTER_S))
+    Some(())
 }
 
 /// A cup with two or three balls is lifted and tilted until they have rolled out.
