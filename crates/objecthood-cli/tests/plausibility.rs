@@ -169,13 +169,17 @@ fn wrong_units(data: &Path) -> Vec<Case> {
         ("tabletop in 1/5000 m", Still::tabletop(data, 0).scale(5000.0).notes(), "5 times too small"),
         ("tabletop in 1/5000 m, 2", Still::tabletop(data, 7).scale(5000.0).notes(), "5 times too small"),
         ("tabletop in 1/10000 m", Still::tabletop(data, 2).scale(10_000.0).notes(), "10 times too small"),
-        ("ycb in mm", Still::ycb(data, 3).scale(1000.0).notes(), "10 times too large"),
+        ("ycb in mm", Still::ycb(data, 3).scale(1000.0).notes(), "10 times too large, so the depth scale"),
         ("ycb in 1/5000 m", Still::ycb(data, 6).scale(5000.0).notes(), "2 times too large"),
         ("tum in mm", Still::tum(data).scale(1000.0).notes(), "5 times too large"),
         ("tum in 1/10000 m", Still::tum(data).scale(10_000.0).notes(), "2 times too small"),
         ("hand in mm", Still::hand(data).scale(1000.0).notes(), "5 times too large"),
         ("hand in 1/10000 m", Still::hand(data).scale(10_000.0).notes(), "2 times too small"),
-        ("cloud in mm", notes_of_cloud(&milk, 1000.0), "1000 times too large"),
+        (
+            "cloud in mm",
+            notes_of_cloud(&milk, 1000.0),
+            "1000 times too large, and points are in metres: divide their coordinates by 1000",
+        ),
         ("cloud in cm", notes_of_cloud(&data.join("mosd/learn/learn20.pcd"), 100.0), "100 times too large"),
     ]
 }

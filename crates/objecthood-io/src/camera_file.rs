@@ -6,16 +6,16 @@
 //! | Open3D | JSON | `intrinsic_matrix` |
 //! | ROS, OpenCV | JSON, YAML | `K`, `k` or `camera_matrix` |
 //! | BOP | JSON | `cam_K` |
-//! | a 3x3 matrix | text | begins with a number |
+//! | a 3x3 matrix, or fx, fy, cx and cy | text | begins with a number |
 //!
 //! Size and `depth_scale` (units of a depth image that make a metre) may be left out. Whatever else is in a file is ignored.
 //! A format is a file in `camera_file/`.
 
 mod bop;
 mod fields;
-mod matrix_text;
 mod named;
 mod open3d;
+mod plain_numbers;
 mod ros;
 mod yaml;
 
@@ -70,8 +70,8 @@ pub fn parse(bytes: &[u8]) -> Result<CameraFile> {
         return Err(wrong(format!("it has more than {} MB", MOST_BYTES >> 20)));
     }
     let text = std::str::from_utf8(without_byte_order_mark(bytes)).map_err(|_| wrong("it is not UTF-8"))?;
-    if matrix_text::is_mine(text) {
-        return matrix_text::read(text);
+    if plain_numbers::is_mine(text) {
+        return plain_numbers::read(text);
     }
     let value = if text.trim_ascii_start().starts_with('{') {
         serde_json::from_str(text).map_err(not_json)?
@@ -79,7 +79,7 @@ pub fn parse(bytes: &[u8]) -> Result<CameraFile> {
         yaml::read(text)?
     };
     let Value::Object(fields) = &value else {
-        return Err(wrong("it has no fields and is no 3x3 matrix"));
+        return Err(wrong("it has no fields and does not begin with a number"));
     };
     let known = open3d::read(fields).or_else(|| ros::read(fields)).or_else(|| bop::read(fields));
     known.unwrap_or_else(|| named::read(fields))
@@ -126,11 +126,12 @@ mod tests {
             ("", "it is empty"),
             (" \n", "it is empty"),
             ("\0\0", "it is not text"),
-            ("caf\u{e9}", "it has no fields and is no 3x3 matrix"),
-            ("fx = 5", "it has no fields and is no 3x3 matrix"),
-            ("[525, 525, 320, 240]", "a 3x3 matrix has 9 numbers, this has 4"),
+            ("caf\u{e9}", "it has no fields and does not begin with a number"),
+            ("fx = 5", "it has no fields and does not begin with a number"),
+            ("[525, 525, 320]", "this has 3"),
             ("fx: 525\nfy: 525", "missing field `cx`"),
             (r#"{"K": [1, 0]}"#, "`K` is not nine numbers"),
+            (r#"{"K": [0, 0, 0, 0, 0, 0, 0, 0, 0]}"#, "the camera is not calibrated: calibrate it, or"),
             (r#"{"cam_K": [1, 2, 3, 4, 5, 6, 7, 8, 9]}"#, "`cam_K` is no matrix fx 0 cx"),
             (r#"{"K": 1, "k": 2}"#, "it has both `K` and `k`"),
             (r#"{"fx": 1, "fy""#, "it is cut short"),
@@ -145,6 +146,8 @@ mod tests {
                 "`height` is 0, which is not a number of pixels",
             ),
             (r#"{"fx": 1, "fy": 1, "cx": 1, "cy": 1, "width": 5.5, "height": 2}"#, "`width` is 5.5"),
+            (r#"{"fx": 1, "fy": 1, "cx": 1, "cy": 1, "width": -5.0, "height": 2}"#, "`width` is -5.0"),
+            (r#"{"fx": 1, "fy": 1, "cx": 1, "cy": 1, "width": 1e30, "height": 2}"#, "`width` is 1e"),
             (r#"{"fx": 1, "fy": 1, "cx": 1, "cy": 1, "depth_scale": -1}"#, "not positive"),
         ] {
             let message = parse(text.as_bytes()).unwrap_err().to_string();

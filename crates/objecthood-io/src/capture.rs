@@ -28,6 +28,8 @@ pub struct Capture {
     pub camera_fit: Option<CameraFit>,
     /// What became of each point of an unorganized cloud.
     pub list: Option<PointList>,
+    /// Whether it was made of points, which are in metres: no depth scale acts on it.
+    pub is_metric: bool,
     /// Whether the points had the axes of computer graphics (x right, y up, z backward) and were turned by half about x.
     pub turned: bool,
 }
@@ -44,6 +46,7 @@ impl Capture {
             truth: None,
             camera_fit: None,
             list: None,
+            is_metric: false,
             turned: false,
         }
     }

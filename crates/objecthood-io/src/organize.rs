@@ -47,7 +47,9 @@ use crate::images::check_pixels;
 ///   point is valid.
 pub fn organize(cloud: PointCloud, given: &Given) -> Result<Capture> {
     cloud.check()?;
-    if cloud.is_organized() { organize_grid(cloud, given) } else { organize_list(cloud, given) }
+    let capture =
+        if cloud.is_organized() { organize_grid(cloud, given) } else { organize_list(cloud, given) }?;
+    Ok(Capture { is_metric: true, ..capture })
 }
 
 fn organize_grid(mut cloud: PointCloud, given: &Given) -> Result<Capture> {

@@ -3,7 +3,7 @@
 //! These types are the contract with whoever reads the files; they follow [`Discovery`] but change only with
 //! [`SCHEMA_VERSION`]. Their schema, made from the texts below, is published as `docs/scene.schema.json`.
 
-use objecthood::discovery::{self, NodeKind};
+use objecthood::discovery::{self, Doubt, NodeKind, Notice};
 use objecthood::{Discovery, Params};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -138,7 +138,7 @@ pub struct UpDirection {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum UpSource {
-    /// The normal of the dominant plane.
+    /// The normal of the ground: the surface on which most things stand; in `paper` the dominant plane.
     Plane,
     /// Measured gravity.
     Measured,
@@ -466,8 +466,24 @@ pub fn notices(capture: &Capture, discovery: &Discovery) -> Vec<String> {
              focal length of {focal_px:.1} px, which sees {percent:.1} % of them"
         )
     });
-    let of_reading = of_reading.into_iter().chain(of_view);
-    of_reading.into_iter().chain(discovery.notices.iter().map(ToString::to_string)).collect()
+    let of_looking =
+        discovery.notices.iter().map(|notice| notice.to_string() + &unit_advice(notice, capture));
+    of_reading.into_iter().chain(of_view).chain(of_looking).collect()
+}
+
+/// What a doubt about the unit means for how the frame was given; empty for other notices.
+fn unit_advice(notice: &Notice, capture: &Capture) -> String {
+    let (times, is_too_far) = match notice {
+        Notice::Doubt(Doubt::TooFar { times, .. }) => (times, true),
+        Notice::Doubt(Doubt::TooNear { times, .. }) => (times, false),
+        _ => return String::new(),
+    };
+    match (capture.is_metric, is_too_far) {
+        (true, true) => format!(", and points are in metres: divide their coordinates by {times}"),
+        (true, false) => format!(", and points are in metres: multiply their coordinates by {times}"),
+        (false, true) => format!(", so the depth scale, units in a metre, would be {times} times as large"),
+        (false, false) => format!(", so the depth scale, units in a metre, would be 1/{times} of what it is"),
+    }
 }
 
 /// The points, if their camera is virtual.

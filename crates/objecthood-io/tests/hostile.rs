@@ -374,12 +374,13 @@ const CAMERA: &str =
     r#"{"fx": 4, "fy": 4, "cx": 1.5, "cy": 1, "width": 4, "height": 3, "depth_scale": 1000}"#;
 
 /// Camera files of other kinds.
-const CAMERAS: [&str; 5] = [
+const CAMERAS: [&str; 6] = [
     CAMERA,
     "header:\n  frame_id: \"c\"\nheight: 3\nwidth: 4\nk:\n- 4.0\n- 0.0\n- 1.5\n- 0.0\n- 4.0\n- 1.0\n- 0.0\n- 0.0\n- 1.0\n---\n",
     "%YAML:1.0\n---\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   data: [ 4., 0., 1.5, 0., 4., 1., 0.,\n       0., 1. ]\n",
     r#"{"0": {"cam_K": [4, 0, 1.5, 0, 4, 1, 0, 0, 1], "depth_scale": 0.1}}"#,
     "# K\n4 0 1.5\n0 4 1\n0 0 1\n",
+    "4 4 1.5 1\n",
 ];
 
 proptest! {

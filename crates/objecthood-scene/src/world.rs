@@ -119,7 +119,8 @@ impl World {
         }
     }
 
-    /// The same scene in an image of so many columns and rows, seen by the same camera: its field of view stays.
+    /// The same scene in an image of so many columns and rows, seen by the same camera: its pixels keep their shape, and it sees
+    /// as much from left to right. An image of other proportions shows more or less above and below.
     ///
     /// # Errors
     /// [`Error::Frame`] when there is no such image.
@@ -131,9 +132,10 @@ impl World {
     fn camera_of(&self, (width, height): (usize, usize)) -> Camera {
         let Viewpoint { camera: c, size_px, .. } = self.viewpoint;
         let (x, y) = (width as f64 / size_px.0 as f64, height as f64 / size_px.1 as f64);
+        // One factor for both focal lengths: sensors have square pixels, whatever the proportions of the image.
         Camera {
             fx_px: c.fx_px * x,
-            fy_px: c.fy_px * y,
+            fy_px: c.fy_px * x,
             cx_px: (c.cx_px + 0.5) * x - 0.5,
             cy_px: (c.cy_px + 0.5) * y - 0.5,
         }

@@ -1,4 +1,4 @@
-//! The method on images of other sizes: the same scenes and field of view, from a sixteenth to seven times the pixels of VGA.
+//! The method on images of other sizes: the same scenes and horizontal field of view, from a sixteenth to seven times the pixels of VGA.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,

@@ -31,6 +31,22 @@ fn the_table_is_as_far_as_geometry_says() {
     }
 }
 
+/// Sensors have square pixels, in images of any proportions.
+#[test]
+fn an_image_of_another_size_has_the_pixels_of_the_same_camera() {
+    let world = generate(Family::Single, 3);
+    let camera = world.viewpoint().camera;
+    for (size_px, times) in [((640, 480), 1.0), ((1280, 720), 2.0), ((320, 320), 0.5)] {
+        let seen = world.at_size(size_px).unwrap();
+        let Viewpoint { camera: c, size_px: (width, height), pose } = *seen.viewpoint();
+        assert_eq!(((width, height), pose), (size_px, world.viewpoint().pose));
+        assert_eq!((c.fx_px, c.fy_px), (times * camera.fx_px, times * camera.fy_px), "{size_px:?}");
+        // The principal point keeps its place in the image.
+        let place = [(c.cx_px + 0.5) / width as f64, (c.cy_px + 0.5) / height as f64];
+        assert_eq!(place, [(camera.cx_px + 0.5) / 640.0, (camera.cy_px + 0.5) / 480.0], "{size_px:?}");
+    }
+}
+
 #[test]
 fn every_sensor_works_from_anywhere_or_says_that_it_sees_nothing() {
     let world = generate(Family::Clutter, 1);

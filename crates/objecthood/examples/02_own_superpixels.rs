@@ -13,7 +13,7 @@ use objecthood::clusters::rules::{Rules, find_clusters};
 use objecthood::clusters::scene::Scene;
 use objecthood::clusters::steps::StepLimits;
 use objecthood::facets::find_facets;
-use objecthood::objectness::conclusion::conclude_context;
+use objecthood::objectness::conclusion::{ContextScene, conclude_context};
 use objecthood::objectness::hypotheses::find_cluster_hypotheses;
 use objecthood::oversegment::linked::LinkedSuperpixels;
 use objecthood::oversegment::structure::find_structure;
@@ -53,10 +53,17 @@ fn discover_with(labels: &Raster<i32>, frame: &Frame, params: &Params) -> object
     let points_m = frame.points_m();
     let scene = Scene::new(frame, &surfaces, &structure, &filled, &points_m, steps);
     let clusters = find_clusters(&scene, &shapes, Rules::of(params));
-    let standing = find_standing(frame, &scene, &clusters, &structure.planes, StandingParams::of(params));
+    let standing = find_standing(frame, &scene, &clusters, StandingParams::of(params));
     let Params { gravity, contraction, objectness, .. } = params;
     let hypotheses = find_cluster_hypotheses(&scene, &clusters, &standing, objectness, contraction);
-    conclude_context(&scene, &standing, &hypotheses, gravity, objectness)
+    let all = ContextScene {
+        surfaces: &surfaces,
+        structure: &structure,
+        facets: &filled,
+        points_m: &points_m,
+        standing: &standing,
+    };
+    conclude_context(&all, &hypotheses, gravity, objectness)
 }
 
 #[expect(clippy::print_stdout, reason = "an example talks to its reader")]

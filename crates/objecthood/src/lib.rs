@@ -27,6 +27,8 @@
 //! | module | task | paper |
 //! |---|---|---|
 //! | [`frame`], [`camera`], [`raster`] | the input: units, missing depth, the camera frame | |
+//! | [`noise`], [`estimates`], [`attitude`] | what is known before a frame is looked at: the sensor's noise, what earlier frames told, up (`context`) | |
+//! | [`color`] | colours as they are compared | |
 //! | [`surface`] | normals and curvature of single pixels | III-A, eq. 2 |
 //! | [`oversegment`] | superpixels | III-A, eq. 1 |
 //! | [`facets`] | faces of convex shapes | III-B, eq. 3 |
@@ -34,10 +36,14 @@
 //! | [`clusters`] | shapes that are one thing, joined by their surroundings (`context`) | |
 //! | [`support`] | the direction up, and the support graph | III-D, eq. 6 to 8 |
 //! | [`objectness`] | the score, and which regions are objects | III-D |
+//! | [`discovery`] | the result: objects, joins, the support graph, up, notices | |
 //! | [`regions`] | label maps and region graphs, passed from stage to stage | |
+//! | [`planes`], [`oriented_box`] | planes and boxes fitted to points | |
 //! | [`params`] | every parameter with unit, default and source | |
 //! | [`plausibility`] | what of a frame cannot be: units, cameras, images that do not belong together | |
 //! | [`observe`] | the hook that shows intermediate results | |
+//! | [`check`] | what was measured against which limit: rules decide by it, explanations show it | |
+//! | [`error`] | why a call failed, and how to fix the input | |
 //! | [`explain`] | the decisions behind a pixel's label, and the parameter changes that turn them | |
 //!
 //! The crate is pure: no files, no clock, no printing. The same frame gives the same labels on any number of

@@ -14,7 +14,7 @@ use crate::facets::find_facets;
 use crate::facets::flat::{FlatParams, find_flats};
 use crate::facets::paper::group_alike;
 use crate::frame::Frame;
-use crate::objectness::conclusion::{PaperScene, conclude_context, conclude_paper};
+use crate::objectness::conclusion::{ContextScene, PaperScene, conclude_context, conclude_paper};
 use crate::objectness::hypotheses::{Evidence, find_cluster_hypotheses, find_hypotheses};
 use crate::observe::{LabelMap, Observer, Output};
 use crate::outputs::{ContextOutputs, PaperOutputs, recall, try_recall};
@@ -139,16 +139,16 @@ pub(crate) fn context<'k>(
     let scene = &Scene::new(frame, surfaces, structure, filled, points_m, steps);
     let clusters = recall(&mut kept.clusters, || find_clusters(scene, shapes, Rules::of(params)));
     observer.observe(Output::Clusters { facets: filled, clusters });
-    let standing = recall(&mut kept.standing, || {
-        find_standing(frame, scene, clusters, &structure.planes, StandingParams::of(params))
-    });
+    let standing =
+        recall(&mut kept.standing, || find_standing(frame, scene, clusters, StandingParams::of(params)));
     observer.observe(Output::Support { graph: &standing.graph, regions: &standing.candidates.regions });
     let hypotheses = recall(&mut kept.hypotheses, || {
         find_cluster_hypotheses(scene, clusters, standing, &params.objectness, &params.contraction)
     });
     observer.observe(Output::Hypotheses(hypotheses));
     let discovery = try_recall(&mut kept.discovery, || {
-        conclude_context(scene, standing, hypotheses, &params.gravity, &params.objectness)
+        let scene = &ContextScene { surfaces, structure, facets: filled, points_m, standing };
+        conclude_context(scene, hypotheses, &params.gravity, &params.objectness)
             .map(|found| found.with_doubts(recall(&mut kept.doubts, || find_doubts(given)).as_slice()))
     })?;
     observer.observe(Output::Objects(discovery));

@@ -18,6 +18,8 @@ const WAVES_EXPONENT: f64 = 0.7;
 const LEAST_SCALE: f64 = 0.6;
 /// Share of the white noise in the tolerances of structure, which compares single pixels with a surface.
 const WHITE_SHARE: f64 = 0.7;
+/// The spread of a surface exceeds a Kinect's by at most this many times the waves.
+const SPREAD_OF_WAVES: f64 = 1.5;
 /// Waves count this many times in the tolerance of a merge ...
 const MERGE_SIGMAS: f64 = 5.0;
 /// ... beside the misfit of the model (quanta), the tolerance on a Kinect.
@@ -73,7 +75,7 @@ impl Noise {
 
     /// The most that the spread of a surface may exceed a Kinect's because of waves.
     pub(crate) fn most_spread(&self) -> f64 {
-        (1.5 * self.sure_waves()).max(1.0)
+        (SPREAD_OF_WAVES * self.sure_waves()).max(1.0)
     }
 
     /// Factor on the tolerance with which two regions are merged. `side_px`: the root of the pixels of the smaller one, at a focal length

@@ -5,9 +5,12 @@ mod common;
 use std::time::Duration;
 
 use common::{cut_box, stack, two_boxes};
+use objecthood::attitude::Attitude;
 use objecthood::clusters::history::Rule;
 use objecthood::explain::{Decision, Explainer, Explanation, Flip, Outcome, Question, Reason};
-use objecthood::{Camera, Error, Frame, Method, Params, Pipeline, Raster};
+use objecthood::oversegment::structure::find_structure;
+use objecthood::surface::surfaces::find_surfaces;
+use objecthood::{Camera, Error, Frame, Method, Notice, Params, Pipeline, Raster};
 use rayon::prelude::*;
 
 /// Explains a pixel and checks what holds of every explanation.
@@ -44,6 +47,51 @@ fn every_pixel_of_small_scenes_is_explained() {
             checked(&explainer, [i % width, i / width]);
         }
     }
+}
+
+/// A hole that was bridged has a facet, but belongs to nothing: it was called a part of a thing that is too small.
+#[test]
+fn every_pixel_of_a_scene_with_a_grid_of_holes_is_explained() {
+    let whole = two_boxes();
+    let (width, height) = whole.size();
+    let is_hole = |i: usize| i % width % 4 == 1 && i / width % 4 == 1;
+    let depths = whole.depth_m().as_slice().iter().enumerate();
+    // From three times as far, surfaces rise by less than a quantum a pixel.
+    let depths = depths.map(|(i, &z)| if is_hole(i) { f32::NAN } else { 3.0 * z }).collect();
+    let frame = whole.with_depth_m(Raster::from_vec(width, height, depths).expect("the same size"));
+    let frame = frame.expect("most depths are left");
+    let explainer =
+        Explainer::new(&Pipeline::default(), &frame, &Params::default()).expect("the scene is valid");
+    let notices = &explainer.discovery().notices;
+    assert!(notices.iter().any(|notice| matches!(notice, Notice::HoleGrid { .. })), "{notices:?}");
+    let plane = explainer.discovery().structure_planes[0];
+    assert!(plane.inlier_share <= 1.0, "{plane:?}");
+    let holes = (0..width * height).filter(|&i| is_hole(i) && whole.is_valid(i));
+    for i in holes.step_by(7) {
+        assert_eq!(checked(&explainer, [i % width, i / width]).outcome, Outcome::NoDepth);
+    }
+}
+
+/// The tolerance that is printed is that which decided: the parameter, times how far the surface scatters.
+#[test]
+fn a_pixel_of_a_plane_is_explained_by_the_tolerance_of_that_plane() {
+    let (frame, params) = (two_boxes(), Params::default());
+    let surfaces = find_surfaces(&frame, &params.sensor, &params.local_fit);
+    let attitude = Attitude::of(&frame, &params.gravity);
+    let structure = find_structure(frame.depth_m(), &surfaces, &attitude, &params.structure);
+    let scale = structure.surfaces[0].scale;
+    assert!((scale - 1.0).abs() > 0.1, "a surface without noise scatters less than a Kinect's");
+    let explainer = Explainer::new(&Pipeline::default(), &frame, &params).expect("the scene is valid");
+    let (width, height) = frame.size();
+    let pixels = (0..width * height).step_by(97).map(|i| checked(&explainer, [i % width, i / width]));
+    let limits: Vec<f64> = pixels
+        .filter(|explanation| explanation.outcome == Outcome::Structure { plane: 1 })
+        .flat_map(|explanation| explanation.kept.map_or(Vec::new(), |kept| kept.checks))
+        .map(|check| check.limit)
+        .collect();
+    assert!(!limits.is_empty());
+    let own = scale * params.structure.tolerance_quanta;
+    assert!(limits.iter().all(|limit| (limit - own).abs() < 1e-12), "{limits:?}");
 }
 
 /// They waited for each other for ever where one was handed the other's work while both wanted the same tables.

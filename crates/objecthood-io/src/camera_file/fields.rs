@@ -51,8 +51,13 @@ pub(super) fn size(fields: &Fields) -> Result<Option<(usize, usize)>> {
     }
 }
 
+/// More pixels a side than any image has; a float holds every number up to it.
+const MOST_PX: f64 = (1_u32 << 31) as f64;
+
+/// Programs that keep all numbers as floats write 640.0.
 fn pixels(name: &str, value: &Value) -> Result<usize> {
-    let pixels = value.as_u64().and_then(|pixels| usize::try_from(pixels).ok()).filter(|&pixels| pixels > 0);
+    let is_count = |pixels: &f64| (1.0..=MOST_PX).contains(pixels) && pixels.fract() == 0.0;
+    let pixels = value.as_f64().filter(is_count).map(|pixels| pixels as usize);
     pixels.ok_or_else(|| wrong(format!("`{name}` is {value}, which is not a number of pixels")))
 }
 
@@ -88,14 +93,24 @@ pub(super) fn matrix(name: &str, value: &Value) -> Result<Camera> {
     camera(&format!("`{name}`"), nine)
 }
 
+/// A matrix may have this share of its focal length as skew: rounding leaves it.
+const MOST_SKEW: f64 = 1e-6;
+
 /// The camera of a matrix of nine numbers, row by row, or column by column as Open3D writes them: the zeros tell which.
 ///
 /// # Errors
 /// The matrix is not that of a pinhole camera without skew; those of [`Camera::check`].
 pub(super) fn camera(name: &str, nine: [f64; 9]) -> Result<Camera> {
     let no_camera = || wrong(format!("{name} is no matrix fx 0 cx, 0 fy cy, 0 0 1 of a camera"));
+    // Drivers publish this until the camera is calibrated.
+    if nine == [0.0; 9] {
+        return Err(wrong(format!(
+            "{name} is all zeros, so the camera is not calibrated: calibrate it, or ask its maker"
+        )));
+    }
     let [fx, skew, cx, zero, fy, cy, left, middle, one] = nine;
-    if [skew, zero] != [0.0; 2] || one != 1.0 {
+    let is_skewed = [skew, zero].iter().any(|skew| skew.abs() > MOST_SKEW * fx.abs());
+    if is_skewed || one != 1.0 {
         return Err(no_camera());
     }
     let [cx, cy] = match ([cx, cy], [left, middle]) {

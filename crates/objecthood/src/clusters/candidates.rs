@@ -1,5 +1,7 @@
 //! Candidates: the clusters that are large enough for an object, as regions of the support graph (docs/CONTEXT.md 6.6).
 
+use std::ops::Range;
+
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::find_flat;
 use crate::clusters::clustering::{Clustering, FinalCluster};
@@ -55,14 +57,18 @@ pub(crate) fn find_candidates(
 }
 
 impl Candidates {
-    /// Sets the inlier share of each structure plane to the final share of its region among all `measured_px` points. O(runs).
+    /// Sets the inlier share of each structure plane to the final share of its region among all points. O(pixels).
     pub(crate) fn count_inliers(
         &self,
         planes: Vec<StructurePlane>,
+        points_m: &Raster<[f32; 3]>,
         measured_px: usize,
     ) -> Vec<StructurePlane> {
         let mut size_px = vec![0_usize; self.regions.count()];
-        self.regions.runs().for_each(|(run, region)| size_px[region] += run.len());
+        // A hole that was bridged lies on a surface, but has no point.
+        let points =
+            |run: Range<usize>| points_m.as_slice()[run].iter().filter(|point| !point[2].is_nan()).count();
+        self.regions.runs().for_each(|(run, region)| size_px[region] += points(run));
         let share = |size: usize| (size as f64 / measured_px as f64) as f32;
         let planes = planes.into_iter().zip(size_px);
         planes.map(|(plane, size)| StructurePlane { inlier_share: share(size), ..plane }).collect()

@@ -58,3 +58,67 @@ impl<'a> Scene<'a> {
         2 * sample.iter().filter(is_over).count() >= sample.len()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clusters::testing::Table;
+    use crate::oversegment::structure::StructureSurface;
+    use crate::planes::StructurePlane;
+
+    const SIZE: (usize, usize) = (120, 30);
+    /// Height of the board above the table (m); facet 1.
+    const BOARD_M: f64 = 0.3;
+
+    /// Facet 2 at these columns, from this height (m) on one centimetre higher in each, in a scene with a board in columns 20 to 60; the
+    /// support that is its own.
+    fn own_support(columns: std::ops::Range<usize>, height_m: f64, supports: &[usize]) -> Option<usize> {
+        let table = Table::new(SIZE, |u, v| {
+            Some(match u {
+                u if columns.contains(&u) && (10..20).contains(&v) => {
+                    (2, height_m + 0.01 * (u - columns.start) as f64)
+                }
+                20..60 => (1, BOARD_M),
+                _ => (0, 0.0),
+            })
+        });
+        let level = |distance_m: f64| StructurePlane {
+            normal: [0.0, 0.0, -1.0],
+            offset_m: distance_m as f32,
+            inlier_share: 0.5,
+        };
+        let planes = [level(1.0), level(1.0 - BOARD_M)];
+        let plain = table.scene();
+        let surface = |k: usize| StructureSurface {
+            model: table.facets.models[k],
+            offset_m: f64::from(planes[k].offset_m),
+            ..plain.surfaces[0].clone()
+        };
+        let surfaces = [surface(0), surface(1)];
+        let scene = Scene { surfaces: &surfaces, planes: &planes, supports, ..plain };
+        let segments = &scene.facets.segments;
+        let pixels: Vec<u32> = segments.members().filter(|m| m.1 == 2).map(|m| m.0 as u32).collect();
+        scene.own_support(&pixels)
+    }
+
+    #[test]
+    fn a_thing_has_the_highest_support_below_its_foot() {
+        assert_eq!(own_support(30..40, 0.4, &[0, 1]), Some(1), "on the board");
+        assert_eq!(own_support(30..40, 0.4, &[1, 0]), Some(1), "whichever comes first");
+        assert_eq!(own_support(80..90, 0.1, &[0, 1]), Some(0), "lower than the board");
+        assert_eq!(own_support(30..40, 0.285, &[0, 1]), Some(1), "a foot may lie a little below its support");
+        assert_eq!(own_support(30..40, 0.265, &[0, 1]), Some(0), "but not by more than that");
+    }
+
+    #[test]
+    fn a_support_has_to_go_on_below_it() {
+        // As high as if on the board, and beside it: what lies below is the table.
+        assert_eq!(own_support(104..112, 0.4, &[0, 1]), Some(0));
+    }
+
+    #[test]
+    fn with_one_support_it_is_that_and_without_there_is_none() {
+        assert_eq!(own_support(30..40, 0.4, &[0]), Some(0));
+        assert_eq!(own_support(30..40, 0.4, &[]), None);
+    }
+}

@@ -39,18 +39,6 @@ pub struct Scene<'a> {
     pub planes: &'a [StructurePlane],
     /// The surfaces on which things stand, the ground first.
     pub supports: &'a [usize],
-    /// The share of the pixels that are small holes in a grid, and were bridged.
-    pub bridged_share: f32,
-    /// The share of the measured pixels that lay on smeared edges, and were moved to one of their sides.
-    pub sharpened_share: f32,
-    /// The frames that the noise of `space` is a mean over; 0 when none told of it.
-    pub noise_frames: u32,
-    /// How far the camera is turned clockwise about its optical axis beyond what was given (degrees).
-    pub turned_deg: u16,
-    /// Whether little speaks for another surface as the ground.
-    pub is_ground_clear: bool,
-    /// The angle (degrees) by which the surface on which most stands faces away from a measured up that no surface faces.
-    pub missed_gravity_deg: Option<f32>,
     /// The largest differences in disparity that are no step.
     pub steps: StepLimits,
 }
@@ -82,12 +70,6 @@ impl<'a> Scene<'a> {
             surfaces: &structure.surfaces,
             planes: &structure.planes,
             supports: &structure.supports.surfaces,
-            bridged_share: surfaces.bridged_share,
-            sharpened_share: surfaces.sharpened_share,
-            noise_frames: surfaces.noise_frames,
-            turned_deg: structure.supports.turned_deg,
-            is_ground_clear: structure.supports.is_clear,
-            missed_gravity_deg: structure.supports.missed_gravity_deg,
             steps,
         }
     }

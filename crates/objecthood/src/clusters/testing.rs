@@ -98,12 +98,6 @@ impl Table {
             surfaces: std::slice::from_ref(&self.support),
             planes: &[],
             supports: &[0],
-            bridged_share: 0.0,
-            sharpened_share: 0.0,
-            noise_frames: 0,
-            turned_deg: 0,
-            is_ground_clear: true,
-            missed_gravity_deg: None,
             steps: StepLimits::of(&params::Watershed::default(), &self.space),
         }
     }

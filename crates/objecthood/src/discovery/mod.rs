@@ -71,6 +71,10 @@ impl Discovery {
 /// A surface on which things stand that faces away from up by more than this (degrees) tells that the sign of gravity is exchanged.
 const EXCHANGED_DEG: f32 = 150.0;
 
+/// What to do about a wrong ground. A tilt and a roll of 0 are the defaults and tell nothing.
+const HOW_HELD: &str = "say how the camera is held: --gravity 0,1,0 if it is level, --set gravity.tilt_deg=30 if it looks down by 30 degrees, \
+                        --set gravity.roll_deg=.. if it is turned, or --gravity X,Y,Z if that was measured";
+
 /// A notice: something that the user should know about a result. It is no error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -122,15 +126,14 @@ impl fmt::Display for Notice {
             Self::Turned { degrees } => write!(
                 f,
                 "the camera seems to be turned clockwise by about {degrees} degrees: up follows the plane on which most \
-                 things stand (if that is wrong, give --gravity X,Y,Z, or --set gravity.tilt_deg=.. and gravity.roll_deg=..)"
+                 things stand (if that is wrong, {HOW_HELD})"
             ),
             Self::GroundInDoubt { distance_m, tilt_deg, share } => {
                 let percent = 100.0 * share;
                 write!(
                     f,
                     "it is not clear which surface is the ground: taken is the one {distance_m:.2} m from the camera, on which it \
-                     looks down by {tilt_deg:.0} degrees, with {percent:.0} % of the depth (if that is wrong, give --gravity X,Y,Z, \
-                     or --set gravity.tilt_deg=.. and gravity.roll_deg=..)"
+                     looks down by {tilt_deg:.0} degrees, with {percent:.0} % of the depth (if that is wrong, {HOW_HELD})"
                 )
             }
             Self::GravityMissed { angle_deg } if *angle_deg > EXCHANGED_DEG => write!(

@@ -9,12 +9,12 @@ pub struct Up {
     pub source: UpSource,
 }
 
-/// The source of the direction up.
+/// The source of the direction up. The first that can tell is taken, in this order: measured gravity, the plane, earlier frames, the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UpSource {
-    /// The normal of the dominant plane.
+    /// The normal of the ground: in `context` the surface on which most things stand, in `paper` the dominant plane.
     Plane,
-    /// Measured gravity, by [`Frame::with_up`](crate::Frame::with_up).
+    /// Measured gravity, by [`Frame::with_up`](crate::Frame::with_up): no surface is asked.
     Measured,
     /// What earlier frames told, because this one shows no ground.
     Earlier,

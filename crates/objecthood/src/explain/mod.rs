@@ -141,7 +141,8 @@ impl Explainer {
             near_misses: Vec::new(),
             object: None,
         };
-        let Some(facet) = self.facets().at(i) else { return Ok(explanation) };
+        // A small hole that was bridged has a facet, but no point: it belongs to nothing.
+        let Some(facet) = depth_m.and_then(|_| self.facets().at(i)) else { return Ok(explanation) };
 
         let report = self.facet(facet, i);
         explanation.facet = Some(report);
@@ -154,7 +155,7 @@ impl Explainer {
                 explanation.near_misses = self.near_misses(facet);
             }
             None => {
-                explanation.kept = Some(self.of_structure([u, v], report.residual_quanta));
+                explanation.kept = Some(self.of_structure(facet, [u, v], report.residual_quanta));
                 explanation.way = self.bottom(i);
             }
         }

@@ -14,6 +14,7 @@ use crate::facets::{Facets, Flat};
 use crate::neighbours::four_neighbours;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::outputs::ContextOutputs;
+use crate::oversegment::structure::Structure;
 use crate::regions::{RegionGraph, SegmentId};
 use crate::shapes::border::BorderEvidence;
 use crate::shapes::contraction::Shapes;
@@ -27,6 +28,8 @@ pub(super) struct Run {
     pub(super) seams: Arc<Option<Seams>>,
     /// The facets after the gaps between them are filled.
     pub(super) filled: Arc<Facets>,
+    /// The surfaces of the structure.
+    pub(super) structure: Arc<Structure>,
     clusters: Arc<Clustering>,
     pub(super) steps: Vec<Step>,
     pub(super) near_steps: Vec<NearStep>,
@@ -57,7 +60,7 @@ impl Run {
         let seams = outputs.seams.clone()?;
         let (_, _, shapes) = shaped(&seams, &before_seams);
         let candidates = outputs.hypotheses.clone()?;
-        let filled = outputs.filled.clone()?;
+        let (structure, filled) = (outputs.structure.clone()?, outputs.filled.clone()?);
         let mut sizes = vec![0_usize; filled.segments.count()];
         let mut first = vec![None; sizes.len()];
         for (i, facet) in filled.segments.members() {
@@ -76,6 +79,7 @@ impl Run {
             before_seams,
             seams,
             filled,
+            structure,
             clusters,
             steps,
             near_steps,

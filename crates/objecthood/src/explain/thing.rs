@@ -76,8 +76,11 @@ impl Explainer {
     }
 
     /// Whether a pixel of a structure plane belongs to an object, and why: it can only be a part of a bottom.
-    pub(super) fn of_structure(&self, pixel: [usize; 2], residual_quanta: f64) -> Decision {
-        let (off, limit) = (residual_quanta.abs(), self.subject.params.structure.tolerance_quanta);
+    pub(super) fn of_structure(&self, plane: SegmentId, pixel: [usize; 2], residual_quanta: f64) -> Decision {
+        // The surface's own tolerance: the parameter, times how far the surface scatters.
+        let scale = self.subject.run.structure.surfaces[plane.index()].scale;
+        let limit = scale * self.subject.params.structure.tolerance_quanta;
+        let off = residual_quanta.abs();
         let near = Check::new("its distance from the plane", "quanta", off, Bound::Below, limit);
         let question = Question::OfObject { pixel };
         if self.subject.run.answer(question) {

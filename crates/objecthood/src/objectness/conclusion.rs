@@ -1,20 +1,22 @@
 //! The end of both methods: assembles the discovery.
 
-use crate::clusters::scene::Scene;
 use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::{Discovery, Notice, UpSource};
 use crate::error::Result;
 use crate::estimates::Estimates;
+use crate::facets::Facets;
 use crate::frame::Frame;
 use crate::objectness::decision::decide;
 use crate::objectness::hypotheses::Hypothesis;
 use crate::objectness::objects::{make_objects, mark_objects};
+use crate::oversegment::structure::{Structure, Supports};
 use crate::params::{self, Method, UpFrom};
 use crate::planes::StructurePlane;
 use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::support::gravity::{Ground, mark_plane};
 use crate::support::standing::Standing;
+use crate::surface::surfaces::Surfaces;
 
 /// The outputs of `paper` of which its discovery is made.
 #[derive(Clone, Copy, Debug)]
@@ -59,48 +61,77 @@ pub fn conclude_paper(
     })
 }
 
+/// The outputs of `context` of which its discovery is made.
+#[derive(Clone, Copy, Debug)]
+pub struct ContextScene<'a> {
+    /// The surface at every pixel.
+    pub surfaces: &'a Surfaces,
+    /// The structure.
+    pub structure: &'a Structure,
+    /// Facets and structure after [`fill_facets`](crate::clusters::fill::fill_facets).
+    pub facets: &'a Facets,
+    /// Points (m); `NaN` without depth.
+    pub points_m: &'a Raster<[f32; 3]>,
+    /// The candidates, their planes, up and the support graph.
+    pub standing: &'a Standing,
+}
+
 /// Assembles the discovery of `context`: the objects, the structure and the support graph. O(pixels log pixels).
 ///
 /// # Errors
 /// As [`make_objects`].
 pub fn conclude_context(
-    scene: &Scene<'_>,
-    standing: &Standing,
+    scene: &ContextScene<'_>,
     hypotheses: &[Hypothesis],
     gravity: &params::Gravity,
     objectness: &params::Objectness,
 ) -> Result<Discovery> {
+    let &ContextScene { surfaces, structure, facets, points_m, standing } = scene;
     let Standing { candidates, planes, up, graph, .. } = standing;
     let kept = decide(hypotheses, Method::Context, objectness);
-    let (objects, labels) = make_objects(kept, &scene.facets.segments, scene.points_m, graph)?;
+    let (objects, labels) = make_objects(kept, &facets.segments, points_m, graph)?;
     let missing_plane =
         planes.is_empty() && gravity.up_from == UpFrom::Plane && up.source == UpSource::Camera;
     let no_plane = missing_plane.then_some(Notice::NoPlane);
     let told = match up.source {
         UpSource::Measured | UpSource::Earlier => true,
-        UpSource::Plane => scene.is_ground_clear,
+        UpSource::Plane => structure.supports.is_clear,
         UpSource::Camera => false,
     };
-    let turned = (scene.turned_deg != 0).then_some(Notice::Turned { degrees: scene.turned_deg });
-    let ground = scene.ground_facet().map(|facet| &planes[facet.index()]);
-    let in_doubt = ground.filter(|_| !scene.is_ground_clear).map(ground_in_doubt);
-    let missed = scene.missed_gravity_deg.map(|angle_deg| Notice::GravityMissed { angle_deg });
-    let holes = (scene.bridged_share > 0.0).then_some(Notice::HoleGrid { share: scene.bridged_share });
-    let smeared = (scene.sharpened_share > 0.0).then_some(Notice::Smeared { share: scene.sharpened_share });
+    let notices =
+        no_plane.into_iter().chain(of_ground(structure, planes)).chain(of_depth(surfaces)).collect();
     Ok(Discovery {
         support: mark_objects(graph, &objects),
         objects,
         labels,
         up: *up,
-        structure: candidates.structure_labels(scene.points_m),
+        structure: candidates.structure_labels(points_m),
         structure_planes: planes.clone(),
         estimates: Some(Estimates {
-            noise: *scene.space.noise(),
-            frames: scene.noise_frames,
+            noise: *surfaces.space.noise(),
+            frames: surfaces.noise_frames,
             up: told.then_some(up.direction),
         }),
-        notices: [no_plane, turned, in_doubt, missed, holes, smeared].into_iter().flatten().collect(),
+        notices,
     })
+}
+
+/// What is to be said of the ground. `planes`: those of the structure.
+fn of_ground(structure: &Structure, planes: &[StructurePlane]) -> impl Iterator<Item = Notice> {
+    let Supports { turned_deg, is_clear, missed_gravity_deg, .. } = structure.supports;
+    let turned = (turned_deg != 0).then_some(Notice::Turned { degrees: turned_deg });
+    let ground = structure.supports.surfaces.first().map(|&ground| &planes[ground]);
+    let in_doubt = ground.filter(|_| !is_clear).map(ground_in_doubt);
+    let missed = missed_gravity_deg.map(|angle_deg| Notice::GravityMissed { angle_deg });
+    turned.into_iter().chain(in_doubt).chain(missed)
+}
+
+/// What was mended in the depth.
+fn of_depth(surfaces: &Surfaces) -> impl Iterator<Item = Notice> {
+    let &Surfaces { bridged_share, sharpened_share, .. } = surfaces;
+    let holes = (bridged_share > 0.0).then_some(Notice::HoleGrid { share: bridged_share });
+    let smeared = (sharpened_share > 0.0).then_some(Notice::Smeared { share: sharpened_share });
+    holes.into_iter().chain(smeared)
 }
 
 /// The notice that names the plane that was taken for the ground.

@@ -18,7 +18,7 @@
 //! # use objecthood::clusters::scene::Scene;
 //! # use objecthood::clusters::steps::StepLimits;
 //! # use objecthood::support::standing::{StandingParams, find_standing};
-//! use objecthood::objectness::conclusion::conclude_context;
+//! use objecthood::objectness::conclusion::{ContextScene, conclude_context};
 //! use objecthood::objectness::hypotheses::find_cluster_hypotheses;
 //!
 //! # use objecthood::{Camera, Frame, Params, Raster};
@@ -38,10 +38,12 @@
 //! # let points_m = frame.points_m();
 //! # let scene = Scene::new(&frame, &surfaces, &structure, &filled, &points_m, steps);
 //! # let clusters = find_clusters(&scene, &shapes, Rules::of(&params));
-//! # let standing = find_standing(&frame, &scene, &clusters, &structure.planes, StandingParams::of(&params));
+//! # let standing = find_standing(&frame, &scene, &clusters, StandingParams::of(&params));
 //! let Params { gravity, contraction, objectness, .. } = &params;
 //! let hypotheses = find_cluster_hypotheses(&scene, &clusters, &standing, objectness, contraction);
-//! let found = conclude_context(&scene, &standing, &hypotheses, gravity, objectness)?;
+//! let (facets, points_m) = (&filled, &points_m);
+//! let all = ContextScene { surfaces: &surfaces, structure: &structure, facets, points_m, standing: &standing };
+//! let found = conclude_context(&all, &hypotheses, gravity, objectness)?;
 //! assert_eq!(found.objects.len(), 1);
 //! # Ok::<(), objecthood::Error>(())
 //! ```

@@ -38,7 +38,7 @@ choice! {
         /// Estimated from the frame.
         #[default]
         Estimated = "estimated",
-        /// A Kinect's noise, counted in the given quanta.
+        /// That of `sensor.profile`; without a profile a Kinect's.
         Given = "given",
     }
 }

@@ -7,6 +7,9 @@ use crate::raster::Raster;
 /// Neighbours whose depths differ by more than this share are an edge.
 const EDGE: f32 = 0.04;
 
+/// Edges are looked for in so many rows of each row of the grid.
+const ROWS_A_GRID: usize = 2;
+
 /// Neighbours may have this much between them without depth, as a share of the width: the shadow beside an edge.
 const SHADOW: f64 = 0.025;
 
@@ -62,7 +65,7 @@ fn edges(depth_m: &Raster<f32>) -> Vec<[usize; 2]> {
     let shadow = (SHADOW * width as f64) as usize + 1;
     let mut edges = Vec::new();
     let rows = depth_m.as_slice().chunks_exact(width).enumerate();
-    for (v, row) in rows.step_by((grid_px(width) / 2).max(1)) {
+    for (v, row) in rows.step_by((grid_px(width) / ROWS_A_GRID).max(1)) {
         let (mut before, mut z_before) = (0, f32::NAN);
         for (u, &z) in row.iter().enumerate().filter(|(_, z)| !z.is_nan()) {
             // Nothing is more than a depth that is missing.

@@ -17,8 +17,8 @@ pub enum Doubt {
     CameraNotInPixels {
         /// The focal lengths as they were given.
         focal: [f64; 2],
-        /// The same in pixels, if the principal point is the middle of the image.
-        likely: Camera,
+        /// The same in pixels, if the principal point is a length too and the middle of the image. `None` where it is not.
+        likely: Option<Camera>,
     },
     /// The camera is that of an image of another size.
     CameraOfOtherSize {
@@ -117,9 +117,17 @@ impl fmt::Display for Doubt {
             Self::CameraNotInPixels { focal: [fx, fy], likely } => {
                 write!(
                     f,
-                    "focal lengths of {fx:.3} and {fy:.3} px are too short, they may be in millimetres: in pixels the camera is about "
+                    "focal lengths of {} and {} px are too short, they may be in millimetres: ",
+                    Rounded(fx),
+                    Rounded(fy)
                 )?;
-                numbers(f, likely)
+                match likely {
+                    Some(likely) => {
+                        f.write_str("in pixels the camera is about ")?;
+                        numbers(f, likely)
+                    }
+                    None => f.write_str("divide them by the width of a pixel on the sensor"),
+                }
             }
             Self::CameraOfOtherSize { times, likely } => {
                 write!(
@@ -143,7 +151,7 @@ impl fmt::Display for Doubt {
             ),
             Self::FocalLengths { focal_px: [fx, fy] } => write!(
                 f,
-                "the focal lengths {fx} and {fy} px differ, but pixels are square: is one of them another number of the camera?"
+                "the focal lengths {fx:.1} and {fy:.1} px differ, but pixels are square: is one of them another number of the camera?"
             ),
             _ => self.fmt_images(f),
         }
@@ -180,12 +188,15 @@ impl Doubt {
             ),
             Self::TooFar { range_m: [near, far], times } => write!(
                 f,
-                "depths run from {near:.2} to {far:.2} m, farther than depth cameras see things to grasp: they may be {times} times too large, so the depth scale, units in a metre, would be {times} times as large"
+                "depths run from {} to {} m, farther than depth cameras see things to grasp: they may be {times} times too large",
+                Rounded(near),
+                Rounded(far)
             ),
             Self::TooNear { median_m, noise_m, times } => write!(
                 f,
-                "half of the depths are below {median_m:.3} m, with noise and steps of {:.2} mm, nearer than depth cameras see or coarser than they measure there: they may be {times} times too small, so the depth scale, units in a metre, would be 1/{times} of what it is",
-                1000.0 * noise_m
+                "half of the depths are below {} m, with noise and steps of {} mm, nearer than depth cameras see or coarser than they measure there: they may be {times} times too small",
+                Rounded(median_m),
+                Rounded(1000.0 * noise_m)
             ),
             Self::ColorMirrored(mirrored) => {
                 let (how, what) = match mirrored {
@@ -203,8 +214,34 @@ impl Doubt {
     }
 }
 
+/// A number as people read it: three digits from the first that is not 0 on, however large or small it is.
+struct Rounded(f64);
+
+impl fmt::Display for Rounded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // A number below 10 has two digits behind the point, and one more for each 0 before the first other digit.
+        let decimals = if self.0 == 0.0 { 0.0 } else { 2.0 - libm::floor(libm::log10(self.0.abs())) };
+        write!(f, "{:.*}", decimals.clamp(0.0, MOST_DECIMALS) as usize, self.0)
+    }
+}
+
+/// Smaller numbers are printed as 0.
+const MOST_DECIMALS: f64 = 9.0;
+
 /// A camera as options take it.
 fn numbers(f: &mut fmt::Formatter<'_>, camera: Camera) -> fmt::Result {
     let Camera { fx_px, fy_px, cx_px, cy_px } = camera;
     write!(f, "{fx_px:.1},{fy_px:.1},{cx_px:.1},{cy_px:.1}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn silly_numbers_are_written_as_people_do() {
+        let told =
+            [0.0, 0.000_723_4, 0.85, 1.0, 22.804, 722.7, 2_795_200.0, 1e-30].map(|x| Rounded(x).to_string());
+        assert_eq!(told, ["0", "0.000723", "0.850", "1.00", "22.8", "723", "2795200", "0.000000000"]);
+    }
 }

@@ -18,8 +18,13 @@ mod view;
 pub use doubt::{Doubt, Mirrored};
 
 use self::sample::Sample;
+use crate::camera::Camera;
 use crate::frame::Frame;
 use crate::raster::Raster;
+
+/// Neighbouring pixels tell of the sensor at focal lengths from this on (px). At shorter ones, as a virtual camera has that looks at few
+/// points, they lie so far apart that things themselves look like noise.
+const LEAST_FOCAL_PX: f64 = 120.0;
 
 /// What of a frame is implausible, the camera first. Of several doubts about depth only the first is told: the others may follow from it.
 ///
@@ -35,7 +40,8 @@ use crate::raster::Raster;
 /// # Ok::<(), objecthood::Error>(())
 /// ```
 pub fn find_doubts(frame: &Frame) -> Vec<Doubt> {
-    let sample = &Sample::of(frame.depth_m());
+    let Camera { fx_px, fy_px, .. } = frame.camera();
+    let sample = &Sample::of(frame.depth_m(), fx_px.min(fy_px) >= LEAST_FOCAL_PX);
     let depth = sample.is_enough().then(|| depth_doubt(frame.depth_m(), sample)).flatten();
     let color = frame.color().and_then(|color| alignment::doubt(frame.depth_m(), color));
     view::doubt(frame.camera(), frame.size()).into_iter().chain(depth).chain(color).collect()
@@ -51,7 +57,6 @@ fn depth_doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Camera;
     use crate::random::Lcg;
 
     const SIZE: [usize; 2] = [320, 240];
@@ -109,6 +114,44 @@ mod tests {
         for times in [10.0, 100.0, 1000.0] {
             let found = doubts(|z| z / times as f32, in_place);
             assert!(matches!(found[..], [Doubt::TooNear { times: told, .. }] if told == times), "{found:?}");
+        }
+    }
+
+    /// Few points, as a virtual camera sees them: neighbours are centimetres apart, and nothing is wrong with their unit.
+    #[test]
+    fn of_a_coarse_image_only_the_unit_is_doubted() {
+        let [width, height] = [64, 48];
+        let coarse = |times: f32| {
+            let mut random = Lcg::new(3);
+            let depths = (0..width * height).map(|i| {
+                let across = random.below(10) as f32 / 50.0;
+                times * (depth_m(5 * (i % width), 5 * (i / width)) + across)
+            });
+            let camera = Camera::new(52.5, 52.5, 31.5, 23.5).unwrap();
+            find_doubts(
+                &Frame::new(Raster::from_vec(width, height, depths.collect()).unwrap(), None, camera)
+                    .unwrap(),
+            )
+        };
+        assert_eq!(coarse(1.0), []);
+        assert!(matches!(coarse(1000.0)[..], [Doubt::TooFar { times: 1000.0, .. }]), "{:?}", coarse(1000.0));
+        assert!(matches!(coarse(0.001)[..], [Doubt::TooNear { times: 1000.0, .. }]), "{:?}", coarse(0.001));
+    }
+
+    /// Depth of a small image, enlarged by repeating its pixels.
+    #[test]
+    fn enlarged_depth_is_no_disparity() {
+        let [width, height] = [640, 480];
+        for block in [2, 3, 4, 5, 8, 10] {
+            let at = |x: usize| (x / block * block) as f64 + 0.5 * (block - 1) as f64;
+            // A floor that a camera looks down on, with a slope to the side.
+            let depth = |i: usize| (1.0 / (0.55 + 1.5e-3 * at(i / width) + 4e-4 * at(i % width))) as f32;
+            let depths = (0..width * height).map(depth).collect();
+            let camera = Camera::new(525.0, 525.0, 319.5, 239.5).unwrap();
+            let found = find_doubts(
+                &Frame::new(Raster::from_vec(width, height, depths).unwrap(), None, camera).unwrap(),
+            );
+            assert_eq!(found, [], "{block}");
         }
     }
 

@@ -6,11 +6,17 @@ use crate::raster::Raster;
 /// Each pixel of a grid of this distance (px) in images of 640 columns is looked at; in proportion in others.
 const GRID_PX: usize = 8;
 
+/// That width.
+const GRID_OF_PX: usize = 640;
+
 /// With fewer depths on the grid nothing is said of depth.
-const FEWEST: usize = 200;
+const FEWEST: usize = 100;
 
 /// Neighbours whose depths differ by more than this share are a jump.
 const JUMP: f32 = 0.05;
+
+/// Noise is this quantile of how far triples of neighbours miss a line: half of them may lie on pixels that rounding made equal.
+const NOISE_SHARE: f64 = 0.75;
 
 /// What a grid of pixels shows of a depth image.
 pub(super) struct Sample {
@@ -18,19 +24,21 @@ pub(super) struct Sample {
     pub(super) grid_px: usize,
     /// Depths (m) of the grid, ascending.
     pub(super) depths_m: Vec<f32>,
-    /// Share of the neighbours in rows, and in columns, whose depth jumps; 0 if there are none.
+    /// Whether neighbours are so near to each other that they tell of the sensor.
+    pub(super) is_fine: bool,
+    /// Share of the neighbours in rows, and in columns, whose depth jumps; 0 if there are none, or they do not tell.
     pub(super) jumps: [f64; 2],
-    /// Three quarters of all triples of neighbours miss a line by less, over depth squared (1/m).
+    /// [`NOISE_SHARE`] of all triples of neighbours miss a line by less, over depth squared (1/m); 0 if there are none, or they do not tell.
     pub(super) noise_per_m: f64,
 }
 
 impl Sample {
     /// Looks at a depth image. O(n) for n pixels, of which one of 64 is looked at.
-    pub(super) fn of(depth_m: &Raster<f32>) -> Self {
+    pub(super) fn of(depth_m: &Raster<f32>, is_fine: bool) -> Self {
         let (width, height) = depth_m.size();
         let grid_px = grid_px(width);
         let depths = depth_m.as_slice();
-        let mut sample = Self { grid_px, depths_m: Vec::new(), jumps: [0.0; 2], noise_per_m: 0.0 };
+        let mut sample = Self { grid_px, is_fine, depths_m: Vec::new(), jumps: [0.0; 2], noise_per_m: 0.0 };
         let mut noise = Vec::new();
         let (mut jumps, mut pairs) = ([0_usize; 2], [0_usize; 2]);
         for v in (1..height.saturating_sub(1)).step_by(grid_px) {
@@ -55,8 +63,10 @@ impl Sample {
             }
         }
         sample.depths_m.sort_unstable_by(f32::total_cmp);
-        sample.jumps = [0, 1].map(|axis| jumps[axis] as f64 / pairs[axis].max(1) as f64);
-        sample.noise_per_m = element_at(&mut noise, 0.75);
+        if is_fine {
+            sample.jumps = [0, 1].map(|axis| jumps[axis] as f64 / pairs[axis].max(1) as f64);
+            sample.noise_per_m = element_at(&mut noise, NOISE_SHARE);
+        }
         sample
     }
 
@@ -74,5 +84,5 @@ impl Sample {
 
 /// The grid for images of this width.
 pub(super) fn grid_px(width: usize) -> usize {
-    (GRID_PX * width / 640).max(1)
+    (GRID_PX * width / GRID_OF_PX).max(1)
 }

@@ -5,6 +5,9 @@ use super::sample::Sample;
 use super::steps::disparity_step_per_m;
 use crate::raster::Raster;
 
+/// "Hardly anything": this share of the depths.
+const FEW: f64 = 0.05;
+
 /// With hardly anything nearer (m) there is nothing to grasp.
 const NEAR_M: f64 = 3.5;
 
@@ -37,7 +40,7 @@ const NOISE_WEIGHT: f64 = 0.5;
 /// A sensor that sees by disparity has noise and steps that grow as the square of depth. Taken k times too small, depths have noise and
 /// steps that are k times too large for where they are.
 pub(super) fn doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
-    let [near_m, median_m, far_m] = [0.05, 0.5, 0.95].map(|share| sample.quantile_m(share));
+    let [near_m, median_m, far_m] = [FEW, 0.5, 1.0 - FEW].map(|share| sample.quantile_m(share));
     let noise_per_m = sample.noise_per_m;
     if near_m > NEAR_M || far_m > FAR_M {
         let times = likely(median_m, noise_per_m, f64::recip);

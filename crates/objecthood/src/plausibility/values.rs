@@ -44,7 +44,7 @@ const MOST_EVEN: f64 = 0.65;
 pub(super) fn doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
     let depths = &sample.depths_m;
     let [along, across] = sample.jumps;
-    if let Some(ratio) = smoother_swapped(depth_m, sample) {
+    if let Some(ratio) = sample.is_fine.then(|| smoother_swapped(depth_m, sample)).flatten() {
         return Some(Doubt::BytesSwapped { ratio });
     }
     if along > MOST_JUMPS {
@@ -92,9 +92,15 @@ pub(super) fn disparity_doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<
     let (width, height) = depth_m.size();
     let depths = depth_m.as_slice();
     let baseline = ((width as f64 * BASELINE) as usize).max(2);
+    let grid_px = sample.grid_px;
     let (mut even, mut places) = (0_usize, 0_usize);
-    for v in (baseline..height.saturating_sub(baseline)).step_by(sample.grid_px) {
-        for u in (baseline..width.saturating_sub(baseline)).step_by(sample.grid_px) {
+    // The grid is slanted: of pixels that were enlarged by repeating them, a straight one meets all at the same place, and reads the same
+    // bend everywhere.
+    for (row, down) in (baseline..height.saturating_sub(baseline + grid_px)).step_by(grid_px).enumerate() {
+        for (column, across) in
+            (baseline..width.saturating_sub(baseline + grid_px)).step_by(grid_px).enumerate()
+        {
+            let (u, v) = (across + row % grid_px, down + column % grid_px);
             let i = v * width + u;
             for step in [1, width] {
                 let at = |shift: usize| f64::from(depths[i + shift * step - baseline * step]);

@@ -12,6 +12,9 @@ const OFF_CENTER: f64 = 0.2;
 /// A principal point is in the middle when it is off by less than this share.
 const CENTERED: f64 = 0.06;
 
+/// Exchanged, its coordinates have to be nearer to the middle by this factor.
+const NEARER_EXCHANGED: f64 = 2.0;
+
 /// Focal lengths differ by this factor at most.
 const FOCAL_RATIO: f64 = 1.3;
 
@@ -37,7 +40,8 @@ pub(super) fn doubt(camera: Camera, (width, height): (usize, usize)) -> Option<D
         return Some(not_in_pixels(camera, [w, h], middle_px));
     }
     let given = off(cx_px, cy_px);
-    if given > CENTERED && off(cy_px, cx_px) < CENTERED && given > 2.0 * off(cy_px, cx_px) {
+    let exchanged = off(cy_px, cx_px);
+    if given > CENTERED && exchanged < CENTERED && given > NEARER_EXCHANGED * exchanged {
         return Some(Doubt::CenterSwapped { center_px: [cx_px, cy_px] });
     }
     if given > OFF_CENTER {
@@ -45,12 +49,17 @@ pub(super) fn doubt(camera: Camera, (width, height): (usize, usize)) -> Option<D
             other_size(camera, [w, h]).unwrap_or(Doubt::CenterOff { center_px: [cx_px, cy_px], middle_px }),
         );
     }
-    let degrees = [w / fx_px, h / fy_px].map(|extent| 2.0 * libm::atan(extent / 2.0).to_degrees());
+    let degrees = [angle_deg(w, fx_px), angle_deg(h, fy_px)];
     if !degrees.iter().all(|angle| SEEN_DEG.contains(angle)) {
         return Some(Doubt::FieldOfView { degrees });
     }
     let ratio = (fx_px / fy_px).max(fy_px / fx_px);
     (ratio > FOCAL_RATIO).then_some(Doubt::FocalLengths { focal_px: [fx_px, fy_px] })
+}
+
+/// The angle that so many pixels see at this focal length (degrees).
+fn angle_deg(extent_px: f64, focal_px: f64) -> f64 {
+    2.0 * libm::atan(extent_px / (2.0 * focal_px)).to_degrees()
 }
 
 /// What intrinsics are that are too short for pixels.
@@ -60,8 +69,11 @@ fn not_in_pixels(camera: Camera, [w, h]: [f64; 2], [u, v]: [f64; 2]) -> Doubt {
         let likely = Camera { fx_px: fx_px * w, fy_px: fy_px * h, cx_px: cx_px * w, cy_px: cy_px * h };
         return Doubt::CameraNormalized { likely };
     }
-    let pixels = if cx_px > 0.0 { u / cx_px } else { 1.0 };
+    // A principal point that is a length tells how long a pixel is. One that is 0, or in pixels, does not.
+    let pixels = u / cx_px;
     let likely = Camera { fx_px: fx_px * pixels, fy_px: fy_px * pixels, cx_px: u, cy_px: v };
+    let is_camera = cx_px > 0.0 && SEEN_DEG.contains(&angle_deg(w, likely.fx_px));
+    let likely = is_camera.then_some(likely);
     Doubt::CameraNotInPixels { focal: [fx_px, fy_px], likely }
 }
 
@@ -72,8 +84,8 @@ fn other_size(camera: Camera, [w, h]: [f64; 2]) -> Option<Doubt> {
     let is_one = cx_px > 1.0 && cy_px > 1.0 && (times - by_row).abs() < ONE_SIZE * times;
     let likely =
         Camera { fx_px: fx_px / times, fy_px: fy_px / times, cx_px: cx_px / times, cy_px: cy_px / times };
-    let sees = 2.0 * libm::atan(w / (2.0 * likely.fx_px)).to_degrees();
-    (is_one && SEEN_DEG.contains(&sees)).then_some(Doubt::CameraOfOtherSize { times, likely })
+    (is_one && SEEN_DEG.contains(&angle_deg(w, likely.fx_px)))
+        .then_some(Doubt::CameraOfOtherSize { times, likely })
 }
 
 #[cfg(test)]
@@ -109,6 +121,11 @@ mod tests {
                 "shares of the image, not in pixels: in pixels it is 524.8,523.2,319.4,239.0",
             ),
             ([1.88, 1.88, 1.15, 0.86], "millimetres: in pixels the camera is about 522.3,522.3,319.5,239.5"),
+            (
+                [1.88, 1.88, 0.0, 0.0],
+                "focal lengths of 1.88 and 1.88 px are too short, they may be in millimetres: divide them",
+            ),
+            ([3.6, 3.6, 319.5, 239.5], "millimetres: divide them by the width of a pixel on the sensor"),
             (
                 [262.5, 262.5, 159.5, 119.5],
                 "of 0.5 times this size: for this one it is about 526.6,526.6,320.0,239.7",

@@ -92,11 +92,12 @@ fn load(scene: &SupportScene<'_>, up: DVec3, pixels: &[usize], thing: usize) -> 
 fn follow(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> End {
     let mut air_m = 0.0;
     for Place { region, farther_m, behind_m } in places(scene, i, -up, DEEPEST_M) {
-        if farther_m.is_nan() {
-            return if air_m > 0.0 { End::Air } else { End::Unknown };
-        }
+        // Asked before the depth: a hole that was bridged is a part of the thing too.
         if region.is_some_and(|region| region.index() == thing) {
             continue;
+        }
+        if farther_m.is_nan() {
+            return if air_m > 0.0 { End::Air } else { End::Unknown };
         }
         if farther_m <= behind_m {
             return region.map_or(End::Unknown, End::Region);
@@ -125,7 +126,12 @@ mod tests {
     const POST_M: f64 = 1.2;
 
     /// The footing of posts 1.2 m before a level camera, each in these columns and rows, between a floor and a wall.
-    fn footing_of(posts: &[[std::ops::Range<usize>; 2]]) -> Vec<f32> {
+    fn footing_of(posts: &[[Range<usize>; 2]]) -> Vec<f32> {
+        footing_at(posts, |_, _| POST_M)
+    }
+
+    /// The same of posts with a depth (m) by their number and row.
+    fn footing_at(posts: &[[Range<usize>; 2]], post_m: impl Fn(usize, usize) -> f64) -> Vec<f32> {
         let space = space([FOCAL_PX; 2], [159.5, 119.5]);
         let seen = |i: usize| {
             let [_, v] = position(i, SIZE.0);
@@ -134,7 +140,8 @@ mod tests {
             let [u, v] = [i % SIZE.0, i / SIZE.0];
             let post = posts.iter().position(|[columns, rows]| columns.contains(&u) && rows.contains(&v));
             // The floor hides what is below it.
-            post.filter(|_| behind.1 >= POST_M).map_or(behind, |post| (2 + post as i32, POST_M))
+            let post = post.map(|post| (2 + post as i32, post_m(post, v)));
+            post.filter(|post| post.1.is_nan() || behind.1 >= post.1).unwrap_or(behind)
         };
         let pixels: Vec<(i32, f64)> = (0..SIZE.0 * SIZE.1).map(seen).collect();
         let labels = Raster::from_vec(SIZE.0, SIZE.1, pixels.iter().map(|p| p.0).collect()).unwrap();
@@ -180,11 +187,28 @@ mod tests {
     }
 
     #[test]
-    fn what_is_hidden_or_cut_by_the_image_is_not_seen_to_hang() {
-        // Something in front of the lower part, and a post that reaches the border of the image.
+    fn what_is_cut_by_the_image_is_not_seen_to_hang() {
         let cut = footing_of(&[[100..120, 225..240]]);
         assert_eq!(cut[2], 1.0);
+    }
+
+    #[test]
+    fn a_thing_may_overhang_with_half_of_it() {
         let overhanging = footing_of(&[[100..120, 180..240], [90..130, 150..180]]);
-        assert_eq!(overhanging[3], 1.0, "half of it overhangs");
+        assert_eq!(overhanging[3], 1.0);
+    }
+
+    #[test]
+    fn what_is_hidden_below_is_not_seen_to_hang() {
+        let (post, screen) = ([100..120, 100..140], [90..130, 130..240]);
+        let hidden = footing_at(&[post.clone(), screen], |post, _| if post == 0 { POST_M } else { 0.8 });
+        assert_eq!(hidden[2], 1.0, "a nearer thing before its lower end");
+        assert_eq!(footing_of(&[post])[2], 0.0);
+    }
+
+    #[test]
+    fn a_hole_that_was_bridged_belongs_to_its_thing() {
+        let lowest = |_, row| if row == 139 { f64::NAN } else { POST_M };
+        assert_eq!(footing_at(&[[100..120, 100..140]], lowest)[2], 0.0, "it hangs all the same");
     }
 }

@@ -35,7 +35,7 @@
 //! # let points_m = frame.points_m();
 //! # let scene = Scene::new(&frame, &surfaces, &structure, &filled, &points_m, steps);
 //! # let clusters = find_clusters(&scene, &shapes, Rules::of(&params));
-//! let standing = find_standing(&frame, &scene, &clusters, &structure.planes, StandingParams::of(&params));
+//! let standing = find_standing(&frame, &scene, &clusters, StandingParams::of(&params));
 //! assert_eq!(standing.graph().edges.len(), 1); // the table carries the box
 //! # Ok::<(), objecthood::Error>(())
 //! ```

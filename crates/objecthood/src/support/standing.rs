@@ -49,17 +49,16 @@ impl<'a> StandingParams<'a> {
     }
 }
 
-/// Finds the candidates, the direction up and the support graph. `planes`: the planes of the structure. O(pixels), plus the cost of
+/// Finds the candidates, the direction up and the support graph. O(pixels), plus the cost of
 /// [`build_forest`].
 pub fn find_standing(
     frame: &Frame,
     scene: &Scene<'_>,
     clusters: &Clustering,
-    planes: &[StructurePlane],
     params: StandingParams<'_>,
 ) -> Standing {
     let candidates = find_candidates(scene, clusters, params.objectness);
-    let planes = candidates.count_inliers(planes.to_vec(), frame.measured_px());
+    let planes = candidates.count_inliers(scene.planes.to_vec(), scene.points_m, frame.measured_px());
     let ground = scene.ground_facet().map(|facet| &planes[facet.index()]);
     let up = find_up(ground, &Attitude::of(frame, params.gravity), params.gravity.up_from);
     let &Scene { points_m, normals, space, .. } = scene;

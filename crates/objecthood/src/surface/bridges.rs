@@ -10,12 +10,23 @@ use crate::raster::Raster;
 const WIDEST_PX: usize = 2;
 /// Holes are a grid when they are at least this share of the pixels: one pixel in a square of ten by ten.
 const LEAST_SHARE: f32 = 0.01;
+/// Holes that are small along their row or their column are everywhere when they are at least this share of the pixels.
+const SCATTERED_SHARE: f32 = 0.05;
+/// Single holes are looked for so many times: of an image that is twice as large and turned, some lie between holes.
+const ROUNDS: usize = 3;
 /// Both sides of a hole agree when they differ by at most this (quanta): rounding, and a slope of one quantum a pixel.
 const AGREE_QUANTA: f32 = 2.0;
 
-/// Bridges empty lines of the image, then single holes. Returns the share of the pixels that was bridged. O(pixels).
+/// Bridges empty lines of the image, then single holes, then holes between pixels that were bridged. Returns the share of the pixels that was bridged. O(pixels).
 pub(super) fn bridge_holes(disparity: &mut Raster<f32>) -> f32 {
-    bridge_lines(disparity) + bridge_dots(disparity)
+    let mut share = bridge_lines(disparity);
+    for _ in 0..ROUNDS {
+        match bridge_dots(disparity) {
+            0.0 => break,
+            bridged => share += bridged,
+        }
+    }
+    share
 }
 
 /// Fills rows and columns without any measurement, at most two side by side, by the mean of the values on both sides if they agree. Depth
@@ -68,28 +79,48 @@ fn find_narrow(lines: usize, is_empty: impl Fn(usize) -> bool) -> Vec<usize> {
     (0..lines).filter(|&k| is_empty(k)).filter(is_narrow).collect()
 }
 
-/// Fills holes of one or two pixels, along their row and along their column, whose sides agree, by the mean of the values between them. A
-/// line of missing pixels that ends within the image stays: it is the border of a thing. So do holes at the border of the image. When such
-/// holes are no [`LEAST_SHARE`] of the image they are the sensor's own, often at borders, and stay too. Returns the share that was bridged.
+/// Fills holes of one or two pixels whose sides agree, by the mean of the values between them.
+///
+/// Along their row and along their column: a line of missing pixels that ends within the image stays, because it is the border of a
+/// thing. So do holes at the border of the image. When such holes are no [`LEAST_SHARE`] of the image they are the sensor's own, often at
+/// borders, and stay too. But when holes that are small along one of both are a [`SCATTERED_SHARE`], lines are everywhere, as in depth that
+/// was mapped forward and turned: then one is enough. Returns the share that was bridged. O(pixels).
 fn bridge_dots(disparity: &mut Raster<f32>) -> f32 {
     let (width, height) = disparity.size();
     let measured = &*disparity;
     let holes = measured.as_slice().iter().enumerate().filter(|(_, d)| d.is_nan());
     let bridge = |(i, _): (usize, &f32)| {
         let (u, v) = (i % width, i / width);
-        let along = between(u, width, |u| measured[v * width + u])?;
-        let down = between(v, height, |v| measured[v * width + u])?;
-        Some((i, (along + down) / 2.0))
+        let along = between(u, width, |u| measured[v * width + u]);
+        let down = between(v, height, |v| measured[v * width + u]);
+        match (along, down) {
+            (Some(along), Some(down)) => Some(Bridge { i, value: (along + down) / 2.0, is_dot: true }),
+            (one, other) => one.or(other).map(|value| Bridge { i, value, is_dot: false }),
+        }
     };
-    let bridged: Buffer<(usize, f32)> = holes.filter_map(bridge).collect();
-    let share = bridged.len() as f32 / disparity.len() as f32;
-    if share < LEAST_SHARE {
+    let bridges: Buffer<Bridge> = holes.filter_map(bridge).collect();
+    let share = |count: usize| count as f32 / disparity.len() as f32;
+    let is_scattered = share(bridges.len()) >= SCATTERED_SHARE;
+    let is_built = |bridge: &&Bridge| bridge.is_dot || is_scattered;
+    let built = share(bridges.iter().filter(is_built).count());
+    if built < LEAST_SHARE {
         return 0.0;
     }
-    for &(i, value) in &*bridged {
-        disparity.as_mut_slice()[i] = value;
+    for bridge in bridges.iter().filter(is_built) {
+        disparity.as_mut_slice()[bridge.i] = bridge.value;
     }
-    share
+    built
+}
+
+/// What may fill a missing pixel.
+#[derive(Clone, Copy)]
+struct Bridge {
+    /// The pixel.
+    i: usize,
+    /// Disparity (quanta).
+    value: f32,
+    /// Whether the hole is small along its row and along its column.
+    is_dot: bool,
 }
 
 /// The value at a place of a line between the nearest measured places on both sides, if the hole is small and they agree.
@@ -123,17 +154,34 @@ mod tests {
 
     #[test]
     fn lines_steps_and_wide_holes_stay() {
-        let left = |rows: &[[f32; 5]]| bridged(rows).iter().filter(|d| d.is_nan()).count();
-        let level = [5.0; 5];
+        let left = |value: fn(usize) -> f32, holes: &[[usize; 2]]| {
+            let seen = |i: usize| if holes.contains(&[i % 10, i / 10]) { X } else { value(i % 10) };
+            let mut raster = Raster::from_vec(10, 10, (0..100).map(seen).collect()).unwrap();
+            bridge_holes(&mut raster);
+            raster.as_slice().iter().filter(|d| d.is_nan()).count()
+        };
         let mut few = Raster::filled(20, 20, 5.0).unwrap();
         few.as_mut_slice()[210] = X;
         assert_eq!(bridge_holes(&mut few), 0.0, "the sensor's own hole");
-        assert_eq!(left(&[level, level, [5.0, 5.0, X, 5.0, 5.0], level, level]), 0);
-        let line = [5.0, 5.0, X, 5.0, 5.0];
-        assert_eq!(left(&[line, line, line, line, level]), 4, "a line");
-        assert_eq!(left(&[level, [5.0, 5.0, X, 9.0, 9.0], [5.0, 5.0, 5.0, 9.0, 9.0]]), 1, "a step");
-        assert_eq!(left(&[level, [5.0, X, X, X, 5.0], level]), 3, "too wide");
-        assert_eq!(left(&[line, level, [X, 5.0, 5.0, 5.0, X]]), 3, "at the border");
+        let level = |_| 5.0;
+        assert_eq!(left(level, &[[2, 2]]), 0);
+        assert_eq!(left(level, &[[2, 1], [2, 2], [2, 3], [2, 4]]), 4, "a line");
+        assert_eq!(left(|u| if u > 2 { 9.0 } else { 5.0 }, &[[2, 1]]), 1, "a step");
+        assert_eq!(left(level, &[[1, 1], [2, 1], [3, 1]]), 3, "too wide");
+        assert_eq!(left(level, &[[0, 5], [9, 5], [4, 0]]), 3, "at the border");
+    }
+
+    /// Depth that was mapped forward, turned a little: lines of holes that go on in the next column after some rows.
+    #[test]
+    fn lines_that_are_everywhere_are_bridged() {
+        let value = |i: usize| 5.0 + 0.1 * (i % 40) as f32;
+        let seen = |i: usize| if i % 40 % 3 == i / 40 / 7 % 3 { X } else { value(i) };
+        let mut raster = Raster::from_vec(40, 40, (0..1600).map(seen).collect()).unwrap();
+        assert!(bridge_holes(&mut raster) > 0.3);
+        for i in 0..1600 {
+            let is_at_border = [0, 39].contains(&(i % 40));
+            assert!(is_at_border || (raster[i] - value(i)).abs() < 0.2, "{i}: {}", raster[i]);
+        }
     }
 
     #[test]

@@ -109,3 +109,71 @@ fn transposed<T: Copy + Send + Sync + 'static>(image: &Raster<T>) -> Raster<T> {
     });
     Raster::from_vec(height, width, turned.into_vec()).expect("as many pixels as before")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{kinect, space};
+
+    const SIZE: usize = 60;
+    const BEHIND: f32 = 500.0;
+    const BEFORE: f32 = 600.0;
+
+    /// An edge across the columns, smeared over so many of them.
+    fn edge(over_px: usize) -> Raster<f32> {
+        let share = |u: usize| (u as f32 - 28.0) / over_px as f32;
+        let at = |i: usize| BEHIND + (BEFORE - BEHIND) * share(i % SIZE).clamp(0.0, 1.0);
+        Raster::from_vec(SIZE, SIZE, (0..SIZE * SIZE).map(at).collect()).unwrap()
+    }
+
+    fn has_two_levels(disparity: &Raster<f32>) -> bool {
+        let near = |d: &f32, level: f32| (d - level).abs() < 0.01;
+        disparity.as_slice().iter().all(|d| near(d, BEHIND) || near(d, BEFORE))
+    }
+
+    #[test]
+    fn a_smeared_edge_becomes_a_step_along_rows_and_along_columns() {
+        let smeared = edge(8);
+        for disparity in [transposed(&smeared), smeared] {
+            assert!(!has_two_levels(&disparity));
+            let sharp = sharpen(&disparity, None, false, &kinect()).unwrap();
+            assert!(has_two_levels(&sharp), "{:?}", &sharp.as_slice()[..SIZE]);
+        }
+    }
+
+    #[test]
+    fn colour_tells_where_the_edge_is() {
+        let smeared = edge(8);
+        // Half of the depth is at column 32, the change of colour at column 30.
+        let color =
+            smeared.with_data((0..SIZE * SIZE).map(|i| [if i % SIZE < 30 { 250 } else { 20 }; 3]).collect());
+        let steps = |color| {
+            let sharp = sharpen(&smeared, color, false, &kinect()).unwrap();
+            sharp.as_slice()[..SIZE].iter().filter(|&&d| d < 550.0).count()
+        };
+        assert_eq!(steps(Some(&color)), 30);
+        assert_eq!(steps(None), 32);
+    }
+
+    #[test]
+    fn sharp_edges_stay_as_they_are() {
+        let sharp = edge(1);
+        assert!(sharpen(&sharp, None, false, &kinect()).is_none());
+        let matched = sharpen(&sharp, None, true, &kinect()).unwrap();
+        assert_eq!(matched.as_slice(), sharp.as_slice(), "a sensor that matches windows: a step is no ramp");
+    }
+
+    #[test]
+    fn a_hole_at_the_edge_leaves_it_sharp() {
+        let mut holed = edge(8);
+        holed.as_mut_slice().iter_mut().skip(31).step_by(SIZE).for_each(|d| *d = f32::NAN);
+        holed.as_mut_slice().iter_mut().skip(33).step_by(SIZE).for_each(|d| *d = f32::NAN);
+        assert!(sharpen(&holed, None, false, &kinect()).is_none());
+    }
+
+    #[test]
+    fn in_a_coarse_image_a_smeared_edge_is_a_step() {
+        let coarse = space([200.0; 2], [29.5; 2]);
+        assert!(sharpen(&edge(8), None, false, &coarse).is_none());
+    }
+}

@@ -17,6 +17,8 @@ use crate::surface::window_choice::Orientation;
 
 /// Distance of the samples along columns and rows (px at a focal length of 525 px).
 pub(super) const GRID_PX: usize = 6;
+/// The first sample lies this part of their distance from the border of the image.
+const FIRST_OF_GRID: usize = 3;
 /// Rounds of the search, each for one surface: a room has a table, a floor, walls, shelves.
 const ROUNDS: usize = 8;
 /// The search ends when no more samples than this are left.
@@ -63,8 +65,9 @@ impl View<'_> {
     /// Samples the pixels of the grid that have a plane fitted around them.
     pub(super) fn sample(&self, fits: &PlaneFits) -> Vec<Sample> {
         let (width, height) = self.disparity.size();
-        let rows = (self.grid / 3..height).step_by(self.grid);
-        let pixels = rows.flat_map(|v| (self.grid / 3..width).step_by(self.grid).map(move |u| v * width + u));
+        let first = self.grid / FIRST_OF_GRID;
+        let rows = (first..height).step_by(self.grid);
+        let pixels = rows.flat_map(|v| (first..width).step_by(self.grid).map(move |u| v * width + u));
         let sample = |pixel: usize| Sample {
             pixel,
             at: position(pixel, width),
