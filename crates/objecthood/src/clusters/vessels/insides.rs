@@ -28,7 +28,8 @@ pub(super) fn join_insides(clusters: &mut Clusters<'_>, limits: Limits<'_>, miss
                     convexity[1],
                     SMALLER_SHARE,
                 ))
-                && join.check(limits.check_no_higher(clusters, small, large));
+                && join.check(limits.check_no_higher(clusters, small, large))
+                && join.check(limits.check_color(clusters, small, &[large]));
         if is_inside {
             clusters.join(join, JoinEvidence::VesselInside { convexity });
             return true;

@@ -2,6 +2,9 @@
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
+use crate::clusters::scene::sampled;
+use crate::color::histogram::ColorHistogram;
+use crate::color::image::LabImage;
 use crate::oversegment::structure::StructureSurface;
 use crate::params;
 use crate::regions::SegmentId;
@@ -9,6 +12,10 @@ use crate::regions::SegmentId;
 /// Pieces of one inside touch along at least this many pixel pairs (px at a focal length of 525 px). The same limit applies
 /// to a piece that touches an inside within the rim.
 pub(super) const INSIDE_TOUCH_PX: usize = 8;
+
+/// Parts of one vessel share at least this much of their colours (overlap of histograms, 0 to 1): less than the parts of a body across
+/// a neck, because an inside lies in its own shadow. Contents of another colour share next to nothing.
+const COLOR_OVERLAP: f64 = 0.2;
 
 /// The parameter that sets the limits on convexity.
 pub(super) const CONCAVITY: &str = "vessels.concavity";
@@ -33,5 +40,17 @@ impl Limits<'_> {
         let above_m = self.top_m(clusters, id) - self.top_m(clusters, other);
         Check::new("its top above the other's", "m", above_m, Bound::AtMost, self.params.rim_height_m)
             .set_by(RIM_HEIGHT)
+    }
+
+    /// Checks that a cluster shares colours with one of the parts of a vessel; without colour it holds.
+    pub(super) fn check_color(&self, clusters: &Clusters<'_>, id: SegmentId, parts: &[SegmentId]) -> Check {
+        let histogram = |lab: &LabImage, id: SegmentId| {
+            ColorHistogram::of(sampled(&clusters.get(id).pixels).map(|i| lab[i]))
+        };
+        let overlap = clusters.scene.lab.map_or(1.0, |lab| {
+            let own = histogram(lab, id);
+            parts.iter().map(|&part| own.overlap(&histogram(lab, part))).fold(0.0, f64::max)
+        });
+        Check::new("overlap of their colours", "", overlap, Bound::AtLeast, COLOR_OVERLAP)
     }
 }

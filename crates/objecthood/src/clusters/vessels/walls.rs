@@ -238,7 +238,7 @@ impl RimSearch<'_> {
     }
 
     /// Whether a cluster stands within the circle and its top is as high as the inside's. The top of a cluster that clings to the inside
-    /// may be lower.
+    /// may be lower. What is no wall has the colours of the inside or of the foremost wall, else it is a content.
     fn is_within(&self, id: SegmentId, parts: &[SegmentId], circle: &RimCircle, join: &mut Proposal) -> bool {
         let &Self { clusters, limits, inside, .. } = self;
         let above_m = limits.top_m(clusters, id) - limits.top_m(clusters, inside);
@@ -252,5 +252,6 @@ impl RimSearch<'_> {
         join.check(check_above(Bound::AtMost, most_m))
             && (clings() || join.check(check_above(Bound::AtLeast, -most_m)))
             && join.check(Check::new("its share within the rim", "", share(), Bound::AtLeast, WITHIN_SHARE))
+            && (parts.contains(&id) || join.check(limits.check_color(clusters, id, &[inside, self.wall.id])))
     }
 }
