@@ -13,7 +13,7 @@
 //! ```
 //!
 //! A script says what hands do and what is thrown; `rapier3d` moves what is free; hands, and what they hold, follow smooth
-//! paths. What happened is read from the motion that came out, not from the script: docs/VIDEO_TRUTH.md defines it. The same
+//! paths. What happened is read from the motion that came out, not from the script: `docs/VIDEO_TRUTH.md` defines it. The same
 //! kind, seed and frame rate give the same bytes on any number of threads.
 
 mod camera;

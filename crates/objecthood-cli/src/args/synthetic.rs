@@ -100,7 +100,9 @@ pub(crate) struct Clips(pub(crate) Vec<Clip>);
 fn clips(text: &str) -> Result<Clips, String> {
     match text {
         "all" => Ok(Clips(Clip::ALL.to_vec())),
-        name => name.parse().map(|clip| Clips(vec![clip])).map_err(|e: objecthood_scene::Error| e.to_string()),
+        name => {
+            name.parse().map(|clip| Clips(vec![clip])).map_err(|e: objecthood_scene::Error| e.to_string())
+        }
     }
 }
 

@@ -155,7 +155,8 @@ fn image_list(video: &Video, folder: &str) -> String {
 }
 
 fn camera_poses(video: &Video) -> String {
-    let mut list = "# time (s), position x y z (m), rotation as quaternion x y z w: camera to world\n".to_owned();
+    let mut list =
+        "# time (s), position x y z (m), rotation as quaternion x y z w: camera to world\n".to_owned();
     for frame in 0..video.frames() {
         let pose = video.world(frame).viewpoint().pose;
         let numbers: Vec<String> =

@@ -1,4 +1,4 @@
-//! What happened, read from the motion that came out; docs/VIDEO_TRUTH.md says in which frame an event lies.
+//! What happened, read from the motion that came out; `docs/VIDEO_TRUTH.md` says in which frame an event lies.
 
 mod flown;
 mod handled;

@@ -51,9 +51,6 @@ fn unwanted(clip: Clip) -> &'static [EventKind] {
 pub(super) fn is_typical(video: &Video) -> bool {
     let (clip, events) = (video.clip(), &video.truth().events);
     let has = |kind: &EventKind| events.iter().any(|event| event.kind == *kind);
-    if std::env::var("WHY").is_ok() {
-        println!("{clip}: {} {} {} {} {}: {:?}", promised(clip).iter().all(has), !unwanted(clip).iter().any(has), is_well_seen(video), is_moved(video), !passes_through(video), events.iter().map(|e| e.kind.name()).collect::<Vec<_>>());
-    }
     promised(clip).iter().all(has)
         && !unwanted(clip).iter().any(has)
         && is_well_seen(video)

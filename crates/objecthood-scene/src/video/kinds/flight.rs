@@ -81,7 +81,7 @@ pub(super) fn roll(rng: &mut Rng) -> Option<Script> {
     if rng.chance(0.5) {
         rolled_in(rng, draft, ball, radius)
     } else {
-        flicked(rng, &mut draft, ball).map(|()| draft.script(1.6))
+        flicked(rng, &mut draft, &ball).map(|()| draft.script(1.6))
     }
 }
 
@@ -110,11 +110,11 @@ fn rolled_in(rng: &mut Rng, mut draft: Draft, ball: crate::solid::Solid, radius:
 }
 
 /// A hand pushes a ball, which rolls on from there.
-fn flicked(rng: &mut Rng, draft: &mut Draft, ball: crate::solid::Solid) -> Option<()> {
+fn flicked(rng: &mut Rng, draft: &mut Draft, ball: &crate::solid::Solid) -> Option<()> {
     let radius = ball.form.height_m / 2.0;
     debug_assert!(ball.role == Role::Object);
     let region = Region { half_m: [0.14, 0.10], ..REACH };
-    let index = draft.stand(rng, &ball, region)?;
+    let index = draft.stand(rng, ball, region)?;
     draft.bystanders(rng, 1);
     let side = draft.near_side(rng, index);
     let hand = draft.add_hand(rng, side, 0.2..0.6);

@@ -59,7 +59,11 @@ pub(super) fn bowl(rng: &mut Rng) -> Option<Script> {
 pub(super) fn put_in(rng: &mut Rng) -> Option<Script> {
     let mut draft = Draft::new(rng);
     draft.pace *= 0.8;
-    if rng.chance(0.5) { into_bowl(rng, &mut draft)? } else { onto_plate(rng, &mut draft)? }
+    if rng.chance(0.5) {
+        into_bowl(rng, &mut draft)?;
+    } else {
+        onto_plate(rng, &mut draft)?;
+    }
     Some(draft.script(AFTER_S))
 }
 
