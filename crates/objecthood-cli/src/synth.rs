@@ -1,4 +1,6 @@
-//! `objecthood synth`: numbers -> synthetic scenes in files that `segment` and `eval` take.
+//! `objecthood synth`: numbers -> synthetic scenes and videos in files that `segment` and `eval` take.
+
+mod videos;
 
 use std::path::Path;
 
@@ -13,19 +15,27 @@ use crate::shell::{program, word};
 use crate::synthetic::{Recipe, camera_file, camera_path, color_path, depth_path, recipes};
 use crate::{crew, terminal};
 
-/// Makes the scenes named on the command line.
+/// Makes the scenes or videos named on the command line.
 ///
 /// # Errors
 /// Of usage; when the folder or the camera's file cannot be written; when stdout cannot be written. A scene that fails
 /// is reported, which is no error.
 pub(crate) fn run(args: &SynthArgs) -> Result<Outcome> {
     refuse_file("--out", &args.out)?;
+    match &args.video {
+        Some(clips) => videos::run(args, &clips.0),
+        None => scenes(args),
+    }
+}
+
+/// Makes scenes.
+fn scenes(args: &SynthArgs) -> Result<Outcome> {
     let first = Recipe {
         holes: args.holes,
         size_px: args.size,
         ..Recipe::new(args.family.unwrap_or(Family::Single), args.seed.into(), args.sensor)
     };
-    let recipes = recipes(args.family, first, args.scenes);
+    let recipes = recipes(args.family, first, args.scenes.unwrap_or(1));
     make_folder(&args.out)?;
     // One camera took all pictures. Its file comes first, so that every finished scene can be used.
     if let Some(first) = recipes.first() {

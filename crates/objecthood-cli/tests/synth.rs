@@ -197,3 +197,44 @@ fn a_scene_that_cannot_be_written_leaves_nothing_and_the_others_are_done() {
     assert_eq!(names.len(), 7, "{names:?}");
     assert!(names.iter().all(|name| name == "camera.json" || name.contains("tabletop1")), "{names:?}");
 }
+
+#[test]
+fn a_video_has_an_image_of_every_frame_and_its_truth() {
+    let folder = Folder::new();
+    for (clip, expected) in [("empty", &[][..]), ("pick", &["picked_up", "placed_on"])] {
+        let run = folder.run(&format!("synth --out out --video {clip} --seed 4 --fps 5 --size 64x48"), 0);
+        assert!(run.stdout.contains(&format!("{clip}4: ")), "{}", run.stdout);
+        let files = folder.files(&format!("out/{clip}4"));
+        let count = json(&files["clip.json"])["frames"].as_u64().unwrap() as usize;
+        let text = |name: &str| String::from_utf8(files[name].clone()).unwrap();
+        for list in ["rgb.txt", "depth.txt", "groundtruth.txt"] {
+            assert_eq!(
+                text(list).lines().filter(|line| !line.starts_with('#')).count(),
+                count,
+                "{clip} {list}"
+            );
+        }
+        assert_eq!(text("truth.jsonl").lines().count(), count, "{clip}");
+        for kind in ["color", "depth", "truth"] {
+            let images: Vec<_> = files.keys().filter(|name| name.starts_with(&format!("{kind}/"))).collect();
+            assert_eq!(images.len(), count, "{clip} {kind}");
+            assert!(images.iter().all(|name| size_and_depth(&files[*name]).0 == 64), "{clip} {kind}");
+        }
+        let events: Vec<Value> = text("events.jsonl").lines().map(|line| json(line.as_bytes())).collect();
+        let types: Vec<_> = events.iter().map(|event| event["type"].as_str().unwrap()).collect();
+        assert_eq!(types, expected, "{clip}");
+        let [proposed] = next(&run.stdout)[..] else { panic!("{}", run.stdout) };
+        folder.run(proposed, 0);
+    }
+}
+
+#[test]
+fn unknown_videos_and_options_of_scenes_are_refused_with_advice() {
+    let folder = Folder::new();
+    let run = folder.run("synth --out out --video juggle", 2);
+    assert!(run.stderr.contains("juggle") && run.stderr.contains("push-flush"), "{}", run.stderr);
+    let run = folder.run("synth --out out --video pick --fps 0", 2);
+    assert!(run.stderr.contains("5"), "{}", run.stderr);
+    let run = folder.run("synth --out out", 2);
+    assert!(run.stderr.contains("--scenes"), "{}", run.stderr);
+}

@@ -15,15 +15,9 @@ const NOISE: f64 = 1.6;
 /// The light of every pixel, blurred and exposed such that the brightest hundredth is just not white.
 pub(crate) fn picture(world: &World, view: &View) -> objecthood::Result<Raster<[u8; 3]>> {
     let (width, height) = (view.width, view.height);
-    let light: Vec<[f64; 3]> = (0..width * height)
-        .into_par_iter()
-        .map(|i| match &view.sights[i] {
-            Some(sight) => world.shade(sight, ((i % width) as i64, (i / width) as i64)),
-            None => [0.0; 3],
-        })
-        .collect();
-    let exposure = exposure(&light);
-    let fields = [51, 52, 53].map(|stream| Field::new(world.seed(), stream));
+    let light = light(world, view);
+    let exposure = world.exposure().unwrap_or_else(|| exposure(&light));
+    let fields = [51, 52, 53].map(|stream| Field::new(world.noise_seed(), stream));
 
     let pixel = |i: usize| {
         let (u, v) = (i % width, i / width);
@@ -41,6 +35,20 @@ pub(crate) fn picture(world: &World, view: &View) -> objecthood::Result<Raster<[
         })
     };
     Raster::from_vec(width, height, (0..width * height).into_par_iter().map(pixel).collect())
+}
+
+/// The exposure that lets the brightest hundredth of a world's picture be just not white.
+pub(crate) fn exposure_of(world: &World) -> f64 {
+    exposure(&light(world, &View::of(world)))
+}
+
+/// What comes from every pixel, linear.
+fn light(world: &World, view: &View) -> Vec<[f64; 3]> {
+    let pixel = |i: usize| match &view.sights[i] {
+        Some(sight) => world.shade(sight, ((i % view.width) as i64, (i / view.width) as i64)),
+        None => [0.0; 3],
+    };
+    (0..view.sights.len()).into_par_iter().map(pixel).collect()
 }
 
 fn exposure(light: &[[f64; 3]]) -> f64 {

@@ -33,6 +33,32 @@ pub enum Error {
         /// What there is.
         known: String,
     },
+    /// Not the name of a kind of videos.
+    #[error("`{name}` is not a kind of videos: choose {known}")]
+    UnknownClip {
+        /// What was given.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// A frame rate that no video has.
+    #[error("{fps} frames a second is too slow or too fast: choose {least} to {most}")]
+    FrameRate {
+        /// What was asked for (Hz).
+        fps: f64,
+        /// The slowest there is (Hz).
+        least: f64,
+        /// The fastest there is (Hz).
+        most: f64,
+    },
+    /// A clip that was drawn many times and never came out as its kind is to be.
+    #[error("no clip of the kind {clip} came out of seed {seed}: try another seed")]
+    NoClip {
+        /// The kind.
+        clip: crate::video::Clip,
+        /// The seed.
+        seed: u64,
+    },
     /// A camera that is nowhere near the scene.
     #[error("a camera at {origin_m:?} m sees nothing of the scene: put it within 1000 m along every axis")]
     FarAway {

@@ -3,6 +3,7 @@
 mod json;
 mod lzf;
 mod mosd;
+mod video;
 
 use image::codecs::png::PngEncoder;
 use image::{EncodableLayout, ImageBuffer, Luma, PixelWithColorType, Rgb};
@@ -14,6 +15,7 @@ use crate::render::Rendered;
 
 pub use json::{camera_json, scene_json};
 pub use mosd::{mosd_labels, mosd_labels_of, pcd};
+pub use video::{video_frame, video_lists};
 
 /// Units per metre of the depth images: a tenth of a millimetre, so that no step of a sensor is rounded away.
 pub const DEPTH_SCALE: f64 = 10_000.0;

@@ -2,24 +2,24 @@
 
 mod arm;
 mod bin;
-mod bodies;
+pub(crate) mod bodies;
 mod contents;
 mod crowd;
 mod flush;
-mod furniture;
+pub(crate) mod furniture;
 mod heap;
 mod parts;
 mod patterned;
 mod printed;
 mod rooms;
-mod setting;
+pub(crate) mod setting;
 mod shelf;
-mod tables;
+pub(crate) mod tables;
 #[cfg(test)]
 mod tests;
 mod thin;
 mod tools;
-mod views;
+pub(crate) mod views;
 
 use std::fmt;
 use std::str::FromStr;

@@ -37,6 +37,7 @@ mod solid;
 mod texture;
 mod thing;
 mod truth;
+pub mod video;
 mod view;
 mod world;
 

@@ -80,6 +80,37 @@ impl Layout {
         })
     }
 
+    /// A place of the table in `region` where `solid` keeps `gap_m` from everything.
+    pub(crate) fn free_place(
+        &self,
+        rng: &mut Rng,
+        solid: &Solid,
+        region: Region,
+        gap_m: f64,
+    ) -> Option<Pose> {
+        (0..TRIES).find_map(|_| {
+            let [x, y] = [0, 1].map(|k| region.center_m[k] + region.half_m[k] * rng.range(-1.0..1.0));
+            let pose = Pose::at([x, y, self.table_top_m()]).turned(2, rng.range(0.0..360.0));
+            let solid = solid.clone().at(pose);
+            (self.is_over_table(&solid) && self.is_free(&solid, &[], gap_m)).then_some(pose)
+        })
+    }
+
+    /// Stands `solid` at a place of the table that is known to be free.
+    pub(crate) fn stand_on_table(&mut self, solid: &Solid, pose: Pose) -> usize {
+        self.rest(solid.clone().at(pose), self.table, ContactKind::StandsOn)
+    }
+
+    /// Adds `solid` where it is, without contact with anything.
+    pub(crate) fn hang(&mut self, solid: Solid) -> usize {
+        self.add(solid)
+    }
+
+    /// Adds `solid` where it is, which is in another one.
+    pub(crate) fn insert(&mut self, solid: Solid, vessel: usize) -> usize {
+        self.rest(solid, vessel, ContactKind::LiesIn)
+    }
+
     /// Stands `solid` at a place of the table, if that is free.
     pub(crate) fn stand_at(&mut self, solid: &Solid, [x, y]: [f64; 2], yaw_deg: f64) -> Option<usize> {
         let solid = solid.clone().at(Pose::at([x, y, self.table_top_m()]).turned(2, yaw_deg));

@@ -62,6 +62,17 @@ impl Pose {
         self.rotation * own + self.origin
     }
 
+    /// The motion back.
+    pub(crate) fn inverse(&self) -> Self {
+        let rotation = self.rotation.transpose();
+        Self { rotation, origin: -(rotation * self.origin) }
+    }
+
+    /// From the outer frame to its own.
+    pub(crate) fn inverse_point(&self, outer: DVec3) -> DVec3 {
+        self.rotation.transpose() * (outer - self.origin)
+    }
+
     /// A direction of the outer frame in its own.
     pub(crate) fn own_direction(&self, outer: DVec3) -> DVec3 {
         self.rotation.transpose() * outer

@@ -8,7 +8,7 @@ mod revolved;
 mod torus_arc;
 
 pub(crate) use cuboid::Cuboid;
-pub(crate) use revolved::{Piece, Revolved};
+pub(crate) use revolved::{Piece, Revolved, Simple};
 pub(crate) use torus_arc::TorusArc;
 
 use glam::DVec3;

@@ -17,6 +17,8 @@ pub enum Role {
     Furniture,
     /// What can be grasped and moved.
     Object,
+    /// Who moves objects in a video: hands with their arms, people who walk.
+    Agent,
 }
 
 /// One thing of a scene.

@@ -37,6 +37,11 @@ impl View {
         Self { width, height, sights, alone_px }
     }
 
+    /// For each solid, how many pixels it would have if it were alone.
+    pub(crate) fn alone_px(&self) -> &[u32] {
+        &self.alone_px
+    }
+
     /// Instance and surface of every pixel.
     pub(crate) fn truth(&self) -> objecthood::Result<Truth> {
         let raster = |of: fn(&Sight) -> u16| {

@@ -18,6 +18,10 @@ use crate::texture::Paint;
 #[derive(Clone, Debug)]
 pub struct World {
     seed: u64,
+    /// What the noise of its pictures is made from.
+    noise_seed: u64,
+    /// What light is multiplied by; `None` = such that the brightest hundredth of the picture is just not white.
+    exposure: Option<f64>,
     solids: Vec<Solid>,
     contacts: Vec<Contact>,
     pub(crate) lighting: Lighting,
@@ -102,7 +106,7 @@ impl World {
                 next_surface += part.shape.surfaces() as u16;
             }
         }
-        Self { seed, solids, contacts, lighting, viewpoint, parts }
+        Self { seed, noise_seed: seed, exposure: None, solids, contacts, lighting, viewpoint, parts }
     }
 
     /// The same scene in a quarter of the columns and rows, for a quick look.
@@ -155,9 +159,24 @@ impl World {
         Ok(Self { viewpoint, ..self.clone() })
     }
 
-    /// What the scene and the noise of its pictures are made from.
+    /// The same scene with pictures of this exposure and noise.
+    pub(crate) fn exposed(self, exposure: f64, noise_seed: u64) -> Self {
+        Self { exposure: Some(exposure), noise_seed, ..self }
+    }
+
+    /// What the scene and, unless it is a frame of a video, the noise of its pictures are made from.
     pub fn seed(&self) -> u64 {
         self.seed
+    }
+
+    /// What the noise of its pictures is made from.
+    pub(crate) fn noise_seed(&self) -> u64 {
+        self.noise_seed
+    }
+
+    /// What light is multiplied by, if that is given.
+    pub(crate) fn exposure(&self) -> Option<f64> {
+        self.exposure
     }
 
     /// Everything there is; number k has the instance k + 1.
@@ -259,14 +278,16 @@ impl Viewpoint {
     }
 }
 
+impl World {
+    /// The same view of one solid alone; of nothing if there is no such solid.
+    pub(crate) fn with_only(&self, instance: u16) -> Self {
+        let solids = self.solid(instance).into_iter().cloned().collect();
+        Self::new(self.seed, solids, Vec::new(), self.lighting.clone(), self.viewpoint)
+    }
+}
+
 #[cfg(test)]
 impl World {
-    /// The same view of one solid alone.
-    pub(crate) fn with_only(&self, instance: u16) -> Self {
-        let solid = self.solid(instance).unwrap().clone();
-        Self::new(self.seed, vec![solid], Vec::new(), self.lighting.clone(), self.viewpoint)
-    }
-
     /// The same view and light of other solids.
     pub(crate) fn with_solids(&self, solids: Vec<Solid>) -> Self {
         Self::new(self.seed, solids, Vec::new(), self.lighting.clone(), self.viewpoint)

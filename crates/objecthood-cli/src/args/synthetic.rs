@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use objecthood_scene::video::{self, Clip};
 use objecthood_scene::{Family, Holes, Sensor};
 
 use super::number::whole;
@@ -31,12 +32,16 @@ pub(crate) struct DemoArgs {
     pub(crate) settings: Settings,
 }
 
-/// Make synthetic scenes with exact ground truth.
+/// Make synthetic scenes or videos with exact ground truth.
 ///
 /// Every scene gives these files: DIR/<name>-color.png; DIR/<name>-depth.png, 16 bits, 10000 units per metre;
 /// DIR/<name>-truth.png and DIR/<name>-surfaces.png, the object and the face that each pixel shows; DIR/<name>-scene.json,
 /// where everything stands, what touches what, and how much of each object is visible; DIR/<family>/<name>.pcd, labelled
 /// points as in the data set mOSD. DIR/camera.json is the camera of all scenes.
+///
+/// Every video gives a folder DIR/<name> with rgb.txt, depth.txt and groundtruth.txt as the TUM RGB-D benchmark has them,
+/// camera.json, the images in color/ and depth/, who is seen at each pixel in truth/, and what is true of the clip, of its
+/// frames, of what holds what, and of what happens: clip.json, truth.jsonl, support.jsonl, events.jsonl.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct SynthArgs {
@@ -45,10 +50,23 @@ pub(crate) struct SynthArgs {
     pub(crate) out: PathBuf,
 
     /// Number of scenes to make.
-    #[arg(long, value_name = "N", value_parser = whole(1_u32, 1_000_000))]
-    pub(crate) scenes: u32,
+    #[arg(long, value_name = "N", value_parser = whole(1_u32, 1_000_000), required_unless_present = "video")]
+    pub(crate) scenes: Option<u32>,
 
-    /// Number of the first scene. The same number gives the same scene on every machine.
+    /// Kind of videos to make instead of scenes, or all: static, empty, pick, push-flush, occluder, throw, drop, roll, twins,
+    /// stack, unstack, lid, drawer, bowl, put-in, pour, sweep, two-agents, soft-toy or walker.
+    #[arg(long, value_name = "KIND", value_parser = clips, conflicts_with_all = ["scenes", "family", "holes"])]
+    pub(crate) video: Option<Clips>,
+
+    /// Number of videos to make of each kind.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1_u32, 1000), requires = "video")]
+    pub(crate) clips: u32,
+
+    /// Frames a second of videos.
+    #[arg(long, value_name = "F", default_value_t = 30.0, value_parser = fps, requires = "video")]
+    pub(crate) fps: f64,
+
+    /// Number of the first scene or video. The same number gives the same one on every machine.
     #[arg(long, value_name = "S", default_value_t = 0, value_parser = whole(0, u32::MAX))]
     pub(crate) seed: u32,
 
@@ -72,6 +90,26 @@ pub(crate) struct SynthArgs {
 
     #[command(flatten)]
     pub(crate) threads: Threads,
+}
+
+/// Kinds of videos. A type of its own: `Vec` would mean an option that is given several times.
+#[derive(Clone, Debug)]
+pub(crate) struct Clips(pub(crate) Vec<Clip>);
+
+/// A kind of videos, or all.
+fn clips(text: &str) -> Result<Clips, String> {
+    match text {
+        "all" => Ok(Clips(Clip::ALL.to_vec())),
+        name => {
+            name.parse().map(|clip| Clips(vec![clip])).map_err(|e: objecthood_scene::Error| e.to_string())
+        }
+    }
+}
+
+/// Frames a second of a video.
+fn fps(text: &str) -> Result<f64, String> {
+    let rate = text.trim().parse().ok().filter(|rate| video::FPS.contains(rate));
+    rate.ok_or_else(|| format!("give frames a second, {} to {}", video::FPS.start(), video::FPS.end()))
 }
 
 /// Columns and rows of an image.

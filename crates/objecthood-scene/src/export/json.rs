@@ -76,13 +76,13 @@ struct SolidFile {
 }
 
 #[derive(Serialize)]
-struct PoseFile {
+pub(super) struct PoseFile {
     origin_m: [f64; 3],
     rotation_xyzw: [f64; 4],
 }
 
 impl PoseFile {
-    fn new(pose: &Pose) -> Self {
+    pub(super) fn new(pose: &Pose) -> Self {
         Self { origin_m: pose.origin_m(), rotation_xyzw: pose.rotation_xyzw() }
     }
 }
@@ -132,7 +132,7 @@ pub fn scene_json(family: Family, sensor: Sensor, world: &World, rendered: &Rend
     })
 }
 
-fn to_json<T: Serialize>(value: &T) -> Result<String> {
+pub(super) fn to_json<T: Serialize>(value: &T) -> Result<String> {
     let mut json = serde_json::to_string_pretty(value).map_err(|reason| Error::Json { reason })?;
     json.push('\n');
     Ok(json)

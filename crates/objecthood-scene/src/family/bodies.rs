@@ -46,8 +46,13 @@ pub(super) fn beside_table(rng: &mut Rng) -> (Layout, Viewpoint) {
     (layout, viewpoint)
 }
 
+/// Height of the hips of someone of 1.72 m (m).
+pub(crate) const HIPS_M: f64 = 0.90;
+/// Which parts of a person are shoes and legs, and whether they are those of the left (-1) or the right.
+pub(crate) const LEG_PARTS: [(usize, f64); 4] = [(0, -1.0), (1, -1.0), (5, 1.0), (6, 1.0)];
+
 /// Someone who stands on z = 0 and faces +y: bars with round ends, and a ball for a head.
-fn person(rng: &mut Rng) -> Solid {
+pub(crate) fn person(rng: &mut Rng) -> Solid {
     let tall = rng.range(0.92..1.06);
     let shirt =
         Paint::plain(rng.pick(&[[0.5, 0.1, 0.1], [0.1, 0.2, 0.45], [0.6, 0.6, 0.58], [0.15, 0.3, 0.15]]));
@@ -57,7 +62,7 @@ fn person(rng: &mut Rng) -> Solid {
     person.parts.clear();
     let parts = &mut person.parts;
     // Hips, shoulders and head (m), of someone of 1.72 m.
-    let [hips, shoulders, head] = [0.90, 1.38, 1.61].map(|z| z * tall);
+    let [hips, shoulders, head] = [HIPS_M, 1.38, 1.61].map(|z| z * tall);
     for side in [-1.0, 1.0] {
         parts.push(board([0.09, 0.26, 0.08], [side * 0.10, 0.05, 0.04], Paint::plain([0.04; 3])));
         parts.push(bar(0.07, [side * 0.10, 0.0, 0.08], [side * 0.10, 0.0, hips], trousers));

@@ -46,13 +46,13 @@ pub(super) fn cupboard([width, depth, height]: [f64; 3], paint: Paint) -> Solid 
 }
 
 /// A cuboid of these sides around a place.
-pub(super) fn board([x, y, z]: [f64; 3], middle_m: [f64; 3], paint: Paint) -> Part {
+pub(crate) fn board([x, y, z]: [f64; 3], middle_m: [f64; 3], paint: Paint) -> Part {
     let shape = Shape::Cuboid(Cuboid { half_m: DVec3::new(x, y, z) / 2.0 });
     Part { shape, pose: Pose::at(middle_m), paints: vec![paint] }
 }
 
 /// A round bar with round ends from one place to another.
-pub(super) fn bar(radius_m: f64, from_m: [f64; 3], to_m: [f64; 3], paint: Paint) -> Part {
+pub(crate) fn bar(radius_m: f64, from_m: [f64; 3], to_m: [f64; 3], paint: Paint) -> Part {
     let along = DVec3::from(to_m) - DVec3::from(from_m);
     let shape = Shape::Revolved(Revolved::capsule(radius_m, along.length()));
     Part { shape, pose: Pose::along(from_m, along.into()), paints: vec![paint] }

@@ -10,12 +10,12 @@ use crate::thing;
 use crate::world::Viewpoint;
 
 /// Where things are put on the table.
-pub(super) const MIDDLE: Region = Region { center_m: [0.0, 0.0], half_m: [0.30, 0.24] };
+pub(crate) const MIDDLE: Region = Region { center_m: [0.0, 0.0], half_m: [0.30, 0.24] };
 /// Stacks are no higher than this.
 const HIGHEST_M: f64 = 0.30;
 
 /// Any thing that stands by itself.
-pub(super) fn any(rng: &mut Rng) -> Solid {
+pub(crate) fn any(rng: &mut Rng) -> Solid {
     match rng.below(12) {
         0..4 => thing::package(rng),
         4 => thing::book(rng),
@@ -41,7 +41,7 @@ fn straight(rng: &mut Rng) -> Solid {
 }
 
 /// Things of all kinds, some lying, some side by side.
-pub(super) fn tabletop(rng: &mut Rng, layout: &mut Layout, count: usize, region: Region) {
+pub(crate) fn tabletop(rng: &mut Rng, layout: &mut Layout, count: usize, region: Region) {
     for _ in 0..count {
         let choice = rng.range(0.0..1.0);
         if choice < 0.25 && !layout.placed().is_empty() {
@@ -59,7 +59,7 @@ pub(super) fn tabletop(rng: &mut Rng, layout: &mut Layout, count: usize, region:
 }
 
 /// Stacks, and thin boxes that lean.
-pub(super) fn stacked(rng: &mut Rng, layout: &mut Layout) {
+pub(crate) fn stacked(rng: &mut Rng, layout: &mut Layout) {
     let stacks = 2 + rng.below(2);
     for _ in 0..stacks {
         let base = if rng.chance(0.3) { thing::book(rng) } else { thing::package(rng) };
@@ -85,7 +85,7 @@ pub(super) fn stacked(rng: &mut Rng, layout: &mut Layout) {
 }
 
 /// Things partly hidden behind others.
-pub(super) fn occluded(rng: &mut Rng, layout: &mut Layout, viewpoint: &Viewpoint) {
+pub(crate) fn occluded(rng: &mut Rng, layout: &mut Layout, viewpoint: &Viewpoint) {
     let region = Region { center_m: [0.0, 0.10], half_m: [0.26, 0.14] };
     for _ in 0..2 + rng.below(2) {
         let hidden = if rng.chance(0.6) { thing::package(rng) } else { any(rng) };
@@ -111,7 +111,7 @@ pub(super) fn occluded(rng: &mut Rng, layout: &mut Layout, viewpoint: &Viewpoint
 }
 
 /// Bowls, mugs, cups and plates, some with something in them.
-pub(super) fn vessels(rng: &mut Rng, layout: &mut Layout) {
+pub(crate) fn vessels(rng: &mut Rng, layout: &mut Layout) {
     for _ in 0..3 + rng.below(3) {
         let vessel = match rng.below(4) {
             0 => thing::bowl(rng),

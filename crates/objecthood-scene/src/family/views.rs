@@ -12,19 +12,19 @@ use crate::random::Rng;
 use crate::world::Viewpoint;
 
 /// Where a camera may be: around what it looks at.
-pub(super) struct Around {
+pub(crate) struct Around {
     /// What it looks at (m), to 4 cm sideways.
-    pub(super) target_m: [f64; 3],
-    pub(super) distance_m: Range<f64>,
+    pub(crate) target_m: [f64; 3],
+    pub(crate) distance_m: Range<f64>,
     /// Over the horizon.
-    pub(super) elevation_deg: Range<f64>,
+    pub(crate) elevation_deg: Range<f64>,
     /// From the front, to the right.
-    pub(super) azimuth_deg: Range<f64>,
+    pub(crate) azimuth_deg: Range<f64>,
 }
 
 impl Around {
     /// One of these places; the camera is rolled by up to 4 degrees.
-    pub(super) fn viewpoint(self, rng: &mut Rng) -> Viewpoint {
+    pub(crate) fn viewpoint(self, rng: &mut Rng) -> Viewpoint {
         let (distance, elevation) = (rng.range(self.distance_m), rng.range(self.elevation_deg).to_radians());
         let azimuth = rng.range(self.azimuth_deg).to_radians();
         let ((sin_e, cos_e), (sin_a, cos_a)) = (libm::sincos(elevation), libm::sincos(azimuth));
@@ -37,7 +37,7 @@ impl Around {
 }
 
 /// Someone who stands or sits at the table: 0.78 to 1.1 m from its middle, 28 to 52 degrees above.
-pub(super) fn at_table(rng: &mut Rng) -> Viewpoint {
+pub(crate) fn at_table(rng: &mut Rng) -> Viewpoint {
     let around = Around {
         target_m: [0.0, 0.0, TABLE_M + 0.03],
         distance_m: 0.78..1.1,
@@ -48,13 +48,13 @@ pub(super) fn at_table(rng: &mut Rng) -> Viewpoint {
 }
 
 /// A camera with the nominal intrinsics of a Kinect v1, which mOSD has too.
-pub(super) fn kinect_at(pose: Pose) -> Viewpoint {
+pub(crate) fn kinect_at(pose: Pose) -> Viewpoint {
     let camera = Camera { fx_px: 525.0, fy_px: 525.0, cx_px: 319.5, cy_px: 239.5 };
     Viewpoint { camera, size_px: (640, 480), pose }
 }
 
 /// The same, but every second lamp is coloured: a warm bulb, the blue of a window, the green of old tubes.
-pub(super) fn mixed_lighting(rng: &mut Rng) -> Lighting {
+pub(crate) fn mixed_lighting(rng: &mut Rng) -> Lighting {
     let lighting = lighting(rng);
     if rng.chance(0.5) {
         return lighting;
@@ -66,7 +66,7 @@ pub(super) fn mixed_lighting(rng: &mut Rng) -> Lighting {
 }
 
 /// A lamp between warm and cold, above and to one side, and the light of the room.
-pub(super) fn lighting(rng: &mut Rng) -> Lighting {
+pub(crate) fn lighting(rng: &mut Rng) -> Lighting {
     let warmth = rng.range(-0.12..0.12);
     let tint = [1.0 + warmth, 1.0, 1.0 - warmth];
     let height = rng.range(1.2..1.9);

@@ -46,7 +46,7 @@ const GRAZING: f64 = 0.2;
 const BLACK: f64 = 0.03;
 
 pub(super) fn measure(world: &World, view: &View) -> Vec<Measured> {
-    let (width, height, seed) = (view.width, view.height, world.seed());
+    let (width, height, seed) = (view.width, view.height, world.noise_seed());
     let smooth = |stream, sigma_px| noise::smooth(seed, stream, width, height, sigma_px);
     let glare = smooth(26, JITTER_WIDTH_PX);
     let usable: Vec<bool> =
@@ -54,7 +54,8 @@ pub(super) fn measure(world: &World, view: &View) -> Vec<Measured> {
     let (jitter_u, jitter_v) = (smooth(21, JITTER_WIDTH_PX), smooth(22, JITTER_WIDTH_PX));
     let disparity_noise = smooth(23, NOISE_WIDTH_PX);
     let luck = smooth(24, JITTER_WIDTH_PX);
-    let warp = Field::new(seed, 25);
+    // The warp is one of the lens: it stays.
+    let warp = Field::new(world.seed(), 25);
 
     let pixel = |i: usize| {
         let (u, v) = (i % width, i / width);

@@ -42,7 +42,7 @@ impl Cells {
     /// What the middles of the cells see.
     fn of(world: &World, view: &View) -> Self {
         let (columns, rows) = (view.width.div_ceil(CELL_PX), view.height.div_ceil(CELL_PX));
-        let noise = noise::smooth(world.seed(), 61, columns, rows, NOISE_WIDTH_CELLS);
+        let noise = noise::smooth(world.noise_seed(), 61, columns, rows, NOISE_WIDTH_CELLS);
         let middle = |cell: usize, size: usize| (cell * CELL_PX + CELL_PX / 2).min(size - 1);
         let cell = |k: usize| {
             let (u, v) = (middle(k % columns, view.width), middle(k / columns, view.height));

@@ -31,7 +31,7 @@ const SEEN_SHARE: f64 = 0.55;
 const STEEPEST: f64 = 0.1;
 
 pub(super) fn measure(world: &World, view: &View) -> Vec<Measured> {
-    let (width, height, seed) = (view.width, view.height, world.seed());
+    let (width, height, seed) = (view.width, view.height, world.noise_seed());
     let usable: Vec<bool> = view
         .sights
         .par_iter()

@@ -30,7 +30,7 @@ const BLACK: f64 = 0.02;
 const RANGE_M: std::ops::Range<f64> = 0.4..3.8;
 
 pub(super) fn measure(world: &World, view: &View) -> Vec<Measured> {
-    let noise = Field::new(world.seed(), 71);
+    let noise = Field::new(world.noise_seed(), 71);
     let pixel = |i: usize| {
         let (u, v) = (i % view.width, i / view.width);
         let Some(sight) = view.sights[i].filter(|sight| is_coded(world, sight)) else {

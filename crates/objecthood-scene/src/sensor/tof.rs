@@ -31,7 +31,7 @@ const RANGE_M: std::ops::Range<f64> = 0.25..5.0;
 const UNIT_M: f64 = 0.001;
 
 pub(super) fn measure(world: &World, view: &View) -> Vec<Measured> {
-    let (noise, rejection) = (Field::new(world.seed(), 41), Field::new(world.seed(), 42));
+    let (noise, rejection) = (Field::new(world.noise_seed(), 41), Field::new(world.noise_seed(), 42));
     let returned: Vec<f64> = view
         .sights
         .par_iter()

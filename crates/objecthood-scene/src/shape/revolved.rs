@@ -113,9 +113,65 @@ impl Revolved {
         }
     }
 
+    /// The profile as corners (r, z), from the axis to the axis; arcs are cut into pieces of at most `step_deg`.
+    pub(crate) fn profile(&self, step_deg: f64) -> Vec<[f64; 2]> {
+        let mut corners = Vec::new();
+        for face in &self.faces {
+            match face {
+                Face::Frustum(face) => corners.push(face.from),
+                Face::Zone(face) => face.corners(step_deg, &mut corners),
+            }
+        }
+        corners.extend(self.faces.last().map(|face| match face {
+            Face::Frustum(face) => face.to,
+            Face::Zone(face) => face.to,
+        }));
+        corners
+    }
+
+    /// What it is, if it is a ball, a cylinder or a bar with round ends.
+    pub(crate) fn as_simple(&self) -> Option<Simple> {
+        match self.faces.as_slice() {
+            [Face::Zone(low), Face::Zone(high)] if low.is_ball_with(high) => {
+                let (center_z, radius) = low.sphere();
+                Some(Simple::Ball { center_z, radius })
+            }
+            [Face::Frustum(low), Face::Frustum(side), Face::Frustum(high)]
+                if low.from[1] == low.to[1] && high.from[1] == high.to[1] && side.from[0] == side.to[0] =>
+            {
+                Some(Simple::Cylinder { low_z: low.to[1], high_z: high.to[1], radius: side.to[0] })
+            }
+            [Face::Zone(low), Face::Frustum(side), Face::Zone(high)]
+                if side.from[0] == side.to[0] && low.sphere() == (0.0, side.from[0]) =>
+            {
+                Some(Simple::Bar { high_z: high.sphere().0, radius: side.from[0] })
+            }
+            _ => None,
+        }
+    }
+
     pub(crate) fn surfaces(&self) -> usize {
         self.faces.len()
     }
+}
+
+/// Solids of revolution that have a name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Simple {
+    Ball {
+        center_z: f64,
+        radius: f64,
+    },
+    Cylinder {
+        low_z: f64,
+        high_z: f64,
+        radius: f64,
+    },
+    /// All points within `radius` of the axis from z = 0 on.
+    Bar {
+        high_z: f64,
+        radius: f64,
+    },
 }
 
 /// The roots of a t² + 2 b t + c = 0, ascending; none when they are not real.

@@ -28,6 +28,16 @@ impl TorusArc {
         Self { major_m, minor_m, half_angle, end: [major_m * cos, major_m * sin] }
     }
 
+    /// Points along the middle of the arc, and how far the shape reaches around it (m).
+    pub(crate) fn spine(&self, pieces: usize) -> (Vec<DVec3>, f64) {
+        let point = |k: usize| {
+            let angle = self.half_angle * (2.0 * k as f64 / pieces as f64 - 1.0);
+            let (sin, cos) = libm::sincos(angle);
+            DVec3::new(cos, sin, 0.0) * self.major_m
+        };
+        ((0..=pieces).map(point).collect(), self.minor_m)
+    }
+
     /// The point of the arc nearest to `p`. The arc is its own mirror image at the x axis.
     fn nearest(&self, p: DVec3) -> DVec3 {
         let r = libm::hypot(p.x, p.y);

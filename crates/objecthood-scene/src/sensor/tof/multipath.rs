@@ -26,7 +26,7 @@ const DARK: f64 = 1e-6;
 
 /// How much the depth (m) of every pixel is too long.
 pub(super) fn errors_m(world: &World, view: &View) -> Vec<f64> {
-    let field = Field::new(world.seed(), 43);
+    let field = Field::new(world.noise_seed(), 43);
     let own = |i: usize| {
         let sight = view.sights[i].as_ref()?;
         Some((

@@ -9,7 +9,7 @@ use crate::ray::{Hit, Ray};
 pub(super) struct Zone {
     /// (r, z) of its ends.
     from: [f64; 2],
-    to: [f64; 2],
+    pub(super) to: [f64; 2],
     center_z: f64,
     radius: f64,
     /// 1 when the solid is inside the sphere, -1 when it is outside.
@@ -31,6 +31,28 @@ impl Zone {
         let low_z = if low[0] == 0.0 { f64::NEG_INFINITY } else { low[1] };
         let high_z = if high[0] == 0.0 { f64::INFINITY } else { high[1] };
         Self { from, to, center_z, radius, side, low_z, high_z, along }
+    }
+
+    /// Height of the middle and radius of the sphere that it is a piece of.
+    pub(super) fn sphere(&self) -> (f64, f64) {
+        (self.center_z, self.radius)
+    }
+
+    /// Whether this, from the axis on, and `next`, to the axis, are one whole sphere.
+    pub(super) fn is_ball_with(&self, next: &Self) -> bool {
+        self.from[0] == 0.0 && next.to[0] == 0.0 && self.to == next.from && self.center_z == next.center_z
+    }
+
+    /// Appends where it begins and points (r, z) along it, at most `step_deg` apart, without its end.
+    pub(super) fn corners(&self, step_deg: f64, corners: &mut Vec<[f64; 2]>) {
+        let angle = |[r, z]: [f64; 2]| libm::atan2(z - self.center_z, r);
+        let (first, last) = (angle(self.from), angle(self.to));
+        let steps = ((last - first).abs().to_degrees() / step_deg).ceil().max(1.0);
+        corners.push(self.from);
+        for k in 1..steps as usize {
+            let (sin, cos) = libm::sincos(first + (last - first) * k as f64 / steps);
+            corners.push([self.radius * cos, self.center_z + self.radius * sin]);
+        }
     }
 
     pub(super) fn hit(&self, ray: Ray, after: f64) -> Option<Hit> {
