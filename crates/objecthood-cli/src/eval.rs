@@ -7,6 +7,7 @@ mod stock;
 mod subject;
 mod support;
 mod text;
+mod videos;
 
 use std::path::Path;
 
@@ -42,6 +43,9 @@ pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
     }
     if let Some(families) = &args.synthetic.family {
         return families::run(args, &families.0);
+    }
+    if let (Some(tracks), Some(truth)) = (&args.tracks, &args.truth) {
+        return videos::run(args, tracks, truth);
     }
     let (Some(root), None) = (&args.root, args.support) else { return support::run(args) };
     let subject = Subject::new(args)?;

@@ -116,13 +116,17 @@ pub(crate) fn matched(objects: &Classes, hypotheses: &Classes, table: &Contingen
 fn pairwise_f(objects: &Classes, hypotheses: &Classes, table: &Contingency) -> Vec<f64> {
     let mut f = Vec::with_capacity(objects.len() * hypotheses.len());
     for (g, &object_px) in objects.pixels.iter().enumerate() {
-        f.extend(table.row(g).iter().zip(&hypotheses.pixels).map(|(&common, &hypothesis_px)| {
-            let precision = f64::from(common) / f64::from(hypothesis_px);
-            let recall = f64::from(common) / f64::from(object_px);
-            if common > 0 { 2.0 * precision * recall / (precision + recall).max(1e-12) } else { 0.0 }
-        }));
+        let row = table.row(g).iter().zip(&hypotheses.pixels);
+        f.extend(row.map(|(&common, &hypothesis_px)| pair_f(common, object_px, hypothesis_px)));
     }
     f
+}
+
+/// F of an object with a hypothesis: the harmonic mean of the shares of their common pixels.
+pub(crate) fn pair_f(common: u32, object_px: u32, hypothesis_px: u32) -> f64 {
+    let precision = f64::from(common) / f64::from(hypothesis_px);
+    let recall = f64::from(common) / f64::from(object_px);
+    if common > 0 { 2.0 * precision * recall / (precision + recall).max(1e-12) } else { 0.0 }
 }
 
 fn boundary(objects: &Classes, hypotheses: &Classes, pairs: &[Pair], width: usize, height: usize) -> Prf {

@@ -26,6 +26,8 @@ mod overlap;
 mod report;
 mod score;
 mod shows;
+#[cfg(test)]
+mod tests;
 
 pub use airborne::AirborneCounts;
 pub use clear::ClearCounts;

@@ -14,12 +14,13 @@ use super::settings::{MethodName, Settings};
 /// Score a method, or label images that you have, on a data set with ground truth.
 ///
 /// ROOT holds folders of labelled point clouds laid out like the data set mOSD. With --family and --support no data set is
-/// needed: they score objects, or what stands on what, in synthetic scenes.
+/// needed: they score objects, or what stands on what, in synthetic scenes. With --tracks and --truth it scores what `track`, or any
+/// other program, says of videos.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct EvalArgs {
     /// Folder of the data set.
-    #[arg(value_name = "ROOT", required_unless_present_any = ["support", "family"])]
+    #[arg(value_name = "ROOT", required_unless_present_any = ["support", "family", "tracks"])]
     pub(crate) root: Option<PathBuf>,
 
     /// Which of its folders to score: learn, test, any other name, or all.
@@ -58,6 +59,20 @@ pub(crate) struct EvalArgs {
 
     #[command(flatten)]
     pub(crate) synthetic: SyntheticArgs,
+
+    /// Score tracks of objects through videos instead: a folder with labels/<stem>.png and, if there are, events.jsonl and
+    /// support.jsonl, as `track` writes it; or a folder of such folders.
+    #[arg(
+        long,
+        value_name = "DIR",
+        requires = "truth",
+        conflicts_with_all = ["root", "labels", "ComparisonArgs", "pictures", "camera", "per_scene", "split", "made"]
+    )]
+    pub(crate) tracks: Option<PathBuf>,
+
+    /// The video with its truth, as `synth --video` writes it; or a folder of such folders with the same names.
+    #[arg(long, value_name = "DIR", requires = "tracks")]
+    pub(crate) truth: Option<PathBuf>,
 
     /// Number of the first composed or synthetic scene; the others follow it.
     #[arg(long, value_name = "S", default_value_t = 0, value_parser = whole(0, u32::MAX), requires = "made")]

@@ -10,18 +10,18 @@ use super::overlap::{FrameOverlap, SHOWN_IOU};
 /// The sets of instances that were an object in some frame: single instances and groups.
 #[derive(Debug, Default)]
 pub(crate) struct Sets {
-    numbers: BTreeMap<Vec<u16>, usize>,
+    numbers: BTreeMap<Vec<u16>, u16>,
 }
 
 impl Sets {
-    /// The number of a set, which stays the same; `members` ascend.
-    pub(crate) fn number_of(&mut self, members: &[u16]) -> usize {
+    /// The number of a set, which stays the same; `members` ascend. `None` beyond 65536 sets.
+    pub(crate) fn number_of(&mut self, members: &[u16]) -> Option<u16> {
         if let Some(&number) = self.numbers.get(members) {
-            return number;
+            return Some(number);
         }
-        let number = self.numbers.len();
+        let number = u16::try_from(self.numbers.len()).ok()?;
         self.numbers.insert(members.to_vec(), number);
-        number
+        Some(number)
     }
 
     /// The name of each set by its number: a single instance has its own, a group that of the member which shares most
@@ -29,7 +29,7 @@ impl Sets {
     ///
     /// O(p + s m t) for p pairs in all frames and s groups of m members that t tracks show.
     pub(crate) fn names(&self, frames: &[FrameOverlap]) -> Vec<u16> {
-        let mut shown: BTreeMap<usize, BTreeMap<u16, u64>> = BTreeMap::new();
+        let mut shown: BTreeMap<u16, BTreeMap<u16, u64>> = BTreeMap::new();
         for frame in frames {
             for pair in frame.common.iter().filter(|pair| frame.iou(pair) >= SHOWN_IOU) {
                 let set = frame.objects[pair.object].id;
@@ -37,7 +37,7 @@ impl Sets {
             }
         }
         let none = BTreeMap::new();
-        let by = |set: usize| shown.get(&set).unwrap_or(&none);
+        let by = |set: u16| shown.get(&set).unwrap_or(&none);
         let mut names = vec![0; self.numbers.len()];
         for (members, &number) in &self.numbers {
             let common_frames = |member: u16| -> u64 {
@@ -46,7 +46,7 @@ impl Sets {
                 by(number).iter().map(frames).sum()
             };
             let best = members.iter().rev().max_by_key(|&&member| common_frames(member));
-            names[number] = best.copied().unwrap_or(0);
+            names[usize::from(number)] = best.copied().unwrap_or(0);
         }
         names
     }

@@ -108,12 +108,15 @@ impl OverlapCounter {
     pub fn add(&mut self, frame: &LabelledFrame, roles: &Roles) -> Result<()> {
         let places = Places::of(roles);
         let (mut overlap, things) = count(frame, &places)?;
-        let number = |sets: &mut Sets, thing: usize| sets.number_of(&places.things[thing]);
+        let overlap_columns = overlap.tracks.len();
+        let too_many = || Error::TooManyRegions { rows: places.things.len(), columns: overlap_columns };
+        let number =
+            |sets: &mut Sets, thing: usize| sets.number_of(&places.things[thing]).ok_or_else(too_many);
         for (seen, thing) in overlap.objects.iter_mut().zip(things) {
-            seen.id = number(&mut self.sets, thing);
+            seen.id = number(&mut self.sets, thing)?;
         }
         for thing in (0..places.things.len()).filter(|&thing| places.things[thing].len() > 1) {
-            let id = number(&mut self.sets, thing);
+            let id = number(&mut self.sets, thing)?;
             overlap.grouped.extend(places.things[thing].iter().map(|&member| (member, id)));
         }
         overlap.grouped.sort_unstable();

@@ -1,0 +1,75 @@
+//! `objecthood eval --tracks`: scores what a tracker says of videos.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use objecthood_eval::video::{ClipScore, TrueClip, VideoReport};
+use objecthood_io::{natural, output};
+
+use crate::args::EvalArgs;
+use crate::failure::{Outcome, usage};
+use crate::{crew, terminal};
+
+/// A clip: its name, the folder of its truth, the folder of what a tracker says.
+struct Clip {
+    name: String,
+    truth: PathBuf,
+    tracks: PathBuf,
+}
+
+/// Scores a clip, or every clip of a folder, and prints the figures.
+///
+/// # Errors
+/// Of usage; when a clip cannot be scored, because figures of the others would not compare with those of all; when the
+/// figures cannot be written.
+pub(super) fn run(args: &EvalArgs, tracks: &Path, truth: &Path) -> Result<Outcome> {
+    let clips = clips(tracks, truth)?;
+    let bar = terminal::progress_bar(clips.len(), args.settings.verbose);
+    let mut scores = Vec::new();
+    let mut failed = None;
+    let score = |(): &mut (), clip: &Clip| {
+        ClipScore::read(&clip.truth, &clip.tracks).with_context(|| clip.name.clone())
+    };
+    crew::in_order(&clips, args.settings.threads(), score, |clip, score| {
+        bar.inc(1);
+        match score {
+            Ok(score) => scores.push((clip.name.clone(), score)),
+            Err(e) => failed = failed.take().or(Some(e)),
+        }
+    })?;
+    bar.finish_and_clear();
+    if let Some(e) = failed {
+        return Err(e);
+    }
+    let report = VideoReport::new(&scores);
+    if let Some(path) = &args.json {
+        output::write_atomically(path, super::to_json(&report)?.as_bytes())?;
+    }
+    terminal::print(&format!("{report}\n"))?;
+    Ok(Outcome::AllDone)
+}
+
+/// The clip, or the clips in the folder, in the natural order of their names.
+fn clips(tracks: &Path, truth: &Path) -> Result<Vec<Clip>> {
+    if TrueClip::is_at(truth) {
+        let name = truth
+            .file_name()
+            .map_or_else(|| truth.display().to_string(), |name| name.to_string_lossy().into_owned());
+        return Ok(vec![Clip { name, truth: truth.to_owned(), tracks: tracks.to_owned() }]);
+    }
+    let entries = fs::read_dir(truth).with_context(|| format!("--truth {}", truth.display()))?;
+    let mut folders: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    folders.retain(|folder| TrueClip::is_at(folder));
+    folders.sort_by(|a, b| natural::compare(a.as_os_str(), b.as_os_str()));
+    if folders.is_empty() {
+        let advice =
+            "name a folder that `objecthood synth --video` made, or the folder that holds such folders";
+        return Err(usage(format!("--truth {} holds no clip.json: {advice}", truth.display())));
+    }
+    let clip = |folder: PathBuf| {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Clip { tracks: tracks.join(&name), truth: folder, name }
+    };
+    Ok(folders.into_iter().map(clip).collect())
+}
