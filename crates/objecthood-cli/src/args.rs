@@ -7,6 +7,7 @@ mod number;
 mod output;
 mod settings;
 mod synthetic;
+mod track;
 
 pub(crate) use eval::{ComparisonArgs, EvalArgs, SyntheticArgs};
 pub(crate) use gravity::GravityArg;
@@ -14,6 +15,7 @@ pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
 pub(crate) use output::OutputKind;
 pub(crate) use settings::{MethodName, Settings, Threads};
 pub(crate) use synthetic::{DemoArgs, SynthArgs};
+pub(crate) use track::TrackArgs;
 
 use std::path::PathBuf;
 
@@ -71,6 +73,7 @@ fn take_what_follows(arg: Arg) -> Arg {
 pub(crate) enum Command {
     Demo(DemoArgs),
     Segment(SegmentArgs),
+    Track(TrackArgs),
     Explain(ExplainArgs),
     Eval(EvalArgs),
     Synth(SynthArgs),
@@ -84,6 +87,7 @@ impl Command {
         match self {
             Self::Demo(args) => args.settings.verbose,
             Self::Segment(args) => args.settings.verbose,
+            Self::Track(args) => args.settings.verbose,
             Self::Explain(args) => args.settings.verbose,
             Self::Eval(args) => args.settings.verbose,
             Self::Params(args) => args.settings.verbose,
@@ -96,6 +100,7 @@ impl Command {
         match self {
             Self::Demo(args) => Some(&args.settings.threads),
             Self::Segment(args) => Some(&args.settings.threads),
+            Self::Track(args) => Some(&args.settings.threads),
             Self::Explain(args) => Some(&args.settings.threads),
             Self::Eval(args) => Some(&args.settings.threads),
             Self::Synth(args) => Some(&args.threads),

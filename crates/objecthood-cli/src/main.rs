@@ -21,6 +21,7 @@ mod shell;
 mod synth;
 mod synthetic;
 mod terminal;
+mod track;
 mod watch;
 
 use std::process::ExitCode;
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Demo(args) => demo::run(args),
         Command::Segment(args) => segment::run(args),
+        Command::Track(args) => track::run(args),
         Command::Explain(args) => explain::run(args),
         Command::Eval(args) => eval::run(args),
         Command::Synth(args) => synth::run(args),

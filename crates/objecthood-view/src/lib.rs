@@ -40,6 +40,7 @@ mod support;
 mod testing;
 mod text;
 mod tiles;
+mod timeline;
 mod view;
 mod vision;
 
@@ -49,3 +50,4 @@ pub use overlay::overlay;
 pub use palette::object_color;
 pub use panels::{panels, png};
 pub use recording::Recording;
+pub use timeline::{Mark, filmed};

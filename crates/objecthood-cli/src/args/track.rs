@@ -1,0 +1,52 @@
+//! The options of `objecthood track`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::settings::{MethodName, Settings};
+use super::{EXIT_CODES, FrameArgs};
+
+/// Follow objects through a video: identities that last, what stands on what, what happened.
+///
+/// The frames of INPUT are taken in their order. DIR receives labels/NAME.png, 16 bits a pixel, whose values are the numbers of
+/// objects; tracks.jsonl, a line a frame; events.jsonl, a line an event; support.jsonl, a line for each thing that something holds.
+/// Frames count from 0; parent 0 is the table, the floor, furniture.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(crate) struct TrackArgs {
+    /// Folder for the output; created if needed.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+
+    /// Method that finds the objects of each frame [default: context].
+    #[arg(long)]
+    pub(crate) method: Option<MethodName>,
+
+    /// Frames a second, where the frames have no times.
+    #[arg(long, value_name = "F", default_value_t = 30.0, value_parser = frames_per_second)]
+    pub(crate) fps: f64,
+
+    /// Take the camera's motion from the poses of the source, as a TUM folder has them, instead of finding it.
+    #[arg(long)]
+    pub(crate) poses: bool,
+
+    /// Also write pictures/NAME.png: each frame with its objects and a line of events.
+    #[arg(long, value_name = "KINDS", value_parser = ["pictures"])]
+    pub(crate) write: Option<String>,
+
+    /// Tell what happened, in sentences.
+    #[arg(long)]
+    pub(crate) summary: bool,
+
+    #[command(flatten)]
+    pub(crate) frames: FrameArgs,
+
+    #[command(flatten)]
+    pub(crate) settings: Settings,
+}
+
+fn frames_per_second(text: &str) -> Result<f64, String> {
+    let fps = text.parse::<f64>().ok().filter(|fps| (0.1..=1000.0).contains(fps));
+    fps.ok_or_else(|| "give frames a second, from 0.1 to 1000".to_owned())
+}

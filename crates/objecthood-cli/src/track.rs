@@ -1,0 +1,172 @@
+//! `objecthood track`: the frames of a video -> numbers of objects that last, what happened, what stands on what.
+
+mod files;
+mod summary;
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use objecthood::Params;
+use objecthood_io::scope::Scope;
+use objecthood_io::{Capture, output};
+use objecthood_track::{Event, Rigid, Tracker};
+use objecthood_view::Mark;
+
+use crate::args::{CameraArg, TrackArgs};
+use crate::failure::Outcome;
+use crate::inputs::{Input, Inputs};
+use crate::outputs::{make_folder, make_folders_of, refuse_file};
+use crate::{config, crew, inputs, interrupt, terminal};
+use files::Lines;
+
+/// What to do; nothing is in doubt any more.
+struct Plan<'a> {
+    args: &'a TrackArgs,
+    inputs: Inputs,
+    scope: Scope,
+    params: Params,
+}
+
+/// What is told at the end.
+#[derive(Default)]
+struct Told {
+    lines: Lines,
+    events: Vec<Event>,
+    done: usize,
+    failed: usize,
+    last_stamp_s: Option<f64>,
+}
+
+/// Follows the objects of the frames named on the command line.
+///
+/// # Errors
+/// Of usage; when the outputs cannot be written; when stdout cannot be written. A frame that cannot be read is reported, which is
+/// no error.
+pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
+    let plan = Plan::new(args)?;
+    make_folder(&args.out)?;
+    let Inputs { frames, unreadable, notices, .. } = &plan.inputs;
+    notices.iter().for_each(|notice| terminal::note(notice));
+    unreadable.iter().for_each(terminal::error);
+    interrupt::catch()?;
+
+    let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
+    let mut told = Told { failed: unreadable.len(), ..Told::default() };
+    let mut tracker = Tracker::new(plan.params.clone());
+    let pool = crew::pool(args.settings.threads())?;
+    pool.install(|| -> Result<()> {
+        for (k, input) in frames.iter().enumerate().take_while(|_| !interrupt::is_asked()) {
+            match plan.follow(&mut tracker, input, k, &mut told) {
+                Ok(()) => told.done += 1,
+                Err(e) => {
+                    told.failed += 1;
+                    bar.suspend(|| terminal::error(&e));
+                }
+            }
+            bar.inc(1);
+        }
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    for event in tracker.finish() {
+        told.lines.event(&event);
+        told.events.push(event);
+    }
+    plan.write_lists(&told)?;
+    plan.sum_up(told, frames.len() + unreadable.len())
+}
+
+impl<'a> Plan<'a> {
+    fn new(args: &'a TrackArgs) -> Result<Self> {
+        let params = config::params(&args.settings, args.method)?;
+        let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
+        args.frames.scale_note(camera.as_ref()).iter().for_each(|note| terminal::note(note));
+        let inputs = inputs::collect(&args.frames, false, camera.as_ref())?;
+        let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
+        refuse_file("--out", &args.out)?;
+        Ok(Self { args, inputs, scope, params })
+    }
+
+    /// Follows the objects into a frame and writes its images.
+    fn follow(&self, tracker: &mut Tracker, input: &Input, number: usize, told: &mut Told) -> Result<()> {
+        let capture = self.args.frames.read(input, &self.scope)?;
+        let named = || input.path.display().to_string();
+        let stamp_s = self.stamp_s(&capture, number, told.last_stamp_s);
+        let pose = pose_of(&capture).filter(|_| self.args.poses);
+        let tracked = tracker.update(&capture.frame, stamp_s, pose).with_context(named)?;
+        told.last_stamp_s = Some(stamp_s);
+        for notice in &tracked.notices {
+            terminal::note(&format!("{}: {notice}", named()));
+        }
+        let name = self.args.out.join("labels").join(&input.name);
+        let mut files = vec![(with_png(name), objecthood_io::label_image::encode(&tracked.labels)?)];
+        if self.args.write.is_some() {
+            let events = told.events.iter().chain(&tracked.events);
+            let marks: Vec<Mark> =
+                events.map(|event| Mark { time_s: event.time, text: summary::short(event) }).collect();
+            let picture = objecthood_view::filmed(&capture.frame, &tracked.labels, tracked.stamp_s, &marks);
+            files.push((
+                with_png(self.args.out.join("pictures").join(&input.name)),
+                objecthood_view::png(&picture)?,
+            ));
+        }
+        make_folders_of(&files)?;
+        output::write_together(&files)?;
+        told.lines.frame(&tracked);
+        told.events.extend(tracked.events);
+        Ok(())
+    }
+
+    /// When a frame was taken (s): as the source says, else by the frame rate.
+    fn stamp_s(&self, capture: &Capture, number: usize, last_s: Option<f64>) -> f64 {
+        let said = capture.stamp_ns.map(|stamp_ns| stamp_ns as f64 * 1e-9);
+        said.unwrap_or_else(|| {
+            last_s.map_or(number as f64 / self.args.fps, |last_s| last_s + 1.0 / self.args.fps)
+        })
+    }
+
+    fn write_lists(&self, told: &Told) -> Result<()> {
+        let path = |name: &str| self.args.out.join(name);
+        let files: Vec<(PathBuf, Vec<u8>)> = vec![
+            (path("tracks.jsonl"), told.lines.tracks.clone().into_bytes()),
+            (path("events.jsonl"), told.lines.events.clone().into_bytes()),
+            (path("support.jsonl"), told.lines.support.clone().into_bytes()),
+        ];
+        Ok(output::write_together(&files)?)
+    }
+
+    fn sum_up(&self, told: Told, total: usize) -> Result<Outcome> {
+        let is_interrupted = told.done + told.failed < total;
+        let objects = told.lines.objects();
+        let mut text = format!(
+            "{} frames, {objects} objects, {} events -> {}\n",
+            told.done,
+            told.events.len(),
+            self.args.out.display()
+        );
+        if self.args.summary {
+            text.push_str(&summary::of(&told.events, objects));
+        }
+        terminal::print(&text)?;
+        if told.failed > 0 {
+            terminal::complain(&format!("{} of {total} frames failed", told.failed));
+        }
+        Ok(match (is_interrupted, told.failed) {
+            (true, _) => Outcome::Interrupted,
+            (false, 0) => Outcome::AllDone,
+            (false, _) => Outcome::SomeFailed,
+        })
+    }
+}
+
+fn pose_of(capture: &Capture) -> Option<Rigid> {
+    let pose = capture.pose?;
+    Rigid::new(pose.rotation_xyzw, pose.position_m)
+}
+
+/// A path with `.png` at its end, whatever dots the name has.
+fn with_png(path: PathBuf) -> PathBuf {
+    let mut name = path.into_os_string();
+    name.push(".png");
+    PathBuf::from(name)
+}

@@ -1,0 +1,81 @@
+//! Agents: what is nearer than the rested scene and stays connected to the border of the image (ours, after the design note).
+
+use crate::bits::Bits;
+use crate::pace::Pace;
+use crate::scene::Scene;
+use crate::view::View;
+
+/// Least size of what may be an agent (px at VGA size).
+const LEAST_PX: f64 = 300.0;
+/// Least number of its pixels on the border of the image (px at VGA size).
+const LEAST_BORDER_PX: f64 = 8.0;
+/// It has to be there so long (s).
+const LEAST_S: f64 = 0.12;
+/// It may be away from the border so long (s).
+const PATIENCE_S: f64 = 0.1;
+
+/// A hand with its arm, a person.
+#[derive(Clone, Debug)]
+pub(crate) struct Agent {
+    /// Counts from 1.
+    pub(crate) number: u32,
+    pub(crate) mask: Bits,
+    frames: usize,
+    away: usize,
+}
+
+/// All agents of a frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Agents {
+    pub(crate) all: Vec<Agent>,
+    /// The pixels of all of them, with what they carry.
+    pub(crate) region: Bits,
+    next: u32,
+}
+
+impl Agents {
+    pub(crate) fn none(size: (usize, usize)) -> Self {
+        Self { all: Vec::new(), region: Bits::none(size), next: 1 }
+    }
+
+    /// Finds them in a frame. O(n).
+    pub(crate) fn update(&mut self, view: &View, scene: &Scene, camera_moves: bool, pace: Pace) {
+        let open = view.length_px(if camera_moves { 2.0 } else { 1.0 });
+        let close = view.length_px(5.0);
+        let front = scene.in_front(view).eroded(open).dilated(open).dilated(close).eroded(close);
+        let (width, height) = view.size;
+        let on_border = |&&pixel: &&usize| {
+            let (u, v) = (pixel % width, pixel / width);
+            u == 0 || v == 0 || u + 1 == width || v + 1 == height
+        };
+        let (least_px, least_border) = (view.px(LEAST_PX), view.length_px(LEAST_BORDER_PX));
+        let mut old = std::mem::take(&mut self.all);
+        for component in front.components().into_iter().filter(|component| component.len() >= least_px) {
+            let touches = component.iter().filter(on_border).count() >= least_border;
+            let mut mask = Bits::none(view.size);
+            component.iter().for_each(|&pixel| mask.insert(pixel));
+            let same = old.iter().enumerate().map(|(k, agent)| (agent.mask.common(&mask), k)).max();
+            let before = same.filter(|&(common, _)| common > 0).map(|(_, k)| old.swap_remove(k));
+            let away = if touches { 0 } else { before.as_ref().map_or(usize::MAX, |agent| agent.away + 1) };
+            if away > pace.frames(PATIENCE_S) {
+                continue;
+            }
+            let (number, frames) = before.map_or((0, 0), |agent| (agent.number, agent.frames));
+            self.all.push(Agent { number, mask, frames: frames + 1, away });
+        }
+        let least = pace.frames(LEAST_S);
+        self.region = Bits::none(view.size);
+        for agent in self.all.iter_mut().filter(|agent| agent.frames >= least) {
+            if agent.number == 0 {
+                agent.number = self.next;
+                self.next += 1;
+            }
+            self.region.unite(&agent.mask);
+        }
+    }
+
+    /// Those that have been there long enough.
+    pub(crate) fn sure(&self) -> impl Iterator<Item = &Agent> {
+        self.all.iter().filter(|agent| agent.number > 0)
+    }
+}

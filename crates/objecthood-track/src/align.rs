@@ -1,0 +1,203 @@
+//! Rigid motion of a set of surface points from one frame to the next: robust, point to plane and grey value.
+//!
+//! Gauss-Newton with Huber weights, projective data association (G. Blais, M. Levine, PAMI 17(8), 1995), after the design
+//! note: 8 iterations, of which the first two only translate. Serves camera and objects alike. O(points).
+
+use glam::DVec3;
+
+use crate::rigid::Rigid;
+use crate::view::View;
+
+/// A point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfacePoint {
+    /// Where it was (m), in the frame of the camera.
+    pub(crate) at: DVec3,
+    /// What it looked like, 0 to 255; `None` without colour.
+    pub(crate) grey: Option<f64>,
+}
+
+/// How something moved.
+#[derive(Clone, Debug)]
+pub(crate) struct Motion {
+    /// Takes old places to new ones, in the frame of the camera.
+    pub(crate) rigid: Rigid,
+    /// Covariance of shift (m) and turn (rad) about the centre of the points: shift first.
+    pub(crate) covariance: [[f64; 6]; 6],
+    /// Share of the points in view that lie where they should and look as they did.
+    pub(crate) fit: f64,
+}
+
+const ITERATIONS: usize = 8;
+/// Iterations that only translate.
+const SHIFTS: usize = 2;
+/// Fewer points do not tell a rotation.
+const LEAST_FOR_TURNS: usize = 150;
+/// Fewer points tell nothing.
+const LEAST_POINTS: usize = 30;
+/// Standard deviation of grey values (levels).
+const SIGMA_GREY: f64 = 8.0;
+/// Beyond this many standard deviations a residual counts linearly.
+const HUBER: f64 = 1.5;
+/// Beyond this many a residual does not count: depth, grey.
+const CUT: [f64; 2] = [12.0, 8.0];
+/// A point is somewhere else than expected beyond this depth difference (m): at first, from the fifth iteration on.
+const FAR_M: [f64; 2] = [0.05, 0.025];
+/// A point fits within this many standard deviations of depth, and this of grey.
+const FIT: [f64; 2] = [3.5, 8.0];
+/// Weak knowledge that nothing moves: inverse variances of shift (1/m²) and turn (1/rad²).
+const PRIOR: [f64; 2] = [1e2, 1.0];
+
+/// The motion of points into a view, beginning at a guess. `None` when too few of them can be found there.
+pub(crate) fn align(points: &[SurfacePoint], view: &View, guess: &Rigid) -> Option<Motion> {
+    if points.len() < LEAST_POINTS {
+        return None;
+    }
+    let center = points.iter().map(|point| point.at).sum::<DVec3>() / points.len() as f64;
+    let mut rigid = *guess;
+    let mut system = System::default();
+    for iteration in 0..ITERATIONS {
+        let far_m = FAR_M[usize::from(iteration >= 4)];
+        let middle = rigid.point(center);
+        system = System::default();
+        for point in points {
+            system.add(point, view, &rigid, middle, far_m);
+        }
+        if system.used < LEAST_POINTS {
+            return None;
+        }
+        let turns = iteration >= SHIFTS && points.len() >= LEAST_FOR_TURNS;
+        let step = system.solve(if turns { 6 } else { 3 })?;
+        let [shift, turn] = [DVec3::from_slice(&step[..3]), DVec3::from_slice(&step[3..])];
+        rigid = Rigid::step(turn, shift, middle).after(&rigid);
+        if iteration > SHIFTS && shift.length() < 1e-5 && turn.length() < 1e-5 {
+            break;
+        }
+    }
+    let (fit, _) = fit(points, view, &rigid);
+    Some(Motion { rigid, covariance: system.covariance(), fit })
+}
+
+/// Shares of the points: those that fit of those in view, and those in view.
+pub(crate) fn fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> (f64, f64) {
+    let (mut in_view, mut fitting) = (0_usize, 0_usize);
+    for point in points {
+        let now = rigid.point(point.at);
+        let Some(pixel) = view.pixel_of(now) else { continue };
+        let inverse = f64::from(view.inverse[pixel]);
+        if inverse == 0.0 {
+            continue;
+        }
+        in_view += 1;
+        let is_there = (1.0 / inverse - now.z).abs() < FIT[0] * view.sigma_m(now.z);
+        let looks = match (point.grey, view.grey.get(pixel)) {
+            (Some(was), Some(&is)) => (was - f64::from(is)).abs() < FIT[1] * SIGMA_GREY,
+            _ => true,
+        };
+        fitting += usize::from(is_there && looks);
+    }
+    (fitting as f64 / in_view.max(1) as f64, in_view as f64 / points.len().max(1) as f64)
+}
+
+/// Normal equations: 3 shifts, then 3 turns.
+#[derive(Default)]
+struct System {
+    h: [[f64; 6]; 6],
+    g: [f64; 6],
+    used: usize,
+}
+
+impl System {
+    fn add(&mut self, point: &SurfacePoint, view: &View, rigid: &Rigid, middle: DVec3, far_m: f64) {
+        let now = rigid.point(point.at);
+        let Some((u, v)) = view.project(now) else { return };
+        let pixel = (v + 0.5) as usize * view.size.0 + (u + 0.5) as usize;
+        let Some(there) = view.point(pixel) else { return };
+        if (there.z - now.z).abs() > far_m {
+            return;
+        }
+        let arm = now - middle;
+        if let Some(normal) = view.normal(pixel) {
+            let residual = normal.dot(now - there);
+            self.row(normal, arm, residual, view.sigma_m(now.z), CUT[0]);
+            self.used += 1;
+        }
+        if let (Some(was), Some((is, along, down))) = (point.grey, view.grey_at(u, v)) {
+            let (fx, fy) = (view.camera.fx_px / now.z, view.camera.fy_px / now.z);
+            let slope = DVec3::new(along * fx, down * fy, -(along * fx * now.x + down * fy * now.y) / now.z);
+            self.row(slope, arm, is - was, SIGMA_GREY, CUT[1]);
+        }
+    }
+
+    /// A residual with its change by a shift; a turn shifts by turn x arm.
+    fn row(&mut self, slope: DVec3, arm: DVec3, residual: f64, sigma: f64, cut: f64) {
+        let size = residual.abs() / sigma;
+        if size > cut {
+            return;
+        }
+        let weight = (HUBER / size.max(HUBER)) / (sigma * sigma);
+        let turn = arm.cross(slope);
+        let j = [slope.x, slope.y, slope.z, turn.x, turn.y, turn.z];
+        for a in 0..6 {
+            self.g[a] += weight * j[a] * residual;
+            for b in 0..=a {
+                self.h[a][b] += weight * j[a] * j[b];
+            }
+        }
+    }
+
+    fn with_prior(&self) -> [[f64; 6]; 6] {
+        let mut h = self.h;
+        for a in 0..6 {
+            h[a][a] += PRIOR[a / 3];
+            for b in 0..a {
+                h[b][a] = h[a][b];
+            }
+        }
+        h
+    }
+
+    /// The step of the first `n` unknowns; the others stay.
+    fn solve(&self, n: usize) -> Option<[f64; 6]> {
+        let l = cholesky(&self.with_prior(), n)?;
+        let mut x = substitute(&l, n, &self.g);
+        x.iter_mut().for_each(|x| *x = -*x);
+        Some(x)
+    }
+
+    fn covariance(&self) -> [[f64; 6]; 6] {
+        let Some(l) = cholesky(&self.with_prior(), 6) else { return [[f64::INFINITY; 6]; 6] };
+        std::array::from_fn(|k| substitute(&l, 6, &std::array::from_fn(|i| f64::from(u8::from(i == k)))))
+    }
+}
+
+/// L of L Lᵀ = A, of the first `n` rows; `None` when A is not positive definite.
+fn cholesky(a: &[[f64; 6]; 6], n: usize) -> Option<[[f64; 6]; 6]> {
+    let mut l = [[0.0; 6]; 6];
+    for i in 0..n {
+        for j in 0..=i {
+            let sum: f64 = a[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
+            l[i][j] = if i == j {
+                if sum <= 0.0 {
+                    return None;
+                }
+                sum.sqrt()
+            } else {
+                sum / l[j][j]
+            };
+        }
+    }
+    Some(l)
+}
+
+/// x of L Lᵀ x = b, of the first `n` rows; the others are 0.
+fn substitute(l: &[[f64; 6]; 6], n: usize, b: &[f64; 6]) -> [f64; 6] {
+    let mut x = [0.0; 6];
+    for i in 0..n {
+        x[i] = (b[i] - (0..i).map(|k| l[i][k] * x[k]).sum::<f64>()) / l[i][i];
+    }
+    for i in (0..n).rev() {
+        x[i] = (x[i] - (i + 1..n).map(|k| l[k][i] * x[k]).sum::<f64>()) / l[i][i];
+    }
+    x
+}

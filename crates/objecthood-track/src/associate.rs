@@ -1,0 +1,103 @@
+//! Which segment shows which track.
+
+use std::collections::BTreeMap;
+
+use crate::assignment::maximize;
+use crate::pace::Pace;
+use crate::segment::Segment;
+use crate::track::{KNOWN_S, Track};
+
+/// Least overlap (intersection over union) of a segment with where a track should be seen.
+const LEAST_IOU: f64 = 0.25;
+/// Limits of finding again: difference of looks, logarithm of the ratio of areas.
+const MOST_LOOK: f64 = 0.6;
+const MOST_SIZE: f64 = 1.4;
+/// In an agent's region looks have to agree better, because much of the region is the agent's.
+const MOST_LOOK_AT_AGENT: f64 = 0.35;
+/// Reach (m): at once, and in addition each thirtieth of a second, up to eight of them.
+const REACH_M: [f64; 2] = [0.07, 0.06];
+const REACH_STEPS: f64 = 8.0;
+/// A track is found again for so long (s) when it is confirmed, and else for so many frames.
+pub(crate) const MEMORY_S: f64 = 5.0;
+pub(crate) const YOUNG_MEMORY_FRAMES: f64 = 2.5;
+/// What an unknown difference of looks counts as.
+const UNKNOWN_LOOK: f64 = 0.3;
+
+/// Pixels that segments and predicted masks have, and have in common.
+#[derive(Debug, Default)]
+pub(crate) struct Overlap {
+    /// By track: the pixels of its predicted mask in which it can be seen.
+    pub(crate) predicted: BTreeMap<u32, usize>,
+    /// By segment and track.
+    pub(crate) common: BTreeMap<(usize, u32), usize>,
+}
+
+impl Overlap {
+    pub(crate) fn iou(&self, segment: usize, segment_px: usize, key: u32) -> f64 {
+        let common = self.common.get(&(segment, key)).copied().unwrap_or(0);
+        let predicted = self.predicted.get(&key).copied().unwrap_or(0);
+        common as f64 / (segment_px + predicted - common).max(1) as f64
+    }
+}
+
+/// The track of each segment: first by overlap, then by looks, size and reach. Segments without one are `None`.
+/// One assignment each, O(s² t) for s segments and t tracks.
+pub(crate) fn associate(
+    segments: &[Segment],
+    tracks: &BTreeMap<u32, Track>,
+    overlap: &Overlap,
+    now_s: f64,
+    pace: Pace,
+) -> Vec<Option<u32>> {
+    let mut tracks_of = vec![None; segments.len()];
+    let keys: Vec<u32> = tracks.keys().copied().collect();
+    let by_overlap = |k: usize, key: u32| {
+        let iou = overlap.iou(k, segments[k].px, key);
+        if iou > LEAST_IOU { iou } else { 0.0 }
+    };
+    let all: Vec<usize> = (0..segments.len()).collect();
+    pair(&all, &keys, by_overlap, &mut tracks_of);
+
+    let free: Vec<usize> = all.into_iter().filter(|&k| tracks_of[k].is_none()).collect();
+    let lost: Vec<u32> = keys.into_iter().filter(|&key| !tracks_of.contains(&Some(key))).collect();
+    let again = |k: usize, key: u32| found_again(&segments[k], &tracks[&key], now_s, pace).unwrap_or(0.0);
+    pair(&free, &lost, again, &mut tracks_of);
+    tracks_of
+}
+
+/// Pairs rows and columns so that the sum of values is greatest; pairs of value 0 are none.
+fn pair(rows: &[usize], columns: &[u32], value: impl Fn(usize, u32) -> f64, tracks_of: &mut [Option<u32>]) {
+    let values: Vec<f64> = rows
+        .iter()
+        .flat_map(|&row| columns.iter().map(move |&column| (row, column)))
+        .map(|(row, column)| value(row, column))
+        .collect();
+    for (row, column) in maximize(&values, rows.len(), columns.len()) {
+        if values[row * columns.len() + column] > 0.0 {
+            tracks_of[rows[row]] = Some(columns[column]);
+        }
+    }
+}
+
+/// How well a segment fits a track that is not where it was: 1 less the cost; `None` when it cannot be.
+fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pace) -> Option<f64> {
+    let away_s = now_s - track.last.stamp_s;
+    let memory_s = if track.is_confirmed() { MEMORY_S } else { YOUNG_MEMORY_FRAMES * pace.frame_s };
+    if away_s > memory_s || track.part_of.is_some() {
+        return None;
+    }
+    let look = segment.look.distance(&track.look).unwrap_or(UNKNOWN_LOOK);
+    let is_at_agent = segment.of_agent > 0.5 && !track.is_agent_part();
+    if is_at_agent && (track.rest.is_none() || track.rest_s + away_s < KNOWN_S || look > MOST_LOOK_AT_AGENT) {
+        return None;
+    }
+    let size = libm::log(segment.area_m2.max(1e-9) / track.area_m2.max(1e-9)).abs();
+    let step = segment.center - track.last.center;
+    let distance = step.length().min((step - track.velocity * away_s).length());
+    let reach = REACH_M[0] + REACH_M[1] * (30.0 * away_s).min(REACH_STEPS);
+    if look > MOST_LOOK || size > MOST_SIZE || distance > reach {
+        return None;
+    }
+    let cost = look + 0.4 * size + 0.5 * distance / reach;
+    (cost < 1.0).then_some(1.0 - cost)
+}

@@ -1,0 +1,125 @@
+//! The camera's own motion, from what stands still.
+
+use glam::DVec3;
+
+use crate::align::{Motion, SurfacePoint, align, fit};
+use crate::rigid::Rigid;
+use crate::view::View;
+
+/// Points on a grid of so many columns and rows (px at VGA size).
+const GRID_PX: [f64; 2] = [16.0, 12.0];
+/// Less than this is standing still: shift (m), turn (rad).
+const STILL: (f64, f64) = (0.0005, 0.0005);
+/// A new key frame when fewer points are in view or fit.
+const LEAST_SEEN: f64 = 0.75;
+const LEAST_FIT: f64 = 0.5;
+/// The motion is not known when fewer points fit.
+const LOST_FIT: f64 = 0.3;
+/// When so many points of the key frame lie where they lay, the camera stands still.
+const STANDS_FIT: f64 = 0.85;
+
+/// Where the camera is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    /// Takes points of the camera to the world: the first frame's camera, or that of the given poses.
+    pub(crate) world_from_camera: Rigid,
+    /// Takes points of the last frame's camera to this one's.
+    pub(crate) step: Rigid,
+    /// Against gravity, in the world.
+    pub(crate) up: DVec3,
+    /// Whether it is moving.
+    pub(crate) moves: bool,
+    /// Whether the motion could not be found.
+    pub(crate) is_lost: bool,
+    /// Covariance of the step: shift (m), turn (rad).
+    pub(crate) covariance: [[f64; 6]; 6],
+}
+
+impl Place {
+    pub(crate) fn world(&self, p: DVec3) -> DVec3 {
+        self.world_from_camera.point(p)
+    }
+
+    /// Height (m) of a point of the camera, above the origin of the world.
+    pub(crate) fn height_m(&self, p: DVec3) -> f64 {
+        self.world(p).dot(self.up)
+    }
+}
+
+/// Follows the camera.
+#[derive(Clone, Debug)]
+pub(crate) struct CameraMotion {
+    key: Vec<SurfacePoint>,
+    /// Takes points of the key frame's camera to the last one's.
+    from_key: Rigid,
+    world_from_camera: Rigid,
+    up: Option<DVec3>,
+}
+
+impl CameraMotion {
+    pub(crate) fn new() -> Self {
+        Self { key: Vec::new(), from_key: Rigid::IDENTITY, world_from_camera: Rigid::IDENTITY, up: None }
+    }
+
+    /// Where the camera is in a frame; `up` is what the frame tells, in its camera. O(n / grid).
+    pub(crate) fn follow(&mut self, view: &View, given: Option<Rigid>, up: DVec3) -> Place {
+        let is_first = self.key.is_empty() && self.up.is_none();
+        let mut covariance = [[0.0; 6]; 6];
+        let mut is_lost = false;
+        let step = if is_first {
+            Rigid::IDENTITY
+        } else if let Some(pose) = given {
+            pose.inverse().after(&self.world_from_camera)
+        } else if fit(&self.key, view, &self.from_key).0 > STANDS_FIT {
+            Rigid::IDENTITY
+        } else {
+            match align(&self.key, view, &self.from_key).filter(|motion| motion.fit > LOST_FIT) {
+                Some(motion) => {
+                    covariance = motion.covariance;
+                    self.settle(&motion)
+                }
+                None => {
+                    is_lost = true;
+                    Rigid::IDENTITY
+                }
+            }
+        };
+        let moves = step != Rigid::IDENTITY && !is_still(&step);
+        let step = if moves { step } else { Rigid::IDENTITY };
+        self.world_from_camera = given.unwrap_or_else(|| self.world_from_camera.after(&step.inverse()));
+        self.from_key = step.after(&self.from_key);
+        let (fits, seen) = fit(&self.key, view, &self.from_key);
+        if seen < LEAST_SEEN || fits < LEAST_FIT || is_lost {
+            self.key = grid(view);
+            self.from_key = Rigid::IDENTITY;
+        }
+        let told = self.world_from_camera.direction(up);
+        let up = self.up.map_or(told, |mean| (mean + 0.1 * (told - mean)).normalize_or(told));
+        self.up = Some(up);
+        Place { world_from_camera: self.world_from_camera, step, up, moves, is_lost, covariance }
+    }
+
+    fn settle(&self, motion: &Motion) -> Rigid {
+        motion.rigid.after(&self.from_key.inverse())
+    }
+}
+
+/// Whether a step is within what noise does. It is measured at 1 m before the camera.
+fn is_still(step: &Rigid) -> bool {
+    step.displacement_m(DVec3::Z) < STILL.0 && step.angle_rad() < STILL.1
+}
+
+/// Points of a frame on a grid.
+fn grid(view: &View) -> Vec<SurfacePoint> {
+    let [columns, rows] = GRID_PX.map(|px| view.length_px(px));
+    let (width, height) = view.size;
+    let pixels = (rows / 2..height)
+        .step_by(rows)
+        .flat_map(|v| (columns / 2..width).step_by(columns).map(move |u| v * width + u));
+    pixels
+        .filter_map(|pixel| {
+            let at = view.point(pixel)?;
+            Some(SurfacePoint { at, grey: view.grey.get(pixel).map(|&grey| f64::from(grey)) })
+        })
+        .collect()
+}

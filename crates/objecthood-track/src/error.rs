@@ -1,0 +1,62 @@
+//! Why a frame could not be taken.
+
+use objecthood::{Discovery, Frame};
+
+/// Why a frame could not be taken. The tracker is as it was before.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The objects of the frame could not be found.
+    #[error(transparent)]
+    Discover(#[from] objecthood::Error),
+    /// Time does not rise.
+    #[error(
+        "the stamp {stamp_s} s is not after that of the last frame, {last_s} s: give frames in the order in which they were taken"
+    )]
+    Stamp {
+        /// Of this frame (s).
+        stamp_s: f64,
+        /// Of the last (s).
+        last_s: f64,
+    },
+    /// Labels of another frame.
+    #[error("the labels have {}x{} pixels, the frame {}x{}: give the discovery of this frame", labels.0, labels.1, frame.0, frame.1)]
+    Size {
+        /// Columns and rows of the labels.
+        labels: (usize, usize),
+        /// Columns and rows of the frame.
+        frame: (usize, usize),
+    },
+    /// Labels that name no object.
+    #[error(
+        "label {label} names no object of the discovery: object k has to have the label k, counted from 1"
+    )]
+    Label {
+        /// The label.
+        label: u16,
+    },
+}
+
+/// The tracker's result.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Refuses frames that make no sense.
+pub(crate) fn check(frame: &Frame, found: &Discovery, stamp_s: f64, last_s: Option<f64>) -> Result<()> {
+    let last_s = last_s.unwrap_or(f64::NEG_INFINITY);
+    if !stamp_s.is_finite() || stamp_s <= last_s {
+        return Err(Error::Stamp { stamp_s, last_s });
+    }
+    if found.labels.size() != frame.size() {
+        return Err(Error::Size { labels: found.labels.size(), frame: frame.size() });
+    }
+    if let Some((k, object)) =
+        found.objects.iter().enumerate().find(|(k, object)| usize::from(object.id.0) != k + 1)
+    {
+        let _ = k;
+        return Err(Error::Label { label: object.id.0 });
+    }
+    match found.labels.as_slice().iter().find(|&&label| usize::from(label) > found.objects.len()) {
+        Some(&label) => Err(Error::Label { label }),
+        None => Ok(()),
+    }
+}

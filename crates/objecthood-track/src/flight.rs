@@ -1,0 +1,181 @@
+//! Free flight: nothing but gravity acts. A pure function of where a thing was.
+
+use crate::track::Sample;
+
+/// Acceleration of free fall (m/s²).
+const GRAVITY: f64 = 9.81;
+/// A flight has at least so many frames.
+const LEAST_FRAMES: usize = 5;
+/// Heights lie on the parabola: root mean square, largest, at the ends (m).
+const RMS_M: f64 = 0.010;
+const LARGEST_M: f64 = 0.022;
+const ENDS_M: f64 = 0.010;
+/// Sideways it moves straight (m, root mean square).
+const SIDEWAYS_M: f64 = 0.016;
+/// The acceleration that the heights have by themselves differs from gravity by at most this share, or so many standard
+/// deviations, of which it must be known to within a third of gravity.
+const SHARE: f64 = 0.22;
+const SIGMAS: f64 = 2.5;
+/// Standard deviation of a height (m).
+const HEIGHT_SIGMA_M: f64 = 0.004;
+/// What flies changes and is in no hand.
+const LEAST_CHANGED: f64 = 0.35;
+const MOST_OF_AGENT: f64 = 0.5;
+/// It covers at least this (m), so that rest is no flight.
+const LEAST_PATH_M: f64 = 0.02;
+
+/// An interval of free flight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Flight {
+    pub(crate) first: u64,
+    pub(crate) last: u64,
+    pub(crate) start_s: f64,
+    /// Heights (m) at both ends, and the highest between.
+    pub(crate) from_m: f64,
+    pub(crate) to_m: f64,
+    pub(crate) highest_m: f64,
+    /// Measured acceleration downwards (m/s²).
+    pub(crate) acceleration: f64,
+    pub(crate) rms_m: f64,
+}
+
+/// The flights among the samples of a thing, in time. O(samples²).
+pub(crate) fn flights(samples: &[Sample]) -> Vec<Flight> {
+    let may_fly = |sample: &Sample| {
+        sample.changed > LEAST_CHANGED && sample.of_agent < MOST_OF_AGENT && !sample.at_border
+    };
+    let mut flights = Vec::new();
+    let mut start = 0;
+    while start + LEAST_FRAMES <= samples.len() {
+        let run = samples[start..].iter().take_while(|sample| may_fly(sample)).count();
+        let longest = (LEAST_FRAMES..=run).rev().find_map(|n| fits(&samples[start..start + n]));
+        match longest {
+            Some(flight) => {
+                // A start some frames later may fit better, when the first frames still belong to a hand.
+                let later = (start + 1..start + 4).filter_map(|k| {
+                    let n = (LEAST_FRAMES..=run.saturating_sub(k - start))
+                        .rev()
+                        .find_map(|n| fits(samples.get(k..k + n)?))?;
+                    Some(n)
+                });
+                let length = |flight: &Flight| flight.last - flight.first;
+                let best = later.fold(flight, |best, other| {
+                    let is_long = 5 * length(&other) >= 3 * length(&best) && other.last >= best.last;
+                    if is_long && other.rms_m < 0.5 * best.rms_m { other } else { best }
+                });
+                flights.push(best);
+                start = samples.iter().position(|sample| sample.frame > best.last).unwrap_or(samples.len());
+            }
+            None => start += 1,
+        }
+    }
+    flights
+}
+
+/// Whether samples are a flight.
+fn fits(samples: &[Sample]) -> Option<Flight> {
+    let (first, last) = (samples.first()?, samples.last()?);
+    let n = samples.len() as f64;
+    let mean_s = samples.iter().map(|sample| sample.stamp_s).sum::<f64>() / n;
+    let times: Vec<f64> = samples.iter().map(|sample| sample.stamp_s - mean_s).collect();
+    let spread: f64 = times.iter().map(|t| t * t).sum();
+    let line = |values: &[f64]| {
+        let mean = values.iter().sum::<f64>() / n;
+        let slope = times.iter().zip(values).map(|(t, y)| t * y).sum::<f64>() / spread;
+        times.iter().zip(values).map(|(t, y)| y - mean - slope * t).collect::<Vec<f64>>()
+    };
+    let rms = |residuals: &[f64]| (residuals.iter().map(|r| r * r).sum::<f64>() / n).sqrt();
+    let heights: Vec<f64> = samples.iter().map(|sample| sample.height_m).collect();
+    let lifted: Vec<f64> = times.iter().zip(&heights).map(|(t, h)| h + 0.5 * GRAVITY * t * t).collect();
+    let residuals = line(&lifted);
+    let largest = residuals.iter().fold(0.0_f64, |most, r| most.max(r.abs()));
+    let ends = residuals[0].abs().max(residuals[residuals.len() - 1].abs());
+    if rms(&residuals) > RMS_M || largest > LARGEST_M || ends > ENDS_M {
+        return None;
+    }
+    // The heights' own acceleration: the square of time without its mean and slope.
+    let squares = line(&times.iter().map(|t| t * t).collect::<Vec<f64>>());
+    let power: f64 = squares.iter().map(|q| q * q).sum();
+    let bend = squares.iter().zip(&heights).map(|(q, h)| q * h).sum::<f64>() / power;
+    let (acceleration, sigma) = (-2.0 * bend, 2.0 * HEIGHT_SIGMA_M / power.sqrt());
+    if (acceleration - GRAVITY).abs() > (SHARE * GRAVITY).max(SIGMAS * sigma) || sigma > GRAVITY / 3.0 {
+        return None;
+    }
+    let axis = |k: usize| line(&samples.iter().map(|sample| sample.center[k]).collect::<Vec<f64>>());
+    // Heights are along up; the residual of all three axes holds the parabola, which is taken out.
+    let sideways: f64 = (0..3).map(|k| axis(k).iter().map(|r| r * r).sum::<f64>()).sum();
+    let vertical: f64 = line(&heights).iter().map(|r| r * r).sum();
+    if ((sideways - vertical).max(0.0) / n).sqrt() > SIDEWAYS_M {
+        return None;
+    }
+    let highest_m = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let lowest_m = heights.iter().copied().fold(f64::INFINITY, f64::min);
+    ((last.center - first.center).length().max(highest_m - lowest_m) > LEAST_PATH_M).then(|| Flight {
+        first: first.frame,
+        last: last.frame,
+        start_s: first.stamp_s,
+        from_m: first.height_m,
+        to_m: last.height_m,
+        highest_m,
+        acceleration,
+        rms_m: rms(&residuals),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    fn samples(n: usize, fps: f64, height: impl Fn(f64) -> f64) -> Vec<Sample> {
+        (0..n)
+            .map(|k| {
+                let t = k as f64 / fps;
+                let height_m = height(t);
+                Sample {
+                    frame: k as u64,
+                    stamp_s: t,
+                    center: DVec3::new(0.8 * t, 0.1, height_m),
+                    height_m,
+                    bottom_m: height_m - 0.03,
+                    px: 900,
+                    changed: 0.9,
+                    of_agent: 0.0,
+                    at_border: false,
+                    reached_by: None,
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_throw_is_a_flight_and_a_carry_is_none() {
+        for fps in [15.0, 30.0, 60.0] {
+            let n = (0.6 * fps) as usize;
+            let thrown = flights(&samples(n, fps, |t| 0.5 + 2.0 * t - 0.5 * 9.81 * t * t));
+            assert_eq!(thrown.len(), 1, "{fps}");
+            assert_eq!((thrown[0].first, thrown[0].last), (0, n as u64 - 1));
+            assert!((thrown[0].acceleration - 9.81).abs() < 0.01);
+            assert_eq!(flights(&samples(n, fps, |t| 0.5 + 0.4 * t)), []);
+            assert_eq!(flights(&samples(n, fps, |t| 0.5 - 0.5 * 5.0 * t * t)), []);
+        }
+    }
+
+    #[test]
+    fn bounces_are_flights_of_their_own() {
+        let bouncing = |t: f64| {
+            let s = t % 0.3;
+            1.4715 * s - 0.5 * 9.81 * s * s
+        };
+        let found = flights(&samples(27, 30.0, bouncing));
+        let spans: Vec<(u64, u64)> = found.iter().map(|flight| (flight.first, flight.last)).collect();
+        assert_eq!(spans.len(), 3, "{spans:?}");
+        for (k, (first, last)) in spans.into_iter().enumerate() {
+            assert!(
+                first.abs_diff(9 * k as u64) <= 1 && last.abs_diff(9 * k as u64 + 8) <= 1,
+                "{k}: {first} to {last}"
+            );
+        }
+    }
+}

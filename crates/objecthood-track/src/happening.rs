@@ -1,0 +1,303 @@
+//! What happens to a thing: read from where it was, how it moved and who reached it.
+
+use std::collections::BTreeMap;
+
+use crate::flight::{Flight, flights};
+use crate::scene::Key;
+use crate::support::Parent;
+use crate::track::{Rest, Sample, Track};
+use crate::tracked::{EventKind, Relation};
+
+/// Lifted: its lowest point rose by this (m), and its mean point by half of that.
+const LIFTED_M: f64 = 0.02;
+/// First moved, upwards (m).
+const OFF_M: f64 = 0.005;
+/// Back on its support: within this height of where it rests then (m).
+const DOWN_M: f64 = 0.003;
+/// Displaced by this between rest and rest (m), and first moved by this.
+const PUSHED_M: f64 = 0.012;
+const BEGUN_M: f64 = 0.003;
+/// Compared are positions of things seen nearly as whole (share of pixels).
+const AS_WHOLE: f64 = 0.75;
+/// An agent that reached it so long ago (s) may have moved it.
+const REACHED_S: f64 = 0.33;
+/// Flights with less between them (s) are bounces of one.
+const BOUNCE_S: f64 = 0.34;
+/// A fall goes down by more than this (m), and up by less.
+const FALL_M: f64 = 0.03;
+/// What falls was seen before for so long (s).
+const SEEN_BEFORE_S: f64 = 0.15;
+
+/// Who or what had part in an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Other {
+    Nobody,
+    /// The table, the floor, furniture.
+    Ground,
+    Track(Key),
+    Agent(u32),
+}
+
+/// An event, before tracks have their numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Happening {
+    pub(crate) frame: u64,
+    pub(crate) time_s: f64,
+    pub(crate) kind: EventKind,
+    pub(crate) object: Key,
+    pub(crate) other: Other,
+    pub(crate) span: Option<(u64, u64)>,
+    pub(crate) confidence: f32,
+    pub(crate) evidence: String,
+}
+
+/// A thing that an agent handles.
+#[derive(Clone, Debug)]
+struct Handling {
+    before: Rest,
+    agent: u32,
+    was_in: Option<Parent>,
+    begun: u64,
+    lifted: bool,
+}
+
+/// Follows what happens to all tracks.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Happenings {
+    handled: BTreeMap<Key, Handling>,
+    told: Vec<Happening>,
+}
+
+impl Happenings {
+    pub(crate) fn tell(&mut self, happening: Happening) {
+        self.told.push(happening);
+    }
+
+    /// What became certain since the last call.
+    pub(crate) fn take(&mut self) -> Vec<Happening> {
+        std::mem::take(&mut self.told)
+    }
+
+    pub(crate) fn forget(&mut self, key: Key) {
+        self.handled.remove(&key);
+    }
+
+    pub(crate) fn is_handled(&self, key: Key) -> bool {
+        self.handled.contains_key(&key)
+    }
+
+    pub(crate) fn is_lifted(&self, key: Key) -> bool {
+        self.handled.get(&key).is_some_and(|handling| handling.lifted)
+    }
+
+    /// Looks at a track that is seen, after its new sample.
+    pub(crate) fn look(&mut self, key: Key, track: &mut Track) {
+        if track.is_agent_part() {
+            return;
+        }
+        self.begin(key, track);
+        self.lift(key, track);
+        if track.rests() {
+            self.fly(key, track);
+            self.end(key, track, false);
+            let is_whole = track.rest.is_none_or(|rest| track.last.px as f64 > AS_WHOLE * rest.px as f64);
+            if !self.handled.contains_key(&key) && is_whole {
+                track.rest = Some(rest_of(track));
+            }
+        }
+    }
+
+    /// The last word on a track: it is gone, or the video ends.
+    pub(crate) fn close(&mut self, key: Key, track: &mut Track) {
+        self.fly(key, track);
+        self.end(key, track, true);
+    }
+
+    /// Begins to look at a thing that was at rest and moves within an agent's reach.
+    fn begin(&mut self, key: Key, track: &Track) {
+        let (Some(before), false) = (track.rest, self.handled.contains_key(&key)) else { return };
+        let last = track.last;
+        let is_displaced = (last.center - before.center).length() > BEGUN_M && track.is_moving;
+        let since_s = last.stamp_s - REACHED_S;
+        let reached = track.samples.iter().rev().take_while(|sample| sample.stamp_s >= since_s);
+        let Some(agent) = reached.filter_map(|sample| sample.reached_by).next() else { return };
+        if track.rest_s == 0.0 && (is_displaced || last.bottom_m - before.bottom_m > OFF_M && track.is_moving)
+        {
+            let was_in = track
+                .votes
+                .winner()
+                .filter(|(_, relation)| *relation == Relation::In)
+                .map(|(parent, _)| parent);
+            self.handled.insert(key, Handling { before, agent, was_in, begun: last.frame, lifted: false });
+        }
+    }
+
+    /// Tells of a lift as soon as it is sure.
+    fn lift(&mut self, key: Key, track: &mut Track) {
+        let Some(handling) = self.handled.get_mut(&key) else { return };
+        let before = handling.before;
+        let is_up = |sample: &Sample| {
+            sample.bottom_m - before.bottom_m > LIFTED_M && sample.height_m - before.height_m > LIFTED_M / 2.0
+        };
+        let up = track.samples.iter().rev().take(2).filter(|sample| is_up(sample)).count();
+        if handling.lifted || up < 2 {
+            return;
+        }
+        handling.lifted = true;
+        let rises = |sample: &&Sample| sample.height_m - before.height_m > OFF_M;
+        let since = track
+            .samples
+            .iter()
+            .rev()
+            .take_while(|sample| sample.frame > before.frame && rises(sample))
+            .last();
+        let first = since.copied().unwrap_or(track.last);
+        let other = Other::Agent(handling.agent);
+        let rise_mm = 1000.0 * (track.last.bottom_m - before.bottom_m);
+        let evidence = format!("its lowest point rose by {rise_mm:.0} mm in reach of the agent");
+        let happening = |kind, other, evidence| Happening {
+            frame: first.frame,
+            time_s: first.stamp_s,
+            kind,
+            object: key,
+            other,
+            span: None,
+            confidence: 0.9,
+            evidence,
+        };
+        self.told.push(happening(EventKind::PickedUp, other, evidence));
+        if let Some(Some(vessel)) = handling.was_in {
+            let evidence = "it lay in it before it was lifted".to_owned();
+            self.told.push(happening(EventKind::TakenOut, Other::Track(vessel), evidence));
+        }
+        track.note("it was lifted and stayed whole");
+        track.votes.clear();
+    }
+
+    /// Tells how a handled thing came to rest.
+    fn end(&mut self, key: Key, track: &mut Track, is_last_word: bool) {
+        let Some(handling) = self.handled.get(&key) else { return };
+        let (before, last) = (handling.before, track.last);
+        let is_whole = last.px as f64 >= AS_WHOLE * before.px as f64;
+        if !handling.lifted {
+            let net = (last.center - before.center).length();
+            let is_free = last.reached_by.is_none() || is_last_word || track.rest_s > 0.6;
+            if !is_free && net > PUSHED_M {
+                return;
+            }
+            if is_whole && net > PUSHED_M && track.rest_s > 0.0 && !flew(track, before.frame) {
+                let first = track
+                    .since(before.frame + 1)
+                    .find(|sample| (sample.center - before.center).length() > BEGUN_M);
+                let first = first.copied().unwrap_or(last);
+                self.told.push(Happening {
+                    frame: first.frame,
+                    time_s: first.stamp_s,
+                    kind: EventKind::Pushed,
+                    object: key,
+                    other: Other::Agent(handling.agent),
+                    span: None,
+                    confidence: 0.8,
+                    evidence: format!(
+                        "displaced by {:.0} mm in reach of the agent, without rising",
+                        1000.0 * net
+                    ),
+                });
+                track.note("it was pushed and stayed whole");
+            }
+            self.handled.remove(&key);
+            return;
+        }
+        let settled_height_m = last.height_m;
+        let is_above = |sample: &&Sample| (sample.height_m - settled_height_m).abs() > DOWN_M;
+        let down = track.samples.iter().rev().find(is_above).map_or(before.frame, |sample| sample.frame) + 1;
+        let at = track.since(down).next().copied().unwrap_or(last);
+        let was_let_fall = flew(track, handling.begun);
+        if track.rest_s > 0.0 && !was_let_fall {
+            let (kind, other) = match track.votes.winner() {
+                Some((Some(vessel), Relation::In)) => (EventKind::PutIn, Other::Track(vessel)),
+                Some((Some(below), _)) => (EventKind::PlacedOn, Other::Track(below)),
+                _ => (EventKind::PlacedOn, Other::Ground),
+            };
+            self.told.push(Happening {
+                frame: at.frame,
+                time_s: at.stamp_s,
+                kind,
+                object: key,
+                other,
+                span: None,
+                confidence: 0.85,
+                evidence: "it rests again after it was lifted".to_owned(),
+            });
+            track.note("it was put down and stayed whole");
+        }
+        self.handled.remove(&key);
+    }
+
+    /// Tells of flights since the last look.
+    fn fly(&mut self, key: Key, track: &mut Track) {
+        let samples: Vec<Sample> = track.since(track.analysed_to).copied().collect();
+        track.analysed_to = track.last.frame;
+        let found = flights(&samples);
+        let (Some(first), Some(last)) = (found.first(), found.last()) else { return };
+        let time_of = |frame: u64| {
+            track
+                .samples
+                .iter()
+                .find(|sample| sample.frame >= frame)
+                .map_or(track.last.stamp_s, |sample| sample.stamp_s)
+        };
+        let happening = |frame: u64, kind, span, evidence: String| Happening {
+            frame,
+            time_s: time_of(frame),
+            kind,
+            object: key,
+            other: Other::Nobody,
+            span,
+            confidence: 0.9,
+            evidence,
+        };
+        let told_of = |flight: &Flight| {
+            format!(
+                "acceleration {:.1} m/s² downwards, {:.0} mm off the parabola",
+                flight.acceleration,
+                1000.0 * flight.rms_m
+            )
+        };
+        let mut told = Vec::new();
+        for flight in &found {
+            told.push(happening(
+                flight.first,
+                EventKind::Airborne,
+                Some((flight.first, flight.last)),
+                told_of(flight),
+            ));
+        }
+        let was_seen = first.start_s - track.first.stamp_s >= SEEN_BEFORE_S;
+        if was_seen && first.from_m - first.to_m > FALL_M && first.highest_m - first.from_m < FALL_M {
+            told.push(happening(first.first, EventKind::Fell, None, told_of(first)));
+        }
+        let after = track
+            .since(last.last + 1)
+            .filter(|sample| sample.stamp_s < time_of(last.last) + BOUNCE_S)
+            .count();
+        if after >= 4 {
+            let evidence = "heights stay after the flight".to_owned();
+            told.push(happening(last.last + 1, EventKind::Landed, None, evidence));
+        }
+        track.note("it flew");
+        self.told.extend(told);
+    }
+}
+
+/// Whether a track was in flight since a frame, as far as was analysed.
+fn flew(track: &Track, since: u64) -> bool {
+    let samples: Vec<Sample> = track.since(since).copied().collect();
+    !flights(&samples).is_empty()
+}
+
+/// How it rests: the mean of the last frames would be the same.
+fn rest_of(track: &Track) -> Rest {
+    let Sample { frame, center, height_m, bottom_m, px, .. } = track.last;
+    Rest { frame, center, height_m, bottom_m, px }
+}

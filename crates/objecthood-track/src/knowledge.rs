@@ -1,0 +1,123 @@
+//! What motion has proved: which parts are one, and which are not.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::associate::Overlap;
+use crate::scene::Key;
+use crate::track::Track;
+
+/// Two parts of one thing moved so far (m) together,
+const TOGETHER_PATH_M: f64 = 0.03;
+/// with less than this share of it between them,
+const TOGETHER_SHARE: f64 = 0.2;
+/// in so many frames.
+const TOGETHER_FRAMES: u32 = 6;
+/// One of two moved so far (m) against the other.
+const APART_M: f64 = 0.012;
+/// A segment holds a track when it covers this share of where the track should be.
+const HOLDS: f64 = 0.5;
+/// Parts that stood apart are one when a segment holds both for so many frames.
+const WHOLE_FRAMES: u32 = 3;
+
+/// What motion has proved.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Knowledge {
+    /// Pairs that moved apart; the smaller key first.
+    apart: BTreeSet<(Key, Key)>,
+    /// Pairs that have never touched and of which one segment holds both: for how many frames.
+    whole: BTreeMap<(Key, Key), u32>,
+    /// Pairs that touch and move together: for how many frames, and how far apart they came (m).
+    together: BTreeMap<(Key, Key), (u32, f64)>,
+}
+
+fn pair(a: Key, b: Key) -> (Key, Key) {
+    (a.min(b), a.max(b))
+}
+
+impl Knowledge {
+    pub(crate) fn are_apart(&self, a: Key, b: Key) -> bool {
+        self.apart.contains(&pair(a, b))
+    }
+
+    /// Forgets what is known of a track.
+    pub(crate) fn forget(&mut self, key: Key) {
+        let is_other = |&(a, b): &(Key, Key)| a != key && b != key;
+        self.apart.retain(is_other);
+        self.whole.retain(|pair, _| is_other(pair));
+        self.together.retain(|pair, _| is_other(pair));
+    }
+
+    /// Learns from pairs of tracks that are seen by themselves and touch: those that moved against each other are apart, those that
+    /// moved as one are one. Returns the latter.
+    pub(crate) fn learn(
+        &mut self,
+        touching: &BTreeSet<(Key, Key)>,
+        tracks: &BTreeMap<Key, Track>,
+    ) -> Vec<(Key, Key)> {
+        let mut joined = Vec::new();
+        for &(a, b) in touching {
+            let (Some(one), Some(other)) = (tracks.get(&a), tracks.get(&b)) else { continue };
+            let (Some(rest_a), Some(rest_b)) = (one.rest, other.rest) else { continue };
+            if one.is_agent_part()
+                || other.is_agent_part()
+                || one.part_of.is_some()
+                || other.part_of.is_some()
+            {
+                continue;
+            }
+            let (path_a, path_b) = (one.last.center - rest_a.center, other.last.center - rest_b.center);
+            let (path, against) = (path_a.length().max(path_b.length()), (path_a - path_b).length());
+            if against > APART_M && against > TOGETHER_SHARE * path {
+                self.apart.insert((a, b));
+                self.together.remove(&(a, b));
+            } else if one.is_moving && other.is_moving && !self.apart.contains(&(a, b)) {
+                let state = self.together.entry((a, b)).or_default();
+                state.0 += 1;
+                if state.0 >= TOGETHER_FRAMES && path > TOGETHER_PATH_M {
+                    joined.push((a, b));
+                    self.together.remove(&(a, b));
+                }
+            }
+        }
+        joined
+    }
+
+    /// Marks two tracks as things of their own.
+    pub(crate) fn part(&mut self, a: Key, b: Key) {
+        self.apart.insert(pair(a, b));
+    }
+
+    /// Tracks that a segment, which shows `owner`, holds as well: to be kept apart, because they were seen to move apart or
+    /// touched when they were last seen; and such that turn out to be one with the owner.
+    pub(crate) fn held(
+        &mut self,
+        segment: usize,
+        owner: Key,
+        overlap: &Overlap,
+        tracks: &BTreeMap<Key, Track>,
+        touched: &BTreeSet<(Key, Key)>,
+        is_seen: impl Fn(Key) -> bool,
+    ) -> (Vec<Key>, Vec<Key>) {
+        let (mut apart, mut one) = (Vec::new(), Vec::new());
+        for (&(_, key), &common) in overlap.common.range((segment, 0)..=(segment, Key::MAX)) {
+            let Some(track) = tracks.get(&key) else { continue };
+            let predicted = overlap.predicted.get(&key).copied().unwrap_or(0);
+            let is_held = common as f64 > HOLDS * predicted as f64;
+            if key == owner || is_seen(key) || !track.is_confirmed() || !is_held || track.is_agent_part() {
+                continue;
+            }
+            if self.are_apart(owner, key) {
+                apart.push(key);
+            } else if !touched.contains(&pair(owner, key)) && track.rests() && tracks[&owner].rest.is_some() {
+                let frames = self.whole.entry(pair(owner, key)).or_default();
+                *frames += 1;
+                if *frames >= WHOLE_FRAMES {
+                    one.push(key);
+                } else {
+                    apart.push(key);
+                }
+            }
+        }
+        (apart, one)
+    }
+}

@@ -1,0 +1,60 @@
+//! Objects through RGB-D video: identities that last, motion as evidence, and what happened.
+//!
+//! ```
+//! use objecthood::{Camera, Frame, Params, Raster};
+//! use objecthood_track::Tracker;
+//!
+//! let mut tracker = Tracker::new(Params::default());
+//! for k in 0..3 {
+//!     let depth_m = Raster::filled(64, 48, 1.2)?;
+//!     let frame = Frame::new(depth_m, None, Camera::new(52.5, 52.5, 31.5, 23.5)?)?;
+//!     let tracked = tracker.update(&frame, f64::from(k) / 30.0, None)?;
+//!     assert!(tracked.objects.is_empty() && tracked.events.is_empty());
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`Tracker`] is the only type of objecthood that remembers earlier frames. Its steps, in their order (`tracker.rs` has them on a screen):
+//!
+//! | file | task |
+//! |---|---|
+//! | `camera.rs`, `align.rs` | the camera's motion; one `align` serves camera and objects |
+//! | `scene.rs` | what is remembered of every pixel: where the frame changed, labels steadied at rest |
+//! | `agent.rs` | hands and people: what is nearer than the rested scene and stays connected to the border of the image |
+//! | `predict.rs` | the motion of every object, and where it should be seen |
+//! | `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
+//! | `knowledge.rs` | what motion proved: parts that are one, things that are not |
+//! | `support.rs` | what holds what, over time |
+//! | `flight.rs`, `happening.rs` | free flight, and what happened: pure functions of where things were |
+//! | `output.rs` | numbers, labels and states |
+
+mod agent;
+mod align;
+pub mod assignment;
+mod associate;
+mod bits;
+mod camera;
+mod error;
+mod flight;
+mod happening;
+mod knowledge;
+mod look;
+mod output;
+mod pace;
+mod predict;
+mod rigid;
+mod scene;
+mod segment;
+mod support;
+mod track;
+mod tracked;
+mod tracker;
+mod view;
+
+pub use error::{Error, Result};
+pub use rigid::Rigid;
+pub use tracked::{
+    Event, EventKind, LostTrack, MotionEstimate, Relation, SeenAgent, SupportRelation, TrackId, TrackNotice,
+    TrackState, Tracked, TrackedObject,
+};
+pub use tracker::Tracker;

@@ -1,0 +1,54 @@
+//! What a thing looks like: its colours.
+
+use objecthood::color::lab;
+
+/// Lightness in 4 steps, a and b in 8 each.
+const BINS: usize = 4 * 8 * 8;
+/// The share that a new look has in the mean.
+const NEW_SHARE: f32 = 0.1;
+
+/// Shares of colours; they sum to 1, or to 0 without colour.
+#[derive(Clone, Debug)]
+pub(crate) struct Look {
+    shares: Box<[f32; BINS]>,
+    samples: u32,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self { shares: Box::new([0.0; BINS]), samples: 0 }
+    }
+}
+
+impl Look {
+    pub(crate) fn add(&mut self, rgb: [u8; 3]) {
+        let [l, a, b] = lab(rgb);
+        let step = |x: f32, first: f32, width: f32, steps: usize| {
+            (((x - first) / width).max(0.0) as usize).min(steps - 1)
+        };
+        // Most things have little chroma: the steps of a and b are 16 wide about grey.
+        let bin = (step(l, 0.0, 25.0, 4) * 8 + step(a, -64.0, 16.0, 8)) * 8 + step(b, -64.0, 16.0, 8);
+        self.shares[bin] += 1.0;
+        self.samples += 1;
+    }
+
+    pub(crate) fn finish(&mut self) {
+        let n = self.samples.max(1) as f32;
+        self.shares.iter_mut().for_each(|share| *share /= n);
+    }
+
+    /// 0 for equal looks, 1 for those without a common colour; `None` without colour.
+    pub(crate) fn distance(&self, other: &Self) -> Option<f64> {
+        if self.samples == 0 || other.samples == 0 {
+            return None;
+        }
+        let common: f32 = self.shares.iter().zip(other.shares.iter()).map(|(a, b)| a.min(*b)).sum();
+        Some(1.0 - f64::from(common))
+    }
+
+    pub(crate) fn blend(&mut self, new: &Self) {
+        for (mean, share) in self.shares.iter_mut().zip(new.shares.iter()) {
+            *mean += NEW_SHARE * (share - *mean);
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Where tracks should be seen.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use crate::align::{Motion, SurfacePoint, align};
+use crate::bits::Bits;
+use crate::rigid::Rigid;
+use crate::scene::{Key, Scene};
+use crate::track::Track;
+use crate::view::View;
+
+/// A track may have moved when more of its pixels changed.
+const CHANGED_SHARE: f64 = 0.06;
+/// So many points tell a motion.
+const MOST_POINTS: usize = 700;
+/// A motion counts when more of its points fit,
+const LEAST_FIT: f64 = 0.35;
+/// and it is more than noise: shift (m), turn (rad).
+const LEAST_SHIFT_M: f64 = 0.0025;
+const LEAST_TURN_RAD: f64 = 0.02;
+/// A moved point is there when the depth is within this (m).
+const THERE_M: f64 = 0.02;
+
+/// Finds the motion of every track that may have moved, and the pixels at which all should be seen. O(n) and O(points) a
+/// moving track.
+pub(crate) fn predict(
+    scene: &Scene,
+    view: &View,
+    changed: &Bits,
+    tracks: &mut BTreeMap<Key, Track>,
+    frame_s: f64,
+) -> Vec<Key> {
+    let mut px: BTreeMap<Key, (usize, usize)> = BTreeMap::new();
+    for (pixel, &key) in scene.seen.iter().enumerate() {
+        if key > 0 {
+            let count = px.entry(key).or_default();
+            count.0 += 1;
+            count.1 += usize::from(changed.has(pixel));
+        }
+    }
+    let mut moving: BTreeMap<Key, Rigid> = BTreeMap::new();
+    let mut points: BTreeMap<Key, (usize, Vec<SurfacePoint>)> = BTreeMap::new();
+    for (&key, &(all, some)) in &px {
+        let Some(track) = tracks.get_mut(&key) else { continue };
+        let may_move = some as f64 > CHANGED_SHARE * all as f64 || track.is_moving;
+        (track.is_moving, track.motion) = (false, None);
+        if may_move {
+            points.insert(key, (all.div_ceil(MOST_POINTS), Vec::new()));
+        }
+    }
+    collect(scene, view, &mut points);
+    for (key, (_, points)) in &points {
+        let Some(track) = tracks.get_mut(key) else { continue };
+        let Some(motion) = best_motion(points, view, track.velocity * frame_s) else { continue };
+        let center = points.iter().map(|point| point.at).sum::<DVec3>() / points.len().max(1) as f64;
+        let is_more = motion.rigid.displacement_m(center) > LEAST_SHIFT_M * f64::from(view.noise)
+            || motion.rigid.angle_rad() > LEAST_TURN_RAD * f64::from(view.noise);
+        if motion.fit > LEAST_FIT && is_more {
+            moving.insert(*key, motion.rigid);
+            (track.is_moving, track.motion) = (true, Some(motion));
+        }
+    }
+    splat(scene, view, &moving)
+}
+
+/// Points of tracks, without the pixels at their outlines.
+fn collect(scene: &Scene, view: &View, points: &mut BTreeMap<Key, (usize, Vec<SurfacePoint>)>) {
+    if points.is_empty() {
+        return;
+    }
+    let (width, height) = view.size;
+    let mut counts: BTreeMap<Key, usize> = BTreeMap::new();
+    for v in 1..height.saturating_sub(1) {
+        for pixel in v * width + 1..(v + 1) * width - 1 {
+            let key = scene.seen[pixel];
+            if key == 0
+                || [pixel - 1, pixel + 1, pixel - width, pixel + width]
+                    .iter()
+                    .any(|&at| scene.seen[at] != key)
+            {
+                continue;
+            }
+            let Some((stride, points)) = points.get_mut(&key) else { continue };
+            let count = counts.entry(key).or_default();
+            *count += 1;
+            if (*count - 1).is_multiple_of(*stride)
+                && let Some(point) = scene.point(view, pixel)
+            {
+                points.push(point);
+            }
+        }
+    }
+}
+
+/// The better of the motions that are found from rest and from the last velocity, which is in the world.
+fn best_motion(points: &[SurfacePoint], view: &View, step: DVec3) -> Option<Motion> {
+    let from_rest = align(points, view, &Rigid::IDENTITY);
+    if step.length() < LEAST_SHIFT_M {
+        return from_rest;
+    }
+    let guess = Rigid::step(DVec3::ZERO, step, DVec3::ZERO);
+    match (from_rest, align(points, view, &guess)) {
+        (Some(a), Some(b)) => Some(if b.fit > a.fit { b } else { a }),
+        (a, b) => a.or(b),
+    }
+}
+
+/// The track that should be seen at each pixel: those that move, where the depth agrees; else as in the last frame.
+fn splat(scene: &Scene, view: &View, moving: &BTreeMap<Key, Rigid>) -> Vec<Key> {
+    let mut predicted: Vec<Key> = scene.seen.clone();
+    if moving.is_empty() {
+        return predicted;
+    }
+    let (width, height) = view.size;
+    let is_moving = |key: Key| moving.contains_key(&key);
+    predicted.iter_mut().filter(|key| **key > 0 && is_moving(**key)).for_each(|key| *key = 0);
+    for (pixel, &key) in scene.seen.iter().enumerate().filter(|&(_, &key)| key > 0) {
+        let Some(rigid) = moving.get(&key) else { continue };
+        let Some(point) = scene.point(view, pixel) else { continue };
+        let now = rigid.point(point.at);
+        let Some((u, v)) = view.project(now) else { continue };
+        let (u, v) = (u as usize, v as usize);
+        for (u, v) in [(u, v), (u + 1, v), (u, v + 1), (u + 1, v + 1)] {
+            if u < width && v < height {
+                let to = v * width + u;
+                let is_there =
+                    view.inverse[to] > 0.0 && (1.0 / f64::from(view.inverse[to]) - now.z).abs() < THERE_M;
+                if is_there {
+                    predicted[to] = key;
+                }
+            }
+        }
+    }
+    predicted
+}

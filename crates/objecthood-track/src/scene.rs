@@ -1,0 +1,249 @@
+//! What the tracker remembers of every pixel.
+
+use crate::bits::Bits;
+use crate::pace::Pace;
+use crate::rigid::Rigid;
+use crate::view::View;
+
+/// Inverse depth changed by more than this (1/m): four standard deviations of a Kinect's disparity; with a moving camera
+/// about twice as much, because the memory was resampled.
+const CHANGED_PER_M: [f32; 2] = [0.0042, 0.009];
+/// A channel changed by more than this (levels); with a moving camera more, because edges were resampled.
+const CHANGED_LEVELS: [i16; 2] = [26, 60];
+/// Nearer or farther than the rested background by this inverse depth (1/m).
+const BESIDE_BACKGROUND_PER_M: f32 = 0.007;
+/// The running mean of inverse depth goes over so many frames.
+const MEAN_FRAMES: u8 = 12;
+/// Farther than the background for so long (s), it is the background.
+const FARTHER_S: f64 = 0.1;
+/// Nearer and unchanged for so long (s), it has joined the background.
+const JOINED_S: f64 = 0.5;
+/// Frames of disagreement after which a label at rest changes.
+const MOST_SURE: u8 = 8;
+/// Labels closer than this to a change follow the frame (px at VGA size).
+const NEAR_CHANGE_PX: f64 = 7.0;
+
+/// A number of a track, 0 = none.
+pub(crate) type Key = u32;
+
+/// The memory of pixels.
+#[derive(Clone, Debug)]
+pub(crate) struct Scene {
+    size: (usize, usize),
+    /// Running mean of inverse depth (1/m), 0 = unknown, and over how many frames.
+    depth: Vec<f32>,
+    frames: Vec<u8>,
+    color: Vec<[u8; 3]>,
+    /// Inverse depth (1/m) of what rested there before anything came nearer, 0 = unknown.
+    background: Vec<f32>,
+    /// Frames seen farther than the background; frames that rested nearer.
+    farther: Vec<u8>,
+    nearer: Vec<u8>,
+    /// The track that the last frame showed.
+    pub(crate) seen: Vec<Key>,
+    /// The track that is shown, steadied, and how sure that is.
+    pub(crate) shown: Vec<Key>,
+    sure: Vec<u8>,
+}
+
+impl Scene {
+    pub(crate) fn empty(size: (usize, usize)) -> Self {
+        let n = size.0 * size.1;
+        Self {
+            size,
+            depth: vec![0.0; n],
+            frames: vec![0; n],
+            color: vec![[0; 3]; n],
+            background: vec![0.0; n],
+            farther: vec![0; n],
+            nearer: vec![0; n],
+            seen: vec![0; n],
+            shown: vec![0; n],
+            sure: vec![0; n],
+        }
+    }
+
+    pub(crate) fn size(&self) -> (usize, usize) {
+        self.size
+    }
+
+    /// Moves what is known with the camera: `step` takes points from the last frame's camera to this one's. O(n).
+    pub(crate) fn carry(&mut self, step: &Rigid, view: &View) {
+        let old = std::mem::replace(self, Self::empty(self.size));
+        let (matrix, shift) = (step.matrix(), step.point(glam::DVec3::ZERO));
+        let place = |pixel: usize, inverse: f32| {
+            let (u, v) = ((pixel % old.size.0) as f64, (pixel / old.size.0) as f64);
+            let p = matrix * (glam::DVec3::from(view.camera.ray(u, v)) / f64::from(inverse)) + shift;
+            view.project(p).map(|(u, v)| (u as usize, v as usize, (1.0 / p.z) as f32))
+        };
+        let (width, height) = self.size;
+        let around = |u: usize, v: usize| {
+            [(0, 0), (1, 0), (0, 1), (1, 1)]
+                .into_iter()
+                .map(move |(a, b)| (u + a, v + b))
+                .filter(move |&(u, v)| u < width && v < height)
+                .map(move |(u, v)| v * width + u)
+        };
+        for pixel in (0..old.depth.len()).filter(|&pixel| old.depth[pixel] > 0.0) {
+            let Some((u, v, inverse)) = place(pixel, old.depth[pixel]) else { continue };
+            for to in around(u, v) {
+                if inverse <= self.depth[to] {
+                    continue;
+                }
+                self.depth[to] = inverse;
+                self.frames[to] = old.frames[pixel];
+                self.color[to] = old.color[pixel];
+                self.seen[to] = old.seen[pixel];
+                self.shown[to] = old.shown[pixel];
+                self.sure[to] = old.sure[pixel];
+            }
+        }
+        for pixel in (0..old.background.len()).filter(|&pixel| old.background[pixel] > 0.0) {
+            let Some((u, v, inverse)) = place(pixel, old.background[pixel]) else { continue };
+            for to in around(u, v) {
+                if inverse <= self.background[to] {
+                    continue;
+                }
+                self.background[to] = inverse;
+                self.farther[to] = old.farther[pixel];
+                self.nearer[to] = old.nearer[pixel];
+            }
+        }
+    }
+
+    /// Where depth or colour are not what they were. O(n).
+    pub(crate) fn changed(&self, view: &View, camera_moves: bool) -> Bits {
+        let limit = CHANGED_PER_M[usize::from(camera_moves)] * view.noise;
+        let levels = CHANGED_LEVELS[usize::from(camera_moves)];
+        let gain = self.gain(view);
+        let single = Bits::of(self.size, |pixel| {
+            let (was, is) = (self.depth[pixel], view.inverse[pixel]);
+            if was == 0.0 {
+                return false;
+            }
+            let is_moved = is > 0.0 && (is - was).abs() > limit;
+            is_moved
+                || view.color.get(pixel).is_some_and(|&color| {
+                    let before = self.color[pixel];
+                    (0..3).any(|k| (i16::from(color[k]) - i16::from(before[k]) - gain).abs() > levels)
+                })
+        });
+        let radius = view.length_px(2.0);
+        single.eroded(radius).dilated(radius).dilated(radius)
+    }
+
+    /// By how much the whole image has become brighter (levels), from a grid of pixels.
+    fn gain(&self, view: &View) -> i16 {
+        if view.color.is_empty() {
+            return 0;
+        }
+        let grid = (0..self.depth.len()).step_by(397).filter(|&pixel| self.depth[pixel] > 0.0);
+        let mut differences: Vec<i16> =
+            grid.map(|pixel| i16::from(view.color[pixel][1]) - i16::from(self.color[pixel][1])).collect();
+        if differences.is_empty() {
+            return 0;
+        }
+        let middle = differences.len() / 2;
+        *differences.select_nth_unstable(middle).1
+    }
+
+    /// What is nearer than the rested background, or has no depth where that had one. O(n).
+    pub(crate) fn in_front(&self, view: &View) -> Bits {
+        let limit = BESIDE_BACKGROUND_PER_M * view.noise;
+        Bits::of(self.size, |pixel| {
+            let (rested, is) = (self.background[pixel], view.inverse[pixel]);
+            rested > 0.0 && (is == 0.0 || is - rested > limit)
+        })
+    }
+
+    /// Whether something nearer than what was there stands at a pixel now.
+    pub(crate) fn is_covered(&self, view: &View, pixel: usize) -> bool {
+        view.inverse[pixel] > self.depth[pixel] + CHANGED_PER_M[1] * view.noise
+    }
+
+    /// Decides which track is shown: near changes the frame's, elsewhere the one shown before unless frames disagree long. O(n).
+    pub(crate) fn steady(&mut self, view: &View, changed: &Bits) {
+        let follows = changed.dilated(view.length_px(NEAR_CHANGE_PX));
+        for pixel in 0..self.seen.len() {
+            let label = self.seen[pixel];
+            if self.shown[pixel] == label {
+                self.sure[pixel] = (self.sure[pixel] + 1).min(MOST_SURE);
+            } else if self.sure[pixel] > 1 && !follows.has(pixel) {
+                self.sure[pixel] -= 1;
+            } else {
+                self.shown[pixel] = label;
+                self.sure[pixel] = 1;
+            }
+        }
+    }
+
+    /// Takes in the frame. O(n).
+    pub(crate) fn learn(&mut self, view: &View, changed: &Bits, agents: &Bits, pace: Pace) {
+        let limit = BESIDE_BACKGROUND_PER_M * view.noise;
+        let most = |seconds: f64| pace.frames(seconds).min(usize::from(u8::MAX)) as u8;
+        let (farther, joined) = (most(FARTHER_S), most(JOINED_S));
+        for pixel in 0..self.depth.len() {
+            let (is, has_changed) = (view.inverse[pixel], changed.has(pixel));
+            if let Some(&color) = view.color.get(pixel) {
+                let mean = &mut self.color[pixel];
+                let is_new = has_changed || self.frames[pixel] == 0;
+                *mean = if is_new { color } else { std::array::from_fn(|k| mixed(mean[k], color[k])) };
+            }
+            if is == 0.0 {
+                if has_changed {
+                    (self.depth[pixel], self.frames[pixel]) = (0.0, 0);
+                }
+                continue;
+            }
+            if has_changed || self.depth[pixel] == 0.0 {
+                (self.depth[pixel], self.frames[pixel]) = (is, 1);
+            } else {
+                self.frames[pixel] = (self.frames[pixel] + 1).min(MEAN_FRAMES);
+                self.depth[pixel] += (is - self.depth[pixel]) / f32::from(self.frames[pixel]);
+            }
+            let beside = is - self.background[pixel];
+            if self.background[pixel] == 0.0 {
+                self.background[pixel] = is;
+            } else if beside < -limit {
+                self.nearer[pixel] = 0;
+                self.farther[pixel] = self.farther[pixel].saturating_add(1);
+                if self.farther[pixel] >= farther {
+                    (self.background[pixel], self.farther[pixel]) = (is, 0);
+                }
+            } else if beside > limit {
+                self.farther[pixel] = 0;
+                let rests = !has_changed && !agents.has(pixel);
+                self.nearer[pixel] = if rests { self.nearer[pixel].saturating_add(1) } else { 0 };
+                if self.nearer[pixel] >= joined {
+                    (self.background[pixel], self.nearer[pixel]) = (is, 0);
+                }
+            } else {
+                (self.farther[pixel], self.nearer[pixel]) = (0, 0);
+                self.background[pixel] += beside / f32::from(MEAN_FRAMES);
+            }
+        }
+    }
+}
+
+/// A step of a running mean over eight frames.
+fn mixed(mean: u8, value: u8) -> u8 {
+    ((7 * u16::from(mean) + u16::from(value) + 4) / 8) as u8
+}
+
+impl Scene {
+    /// The surface that is remembered at a pixel, in the camera of this frame.
+    pub(crate) fn point(&self, view: &View, pixel: usize) -> Option<crate::align::SurfacePoint> {
+        let inverse = self.depth[pixel];
+        (inverse > 0.0).then(|| {
+            let (u, v) = ((pixel % self.size.0) as f64, (pixel / self.size.0) as f64);
+            let grey = (!view.grey.is_empty()).then(|| {
+                let [r, g, b] = self.color[pixel].map(f64::from);
+                (77.0 * r + 150.0 * g + 29.0 * b) / 256.0
+            });
+            crate::align::SurfacePoint {
+                at: glam::DVec3::from(view.camera.ray(u, v)) / f64::from(inverse),
+                grey,
+            }
+        })
+    }
+}

@@ -1,0 +1,101 @@
+//! The objects of a frame, as the tracker needs them.
+
+use glam::DVec3;
+use objecthood::Discovery;
+
+use crate::agent::Agents;
+use crate::bits::Bits;
+use crate::camera::Place;
+use crate::look::Look;
+use crate::view::View;
+
+/// Every so many columns and rows are looked at.
+const STRIDE_PX: usize = 2;
+
+/// A segment: an object of one frame, or a piece of it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Segment {
+    /// Its pixels.
+    pub(crate) px: usize,
+    /// Mean visible point (m), in the world, and in the camera.
+    pub(crate) center: DVec3,
+    pub(crate) center_in_camera: DVec3,
+    /// Height of the mean visible point (m), and of what is lowest, without the lowest twentieth.
+    pub(crate) height_m: f64,
+    pub(crate) bottom_m: f64,
+    pub(crate) look: Look,
+    /// Visible area, as if it faced the camera (m²).
+    pub(crate) area_m2: f64,
+    /// Share of its pixels that changed, and that belong to the region of an agent.
+    pub(crate) changed: f64,
+    pub(crate) of_agent: f64,
+    pub(crate) at_border: bool,
+}
+
+/// What segments are measured with.
+pub(crate) struct Measure<'a> {
+    pub(crate) view: &'a View,
+    pub(crate) changed: &'a Bits,
+    pub(crate) agents: &'a Agents,
+    pub(crate) place: &'a Place,
+}
+
+/// The pixels that are looked at of each of `count` labels, which begin at 1. O(n).
+pub(crate) fn pixels_by_label(labels: &[u16], size: (usize, usize), count: usize) -> Vec<Vec<usize>> {
+    let mut pixels = vec![Vec::new(); count];
+    for v in (0..size.1).step_by(STRIDE_PX) {
+        for pixel in (v * size.0..(v + 1) * size.0).step_by(STRIDE_PX) {
+            let label = usize::from(labels[pixel]);
+            if label > 0 && label <= count {
+                pixels[label - 1].push(pixel);
+            }
+        }
+    }
+    pixels
+}
+
+/// Measures the segments of a frame; segment k has the label k + 1. O(n).
+pub(crate) fn segments(found: &Discovery, with: &Measure<'_>) -> Vec<Segment> {
+    let pixels = pixels_by_label(found.labels.as_slice(), with.view.size, found.objects.len());
+    let measured = pixels.iter().zip(&found.objects);
+    measured.map(|(pixels, object)| Segment { px: object.size_px, ..with.segment(pixels) }).collect()
+}
+
+impl Measure<'_> {
+    /// Measures a segment of which every second column and row is given. O(pixels).
+    pub(crate) fn segment(&self, pixels: &[usize]) -> Segment {
+        let (width, height) = self.view.size;
+        let mut segment = Segment { px: pixels.len() * STRIDE_PX * STRIDE_PX, ..Segment::default() };
+        let (mut sum, mut squares) = (DVec3::ZERO, 0.0);
+        let mut heights = Vec::with_capacity(pixels.len());
+        for &pixel in pixels {
+            let (u, v) = (pixel % width, pixel / width);
+            let reach = STRIDE_PX;
+            segment.at_border |= u < reach || v < reach || u + reach >= width || v + reach >= height;
+            segment.changed += f64::from(u8::from(self.changed.has(pixel)));
+            segment.of_agent += f64::from(u8::from(self.agents.region.has(pixel)));
+            if let Some(&color) = self.view.color.get(pixel) {
+                segment.look.add(color);
+            }
+            if let Some(point) = self.view.point(pixel) {
+                sum += point;
+                squares += point.z * point.z;
+                heights.push(self.place.height_m(point));
+            }
+        }
+        segment.look.finish();
+        let (all, measured) = (pixels.len().max(1) as f64, heights.len().max(1) as f64);
+        segment.changed /= all;
+        segment.of_agent /= all;
+        segment.center_in_camera = sum / measured;
+        segment.center = self.place.world(segment.center_in_camera);
+        segment.height_m = segment.center.dot(self.place.up);
+        let per_px = self.view.camera.fx_px * self.view.camera.fy_px;
+        segment.area_m2 = segment.px as f64 * (squares / measured) / per_px;
+        let low = heights.len() / 20;
+        if low < heights.len() {
+            segment.bottom_m = *heights.select_nth_unstable_by(low, f64::total_cmp).1;
+        }
+        segment
+    }
+}

@@ -1,0 +1,192 @@
+//! A thing that is followed.
+
+use std::collections::VecDeque;
+
+use glam::DVec3;
+
+use crate::align::Motion;
+use crate::look::Look;
+use crate::segment::Segment;
+use crate::support::Votes;
+use crate::tracked::TrackId;
+
+/// So many samples are kept: 3 s at 60 frames a second.
+const MOST_SAMPLES: usize = 180;
+/// Hits that confirm a track.
+pub(crate) const CONFIRMING_HITS: u32 = 3;
+/// A thing rests when so little of it changes,
+const RESTING_CHANGE: f64 = 0.06;
+/// and so little of it belongs to an agent's region,
+const RESTING_OF_AGENT: f64 = 0.3;
+/// and it moves by less than this (m) from frame to frame.
+const RESTING_STEP_M: f64 = 0.0025;
+/// It is known once it rested so long (s).
+pub(crate) const KNOWN_S: f64 = 0.2;
+
+/// A frame of a track.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    pub(crate) frame: u64,
+    pub(crate) stamp_s: f64,
+    /// Mean visible point (m), in the world.
+    pub(crate) center: DVec3,
+    /// Heights (m).
+    pub(crate) height_m: f64,
+    pub(crate) bottom_m: f64,
+    pub(crate) px: usize,
+    pub(crate) changed: f64,
+    pub(crate) of_agent: f64,
+    pub(crate) at_border: bool,
+    /// Number of the agent that reaches it.
+    pub(crate) reached_by: Option<u32>,
+}
+
+/// How a thing was when it last rested.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rest {
+    pub(crate) frame: u64,
+    pub(crate) center: DVec3,
+    pub(crate) height_m: f64,
+    pub(crate) bottom_m: f64,
+    pub(crate) px: usize,
+}
+
+/// A thing that is followed.
+#[derive(Clone, Debug)]
+pub(crate) struct Track {
+    pub(crate) id: Option<TrackId>,
+    pub(crate) hits: u32,
+    pub(crate) first: Sample,
+    pub(crate) last: Sample,
+    pub(crate) samples: VecDeque<Sample>,
+    pub(crate) look: Look,
+    pub(crate) area_m2: f64,
+    /// Velocity (m/s), in the world.
+    pub(crate) velocity: DVec3,
+    /// Motion of the last frame, in the camera.
+    pub(crate) motion: Option<Motion>,
+    pub(crate) is_moving: bool,
+    /// So long it has rested (s).
+    pub(crate) rest_s: f64,
+    pub(crate) rest: Option<Rest>,
+    /// Path since it was last at rest, and in all (m).
+    pub(crate) path_m: f64,
+    /// Part of an agent when above 3.
+    pub(crate) agent_score: i32,
+    /// Frames in which a part of an agent was outside of its region.
+    pub(crate) free_frames: u32,
+    pub(crate) votes: Votes,
+    /// The track that it turned out to be part of.
+    pub(crate) part_of: Option<u32>,
+    /// What was seen of it that makes it an object.
+    pub(crate) seen_to: Vec<&'static str>,
+    /// Why it is not seen, if it is not.
+    pub(crate) is_covered: bool,
+    pub(crate) hidden_since: Option<u64>,
+    pub(crate) told_hidden: bool,
+    pub(crate) was_there_first: bool,
+    pub(crate) told_appeared: bool,
+    pub(crate) told_left: bool,
+    pub(crate) analysed_to: u64,
+    /// The track with which it was one until it was first seen.
+    pub(crate) came_off: Option<u32>,
+}
+
+impl Track {
+    pub(crate) fn new(segment: &Segment, sample: Sample, was_there_first: bool) -> Self {
+        Self {
+            id: None,
+            hits: 1,
+            first: sample,
+            last: sample,
+            samples: VecDeque::from([sample]),
+            look: segment.look.clone(),
+            area_m2: segment.area_m2,
+            velocity: DVec3::ZERO,
+            motion: None,
+            is_moving: false,
+            rest_s: 0.0,
+            rest: None,
+            path_m: 0.0,
+            agent_score: if segment.of_agent > 0.5 { 4 } else { 0 },
+            free_frames: 0,
+            votes: Votes::default(),
+            part_of: None,
+            seen_to: Vec::new(),
+            is_covered: false,
+            hidden_since: None,
+            told_hidden: false,
+            was_there_first,
+            told_appeared: was_there_first,
+            told_left: false,
+            analysed_to: sample.frame,
+            came_off: None,
+        }
+    }
+
+    /// Takes in a frame in which it is seen.
+    pub(crate) fn see(&mut self, segment: &Segment, sample: Sample, frame_s: f64) {
+        self.hits += 1;
+        let pause_s = (sample.stamp_s - self.last.stamp_s).max(1e-6);
+        let step = sample.center - self.last.center;
+        let was_seen_just_now = pause_s < 2.5 * frame_s;
+        self.velocity = if was_seen_just_now { step / pause_s } else { DVec3::ZERO };
+        let is_whole = sample.px * 4 > self.last.px * 3 && self.last.px * 4 > sample.px * 3;
+        self.path_m += if is_whole { step.length() } else { 0.0 };
+        if segment.of_agent < RESTING_OF_AGENT || self.samples.len() < 3 {
+            self.look.blend(&segment.look);
+            self.area_m2 += 0.1 * (segment.area_m2 - self.area_m2);
+        }
+        let rests = segment.changed < RESTING_CHANGE
+            && !self.is_moving
+            && segment.of_agent < RESTING_OF_AGENT
+            && (step.length() < RESTING_STEP_M || !is_whole || sample.px < 200);
+        self.rest_s = if rests { self.rest_s + pause_s.min(frame_s * 2.0) } else { 0.0 };
+        (self.is_covered, self.hidden_since, self.told_hidden, self.told_left) = (false, None, false, false);
+        self.last = sample;
+        self.samples.push_back(sample);
+        if self.samples.len() > MOST_SAMPLES {
+            self.samples.pop_front();
+        }
+        self.judge_agent(segment);
+    }
+
+    /// What comes with an agent and never rested is part of it, until it is let go.
+    fn judge_agent(&mut self, segment: &Segment) {
+        let is_part = self.is_agent_part();
+        if segment.of_agent > 0.5 && self.rest.is_none() {
+            self.agent_score = (self.agent_score + 2).min(6);
+        }
+        if is_part && segment.of_agent < 0.15 {
+            self.free_frames += 1;
+            if self.free_frames >= 3 {
+                (self.agent_score, self.free_frames) = (0, 0);
+            }
+        } else {
+            self.free_frames = 0;
+        }
+    }
+
+    pub(crate) fn is_agent_part(&self) -> bool {
+        self.agent_score > 3
+    }
+
+    pub(crate) fn is_confirmed(&self) -> bool {
+        self.hits >= CONFIRMING_HITS
+    }
+
+    pub(crate) fn rests(&self) -> bool {
+        self.rest_s >= KNOWN_S
+    }
+
+    /// The samples since a frame.
+    pub(crate) fn since(&self, frame: u64) -> impl DoubleEndedIterator<Item = &Sample> {
+        self.samples.iter().filter(move |sample| sample.frame >= frame)
+    }
+
+    pub(crate) fn note(&mut self, what: &'static str) {
+        if !self.seen_to.contains(&what) {
+            self.seen_to.push(what);
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! What the tracker says of a frame.
+
+use std::fmt;
+
+use objecthood::{OrientedBox, PixelBox, Raster};
+use serde::Serialize;
+
+use crate::rigid::Rigid;
+
+/// The number of an object that lasts: its value in label images. Counts from 1 without gaps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(transparent)]
+pub struct TrackId(pub u16);
+
+/// What is known of a track in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum TrackState {
+    /// Seen in too few frames to be sure.
+    Tentative,
+    /// Seen.
+    Confirmed,
+    /// Not seen because something stands before it.
+    Occluded,
+    /// Not seen, and nothing says why.
+    Lost,
+}
+
+/// An object of a frame.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct TrackedObject {
+    /// Its number; `None` while it is tentative.
+    pub track: Option<TrackId>,
+    /// What is known of it.
+    pub state: TrackState,
+    /// Index of what the discovery found, of the frame's objects; of several parts the largest.
+    pub found: usize,
+    /// Mean visible point (m), in the frame of the camera.
+    pub center_m: [f32; 3],
+    /// Velocity of that (m/s), in the world.
+    pub velocity_m_per_s: [f64; 3],
+    /// Motion since the last frame, in the frame of the camera, with the camera's own taken out; `None` when it rests, or
+    /// when it could not be found.
+    pub motion: Option<MotionEstimate>,
+    /// Its pixels, in the steadied label image.
+    pub size_px: usize,
+    /// Smallest box that holds them.
+    pub box_px: PixelBox,
+    /// Box in metres, as the discovery has it.
+    pub box_m: OrientedBox,
+    /// Objectness (1): that of the frame, raised by what was seen of it: it moved as one, flew, was put down.
+    pub objectness: f32,
+    /// Why it is higher than the frame's.
+    pub seen_to: Vec<&'static str>,
+}
+
+/// A rigid motion and how sure it is.
+#[derive(Clone, Copy, Debug)]
+pub struct MotionEstimate {
+    /// From the last frame to this one.
+    pub rigid: Rigid,
+    /// Covariance of shift (m), then turn (rad), about the centre of its visible points.
+    pub covariance: [[f64; 6]; 6],
+    /// Share of its points that lie and look as the motion says, in [0, 1].
+    pub fit: f64,
+}
+
+/// A track that is not seen.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct LostTrack {
+    /// Its number.
+    pub track: TrackId,
+    /// Occluded or lost.
+    pub state: TrackState,
+    /// Where it should be (m), in the frame of the camera.
+    pub center_m: [f64; 3],
+    /// Since when it is not seen (s).
+    pub for_s: f64,
+}
+
+/// A hand with its arm, a person.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct SeenAgent {
+    /// Its number: from the same sequence as those of objects.
+    pub id: TrackId,
+    /// Its pixels, with what it carries.
+    pub size_px: usize,
+    /// Smallest box that holds them.
+    pub box_px: PixelBox,
+}
+
+/// What stands on what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct SupportRelation {
+    /// What is held.
+    pub child: TrackId,
+    /// What holds it; `None` = the table, the floor, furniture.
+    pub parent: Option<TrackId>,
+    /// How.
+    pub kind: Relation,
+}
+
+/// How something is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Relation {
+    /// It stands on it.
+    On,
+    /// It lies in it.
+    In,
+    /// It leans on it.
+    Leans,
+    /// An agent carries it.
+    Held,
+}
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum EventKind {
+    /// It came into view.
+    Appeared,
+    /// It went out of the image.
+    Left,
+    /// An agent lifted it.
+    PickedUp,
+    /// It was set down on something.
+    PlacedOn,
+    /// It was put into something.
+    PutIn,
+    /// It was taken out of something.
+    TakenOut,
+    /// An agent displaced it without lifting it.
+    Pushed,
+    /// It flew: from `start` to `end`.
+    Airborne,
+    /// Its flight ended.
+    Landed,
+    /// It fell off something or out of a hand.
+    Fell,
+    /// It went behind something.
+    Occluded,
+    /// It came apart from what it was one with.
+    Split,
+    /// Two parts turned out to be one.
+    Merged,
+    /// A lid or a drawer came off what it closes.
+    Opened,
+}
+
+impl EventKind {
+    /// Its name in `events.jsonl`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Appeared => "appeared",
+            Self::Left => "left",
+            Self::PickedUp => "picked_up",
+            Self::PlacedOn => "placed_on",
+            Self::PutIn => "put_in",
+            Self::TakenOut => "taken_out",
+            Self::Pushed => "pushed",
+            Self::Airborne => "airborne",
+            Self::Landed => "landed",
+            Self::Fell => "fell",
+            Self::Occluded => "occluded",
+            Self::Split => "split",
+            Self::Merged => "merged",
+            Self::Opened => "opened",
+        }
+    }
+}
+
+impl fmt::Display for EventKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Event {
+    /// The frame it is about, counted from 0; it may be told some frames later.
+    pub frame: u64,
+    /// When that was (s).
+    pub time: f64,
+    /// What.
+    #[serde(rename = "type")]
+    pub kind: EventKind,
+    /// To whom.
+    pub object: TrackId,
+    /// Who or what else had part in it; 0 = the table, the floor, furniture.
+    pub other: Option<u16>,
+    /// First frame of what lasts.
+    pub start: Option<u64>,
+    /// Last frame of what lasts.
+    pub end: Option<u64>,
+    /// How sure it is, in [0, 1].
+    pub confidence: f32,
+    /// What speaks for it, in words with figures.
+    pub evidence: String,
+}
+
+/// Something that the user should know of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum TrackNotice {
+    /// The time between this frame and the last is long.
+    Gap {
+        /// So long (s).
+        seconds: f64,
+    },
+    /// The camera moved so far that its motion could not be found: things are found again by their looks.
+    CameraLost,
+    /// The frame has another size: everything begins anew.
+    OtherSize,
+    /// There are more objects than 65535.
+    TooMany,
+}
+
+impl fmt::Display for TrackNotice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Gap { seconds } => write!(f, "{seconds:.1} s without a frame: things are found again by their looks"),
+            Self::CameraLost => f.write_str(
+                "the camera was knocked, or moved too far since the last frame to say how: things are found again by their looks",
+            ),
+            Self::OtherSize => f.write_str("the frame has another size than the last: tracking begins anew"),
+            Self::TooMany => f.write_str("more than 65535 objects: new ones get no number"),
+        }
+    }
+}
+
+/// What the tracker says of a frame.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Tracked {
+    /// Number of the frame, from 0.
+    pub frame: u64,
+    /// When it was taken (s).
+    pub stamp_s: f64,
+    /// The track at every pixel, 0 = none.
+    pub labels: Raster<u16>,
+    /// The objects.
+    pub objects: Vec<TrackedObject>,
+    /// Tracks that are not seen.
+    pub lost: Vec<LostTrack>,
+    /// Hands and people.
+    pub agents: Vec<SeenAgent>,
+    /// What holds each object.
+    pub support: Vec<SupportRelation>,
+    /// What became certain with this frame.
+    pub events: Vec<Event>,
+    /// Takes points of this frame's camera to the world: the first frame's camera, or that of the given poses.
+    pub world_from_camera: Rigid,
+    /// Covariance of the camera's last step: shift (m), then turn (rad); 0 when it stands still or its pose is given.
+    pub camera_covariance: [[f64; 6]; 6],
+    /// What the user should know.
+    pub notices: Vec<TrackNotice>,
+}

@@ -1,0 +1,128 @@
+//! A frame as the tracker looks at it.
+
+use glam::DVec3;
+use objecthood::{Camera, Frame};
+
+/// Normals are differences over so many pixels to each side.
+const NORMAL_REACH_PX: usize = 4;
+/// Neighbours whose depth differs by more than this share belong to another surface.
+const SAME_SURFACE: f32 = 0.02;
+
+/// Inverse depth and grey value of every pixel.
+#[derive(Clone, Debug)]
+pub(crate) struct View {
+    pub(crate) size: (usize, usize),
+    pub(crate) camera: Camera,
+    /// 1/m; 0 where there is no depth.
+    pub(crate) inverse: Vec<f32>,
+    /// 0 to 255; empty without colour.
+    pub(crate) grey: Vec<u8>,
+    /// sRGB; empty without colour.
+    pub(crate) color: Vec<[u8; 3]>,
+    /// How much noisier than a Kinect the sensor is, at least as noisy as that.
+    pub(crate) noise: f32,
+}
+
+impl View {
+    /// O(n).
+    pub(crate) fn of(frame: &Frame, noise: f32) -> Self {
+        let inverse =
+            frame.depth_m().as_slice().iter().map(|&z| if z > 0.0 { 1.0 / z } else { 0.0 }).collect();
+        let color: Vec<[u8; 3]> = frame.color().map_or_else(Vec::new, |color| color.as_slice().to_vec());
+        let grey = color
+            .iter()
+            .map(|&[r, g, b]| ((77 * u32::from(r) + 150 * u32::from(g) + 29 * u32::from(b)) >> 8) as u8)
+            .collect();
+        Self { size: frame.size(), camera: frame.camera(), inverse, grey, color, noise }
+    }
+
+    /// The point (m) of a pixel with depth.
+    pub(crate) fn point(&self, pixel: usize) -> Option<DVec3> {
+        let inverse = self.inverse[pixel];
+        (inverse > 0.0).then(|| {
+            let (u, v) = ((pixel % self.size.0) as f64, (pixel / self.size.0) as f64);
+            DVec3::from(self.camera.ray(u, v)) / f64::from(inverse)
+        })
+    }
+
+    /// Column and row at which a point (m) is seen; `None` behind the camera and outside the image.
+    pub(crate) fn project(&self, p: DVec3) -> Option<(f64, f64)> {
+        if p.z <= 0.05 {
+            return None;
+        }
+        let u = self.camera.fx_px * p.x / p.z + self.camera.cx_px;
+        let v = self.camera.fy_px * p.y / p.z + self.camera.cy_px;
+        let (width, height) = self.size;
+        let is_inside = u >= 0.0 && v >= 0.0 && u <= (width - 1) as f64 && v <= (height - 1) as f64;
+        is_inside.then_some((u, v))
+    }
+
+    /// The pixel at which a point (m) is seen.
+    pub(crate) fn pixel_of(&self, p: DVec3) -> Option<usize> {
+        self.project(p).map(|(u, v)| (v + 0.5) as usize * self.size.0 + (u + 0.5) as usize)
+    }
+
+    /// The unit normal of the surface at a pixel, from its inverse depth, which is linear on planes.
+    pub(crate) fn normal(&self, pixel: usize) -> Option<DVec3> {
+        let (width, height) = self.size;
+        let (u, v) = (pixel % width, pixel / width);
+        let here = self.inverse[pixel];
+        let slope = |before: Option<usize>, after: Option<usize>| -> Option<f64> {
+            let known = |at: Option<usize>| {
+                let value = self.inverse[at?];
+                (value > 0.0 && (value - here).abs() < SAME_SURFACE * here).then_some(f64::from(value))
+            };
+            let reach = NORMAL_REACH_PX as f64;
+            match (known(before), known(after)) {
+                (Some(a), Some(b)) => Some((b - a) / (2.0 * reach)),
+                (Some(a), None) => Some((f64::from(here) - a) / reach),
+                (None, Some(b)) => Some((b - f64::from(here)) / reach),
+                (None, None) => None,
+            }
+        };
+        let reach = NORMAL_REACH_PX;
+        let along = slope((u >= reach).then(|| pixel - reach), (u + reach < width).then(|| pixel + reach))?;
+        let down = slope(
+            (v >= reach).then(|| pixel - reach * width),
+            (v + reach < height).then(|| pixel + reach * width),
+        )?;
+        let Camera { fx_px, fy_px, cx_px, cy_px } = self.camera;
+        let at_center = f64::from(here) - along * (u as f64 - cx_px) - down * (v as f64 - cy_px);
+        DVec3::new(along * fx_px, down * fy_px, at_center).try_normalize().map(|n| -n)
+    }
+
+    /// The grey value between pixels, and its change a column and a row.
+    pub(crate) fn grey_at(&self, u: f64, v: f64) -> Option<(f64, f64, f64)> {
+        let (width, height) = self.size;
+        let (u0, v0) = (u as usize, v as usize);
+        if self.grey.is_empty() || u0 < 1 || v0 < 1 || u0 + 2 >= width || v0 + 2 >= height {
+            return None;
+        }
+        let at = |u: usize, v: usize| f64::from(self.grey[v * width + u]);
+        let (a, b) = (u - u0 as f64, v - v0 as f64);
+        let blend = |f: &dyn Fn(usize, usize) -> f64| {
+            (1.0 - b) * ((1.0 - a) * f(u0, v0) + a * f(u0 + 1, v0))
+                + b * ((1.0 - a) * f(u0, v0 + 1) + a * f(u0 + 1, v0 + 1))
+        };
+        let along = |u: usize, v: usize| 0.5 * (at(u + 1, v) - at(u - 1, v));
+        let down = |u: usize, v: usize| 0.5 * (at(u, v + 1) - at(u, v - 1));
+        Some((blend(&at), blend(&along), blend(&down)))
+    }
+
+    /// Pixels that an image of VGA size would have `px` of.
+    pub(crate) fn px(&self, px_at_vga: f64) -> usize {
+        ((px_at_vga * (self.size.0 * self.size.1) as f64 / (640.0 * 480.0)) as usize).max(1)
+    }
+
+    /// Lengths that an image of VGA size would have of `px` (px).
+    pub(crate) fn length_px(&self, px_at_vga: f64) -> usize {
+        ((px_at_vga * self.size.0 as f64 / 640.0 + 0.5) as usize).max(1)
+    }
+
+    /// Standard deviation of depth at a distance (m).
+    pub(crate) fn sigma_m(&self, z_m: f64) -> f64 {
+        /// Of a Kinect: 1.2 mm at 1 m, growing with the square (K. Khoshelham, S. O. Elberink, Sensors 12, 2012).
+        const KINECT_M: f64 = 0.0012;
+        KINECT_M * z_m * z_m * f64::from(self.noise)
+    }
+}
