@@ -10,8 +10,8 @@ const LEAST_PX: f64 = 300.0;
 /// Least number of its pixels on the border of the image (px at VGA size).
 const LEAST_BORDER_PX: f64 = 8.0;
 /// It has to be there so long (s).
-const LEAST_S: f64 = 0.12;
-/// It may be away from the border so long (s).
+const LEAST_S: f64 = 0.2;
+/// It may be away from the border so long (s), once it was there twice as long as it has to be: what flies in is soon away.
 const PATIENCE_S: f64 = 0.1;
 
 /// A hand with its arm, a person.
@@ -57,7 +57,8 @@ impl Agents {
             let same = old.iter().enumerate().map(|(k, agent)| (agent.mask.common(&mask), k)).max();
             let before = same.filter(|&(common, _)| common > 0).map(|(_, k)| old.swap_remove(k));
             let away = if touches { 0 } else { before.as_ref().map_or(usize::MAX, |agent| agent.away + 1) };
-            if away > pace.frames(PATIENCE_S) {
+            let is_old = before.as_ref().is_some_and(|agent| agent.frames >= 2 * pace.frames(LEAST_S));
+            if away > if is_old { pace.frames(PATIENCE_S) } else { 0 } {
                 continue;
             }
             let (number, frames) = before.map_or((0, 0), |agent| (agent.number, agent.frames));

@@ -58,8 +58,11 @@ pub(crate) fn associate(
     let all: Vec<usize> = (0..segments.len()).collect();
     pair(&all, &keys, by_overlap, &mut tracks_of);
 
-    let free: Vec<usize> = all.into_iter().filter(|&k| tracks_of[k].is_none()).collect();
-    let lost: Vec<u32> = keys.into_iter().filter(|&key| !tracks_of.contains(&Some(key))).collect();
+    // What an agent carries may be a known thing that was hidden in it.
+    let is_part = |key: u32| tracks[&key].is_agent_part();
+    let free: Vec<usize> = all.into_iter().filter(|&k| tracks_of[k].is_none_or(is_part)).collect();
+    let lost: Vec<u32> =
+        keys.into_iter().filter(|&key| !tracks_of.contains(&Some(key)) && !is_part(key)).collect();
     let again = |k: usize, key: u32| found_again(&segments[k], &tracks[&key], now_s, pace).unwrap_or(0.0);
     pair(&free, &lost, again, &mut tracks_of);
     tracks_of

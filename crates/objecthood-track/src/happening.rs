@@ -12,8 +12,8 @@ use crate::tracked::{EventKind, Relation};
 const LIFTED_M: f64 = 0.02;
 /// First moved, upwards (m).
 const OFF_M: f64 = 0.005;
-/// Back on its support: within this height of where it rests then (m).
-const DOWN_M: f64 = 0.003;
+/// Back on its support: its lowest point within this height of where it rests then (m).
+const DOWN_M: f64 = 0.005;
 /// Displaced by this between rest and rest (m), and first moved by this.
 const PUSHED_M: f64 = 0.012;
 const BEGUN_M: f64 = 0.003;
@@ -208,8 +208,7 @@ impl Happenings {
             self.handled.remove(&key);
             return;
         }
-        let settled_height_m = last.height_m;
-        let is_above = |sample: &&Sample| (sample.height_m - settled_height_m).abs() > DOWN_M;
+        let is_above = |sample: &&Sample| (sample.bottom_m - last.bottom_m).abs() > DOWN_M;
         let down = track.samples.iter().rev().find(is_above).map_or(before.frame, |sample| sample.frame) + 1;
         let at = track.since(down).next().copied().unwrap_or(last);
         let was_let_fall = flew(track, handling.begun);
@@ -235,7 +234,7 @@ impl Happenings {
     }
 
     /// Tells of flights since the last look.
-    fn fly(&mut self, key: Key, track: &mut Track) {
+    pub(crate) fn fly(&mut self, key: Key, track: &mut Track) {
         let samples: Vec<Sample> = track.since(track.analysed_to).copied().collect();
         track.analysed_to = track.last.frame;
         let found = flights(&samples);

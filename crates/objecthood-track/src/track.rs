@@ -13,7 +13,7 @@ use crate::tracked::TrackId;
 /// So many samples are kept: 3 s at 60 frames a second.
 const MOST_SAMPLES: usize = 180;
 /// Hits that confirm a track.
-pub(crate) const CONFIRMING_HITS: u32 = 3;
+pub(crate) const CONFIRMING_HITS: u32 = 2;
 /// A thing rests when so little of it changes,
 const RESTING_CHANGE: f64 = 0.06;
 /// and so little of it belongs to an agent's region,
@@ -90,6 +90,8 @@ pub(crate) struct Track {
     pub(crate) analysed_to: u64,
     /// The track with which it was one until it was first seen.
     pub(crate) came_off: Option<u32>,
+    /// Frames for which it has been held where no segment shows it.
+    pub(crate) held_frames: usize,
 }
 
 impl Track {
@@ -121,6 +123,7 @@ impl Track {
             told_left: false,
             analysed_to: sample.frame,
             came_off: None,
+            held_frames: 0,
         }
     }
 
@@ -172,7 +175,7 @@ impl Track {
     }
 
     pub(crate) fn is_confirmed(&self) -> bool {
-        self.hits >= CONFIRMING_HITS
+        self.hits >= CONFIRMING_HITS || self.first.frame == 0
     }
 
     pub(crate) fn rests(&self) -> bool {

@@ -27,6 +27,9 @@ use crate::view::View;
 const FORGET_S: f64 = 30.0;
 /// An agent reaches what is this close to it (px at VGA size).
 const REACH_PX: f64 = 6.0;
+/// What no segment shows is held when its motion fits so well, or while it rests, so long (s).
+const HELD_FIT: f64 = 0.5;
+const HELD_S: f64 = 1.0;
 /// Tracks touch when they are this close (px at VGA size).
 const TOUCH_PX: f64 = 3.0;
 
@@ -332,6 +335,53 @@ impl Memory {
         }
     }
 
+    /// Known things that no segment shows stay where their motion, or rest, says that they are, if the depth agrees: what a hand
+    /// carries has no support, so the frame alone may take it for no object.
+    fn hold(
+        &mut self,
+        look: &Look<'_>,
+        predicted: &[Key],
+        overlap: &Overlap,
+        pieces: &mut BTreeMap<Key, Vec<usize>>,
+    ) {
+        let is_held = |key: Key| {
+            let Some(track) = self.tracks.get(&key) else { return false };
+            let is_seen = look.keys.contains(&key);
+            let moves = track.motion.as_ref().is_some_and(|motion| motion.fit > HELD_FIT);
+            let rests = track.rest_s > 0.0 && track.held_frames < self.pace.frames(HELD_S);
+            track.rest.is_some()
+                && !track.is_agent_part()
+                && track.part_of.is_none()
+                && !is_seen
+                && (moves || rests)
+        };
+        let held: BTreeSet<Key> = overlap.predicted.keys().copied().filter(|&key| is_held(key)).collect();
+        if held.is_empty() {
+            return;
+        }
+        let width = look.view.size.0;
+        for (pixel, &key) in predicted.iter().enumerate() {
+            if !held.contains(&key) {
+                continue;
+            }
+            let moves = self.tracks[&key].is_moving;
+            let owner = self.scene.seen[pixel];
+            let is_free = owner == 0 || self.tracks.get(&owner).is_some_and(Track::is_agent_part);
+            let is_there = moves || !look.changed.has(pixel) && look.view.inverse[pixel] > 0.0;
+            if is_free && is_there {
+                self.scene.seen[pixel] = key;
+                if pixel % width % 2 == 0 && pixel / width % 2 == 0 {
+                    pieces.entry(key).or_default().push(pixel);
+                }
+            }
+        }
+        for key in held {
+            if let Some(track) = self.tracks.get_mut(&key) {
+                track.held_frames += 1;
+            }
+        }
+    }
+
     /// Two tracks turned out to be one: the one with more pixels goes on.
     fn join(&mut self, owner: Key, part: Key, is_event: bool) {
         let id = self.tracks[&owner].id.zip(self.tracks[&part].id);
@@ -371,6 +421,9 @@ impl Memory {
             if let Some(track) = self.tracks.get_mut(&key)
                 && track.first.frame < self.frame
             {
+                if k < look.found.objects.len() {
+                    track.held_frames = 0;
+                }
                 track.see(&look.segments[k], sample, frame_s);
             }
         }
@@ -563,15 +616,16 @@ impl Memory {
                 agent.or((key > 0).then_some(Other::Track(key)))
             });
             let frames = self.frame - since + 1;
-            let is_known = track.rest.is_some() && !track.is_agent_part();
+            let is_known = track.rest.is_some() && track.rest_s > 0.0 && !track.is_agent_part();
             let tell_hidden = in_front
                 && !track.told_hidden
                 && is_known
                 && frames as usize >= self.pace.frames(0.1)
                 && !self.happenings.is_handled(key);
+            let is_thing = track.was_there_first || track.rest.is_some() || track.hits >= 8;
             let left = track.last.at_border
                 && !track.told_left
-                && track.is_confirmed()
+                && is_thing
                 && !track.is_agent_part()
                 && frames >= 3
                 && !in_front;
@@ -607,8 +661,8 @@ impl Memory {
             track.told_hidden |= tell_hidden;
             track.told_left |= tell_left;
             track.rest_s = if in_front { track.rest_s } else { 0.0 };
-            if tell_left || frames == 4 && !in_front {
-                self.happenings.close(key, track);
+            if frames == 4 {
+                self.happenings.fly(key, track);
             }
         }
     }
@@ -621,7 +675,7 @@ impl Memory {
                 && !track.is_agent_part()
                 && track.part_of.is_none();
             let has_settled = track.rest_s > 0.25 || track.seen_to.contains(&"it flew");
-            if is_new && has_settled && track.last.frame == self.frame {
+            if is_new && has_settled {
                 track.told_appeared = true;
                 let came = track.samples.iter().take(6).any(|sample| sample.changed > 0.5);
                 if came {
