@@ -136,8 +136,12 @@ impl Happenings {
     fn lift(&mut self, key: Key, track: &mut Track) {
         let Some(handling) = self.handled.get_mut(&key) else { return };
         let before = handling.before;
+        // A hand before its lower part only seems to lift it.
+        let climbs = track.climb_m > LIFTED_M / 2.0 || track.last.px as f64 > AS_WHOLE * before.px as f64;
         let is_up = |sample: &Sample| {
-            sample.bottom_m - before.bottom_m > LIFTED_M && sample.height_m - before.height_m > LIFTED_M / 2.0
+            climbs
+                && sample.bottom_m - before.bottom_m > LIFTED_M
+                && sample.height_m - before.height_m > LIFTED_M / 2.0
         };
         let up = track.samples.iter().rev().take(2).filter(|sample| is_up(sample)).count();
         if handling.lifted || up < 2 {

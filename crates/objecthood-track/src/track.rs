@@ -71,6 +71,8 @@ pub(crate) struct Track {
     pub(crate) rest: Option<Rest>,
     /// Path since it was last at rest, and in all (m).
     pub(crate) path_m: f64,
+    /// How far it rose by its motions since it last rested (m).
+    pub(crate) climb_m: f64,
     /// Part of an agent when above 3.
     pub(crate) agent_score: i32,
     /// Frames in which a part of an agent was outside of its region.
@@ -110,6 +112,7 @@ impl Track {
             rest_s: 0.0,
             rest: None,
             path_m: 0.0,
+            climb_m: 0.0,
             agent_score: if segment.of_agent > 0.5 { 4 } else { 0 },
             free_frames: 0,
             votes: Votes::default(),
@@ -144,6 +147,9 @@ impl Track {
             && !self.is_moving
             && segment.of_agent < RESTING_OF_AGENT
             && (step.length() < RESTING_STEP_M || !is_whole || sample.px < 200);
+        if rests {
+            self.climb_m = 0.0;
+        }
         self.rest_s = if rests { self.rest_s + pause_s.min(frame_s * 2.0) } else { 0.0 };
         (self.is_covered, self.hidden_since, self.told_hidden, self.told_left) = (false, None, false, false);
         self.last = sample;

@@ -321,6 +321,7 @@ impl Memory {
             }
             self.scene.seen[pixel] = key;
         }
+        self.hold(look, predicted, overlap, &mut pieces);
         let measure =
             Measure { view: look.view, changed: look.changed, agents: &self.agents, place: &look.place };
         for (key, pixels) in pieces.into_iter().filter(|(_, pixels)| pixels.len() > 8) {
@@ -418,11 +419,16 @@ impl Memory {
             }
             let sample = self.sample(&look.segments[k], reach.get(&key).map_or(&[][..], Vec::as_slice));
             let frame_s = self.pace.frame_s;
+            let center = look.segments[k].center_in_camera;
             if let Some(track) = self.tracks.get_mut(&key)
                 && track.first.frame < self.frame
             {
                 if k < look.found.objects.len() {
                     track.held_frames = 0;
+                }
+                if let Some(motion) = track.motion.as_ref().filter(|_| track.is_moving) {
+                    let step = center - motion.rigid.inverse().point(center);
+                    track.climb_m += look.place.world_from_camera.direction(step).dot(look.place.up);
                 }
                 track.see(&look.segments[k], sample, frame_s);
             }
@@ -538,6 +544,7 @@ impl Memory {
     /// What came off another thing and moved against it was one with it before.
     fn tell_partings(&mut self) {
         const PARTED_M: f64 = 0.005;
+        const SEEN_LATE_S: f64 = 0.2;
         let mut parted = Vec::new();
         for (&key, track) in &self.tracks {
             let Some(from) = track.came_off else { continue };
@@ -567,7 +574,11 @@ impl Memory {
         }
         for (key, from, own_moved) in parted {
             let track = &self.tracks[&key];
-            let (frame, time_s) = (track.first.frame, track.first.stamp_s);
+            // The parts may have moved for a while before the frame showed them as two.
+            let rested = self.tracks.get(&from).and_then(|other| other.rest).map_or(0, |rest| rest.frame + 1);
+            let early = track.first.frame.saturating_sub(self.pace.frames(SEEN_LATE_S) as u64);
+            let frame = rested.clamp(early, track.first.frame);
+            let time_s = track.first.stamp_s - (track.first.frame - frame) as f64 * self.pace.frame_s;
             let (object, other) = if own_moved { (key, from) } else { (from, key) };
             self.knowledge.part(key, from);
             self.happenings.tell(Happening {
