@@ -30,12 +30,14 @@ pub(crate) struct Agents {
     pub(crate) all: Vec<Agent>,
     /// The pixels of all of them, with what they carry.
     pub(crate) region: Bits,
+    /// What else is nearer than the rested scene and does not touch the border: the pixels of each thing.
+    pub(crate) free: Vec<Vec<usize>>,
     next: u32,
 }
 
 impl Agents {
     pub(crate) fn none(size: (usize, usize)) -> Self {
-        Self { all: Vec::new(), region: Bits::none(size), next: 1 }
+        Self { all: Vec::new(), region: Bits::none(size), free: Vec::new(), next: 1 }
     }
 
     /// Finds them in a frame. O(n).
@@ -50,6 +52,7 @@ impl Agents {
         };
         let (least_px, least_border) = (view.px(LEAST_PX), view.length_px(LEAST_BORDER_PX));
         let mut old = std::mem::take(&mut self.all);
+        self.free.clear();
         for component in front.components().into_iter().filter(|component| component.len() >= least_px) {
             let touches = component.iter().filter(on_border).count() >= least_border;
             let mut mask = Bits::none(view.size);
@@ -59,6 +62,9 @@ impl Agents {
             let away = if touches { 0 } else { before.as_ref().map_or(usize::MAX, |agent| agent.away + 1) };
             let is_old = before.as_ref().is_some_and(|agent| agent.frames >= 2 * pace.frames(LEAST_S));
             if away > if is_old { pace.frames(PATIENCE_S) } else { 0 } {
+                if !camera_moves {
+                    self.free.push(component);
+                }
                 continue;
             }
             let (number, frames) = before.map_or((0, 0), |agent| (agent.number, agent.frames));

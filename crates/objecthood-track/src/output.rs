@@ -168,9 +168,10 @@ impl Memory {
         places: &BTreeMap<Key, (usize, [usize; 4])>,
     ) -> Vec<(Key, TrackedObject)> {
         let mut objects = Vec::new();
-        for (k, found) in look.found.objects.iter().enumerate() {
-            let key = self.root(look.keys[k]);
+        for (k, key) in look.keys.iter().enumerate() {
+            let key = self.root(*key);
             let Some(track) = self.tracks.get(&key) else { continue };
+            let found = look.found.objects.get(k);
             let is_known = objects.iter().any(|(known, _)| *known == key);
             if is_known || track.is_agent_part() {
                 continue;
@@ -183,7 +184,7 @@ impl Memory {
                 TrackedObject {
                     track: track.id,
                     state: if track.id.is_some() { TrackState::Confirmed } else { TrackState::Tentative },
-                    found: k,
+                    found: found.map(|_| k),
                     center_m: look.segments[k].center_in_camera.as_vec3().to_array(),
                     velocity_m_per_s: if track.is_moving { track.velocity.to_array() } else { [0.0; 3] },
                     motion: motion.map(|motion| MotionEstimate {
@@ -193,8 +194,8 @@ impl Memory {
                     }),
                     size_px,
                     box_px: pixel_box(area),
-                    box_m: found.box_m,
-                    objectness: found.objectness + (1.0 - found.objectness) * proof,
+                    box_m: found.map(|found| found.box_m),
+                    objectness: track.objectness + (1.0 - track.objectness) * proof,
                     seen_to: track.seen_to.clone(),
                 },
             ));

@@ -156,6 +156,12 @@ impl Scene {
         })
     }
 
+    /// Whether a pixel shows something nearer than the rested background.
+    pub(crate) fn is_in_front(&self, view: &View, pixel: usize) -> bool {
+        let rested = self.background[pixel];
+        rested > 0.0 && view.inverse[pixel] - rested > BESIDE_BACKGROUND_PER_M * view.noise
+    }
+
     /// Whether something nearer than what was there stands at a pixel now.
     pub(crate) fn is_covered(&self, view: &View, pixel: usize) -> bool {
         view.inverse[pixel] > self.depth[pixel] + CHANGED_PER_M[1] * view.noise

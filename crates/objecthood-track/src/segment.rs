@@ -7,10 +7,13 @@ use crate::agent::Agents;
 use crate::bits::Bits;
 use crate::camera::Place;
 use crate::look::Look;
+use crate::scene::Scene;
 use crate::view::View;
 
 /// Every so many columns and rows are looked at.
 const STRIDE_PX: usize = 2;
+/// Least size of a thing that only stands before the rested scene (px at VGA size).
+const LEAST_THING_PX: f64 = 200.0;
 
 /// A segment: an object of one frame, or a piece of it.
 #[derive(Clone, Debug, Default)]
@@ -54,11 +57,29 @@ pub(crate) fn pixels_by_label(labels: &[u16], size: (usize, usize), count: usize
     pixels
 }
 
-/// Measures the segments of a frame; segment k has the label k + 1. O(n).
-pub(crate) fn segments(found: &Discovery, with: &Measure<'_>) -> Vec<Segment> {
-    let pixels = pixels_by_label(found.labels.as_slice(), with.view.size, found.objects.len());
-    let measured = pixels.iter().zip(&found.objects);
-    measured.map(|(pixels, object)| Segment { px: object.size_px, ..with.segment(pixels) }).collect()
+/// Measures the segments of a label image; segment k has the label k + 1. O(n).
+pub(crate) fn segments(labels: &[u16], count: usize, with: &Measure<'_>) -> Vec<Segment> {
+    let pixels = pixels_by_label(labels, with.view.size, count);
+    pixels.iter().map(|pixels| with.segment(pixels)).collect()
+}
+
+/// The labels of a frame's objects, and further ones for what stands before the rested scene where no object was found:
+/// what is in the air has no support, so a frame alone may take it for no object. Also their number. O(n).
+pub(crate) fn labels(found: &Discovery, view: &View, scene: &Scene, agents: &Agents) -> (Vec<u16>, usize) {
+    let mut labels = found.labels.as_slice().to_vec();
+    let mut count = found.objects.len();
+    for component in &agents.free {
+        let is_new = |pixel: &&usize| scene.is_in_front(view, **pixel);
+        let thing: Vec<usize> = component.iter().filter(is_new).copied().collect();
+        let free = thing.iter().filter(|&&pixel| labels[pixel] == 0).count();
+        if free >= view.px(LEAST_THING_PX) && 4 * free > 3 * thing.len() && count < usize::from(u16::MAX) {
+            count += 1;
+            for pixel in thing.into_iter().filter(|&pixel| found.labels.as_slice()[pixel] == 0) {
+                labels[pixel] = count as u16;
+            }
+        }
+    }
+    (labels, count)
 }
 
 impl Measure<'_> {

@@ -92,6 +92,8 @@ pub(crate) struct Track {
     pub(crate) analysed_to: u64,
     /// The track with which it was one until it was first seen.
     pub(crate) came_off: Option<u32>,
+    /// Objectness in the last frame that found it (1).
+    pub(crate) objectness: f32,
     /// Frames for which it has been held where no segment shows it.
     pub(crate) held_frames: usize,
 }
@@ -126,6 +128,7 @@ impl Track {
             told_left: false,
             analysed_to: sample.frame,
             came_off: None,
+            objectness: 0.5,
             held_frames: 0,
         }
     }

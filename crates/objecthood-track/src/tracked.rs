@@ -35,8 +35,8 @@ pub struct TrackedObject {
     pub track: Option<TrackId>,
     /// What is known of it.
     pub state: TrackState,
-    /// Index of what the discovery found, of the frame's objects; of several parts the largest.
-    pub found: usize,
+    /// Index among the objects that the discovery found; `None` when only motion shows it.
+    pub found: Option<usize>,
     /// Mean visible point (m), in the frame of the camera.
     pub center_m: [f32; 3],
     /// Velocity of that (m/s), in the world.
@@ -48,9 +48,9 @@ pub struct TrackedObject {
     pub size_px: usize,
     /// Smallest box that holds them.
     pub box_px: PixelBox,
-    /// Box in metres, as the discovery has it.
-    pub box_m: OrientedBox,
-    /// Objectness (1): that of the frame, raised by what was seen of it: it moved as one, flew, was put down.
+    /// Box in metres, as the discovery has it, if it found the object.
+    pub box_m: Option<OrientedBox>,
+    /// Objectness (1): that of the last frame that found it, raised by what was seen of it: it moved as one, flew, was put down.
     pub objectness: f32,
     /// Why it is higher than the frame's.
     pub seen_to: Vec<&'static str>,

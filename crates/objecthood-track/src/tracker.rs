@@ -17,7 +17,7 @@ use crate::pace::Pace;
 use crate::predict::predict;
 use crate::rigid::{Rigid, wide};
 use crate::scene::{Key, Scene};
-use crate::segment::{Measure, Segment, segments};
+use crate::segment::{Measure, Segment, labels, segments};
 use crate::support::carrier;
 use crate::track::{Sample, Track};
 use crate::tracked::{Event, EventKind, Relation, TrackNotice, Tracked};
@@ -65,6 +65,8 @@ pub(crate) struct Memory {
 /// What a frame shows.
 pub(crate) struct Look<'a> {
     pub(crate) found: &'a Discovery,
+    /// The segment at every pixel, counted from 1, 0 = none: first those of the discovery.
+    pub(crate) labels: Vec<u16>,
     pub(crate) view: &'a View,
     pub(crate) changed: &'a Bits,
     pub(crate) place: Place,
@@ -198,8 +200,9 @@ impl Memory {
         predicted: &[Key],
     ) -> Look<'a> {
         let measure = Measure { view, changed, agents: &self.agents, place: &place };
-        let segments = segments(found, &measure);
-        let overlap = self.overlap(found, view, predicted);
+        let (labels, count) = labels(found, view, &self.scene, &self.agents);
+        let segments = segments(&labels, count, &measure);
+        let overlap = self.overlap(&labels, view, predicted);
         let tracks_of = associate(&segments, &self.tracks, &overlap, self.stamp_s, self.pace);
         let mut keys = Vec::new();
         let mut fresh = Vec::new();
@@ -222,15 +225,14 @@ impl Memory {
             }
             self.tracks.insert(key, track);
         }
-        let mut look = Look { found, view, changed, place, segments, keys };
+        let mut look = Look { found, labels, view, changed, place, segments, keys };
         self.write_seen(&mut look, predicted, &overlap);
         look
     }
 
     /// Counts the pixels that segments and predicted masks have in common.
-    fn overlap(&self, found: &Discovery, view: &View, predicted: &[Key]) -> Overlap {
+    fn overlap(&self, labels: &[u16], view: &View, predicted: &[Key]) -> Overlap {
         let mut overlap = Overlap::default();
-        let labels = found.labels.as_slice();
         let mut run: (Key, u16, usize, usize) = (0, 0, 0, 0);
         let mut flush = |(key, label, px, visible): (Key, u16, usize, usize)| {
             if key > 0 && px > 0 {
@@ -305,7 +307,7 @@ impl Memory {
         }
         let mut pieces: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
         let width = look.view.size.0;
-        for (pixel, &label) in look.found.labels.as_slice().iter().enumerate() {
+        for (pixel, &label) in look.labels.iter().enumerate() {
             let Some(k) = usize::from(label).checked_sub(1) else {
                 self.scene.seen[pixel] = 0;
                 continue;
@@ -423,8 +425,8 @@ impl Memory {
             if let Some(track) = self.tracks.get_mut(&key)
                 && track.first.frame < self.frame
             {
-                if k < look.found.objects.len() {
-                    track.held_frames = 0;
+                if let Some(found) = look.found.objects.get(k) {
+                    (track.held_frames, track.objectness) = (0, found.objectness);
                 }
                 if let Some(motion) = track.motion.as_ref().filter(|_| track.is_moving) {
                     let step = center - motion.rigid.inverse().point(center);

@@ -35,11 +35,11 @@ impl Lines {
                         "fit": motion.fit,
                     })),
                     "box_px": [area.u, area.v, area.width, area.height],
-                    "box_m": {
-                        "center_m": object.box_m.center_m,
-                        "rotation_xyzw": object.box_m.rotation_xyzw,
-                        "extents_m": object.box_m.extents_m,
-                    },
+                    "box_m": object.box_m.map(|box_m| json!({
+                        "center_m": box_m.center_m,
+                        "rotation_xyzw": box_m.rotation_xyzw,
+                        "extents_m": box_m.extents_m,
+                    })),
                     "size_px": object.size_px,
                     "objectness": object.objectness,
                     "evidence": object.seen_to,
