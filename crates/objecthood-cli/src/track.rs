@@ -73,7 +73,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
         told.events.push(event);
     }
     plan.write_lists(&told)?;
-    plan.sum_up(told, frames.len() + unreadable.len())
+    plan.sum_up(&told, frames.len() + unreadable.len())
 }
 
 impl<'a> Plan<'a> {
@@ -135,7 +135,7 @@ impl<'a> Plan<'a> {
         Ok(output::write_together(&files)?)
     }
 
-    fn sum_up(&self, told: Told, total: usize) -> Result<Outcome> {
+    fn sum_up(&self, told: &Told, total: usize) -> Result<Outcome> {
         let is_interrupted = told.done + told.failed < total;
         let objects = told.lines.objects();
         let mut text = format!(

@@ -150,9 +150,8 @@ impl System {
         let mut h = self.h;
         for a in 0..6 {
             h[a][a] += PRIOR[a / 3];
-            for b in 0..a {
-                h[b][a] = h[a][b];
-            }
+            let lower = h[a];
+            h.iter_mut().zip(lower).take(a).for_each(|(row, value)| row[a] = value);
         }
         h
     }

@@ -49,10 +49,8 @@ pub(crate) fn check(frame: &Frame, found: &Discovery, stamp_s: f64, last_s: Opti
     if found.labels.size() != frame.size() {
         return Err(Error::Size { labels: found.labels.size(), frame: frame.size() });
     }
-    if let Some((k, object)) =
-        found.objects.iter().enumerate().find(|(k, object)| usize::from(object.id.0) != k + 1)
-    {
-        let _ = k;
+    let is_misplaced = |&(k, object): &(usize, &objecthood::Object)| usize::from(object.id.0) != k + 1;
+    if let Some((_, object)) = found.objects.iter().enumerate().find(is_misplaced) {
         return Err(Error::Label { label: object.id.0 });
     }
     match found.labels.as_slice().iter().find(|&&label| usize::from(label) > found.objects.len()) {

@@ -13,11 +13,11 @@ const ENDS_M: f64 = 0.010;
 /// Sideways it moves straight (m, root mean square).
 const SIDEWAYS_M: f64 = 0.016;
 /// The acceleration that the heights have by themselves differs from gravity by at most this share, or so many standard
-/// deviations, of which it must be known to within a third of gravity.
+/// deviations, of which it must be known to within a sixth of gravity: a slide down a slope of 30 degrees is no flight.
 const SHARE: f64 = 0.22;
 const SIGMAS: f64 = 2.5;
 /// Standard deviation of a height (m).
-const HEIGHT_SIGMA_M: f64 = 0.004;
+const HEIGHT_SIGMA_M: f64 = 0.003;
 /// What flies changes and is in no hand.
 const LEAST_CHANGED: f64 = 0.35;
 const MOST_OF_AGENT: f64 = 0.5;
@@ -61,7 +61,11 @@ pub(crate) fn flights(samples: &[Sample]) -> Vec<Flight> {
                 let length = |flight: &Flight| flight.last - flight.first;
                 let best = later.fold(flight, |best, other| {
                     let is_long = 5 * length(&other) >= 3 * length(&best) && other.last >= best.last;
-                    if is_long && other.rms_m < 0.5 * best.rms_m { other } else { best }
+                    if is_long && best.rms_m > HEIGHT_SIGMA_M && other.rms_m < 0.5 * best.rms_m {
+                        other
+                    } else {
+                        best
+                    }
                 });
                 flights.push(best);
                 start = samples.iter().position(|sample| sample.frame > best.last).unwrap_or(samples.len());
@@ -98,7 +102,7 @@ fn fits(samples: &[Sample]) -> Option<Flight> {
     let power: f64 = squares.iter().map(|q| q * q).sum();
     let bend = squares.iter().zip(&heights).map(|(q, h)| q * h).sum::<f64>() / power;
     let (acceleration, sigma) = (-2.0 * bend, 2.0 * HEIGHT_SIGMA_M / power.sqrt());
-    if (acceleration - GRAVITY).abs() > (SHARE * GRAVITY).max(SIGMAS * sigma) || sigma > GRAVITY / 3.0 {
+    if (acceleration - GRAVITY).abs() > (SHARE * GRAVITY).max(SIGMAS * sigma) || sigma > GRAVITY / 6.0 {
         return None;
     }
     let axis = |k: usize| line(&samples.iter().map(|sample| sample.center[k]).collect::<Vec<f64>>());
@@ -143,6 +147,7 @@ mod tests {
                     changed: 0.9,
                     of_agent: 0.0,
                     at_border: false,
+                    moves: true,
                     reached_by: None,
                 }
             })

@@ -12,8 +12,8 @@ use crate::tracked::{EventKind, Relation};
 const LIFTED_M: f64 = 0.02;
 /// First moved, upwards (m).
 const OFF_M: f64 = 0.005;
-/// Back on its support: its lowest point within this height of where it rests then (m).
-const DOWN_M: f64 = 0.005;
+/// Put down: no motion was found for so long (s).
+const STILL_S: f64 = 0.3;
 /// Displaced by this between rest and rest (m), and first moved by this.
 const PUSHED_M: f64 = 0.012;
 const BEGUN_M: f64 = 0.003;
@@ -97,6 +97,9 @@ impl Happenings {
         }
         self.begin(key, track);
         self.lift(key, track);
+        if self.is_lifted(key) && track.is_still_for(STILL_S) {
+            self.end(key, track, false);
+        }
         if track.rests() {
             self.fly(key, track);
             self.end(key, track, false);
@@ -212,11 +215,16 @@ impl Happenings {
             self.handled.remove(&key);
             return;
         }
-        let is_above = |sample: &&Sample| (sample.bottom_m - last.bottom_m).abs() > DOWN_M;
-        let down = track.samples.iter().rev().find(is_above).map_or(before.frame, |sample| sample.frame) + 1;
+        let down = track
+            .samples
+            .iter()
+            .rev()
+            .find(|sample| sample.moves)
+            .map_or(before.frame, |sample| sample.frame)
+            + 1;
         let at = track.since(down).next().copied().unwrap_or(last);
         let was_let_fall = flew(track, handling.begun);
-        if track.rest_s > 0.0 && !was_let_fall {
+        if track.is_still_for(STILL_S) && !was_let_fall {
             let (kind, other) = match track.votes.winner() {
                 Some((Some(vessel), Relation::In)) => (EventKind::PutIn, Other::Track(vessel)),
                 Some((Some(below), _)) => (EventKind::PlacedOn, Other::Track(below)),

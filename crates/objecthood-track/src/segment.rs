@@ -43,6 +43,11 @@ pub(crate) struct Measure<'a> {
     pub(crate) place: &'a Place,
 }
 
+/// Whether a pixel is looked at.
+pub(crate) fn is_looked_at(pixel: usize, width: usize) -> bool {
+    (pixel % width).is_multiple_of(STRIDE_PX) && (pixel / width).is_multiple_of(STRIDE_PX)
+}
+
 /// The pixels that are looked at of each of `count` labels, which begin at 1. O(n).
 pub(crate) fn pixels_by_label(labels: &[u16], size: (usize, usize), count: usize) -> Vec<Vec<usize>> {
     let mut pixels = vec![Vec::new(); count];

@@ -37,6 +37,8 @@ pub(crate) struct Sample {
     pub(crate) changed: f64,
     pub(crate) of_agent: f64,
     pub(crate) at_border: bool,
+    /// Whether its motion was found and is more than noise.
+    pub(crate) moves: bool,
     /// Number of the agent that reaches it.
     pub(crate) reached_by: Option<u32>,
 }
@@ -155,6 +157,7 @@ impl Track {
         }
         self.rest_s = if rests { self.rest_s + pause_s.min(frame_s * 2.0) } else { 0.0 };
         (self.is_covered, self.hidden_since, self.told_hidden, self.told_left) = (false, None, false, false);
+        let sample = Sample { moves: self.is_moving, ..sample };
         self.last = sample;
         self.samples.push_back(sample);
         if self.samples.len() > MOST_SAMPLES {
@@ -189,6 +192,13 @@ impl Track {
 
     pub(crate) fn rests(&self) -> bool {
         self.rest_s >= KNOWN_S
+    }
+
+    /// Whether no motion was found for some time (s).
+    pub(crate) fn is_still_for(&self, seconds: f64) -> bool {
+        let since_s = self.last.stamp_s - seconds;
+        let mut recent = self.samples.iter().rev().take_while(|sample| sample.stamp_s > since_s);
+        self.last.stamp_s - self.first.stamp_s > seconds && recent.all(|sample| !sample.moves)
     }
 
     /// The samples since a frame.

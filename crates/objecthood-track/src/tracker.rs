@@ -17,7 +17,7 @@ use crate::pace::Pace;
 use crate::predict::predict;
 use crate::rigid::{Rigid, wide};
 use crate::scene::{Key, Scene};
-use crate::segment::{Measure, Segment, labels, segments};
+use crate::segment::{Measure, Segment, is_looked_at, labels, segments};
 use crate::support::carrier;
 use crate::track::{Sample, Track};
 use crate::tracked::{Event, EventKind, Relation, TrackNotice, Tracked};
@@ -317,7 +317,7 @@ impl Memory {
                 if others.contains(&predicted[pixel]) {
                     key = predicted[pixel];
                 }
-                if pixel % width % 2 == 0 && pixel / width % 2 == 0 {
+                if is_looked_at(pixel, width) {
                     pieces.entry(key).or_default().push(pixel);
                 }
             }
@@ -373,7 +373,7 @@ impl Memory {
             let is_there = moves || !look.changed.has(pixel) && look.view.inverse[pixel] > 0.0;
             if is_free && is_there {
                 self.scene.seen[pixel] = key;
-                if pixel % width % 2 == 0 && pixel / width % 2 == 0 {
+                if is_looked_at(pixel, width) {
                     pieces.entry(key).or_default().push(pixel);
                 }
             }
@@ -458,6 +458,7 @@ impl Memory {
             changed: segment.changed,
             of_agent: segment.of_agent,
             at_border: segment.at_border,
+            moves: false,
             reached_by: reached_by.first().copied(),
         }
     }

@@ -75,7 +75,7 @@ impl<'a> Shows<'a> {
 }
 
 /// The pairs of an `IoU` of at least 0.5, of those with one `side` the best. Two of exactly 0.5 are possible: the first counts.
-fn best_pairs<'a>(frame: &'a FrameOverlap, side: impl Fn(&Common) -> usize) -> Vec<&'a Common> {
+fn best_pairs(frame: &FrameOverlap, side: impl Fn(&Common) -> usize) -> Vec<&Common> {
     let mut best: BTreeMap<usize, &Common> = BTreeMap::new();
     for pair in frame.common.iter().filter(|pair| frame.iou(pair) >= SHOWN_IOU) {
         let held = best.entry(side(pair)).or_insert(pair);

@@ -118,14 +118,14 @@ fn confused_video(seed: u64) -> Vec<(Boxes, Boxes)> {
             ids[below(3) as usize] = 20 + below(9) as u16;
         }
         let (mut instances, mut tracks) = (Boxes::new(), Boxes::new());
-        for k in 0..3 {
+        for (k, &id) in ids.iter().enumerate() {
             let first = 13 * k + below(3) as usize;
             if below(7) > 0 {
                 instances.push((k as u16 + 1, first, 9));
             }
-            let is_new = tracks.iter().all(|&(id, ..): &(u16, usize, usize)| id != ids[k]);
+            let is_new = tracks.iter().all(|&(other, ..): &(u16, usize, usize)| other != id);
             if below(6) > 0 && is_new {
-                tracks.push((ids[k], first + below(4) as usize, 5 + below(4) as usize));
+                tracks.push((id, first + below(4) as usize, 5 + below(4) as usize));
             }
         }
         (instances, tracks)

@@ -1,0 +1,79 @@
+//! `objecthood track`, on a synthetic video, and `eval --tracks` on what it says.
+
+#![allow(clippy::unwrap_used, reason = "in a test, an unwrap that fails is the failure report")]
+
+mod common;
+
+use std::collections::BTreeSet;
+
+use common::Folder;
+use serde_json::Value;
+
+fn lines(bytes: &[u8]) -> Vec<Value> {
+    String::from_utf8_lossy(bytes).lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// A folder with the clip `clips/pick1` of 320 x 240 pixels.
+fn pick() -> Folder {
+    let folder = Folder::new();
+    folder.run("synth --out clips --video pick --seed 1 --fps 6 --size 320x240", 0);
+    folder
+}
+
+#[test]
+fn a_video_is_followed_and_scored() {
+    let folder = pick();
+    let run = folder.run("track clips/pick1 --out found/pick1 --write pictures --summary --threads 2", 0);
+    assert!(run.stdout.contains("3 objects") || run.stdout.contains("objects, "), "{}", run.stdout);
+    let files = folder.files("found/pick1");
+    let frames = lines(&files["tracks.jsonl"]);
+    let stems: Vec<String> =
+        files.keys().filter_map(|name| Some(name.strip_prefix("labels/")?.to_owned())).collect();
+    assert_eq!(frames.len(), stems.len());
+    assert_eq!(files.keys().filter(|name| name.starts_with("pictures/")).count(), stems.len());
+    let truth = folder.files("clips/pick1/truth");
+    assert_eq!(stems, truth.into_keys().collect::<Vec<_>>(), "the images are called as those of the video");
+
+    let mut told: BTreeSet<u64> = BTreeSet::new();
+    for (k, (frame, stem)) in frames.iter().zip(&stems).enumerate() {
+        assert_eq!(frame["frame"], k);
+        let ids = |list: &str| -> Vec<u64> {
+            frame[list].as_array().unwrap().iter().map(|object| object["track"].as_u64().unwrap()).collect()
+        };
+        told.extend(ids("objects").into_iter().chain(ids("agents")));
+        let labels = image::load_from_memory(&files[&format!("labels/{stem}")]).unwrap().into_luma16();
+        let seen: BTreeSet<u64> =
+            labels.as_raw().iter().filter(|&&id| id > 0).map(|&id| u64::from(id)).collect();
+        assert!(seen.is_subset(&told), "frame {k}: {seen:?} of {told:?}");
+    }
+    assert_eq!(told, (1..=told.len() as u64).collect(), "numbers have no gaps");
+    for event in lines(&files["events.jsonl"]) {
+        assert!(event["frame"].as_u64().unwrap() < frames.len() as u64, "{event}");
+        assert!(told.contains(&event["object"].as_u64().unwrap()), "{event}");
+    }
+
+    let run = folder.run("eval --tracks found --truth clips --json figures.json", 0);
+    assert!(run.stdout.contains("HOTA") && run.stdout.contains("pick1"), "{}", run.stdout);
+    let figures: Value = serde_json::from_slice(&folder.files(".")["figures.json"]).unwrap();
+    assert!(figures["total"]["idf1"].as_f64().unwrap() > 0.6, "{figures}");
+    assert!(figures["total"]["flicker"].as_f64().unwrap() < 0.01, "{figures}");
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let folder = pick();
+    folder.run("track clips/pick1 --out one --threads 1", 0);
+    folder.run("track clips/pick1 --out two --threads 2", 0);
+    assert!(folder.files("one") == folder.files("two"));
+}
+
+#[test]
+fn mistakes_are_explained() {
+    let folder = Folder::new();
+    let run = folder.run("eval --tracks nowhere --truth .", 2);
+    assert!(run.stderr.contains("clip.json"), "{}", run.stderr);
+    let run = folder.run("track --out out --fps 0 x.pcd", 2);
+    assert!(run.stderr.contains("frames a second"), "{}", run.stderr);
+    let run = folder.run("track nothing.pcd --out out", 1);
+    assert!(run.stderr.contains("nothing.pcd"), "{}", run.stderr);
+}
