@@ -18,11 +18,13 @@ const SHARE: f64 = 0.22;
 const SIGMAS: f64 = 2.5;
 /// Standard deviation of a height (m).
 const HEIGHT_SIGMA_M: f64 = 0.003;
-/// What flies changes and is in no hand.
+/// What flies moves, or changes where it is seen, and is in no hand.
 const LEAST_CHANGED: f64 = 0.35;
 const MOST_OF_AGENT: f64 = 0.5;
 /// It covers at least this (m), so that rest is no flight.
-const LEAST_PATH_M: f64 = 0.02;
+const LEAST_PATH_M: f64 = 0.03;
+/// Its visible size stays within this ratio: else something comes before it, and its mean point with it.
+const MOST_SIZES: usize = 2;
 
 /// An interval of free flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +44,9 @@ pub(crate) struct Flight {
 /// The flights among the samples of a thing, in time. O(samples²).
 pub(crate) fn flights(samples: &[Sample]) -> Vec<Flight> {
     let may_fly = |sample: &Sample| {
-        sample.changed > LEAST_CHANGED && sample.of_agent < MOST_OF_AGENT && !sample.at_border
+        (sample.moves || sample.changed > LEAST_CHANGED)
+            && sample.of_agent < MOST_OF_AGENT
+            && !sample.at_border
     };
     let mut flights = Vec::new();
     let mut start = 0;
@@ -79,6 +83,13 @@ pub(crate) fn flights(samples: &[Sample]) -> Vec<Flight> {
 /// Whether samples are a flight.
 fn fits(samples: &[Sample]) -> Option<Flight> {
     let (first, last) = (samples.first()?, samples.last()?);
+    let sizes = || samples.iter().map(|sample| sample.px);
+    let is_whole = sizes().max()? <= MOST_SIZES * sizes().min()?;
+    // It may begin in a hand, and no one reaches it then.
+    let is_free = samples.iter().skip(1).all(|sample| sample.reached_by.is_none());
+    if !is_whole || !is_free {
+        return None;
+    }
     let n = samples.len() as f64;
     let mean_s = samples.iter().map(|sample| sample.stamp_s).sum::<f64>() / n;
     let times: Vec<f64> = samples.iter().map(|sample| sample.stamp_s - mean_s).collect();

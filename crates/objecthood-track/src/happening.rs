@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
+
 use crate::flight::{Flight, flights};
+use crate::pace::Pace;
 use crate::scene::Key;
 use crate::support::Parent;
 use crate::track::{Rest, Sample, Track};
@@ -14,9 +17,11 @@ const LIFTED_M: f64 = 0.02;
 const OFF_M: f64 = 0.005;
 /// Put down: no motion was found for so long (s).
 const STILL_S: f64 = 0.3;
-/// Displaced by this between rest and rest (m), and first moved by this.
+/// Displaced by this between rest and rest (m), half of it by motions that were found; begun by this.
 const PUSHED_M: f64 = 0.012;
 const BEGUN_M: f64 = 0.003;
+/// Or by this share of that.
+const BEGUN_SHARE: f64 = 0.15;
 /// Compared are positions of things seen nearly as whole (share of pixels).
 const AS_WHOLE: f64 = 0.75;
 /// An agent that reached it so long ago (s) may have moved it.
@@ -91,18 +96,18 @@ impl Happenings {
     }
 
     /// Looks at a track that is seen, after its new sample.
-    pub(crate) fn look(&mut self, key: Key, track: &mut Track) {
+    pub(crate) fn look(&mut self, key: Key, track: &mut Track, up: DVec3, pace: Pace) {
         if track.is_agent_part() {
             return;
         }
         self.begin(key, track);
-        self.lift(key, track);
-        if self.is_lifted(key) && track.is_still_for(STILL_S) {
-            self.end(key, track, false);
+        self.lift(key, track, up);
+        if self.is_lifted(key) && track.is_still_for(STILL_S, pace.frame_s) {
+            self.end(key, track, pace, false);
         }
         if track.rests() {
             self.fly(key, track);
-            self.end(key, track, false);
+            self.end(key, track, pace, false);
             let is_whole = track.rest.is_none_or(|rest| track.last.px as f64 > AS_WHOLE * rest.px as f64);
             if !self.handled.contains_key(&key) && is_whole {
                 track.rest = Some(rest_of(track));
@@ -111,9 +116,9 @@ impl Happenings {
     }
 
     /// The last word on a track: it is gone, or the video ends.
-    pub(crate) fn close(&mut self, key: Key, track: &mut Track) {
+    pub(crate) fn close(&mut self, key: Key, track: &mut Track, pace: Pace) {
         self.fly(key, track);
-        self.end(key, track, true);
+        self.end(key, track, pace, true);
     }
 
     /// Begins to look at a thing that was at rest and moves within an agent's reach.
@@ -136,11 +141,12 @@ impl Happenings {
     }
 
     /// Tells of a lift as soon as it is sure.
-    fn lift(&mut self, key: Key, track: &mut Track) {
+    fn lift(&mut self, key: Key, track: &mut Track, up: DVec3) {
         let Some(handling) = self.handled.get_mut(&key) else { return };
         let before = handling.before;
         // A hand before its lower part only seems to lift it.
-        let climbs = track.climb_m > LIFTED_M / 2.0 || track.last.px as f64 > AS_WHOLE * before.px as f64;
+        let climbs =
+            track.drift.dot(up) > LIFTED_M / 2.0 || track.last.px as f64 > AS_WHOLE * before.px as f64;
         let is_up = |sample: &Sample| {
             climbs
                 && sample.bottom_m - before.bottom_m > LIFTED_M
@@ -182,7 +188,7 @@ impl Happenings {
     }
 
     /// Tells how a handled thing came to rest.
-    fn end(&mut self, key: Key, track: &mut Track, is_last_word: bool) {
+    fn end(&mut self, key: Key, track: &mut Track, pace: Pace, is_last_word: bool) {
         let Some(handling) = self.handled.get(&key) else { return };
         let (before, last) = (handling.before, track.last);
         let is_whole = last.px as f64 >= AS_WHOLE * before.px as f64;
@@ -192,10 +198,18 @@ impl Happenings {
             if !is_free && net > PUSHED_M {
                 return;
             }
-            if is_whole && net > PUSHED_M && track.rest_s > 0.0 && !flew(track, before.frame) {
-                let first = track
-                    .since(before.frame + 1)
-                    .find(|sample| (sample.center - before.center).length() > BEGUN_M);
+            let was_whole = before.px as f64 >= AS_WHOLE * last.px as f64;
+            let is_moved = was_whole && net > PUSHED_M && track.drift.length() > PUSHED_M / 2.0;
+            if is_whole
+                && is_moved
+                && track.is_still_for(STILL_S / 2.0, pace.frame_s)
+                && !flew(track, before.frame)
+            {
+                let begun_m = BEGUN_M.max(BEGUN_SHARE * net);
+                let is_there = |sample: &&Sample| (sample.center - before.center).length() < begun_m;
+                let stayed =
+                    track.samples.iter().rev().find(is_there).map_or(before.frame, |sample| sample.frame);
+                let first = track.since(stayed + 1).next();
                 let first = first.copied().unwrap_or(last);
                 self.told.push(Happening {
                     frame: first.frame,
@@ -213,6 +227,9 @@ impl Happenings {
                 track.note("it was pushed and stayed whole");
             }
             self.handled.remove(&key);
+            if is_whole {
+                track.rest = Some(rest_of(track));
+            }
             return;
         }
         let down = track
@@ -224,7 +241,7 @@ impl Happenings {
             + 1;
         let at = track.since(down).next().copied().unwrap_or(last);
         let was_let_fall = flew(track, handling.begun);
-        if track.is_still_for(STILL_S) && !was_let_fall {
+        if track.is_still_for(STILL_S, pace.frame_s) && !was_let_fall {
             let (kind, other) = match track.votes.winner() {
                 Some((Some(vessel), Relation::In)) => (EventKind::PutIn, Other::Track(vessel)),
                 Some((Some(below), _)) => (EventKind::PlacedOn, Other::Track(below)),
@@ -243,6 +260,7 @@ impl Happenings {
             track.note("it was put down and stayed whole");
         }
         self.handled.remove(&key);
+        track.rest = Some(rest_of(track));
     }
 
     /// Tells of flights since the last look.

@@ -73,8 +73,8 @@ pub(crate) struct Track {
     pub(crate) rest: Option<Rest>,
     /// Path since it was last at rest, and in all (m).
     pub(crate) path_m: f64,
-    /// How far it rose by its motions since it last rested (m).
-    pub(crate) climb_m: f64,
+    /// The sum of its motions since it last rested (m), in the world.
+    pub(crate) drift: DVec3,
     /// Part of an agent when above 3.
     pub(crate) agent_score: i32,
     /// Frames in which a part of an agent was outside of its region.
@@ -116,7 +116,7 @@ impl Track {
             rest_s: 0.0,
             rest: None,
             path_m: 0.0,
-            climb_m: 0.0,
+            drift: DVec3::ZERO,
             agent_score: if segment.of_agent > 0.5 { 4 } else { 0 },
             free_frames: 0,
             votes: Votes::default(),
@@ -152,9 +152,6 @@ impl Track {
             && !self.is_moving
             && segment.of_agent < RESTING_OF_AGENT
             && (step.length() < RESTING_STEP_M || !is_whole || sample.px < 200);
-        if rests {
-            self.climb_m = 0.0;
-        }
         self.rest_s = if rests { self.rest_s + pause_s.min(frame_s * 2.0) } else { 0.0 };
         (self.is_covered, self.hidden_since, self.told_hidden, self.told_left) = (false, None, false, false);
         let sample = Sample { moves: self.is_moving, ..sample };
@@ -194,11 +191,13 @@ impl Track {
         self.rest_s >= KNOWN_S
     }
 
-    /// Whether no motion was found for some time (s).
-    pub(crate) fn is_still_for(&self, seconds: f64) -> bool {
+    /// Whether it was seen for some time (s), and no motion was found.
+    pub(crate) fn is_still_for(&self, seconds: f64, frame_s: f64) -> bool {
         let since_s = self.last.stamp_s - seconds;
         let mut recent = self.samples.iter().rev().take_while(|sample| sample.stamp_s > since_s);
-        self.last.stamp_s - self.first.stamp_s > seconds && recent.all(|sample| !sample.moves)
+        let least = (0.6 * seconds / frame_s) as usize;
+        recent.all(|sample| !sample.moves)
+            && self.samples.iter().filter(|sample| sample.stamp_s > since_s).count() >= least
     }
 
     /// The samples since a frame.

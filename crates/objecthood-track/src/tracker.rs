@@ -428,9 +428,12 @@ impl Memory {
                 if let Some(found) = look.found.objects.get(k) {
                     (track.held_frames, track.objectness) = (0, found.objectness);
                 }
+                if track.rests() && !self.happenings.is_handled(key) {
+                    track.drift = DVec3::ZERO;
+                }
                 if let Some(motion) = track.motion.as_ref().filter(|_| track.is_moving) {
                     let step = center - motion.rigid.inverse().point(center);
-                    track.climb_m += look.place.world_from_camera.direction(step).dot(look.place.up);
+                    track.drift += look.place.world_from_camera.direction(step);
                 }
                 track.see(&look.segments[k], sample, frame_s);
             }
@@ -439,7 +442,7 @@ impl Memory {
         self.compare(look);
         for (&key, track) in &mut self.tracks {
             if track.last.frame == self.frame {
-                self.happenings.look(key, track);
+                self.happenings.look(key, track, look.place.up, self.pace);
             }
         }
         self.tell_partings();
@@ -729,7 +732,7 @@ impl Memory {
 
     fn finish(&mut self) -> Vec<Event> {
         for (&key, track) in &mut self.tracks {
-            self.happenings.close(key, track);
+            self.happenings.close(key, track, self.pace);
         }
         let told = self.happenings.take();
         self.numbers.events(told, &mut self.tracks)
