@@ -44,6 +44,7 @@ fn for_reading(error: &Error) -> Option<String> {
         Error::NoImageSize { .. } => "write --camera fx,fy,cx,cy,width,height".to_owned(),
         Error::NoView { .. } | Error::CameraResidual { .. } => format!("give the camera, {CAMERA}"),
         Error::NotPinhole => format!("convert them to it, or give the camera, {CAMERA}"),
+        Error::NoStamp => "use --frames instead of --time".to_owned(),
         Error::NothingInScope { .. } => "widen --range, --roi or --mask".to_owned(),
         Error::Image(error) => return for_image(error),
         _ => return None,

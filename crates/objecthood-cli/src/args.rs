@@ -5,6 +5,7 @@ mod gravity;
 mod images;
 mod number;
 mod output;
+mod selection;
 mod settings;
 mod synthetic;
 mod track;
@@ -13,6 +14,7 @@ pub(crate) use eval::{ComparisonArgs, EvalArgs, SyntheticArgs};
 pub(crate) use gravity::GravityArg;
 pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
 pub(crate) use output::OutputKind;
+pub(crate) use selection::SelectionArgs;
 pub(crate) use settings::{MethodName, Settings, Threads};
 pub(crate) use synthetic::{DemoArgs, SynthArgs};
 pub(crate) use track::TrackArgs;
@@ -124,6 +126,9 @@ pub(crate) struct FrameArgs {
     /// at rest shows it with its sign changed; or `poses`: from the poses of a TUM folder, whose world has z up. Decides what is the ground.
     #[arg(long, value_name = "X,Y,Z|poses", value_parser = GravityArg::parse)]
     pub(crate) gravity: Option<GravityArg>,
+
+    #[command(flatten)]
+    pub(crate) selection: SelectionArgs,
 
     #[command(flatten)]
     pub(crate) images: ImageArgs,

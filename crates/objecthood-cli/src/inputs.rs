@@ -10,7 +10,7 @@ use std::path::{Component, Path, PathBuf};
 use anyhow::Result;
 use objecthood_io::camera_file::CameraFile;
 use objecthood_io::images::{ImageError, ImageFiles, source_of};
-use objecthood_io::{Capture, Error, FrameRef, Given, Source};
+use objecthood_io::{Capture, Error, FrameRef, Given, Selection, Source};
 
 use crate::advice;
 use crate::args::FrameArgs;
@@ -55,6 +55,20 @@ pub(crate) struct Inputs {
     pub(crate) cameras: Vec<PathBuf>,
 }
 
+impl Inputs {
+    /// The frames of a source; what cannot be read is noted.
+    fn readable(&mut self, source: Source) -> Vec<FrameRef> {
+        let mut frames = Vec::new();
+        for frame in source {
+            match frame {
+                Ok(frame) => frames.push(frame),
+                Err(error) => self.unreadable.push(error.into()),
+            }
+        }
+        frames
+    }
+}
+
 /// Makes the list of frames; `camera` is the one that the command line gives.
 ///
 /// The outputs are named as the frames are: by the stem of the file, or what the names of images of a frame have in
@@ -66,17 +80,20 @@ pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraF
     let given = Given {
         camera: camera.map(|file| file.camera),
         depth_scale: args.images.depth_scale.or(camera.and_then(|file| file.depth_scale)),
+        topics: args.selection.topics.clone(),
         max_pixels: args.images.max_pixels,
     };
+    let selection = args.selection.selection();
     let mut inputs = Inputs::default();
     let (frames, tops) = if args.images.depth.is_empty() {
-        open_all(&args.inputs, &given, &mut inputs)
+        open_all(&args.inputs, &given, &selection, &mut inputs)
     } else {
         let pairs::Pairs { pairs, complaints } = pairs::find(&args.images.color, &args.images.depth)?;
         refuse_unknown_camera_or_unit(&given, &pairs)?;
         inputs.unreadable = complaints;
         let tops = pairs.iter().map(|pair| folder_of(&pair.depth)).collect();
-        (source_of(pairs, given).filter_map(objecthood_io::Result::ok).collect(), tops)
+        let source = source_of(pairs, &given).select(&selection);
+        (inputs.readable(source), tops)
     };
     if args.images.depth_scale.is_some() && !frames.is_empty() && frames.iter().all(FrameRef::is_metric) {
         return Err(usage("--depth-scale is for depth images but only point clouds are named: leave it out"));
@@ -98,7 +115,12 @@ pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraF
 }
 
 /// Opens what is named; the frames, and the folder of each argument in absolute form.
-fn open_all(arguments: &[PathBuf], given: &Given, inputs: &mut Inputs) -> (Vec<FrameRef>, Vec<PathBuf>) {
+fn open_all(
+    arguments: &[PathBuf],
+    given: &Given,
+    selection: &Selection,
+    inputs: &mut Inputs,
+) -> (Vec<FrameRef>, Vec<PathBuf>) {
     let mut frames = Vec::new();
     let mut tops = Vec::new();
     for argument in arguments {
@@ -107,12 +129,7 @@ fn open_all(arguments: &[PathBuf], given: &Given, inputs: &mut Inputs) -> (Vec<F
             Ok(source) => {
                 inputs.notices.extend(source.notices().iter().map(ToString::to_string));
                 inputs.cameras.extend_from_slice(source.shared_files());
-                for frame in source {
-                    match frame {
-                        Ok(frame) => frames.push(frame),
-                        Err(error) => inputs.unreadable.push(error.into()),
-                    }
-                }
+                frames.extend(inputs.readable(source.select(selection)));
             }
             Err(error) => inputs.unreadable.push(error.into()),
         }

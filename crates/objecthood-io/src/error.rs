@@ -182,6 +182,25 @@ pub enum Error {
         /// How far apart two images of a frame may be taken (ms).
         max_apart_ms: i64,
     },
+    /// Text that is no [`FrameRange`](crate::FrameRange).
+    #[error(
+        "`{given}` is not a range of frames: write first..end or first..end:step, counted from 0, for example 10..200:5"
+    )]
+    BadFrameRange {
+        /// What was given.
+        given: String,
+    },
+    /// Text that is no [`TimeRange`](crate::TimeRange).
+    #[error(
+        "`{given}` is not a range of times: write first..end in seconds from the first frame, for example 3.0..8.0"
+    )]
+    BadTimeRange {
+        /// What was given.
+        given: String,
+    },
+    /// A frame without a time where times select.
+    #[error("the frame has no time, so none can be selected by time: select frames by their number")]
+    NoStamp,
     /// Text that is no [`DepthRange`](crate::scope::DepthRange).
     #[error("`{given}` is not a range of depths: write nearest..farthest in metres, for example 0.3..1.5")]
     BadRange {

@@ -31,6 +31,9 @@ const FORMATS: &[Format] = &[pcd::FORMAT, ply::FORMAT, tum::FORMAT];
 pub(crate) enum Format {
     /// A file that holds one point cloud.
     Cloud(CloudFormat),
+    /// A file that holds many frames.
+    #[expect(dead_code, reason = "the formats of recordings land next")]
+    Recording(RecordingFormat),
     /// A folder whose files belong together.
     Folder(FolderFormat),
 }
@@ -47,6 +50,16 @@ pub(crate) struct CloudFormat {
     pub(crate) parse: fn(bytes: &[u8]) -> Result<PointCloud, ContentError>,
 }
 
+/// A file format of recordings.
+pub(crate) struct RecordingFormat {
+    /// Endings of the files that are looked for in a folder, in lower case without the dot.
+    pub(crate) extensions: &'static [&'static str],
+    /// Whether a file that begins with `head`, at most [`HEAD_BYTES`], is of this format.
+    pub(crate) is_mine: fn(head: &[u8]) -> bool,
+    /// Lists the frames of the file. None of them is read, and memory grows with their number alone.
+    pub(crate) open: fn(file: &Path, given: &Given) -> Result<Source>,
+}
+
 /// A layout of folders.
 pub(crate) struct FolderFormat {
     /// Whether a folder has this layout.
@@ -61,7 +74,14 @@ pub(crate) const HEAD_BYTES: usize = 512;
 /// The endings of files that are looked for in folders, in lower case without the dot. A file that is named is read
 /// whatever its ending.
 pub fn extensions() -> impl Iterator<Item = &'static str> {
-    clouds().flat_map(|format| format.extensions).copied()
+    FORMATS
+        .iter()
+        .flat_map(|format| match format {
+            Format::Cloud(format) => format.extensions,
+            Format::Recording(format) => format.extensions,
+            Format::Folder(_) => &[],
+        })
+        .copied()
 }
 
 /// Reads the content of a file that holds one frame.
@@ -87,11 +107,20 @@ pub(crate) fn tell(head: &[u8]) -> Result<&'static CloudFormat> {
     mine.ok_or_else(|| Error::UnknownFormat { looks_like: Unread::tell(head) })
 }
 
+/// The format of the recording that begins with `head`, if it is one.
+pub(crate) fn tell_recording(head: &[u8]) -> Option<&'static RecordingFormat> {
+    let recordings = FORMATS.iter().filter_map(|format| match format {
+        Format::Recording(format) => Some(format),
+        Format::Cloud(_) | Format::Folder(_) => None,
+    });
+    recordings.into_iter().find(|format| (format.is_mine)(head))
+}
+
 /// The layout of a folder, if it has one.
 pub(crate) fn tell_folder(folder: &Path) -> Option<&'static FolderFormat> {
     let folders = FORMATS.iter().filter_map(|format| match format {
         Format::Folder(format) => Some(format),
-        Format::Cloud(_) => None,
+        Format::Cloud(_) | Format::Recording(_) => None,
     });
     folders.into_iter().find(|format| (format.is_mine)(folder))
 }
@@ -99,7 +128,7 @@ pub(crate) fn tell_folder(folder: &Path) -> Option<&'static FolderFormat> {
 fn clouds() -> impl Iterator<Item = &'static CloudFormat> {
     FORMATS.iter().filter_map(|format| match format {
         Format::Cloud(format) => Some(format),
-        Format::Folder(_) => None,
+        Format::Folder(_) | Format::Recording(_) => None,
     })
 }
 

@@ -59,17 +59,17 @@ impl ImageFiles {
 }
 
 /// Frames in image files, all read in the same way. No file is opened before its frame is read.
-pub fn source_of(frames: Vec<ImageFiles>, given: Given) -> Source {
+pub fn source_of(frames: Vec<ImageFiles>, given: &Given) -> Source {
     Source::listed(frames.into_iter().map(|files| frame_of(files, given, Said::default())).collect())
 }
 
 /// A frame in image files; what is `said` holds where nothing is given.
-pub(crate) fn frame_of(files: ImageFiles, given: Given, said: Said) -> FrameRef {
+pub(crate) fn frame_of(files: ImageFiles, given: &Given, said: Said) -> FrameRef {
     let ImageFiles { color, depth, name } = files;
     let known = Given {
         camera: given.camera.or(said.camera),
         depth_scale: given.depth_scale.or(said.depth_scale),
-        max_pixels: given.max_pixels,
+        ..given.clone()
     };
     let (color_path, depth_path) = (color.clone(), depth.clone());
     let load = move || {
@@ -77,7 +77,7 @@ pub(crate) fn frame_of(files: ImageFiles, given: Given, said: Said) -> FrameRef 
         Ok(Capture { said, ..capture })
     };
     let load = Arc::new(load);
-    FrameRef { path: depth, name, color, stamp_ns: None, pose: None, is_metric: false, load }
+    FrameRef { color, is_metric: false, ..FrameRef::new(depth, name, load) }
 }
 
 /// Reads a depth image and the colour image registered to it.

@@ -54,4 +54,4 @@ pub use error::{Error, Result};
 pub use formats::{decode, extensions};
 pub use given::{DEFAULT_MAX_PIXELS, Given};
 pub use organize::{CameraFit, GridCamera, PointList};
-pub use source::{FrameRef, Notice, Source, open_frame};
+pub use source::{FrameRange, FrameRef, Notice, Selection, Source, TimeRange, open_frame};

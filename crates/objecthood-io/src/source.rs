@@ -1,13 +1,15 @@
-//! Where frames come from: a file, a folder or images.
+//! Where frames come from: a file, a recording, a folder or images.
 
 mod file;
 mod folder;
 mod frame_ref;
+mod selection;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 pub use frame_ref::FrameRef;
+pub use selection::{FrameRange, Selection, TimeRange};
 
 use crate::capture::Capture;
 use crate::error::{Error, Result};
@@ -41,22 +43,43 @@ impl Source {
     /// what is wrong with the folder.
     pub fn open(path: &Path, given: &Given) -> Result<Self> {
         if !path.is_dir() {
-            return file::open(path, given).map(|frame| Self::listed(vec![frame]));
+            return file::open(path, given);
         }
         if let Some(format) = tell_folder(path) {
             return (format.open)(path, given);
         }
-        let mut found = folder::search(path, *given).peekable();
+        let mut found = folder::search(path, given).peekable();
         if found.peek().is_none() {
             return Err(Error::NoFrames.at(path));
         }
-        Ok(Self { frames: Box::new(found), shared_files: Vec::new(), notices: Vec::new() })
+        Ok(Self::of(found))
     }
 
     /// A list of frames.
     pub(crate) fn listed(frames: Vec<FrameRef>) -> Self {
-        let frames = Box::new(frames.into_iter().map(Ok));
-        Self { frames, shared_files: Vec::new(), notices: Vec::new() }
+        Self::of(frames.into_iter().map(Ok))
+    }
+
+    /// A source of which nothing can be read.
+    pub(crate) fn failed(error: Error) -> Self {
+        Self::of(std::iter::once(Err(error)))
+    }
+
+    /// Frames in their order; each gets its number.
+    fn of(frames: impl Iterator<Item = Result<FrameRef>> + Send + 'static) -> Self {
+        let numbered =
+            |(number, frame): (usize, Result<FrameRef>)| frame.map(|frame| FrameRef { number, ..frame });
+        Self {
+            frames: Box::new(frames.enumerate().map(numbered)),
+            shared_files: Vec::new(),
+            notices: Vec::new(),
+        }
+    }
+
+    /// The frames of it that are selected.
+    #[must_use]
+    pub fn select(self, selection: &Selection) -> Self {
+        Self { frames: selection.of(self.frames), ..self }
     }
 
     /// The same source, and the files that all its frames share.
@@ -265,7 +288,7 @@ mod tests {
     #[test]
     fn a_list_is_counted_and_what_is_skipped_is_not_read() {
         let images = (0..10).map(|k| images::ImageFiles::new(None, format!("{k}.png").into())).collect();
-        let mut source = images::source_of(images, Given::default());
+        let mut source = images::source_of(images, &Given::default());
         assert_eq!(source.frame_count(), Some(10));
         // None of these files is there.
         assert_eq!(source.nth(4).unwrap().unwrap().name(), "4");

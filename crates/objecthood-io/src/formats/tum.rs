@@ -89,7 +89,7 @@ fn open(folder: &Path, given: &Given) -> Result<Source> {
         let (color, depth): (&Timed<_>, &Timed<_>) = (&color[c], &depth[d]);
         let files = ImageFiles::new(Some(folder.join(&color.what)), folder.join(&depth.what));
         let pose = pose_at(&poses, depth.time_us);
-        FrameRef { stamp_ns: Some(1000 * depth.time_us), pose, ..frame_of(files, *given, said) }
+        FrameRef { stamp_ns: Some(1000 * depth.time_us), pose, ..frame_of(files, given, said) }
     };
     let frames = pairs.into_iter().map(frame).collect();
     Ok(Source::listed(frames).with_shared_files(vec![camera_path]).with_notices(notices))

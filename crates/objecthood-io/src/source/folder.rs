@@ -4,20 +4,20 @@ use std::path::Path;
 
 use walkdir::{DirEntry, WalkDir};
 
-use super::{FrameRef, file};
+use super::{FrameRef, Source, file};
 use crate::error::{Error, Result};
 use crate::formats::extensions;
 use crate::given::Given;
 use crate::natural;
 
 /// The frames in a folder and those below it, in natural order. Each file is opened when its turn comes.
-pub(super) fn search(folder: &Path, given: Given) -> impl Iterator<Item = Result<FrameRef>> + Send + use<> {
-    let searched = folder.to_owned();
+pub(super) fn search(folder: &Path, given: &Given) -> impl Iterator<Item = Result<FrameRef>> + Send + use<> {
+    let (searched, given) = (folder.to_owned(), given.clone());
     let entries = WalkDir::new(folder).sort_by(|a, b| natural::compare(a.file_name(), b.file_name()));
-    entries.into_iter().filter_map(move |entry| match entry {
-        Ok(entry) if is_frame(&entry) => Some(file::open(entry.path(), &given)),
-        Ok(_) => None,
-        Err(error) => Some(Err(said_of_folder(error, &searched))),
+    entries.into_iter().flat_map(move |entry| match entry {
+        Ok(entry) if is_frame(&entry) => file::open(entry.path(), &given).unwrap_or_else(Source::failed),
+        Ok(_) => Source::listed(Vec::new()),
+        Err(error) => Source::failed(said_of_folder(error, &searched)),
     })
 }
 

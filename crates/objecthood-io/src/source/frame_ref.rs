@@ -15,6 +15,8 @@ pub struct FrameRef {
     pub(crate) path: PathBuf,
     /// See [`FrameRef::name`].
     pub(crate) name: OsString,
+    /// See [`FrameRef::number`].
+    pub(crate) number: usize,
     /// The colour image, where it is a file of its own.
     pub(crate) color: Option<PathBuf>,
     /// See [`FrameRef::stamp_ns`].
@@ -28,6 +30,15 @@ pub struct FrameRef {
 }
 
 impl FrameRef {
+    /// A frame of which only the file tells more; it is in metres.
+    pub(crate) fn new(
+        path: PathBuf,
+        name: OsString,
+        load: Arc<dyn Fn() -> Result<Capture> + Send + Sync>,
+    ) -> Self {
+        Self { path, name, number: 0, color: None, stamp_ns: None, pose: None, is_metric: true, load }
+    }
+
     /// The file by which a user knows the frame: of a depth and a colour image that of the depth.
     pub fn path(&self) -> &Path {
         &self.path
@@ -38,12 +49,18 @@ impl FrameRef {
         &self.name
     }
 
+    /// Its place in the source as it was opened, from 0, whatever is selected of it.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
     /// The files of this frame alone.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.color.as_deref().into_iter().chain([self.path.as_path()])
     }
 
-    /// When the depth was measured, as in [`Capture::stamp_ns`].
+    /// When the depth was measured, as far as that is known before the frame is read: of recordings it is when the frame was
+    /// recorded, and [`Capture::stamp_ns`] is more exact.
     pub fn stamp_ns(&self) -> Option<i64> {
         self.stamp_ns
     }
@@ -59,8 +76,8 @@ impl FrameRef {
     /// [`Error::At`](crate::Error::At) the file that is wrong: it cannot be read, or what is wrong with its content.
     pub fn read(&self) -> Result<Capture> {
         let capture = (self.load)()?;
-        // What the folder says comes first; else what the file itself says.
-        let (stamp_ns, pose) = (self.stamp_ns.or(capture.stamp_ns), self.pose.or(capture.pose));
+        // The folder knows the pose; a message knows its own time better than the recording.
+        let (stamp_ns, pose) = (capture.stamp_ns.or(self.stamp_ns), self.pose.or(capture.pose));
         Ok(Capture { name: self.name.clone(), stamp_ns, pose, ..capture })
     }
 }
