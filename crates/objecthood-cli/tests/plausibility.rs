@@ -259,7 +259,10 @@ fn nothing_is_doubted_about_real_frames() {
     };
     let stills = |set: &str, numbers: std::ops::RangeInclusive<u32>, given: Given| {
         let path = |number, what| data.join("stills").join(set).join(format!("{number:06}-{what}.png"));
-        source_of(numbers.map(|k| ImageFiles::new(Some(path(k, "color")), path(k, "depth"))).collect(), &given)
+        source_of(
+            numbers.map(|k| ImageFiles::new(Some(path(k, "color")), path(k, "depth"))).collect(),
+            &given,
+        )
     };
     let open = |path: &str| Source::open(&data.join(path), &Given::default()).unwrap();
     let tabletop = camera_file::open(&data.join("stills/tabletop-clutter/camera_params.json")).unwrap();

@@ -26,6 +26,8 @@ const BEGUN_SHARE: f64 = 0.15;
 const AS_WHOLE: f64 = 0.75;
 /// An agent that reached it so long ago (s) may have moved it.
 const REACHED_S: f64 = 0.33;
+/// What rested so long (s) is not being pushed, even by an agent that still touches it.
+const UNTOUCHED_S: f64 = 0.6;
 /// Flights with less between them (s) are bounces of one.
 const BOUNCE_S: f64 = 0.34;
 /// A fall goes down by more than this (m), and up by less.
@@ -189,78 +191,22 @@ impl Happenings {
 
     /// Tells how a handled thing came to rest.
     fn end(&mut self, key: Key, track: &mut Track, pace: Pace, is_last_word: bool) {
-        let Some(handling) = self.handled.get(&key) else { return };
-        let (before, last) = (handling.before, track.last);
-        let is_whole = last.px as f64 >= AS_WHOLE * before.px as f64;
-        if !handling.lifted {
-            let net = (last.center - before.center).length();
-            let is_free = last.reached_by.is_none() || is_last_word || track.rest_s > 0.6;
-            if !is_free && net > PUSHED_M {
+        let Some(handling) = self.handled.get(&key).cloned() else { return };
+        if handling.lifted {
+            self.told.extend(put_down(key, track, &handling, pace));
+            track.rest = Some(rest_of(track));
+        } else {
+            let net_m = (track.last.center - handling.before.center).length();
+            let is_free = track.last.reached_by.is_none() || is_last_word || track.rest_s > UNTOUCHED_S;
+            if !is_free && net_m > PUSHED_M {
                 return;
             }
-            let was_whole = before.px as f64 >= AS_WHOLE * last.px as f64;
-            let is_moved = was_whole && net > PUSHED_M && track.drift.length() > PUSHED_M / 2.0;
-            if is_whole
-                && is_moved
-                && track.is_still_for(STILL_S / 2.0, pace.frame_s)
-                && !flew(track, before.frame)
-            {
-                let begun_m = BEGUN_M.max(BEGUN_SHARE * net);
-                let is_there = |sample: &&Sample| (sample.center - before.center).length() < begun_m;
-                let stayed =
-                    track.samples.iter().rev().find(is_there).map_or(before.frame, |sample| sample.frame);
-                let first = track.since(stayed + 1).next();
-                let first = first.copied().unwrap_or(last);
-                self.told.push(Happening {
-                    frame: first.frame,
-                    time_s: first.stamp_s,
-                    kind: EventKind::Pushed,
-                    object: key,
-                    other: Other::Agent(handling.agent),
-                    span: None,
-                    confidence: 0.8,
-                    evidence: format!(
-                        "displaced by {:.0} mm in reach of the agent, without rising",
-                        1000.0 * net
-                    ),
-                });
-                track.note("it was pushed and stayed whole");
-            }
-            self.handled.remove(&key);
-            if is_whole {
+            self.told.extend(pushed(key, track, &handling, pace));
+            if track.last.px as f64 >= AS_WHOLE * handling.before.px as f64 {
                 track.rest = Some(rest_of(track));
             }
-            return;
-        }
-        let down = track
-            .samples
-            .iter()
-            .rev()
-            .find(|sample| sample.moves)
-            .map_or(before.frame, |sample| sample.frame)
-            + 1;
-        let at = track.since(down).next().copied().unwrap_or(last);
-        let was_let_fall = flew(track, handling.begun);
-        if track.is_still_for(STILL_S, pace.frame_s) && !was_let_fall {
-            let (kind, other) = match track.votes.winner() {
-                Some((Some(vessel), Relation::In)) => (EventKind::PutIn, Other::Track(vessel)),
-                Some((Some(below), _)) => (EventKind::PlacedOn, Other::Track(below)),
-                _ => (EventKind::PlacedOn, Other::Ground),
-            };
-            self.told.push(Happening {
-                frame: at.frame,
-                time_s: at.stamp_s,
-                kind,
-                object: key,
-                other,
-                span: None,
-                confidence: 0.85,
-                evidence: "it rests again after it was lifted".to_owned(),
-            });
-            track.note("it was put down and stayed whole");
         }
         self.handled.remove(&key);
-        track.rest = Some(rest_of(track));
     }
 
     /// Tells of flights since the last look.
@@ -317,6 +263,61 @@ impl Happenings {
         track.note("it flew");
         self.told.extend(told);
     }
+}
+
+/// The push of a thing that was displaced without being lifted.
+fn pushed(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Option<Happening> {
+    let (before, last) = (handling.before, track.last);
+    let net_m = (last.center - before.center).length();
+    let as_whole = |a: usize, b: usize| a as f64 >= AS_WHOLE * b as f64;
+    let is_moved = as_whole(before.px, last.px)
+        && as_whole(last.px, before.px)
+        && net_m > PUSHED_M
+        && track.drift.length() > PUSHED_M / 2.0;
+    if !is_moved || !track.is_still_for(STILL_S / 2.0, pace.frame_s) || flew(track, before.frame) {
+        return None;
+    }
+    let begun_m = BEGUN_M.max(BEGUN_SHARE * net_m);
+    let is_there = |sample: &&Sample| (sample.center - before.center).length() < begun_m;
+    let stayed = track.samples.iter().rev().find(is_there).map_or(before.frame, |sample| sample.frame);
+    let first = track.since(stayed + 1).next().copied().unwrap_or(last);
+    track.note("it was pushed and stayed whole");
+    Some(Happening {
+        frame: first.frame,
+        time_s: first.stamp_s,
+        kind: EventKind::Pushed,
+        object: key,
+        other: Other::Agent(handling.agent),
+        span: None,
+        confidence: 0.8,
+        evidence: format!("displaced by {:.0} mm in reach of the agent, without rising", 1000.0 * net_m),
+    })
+}
+
+/// How a thing that was lifted came to rest, unless it was let fall.
+fn put_down(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Option<Happening> {
+    if !track.is_still_for(STILL_S, pace.frame_s) || flew(track, handling.begun) {
+        return None;
+    }
+    let moved = track.samples.iter().rev().find(|sample| sample.moves);
+    let down = moved.map_or(handling.before.frame, |sample| sample.frame) + 1;
+    let at = track.since(down).next().copied().unwrap_or(track.last);
+    let (kind, other) = match track.votes.winner() {
+        Some((Some(vessel), Relation::In)) => (EventKind::PutIn, Other::Track(vessel)),
+        Some((Some(below), _)) => (EventKind::PlacedOn, Other::Track(below)),
+        _ => (EventKind::PlacedOn, Other::Ground),
+    };
+    track.note("it was put down and stayed whole");
+    Some(Happening {
+        frame: at.frame,
+        time_s: at.stamp_s,
+        kind,
+        object: key,
+        other,
+        span: None,
+        confidence: 0.85,
+        evidence: "it rests again after it was lifted".to_owned(),
+    })
 }
 
 /// Whether a track was in flight since a frame, as far as was analysed.

@@ -14,7 +14,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Tracker`] is the only type of objecthood that remembers earlier frames. Its steps, in their order (`tracker.rs` has them on a screen):
+//! [`Tracker`] is the only type of objecthood that remembers earlier frames. Its steps, in their order (`memory.rs` has them on a screen):
 //!
 //! | file | task |
 //! |---|---|
@@ -22,8 +22,10 @@
 //! | `scene.rs` | what is remembered of every pixel: where the frame changed, labels steadied at rest |
 //! | `agent.rs` | hands and people: what is nearer than the rested scene and stays connected to the border of the image |
 //! | `predict.rs` | the motion of every object, and where it should be seen |
-//! | `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
-//! | `knowledge.rs` | what motion proved: parts that are one, things that are not |
+//! | `identify.rs`, `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
+//! | `seen.rs` | which track is seen at each pixel; known things that no segment shows are held |
+//! | `observe.rs`, `missing.rs` | tracks that are seen, and tracks that are not |
+//! | `parts.rs`, `knowledge.rs` | what motion proved: parts that are one, things that are not |
 //! | `support.rs` | what holds what, over time |
 //! | `flight.rs`, `happening.rs` | free flight, and what happened: pure functions of where things were |
 //! | `output.rs` | numbers, labels and states |
@@ -37,13 +39,19 @@ mod camera;
 mod error;
 mod flight;
 mod happening;
+mod identify;
 mod knowledge;
 mod look;
+mod memory;
+mod missing;
+mod observe;
 mod output;
 mod pace;
+mod parts;
 mod predict;
 mod rigid;
 mod scene;
+mod seen;
 mod segment;
 mod support;
 mod track;

@@ -6,13 +6,13 @@ use objecthood::{PixelBox, Raster};
 
 use crate::bits::Bits;
 use crate::happening::{Happening, Other};
+use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::track::Track;
 use crate::tracked::{
     Event, LostTrack, MotionEstimate, SeenAgent, SupportRelation, TrackId, TrackNotice, TrackState, Tracked,
     TrackedObject,
 };
-use crate::tracker::{Look, Memory};
 
 /// A track is shown when it has so many pixels (at VGA size).
 const SHOWN_PX: f64 = 100.0;

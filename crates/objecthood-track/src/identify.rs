@@ -1,0 +1,110 @@
+//! Which track each segment shows, and which segments show new ones.
+
+use objecthood::Discovery;
+
+use crate::associate::{Overlap, associate};
+use crate::bits::Bits;
+use crate::camera::Place;
+use crate::memory::{Look, Memory};
+use crate::scene::Key;
+use crate::segment::{Measure, Segment, labels, segments};
+use crate::track::Track;
+use crate::view::View;
+
+impl Memory {
+    /// Which track each segment shows; writes the tracks that are seen to the scene.
+    pub(crate) fn identify<'a>(
+        &mut self,
+        found: &'a Discovery,
+        view: &'a View,
+        changed: &'a Bits,
+        place: Place,
+        predicted: &[Key],
+    ) -> Look<'a> {
+        let measure = Measure { view, changed, agents: &self.agents, place: &place };
+        let (labels, count) = labels(found, view, &self.scene, &self.agents);
+        let segments = segments(&labels, count, &measure);
+        let overlap = self.overlap(&labels, view, predicted);
+        let tracks_of = associate(&segments, &self.tracks, &overlap, self.stamp_s, self.pace);
+        let mut keys = Vec::new();
+        let mut fresh = Vec::new();
+        for (k, segment) in segments.iter().enumerate() {
+            let whole = tracks_of[k].or_else(|| self.fragment_of(k, segment, &overlap, &tracks_of));
+            keys.push(whole.unwrap_or_else(|| {
+                fresh.push((k, self.next));
+                self.next += 1;
+                self.next - 1
+            }));
+        }
+        for &(k, key) in &fresh {
+            let sample = self.sample(&segments[k], &[]);
+            let mut track = Track::new(&segments[k], sample, self.frame == 0);
+            let parent = self.came_off(k, &overlap);
+            if let Some(parent) = parent {
+                track.was_there_first = true;
+                track.told_appeared = true;
+                track.came_off = Some(parent);
+            }
+            self.tracks.insert(key, track);
+        }
+        let mut look = Look { found, labels, view, changed, place, segments, keys };
+        self.write_seen(&mut look, predicted, &overlap);
+        look
+    }
+
+    /// Counts the pixels that segments and predicted masks have in common.
+    fn overlap(&self, labels: &[u16], view: &View, predicted: &[Key]) -> Overlap {
+        let mut overlap = Overlap::default();
+        let mut run: (Key, u16, usize, usize) = (0, 0, 0, 0);
+        let mut flush = |(key, label, px, visible): (Key, u16, usize, usize)| {
+            if key > 0 && px > 0 {
+                *overlap.predicted.entry(key).or_default() += visible;
+                if label > 0 {
+                    *overlap.common.entry((usize::from(label) - 1, key)).or_default() += px;
+                }
+            }
+        };
+        for (pixel, (&key, &label)) in predicted.iter().zip(labels).enumerate() {
+            if (key, label) != (run.0, run.1) {
+                flush(run);
+                run = (key, label, 0, 0);
+            }
+            run.2 += 1;
+            // What stands before the track now hides it there.
+            run.3 += usize::from(key > 0 && (label > 0 || !self.scene.is_covered(view, pixel)));
+        }
+        flush(run);
+        overlap
+    }
+
+    /// The resting track of which a segment without a track of its own is a fragment: most of its pixels belong to it, and it
+    /// shows itself elsewhere too, while an agent stands before it.
+    fn fragment_of(
+        &self,
+        k: usize,
+        segment: &Segment,
+        overlap: &Overlap,
+        tracks_of: &[Option<Key>],
+    ) -> Option<Key> {
+        const MOST_OF_IT: f64 = 0.6;
+        let parts = overlap.common.range((k, 0)..=(k, Key::MAX));
+        let (&(_, key), &common) =
+            parts.max_by_key(|&(&(_, key), &common)| (common, std::cmp::Reverse(key)))?;
+        let track = self.tracks.get(&key)?;
+        let is_part = common as f64 > MOST_OF_IT * segment.px as f64 && segment.changed < 0.5;
+        let is_seen = tracks_of.contains(&Some(key));
+        (is_part && is_seen && track.rest.is_some() && track.rests() && track.last.reached_by.is_some())
+            .then_some(key)
+    }
+
+    /// The track to which most pixels of a fresh segment belonged while it rested.
+    fn came_off(&self, k: usize, overlap: &Overlap) -> Option<Key> {
+        let parts = overlap.common.range((k, 0)..=(k, Key::MAX));
+        let (&(_, key), &common) =
+            parts.max_by_key(|&(&(_, key), &common)| (common, std::cmp::Reverse(key)))?;
+        let is_known =
+            self.tracks.get(&key).is_some_and(|track| track.rest.is_some() && !track.is_agent_part());
+        let predicted = overlap.predicted.get(&key).copied().unwrap_or(0);
+        (is_known && common as f64 > 0.1 * predicted as f64).then_some(key)
+    }
+}

@@ -1,0 +1,136 @@
+//! Tracks that are not seen, and such that are new.
+
+use crate::happening::{Happening, Other};
+use crate::memory::{Look, Memory};
+use crate::scene::Key;
+use crate::track::Track;
+use crate::tracked::EventKind;
+
+/// What is nearer by this (m) than a thing stands before it.
+const BEFORE_M: f64 = 0.02;
+/// A thing is hidden once it was for so long (s).
+const HIDDEN_S: f64 = 0.1;
+/// A thing is gone once it is not seen in so many frames.
+const GONE_FRAMES: u64 = 3;
+/// What was there first, rested, or was seen so often is a thing, not noise.
+const THING_HITS: u32 = 8;
+/// What leaves the image moves faster than this (m/s).
+const LEAVING_M_PER_S: f64 = 0.02;
+
+/// Why a track is not seen.
+struct Absence {
+    /// First frame, and number of frames.
+    since: u64,
+    frames: u64,
+    /// Whether something stands before where it was, and what.
+    is_covered: bool,
+    by: Other,
+}
+
+impl Memory {
+    /// Tracks that are not seen: what stands before them?
+    pub(crate) fn miss(&mut self, look: &Look<'_>) {
+        let is_missing =
+            |(_, track): &(&Key, &Track)| track.last.frame != self.frame && track.part_of.is_none();
+        let missing: Vec<Key> = self.tracks.iter().filter(is_missing).map(|(&key, _)| key).collect();
+        for key in missing {
+            let absence = self.absence(key, look);
+            self.tell_absence(key, &absence);
+        }
+    }
+
+    /// Why a track is not seen.
+    fn absence(&self, key: Key, look: &Look<'_>) -> Absence {
+        let track = &self.tracks[&key];
+        let since = track.hidden_since.unwrap_or(self.frame);
+        // Where it was, as seen from here.
+        let at = look.place.world_from_camera.inverse().point(track.last.center);
+        let pixel = look.view.pixel_of(at);
+        let is_covered = pixel.is_some_and(|pixel| {
+            let inverse = f64::from(look.view.inverse[pixel]);
+            self.agents.region.has(pixel) || inverse > 0.0 && 1.0 / inverse < at.z - BEFORE_M
+        });
+        let by = pixel.and_then(|pixel| {
+            let agent = self.agents.sure().find(|agent| agent.mask.has(pixel));
+            let key = self.scene.seen[pixel];
+            let thing = (key > 0).then_some(Other::Track(key));
+            agent.map(|agent| Other::Agent(agent.number)).or(thing)
+        });
+        Absence { since, frames: self.frame - since + 1, is_covered, by: by.unwrap_or(Other::Nobody) }
+    }
+
+    /// Tells that a track went behind something or out of the image, once that is sure.
+    fn tell_absence(&mut self, key: Key, absence: &Absence) {
+        let Some(track) = self.tracks.get_mut(&key) else { return };
+        let happening = |frame, time_s, kind, other, evidence: &str| Happening {
+            frame,
+            time_s,
+            kind,
+            object: key,
+            other,
+            span: None,
+            confidence: 0.8,
+            evidence: evidence.to_owned(),
+        };
+        let is_known = track.rest.is_some() && track.rest_s > 0.0 && !track.is_agent_part();
+        let is_hidden = absence.is_covered
+            && !track.told_hidden
+            && is_known
+            && absence.frames as usize >= self.pace.frames(HIDDEN_S)
+            && !self.happenings.is_handled(key);
+        if is_hidden {
+            track.told_hidden = true;
+            let time_s = self.stamp_s - (absence.frames - 1) as f64 * self.pace.frame_s;
+            let evidence = "something nearer stands where it was";
+            let kind = EventKind::Occluded;
+            self.happenings.tell(happening(absence.since, time_s, kind, absence.by, evidence));
+        }
+        let is_thing = track.was_there_first || track.rest.is_some() || track.hits >= THING_HITS;
+        let has_left = track.last.at_border
+            && !track.told_left
+            && is_thing
+            && !track.is_agent_part()
+            && absence.frames >= GONE_FRAMES
+            && !absence.is_covered
+            && track.velocity.length() > LEAVING_M_PER_S;
+        if has_left {
+            track.told_left = true;
+            let (frame, time_s) = (track.last.frame + 1, track.last.stamp_s + self.pace.frame_s);
+            let evidence = "it moved at the border of the image";
+            self.happenings.tell(happening(frame, time_s, EventKind::Left, Other::Nobody, evidence));
+        }
+        track.hidden_since = Some(absence.since);
+        track.is_covered = absence.is_covered;
+        track.rest_s = if absence.is_covered { track.rest_s } else { 0.0 };
+        if absence.frames == GONE_FRAMES + 1 {
+            self.happenings.fly(key, track);
+        }
+    }
+
+    /// New things that are things of their own came into view.
+    pub(crate) fn tell_appearances(&mut self) {
+        for (&key, track) in &mut self.tracks {
+            let is_new = !track.told_appeared
+                && track.is_confirmed()
+                && !track.is_agent_part()
+                && track.part_of.is_none();
+            let has_settled = track.rest_s > 0.25 || track.seen_to.contains(&"it flew");
+            if is_new && has_settled {
+                track.told_appeared = true;
+                let came = track.samples.iter().take(6).any(|sample| sample.changed > 0.5);
+                if came {
+                    self.happenings.tell(Happening {
+                        frame: track.first.frame,
+                        time_s: track.first.stamp_s,
+                        kind: EventKind::Appeared,
+                        object: key,
+                        other: Other::Nobody,
+                        span: None,
+                        confidence: 0.6,
+                        evidence: "it was not there before, and is a thing of its own".to_owned(),
+                    });
+                }
+            }
+        }
+    }
+}

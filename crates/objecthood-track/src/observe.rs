@@ -1,0 +1,117 @@
+//! Every track that is seen is brought up to date.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use crate::bits::Bits;
+use crate::memory::{Look, Memory};
+use crate::scene::Key;
+use crate::segment::Segment;
+use crate::support::carrier;
+use crate::track::Sample;
+
+/// An agent reaches what is this close to it (px at VGA size).
+const REACH_PX: f64 = 6.0;
+
+impl Memory {
+    /// Brings every track up to date and tells what happened to it.
+    pub(crate) fn observe(&mut self, look: &Look<'_>) {
+        let reach = self.reach(look);
+        for k in 0..look.keys.len() {
+            let key = look.keys[k];
+            if look.keys[..k].contains(&key) {
+                continue;
+            }
+            let sample = self.sample(&look.segments[k], reach.get(&key).map_or(&[][..], Vec::as_slice));
+            let frame_s = self.pace.frame_s;
+            let center = look.segments[k].center_in_camera;
+            if let Some(track) = self.tracks.get_mut(&key)
+                && track.first.frame < self.frame
+            {
+                if let Some(found) = look.found.objects.get(k) {
+                    (track.held_frames, track.objectness) = (0, found.objectness);
+                }
+                if track.rests() && !self.happenings.is_handled(key) {
+                    track.drift = DVec3::ZERO;
+                }
+                if let Some(motion) = track.motion.as_ref().filter(|_| track.is_moving) {
+                    let step = center - motion.rigid.inverse().point(center);
+                    track.drift += look.place.world_from_camera.direction(step);
+                }
+                track.see(&look.segments[k], sample, frame_s);
+            }
+        }
+        self.vote(look);
+        self.compare(look);
+        for (&key, track) in &mut self.tracks {
+            if track.last.frame == self.frame {
+                self.happenings.look(key, track, look.place.up, self.pace);
+            }
+        }
+        self.tell_partings();
+        self.miss(look);
+        self.tell_appearances();
+    }
+
+    pub(crate) fn sample(&self, segment: &Segment, reached_by: &[u32]) -> Sample {
+        Sample {
+            frame: self.frame,
+            stamp_s: self.stamp_s,
+            center: segment.center,
+            height_m: segment.height_m,
+            bottom_m: segment.bottom_m,
+            px: segment.px,
+            changed: segment.changed,
+            of_agent: segment.of_agent,
+            at_border: segment.at_border,
+            moves: false,
+            reached_by: reached_by.first().copied(),
+        }
+    }
+
+    /// The agents that reach each track: they touch it with pixels that belong to no known object.
+    fn reach(&self, look: &Look<'_>) -> BTreeMap<Key, Vec<u32>> {
+        let mut reach: BTreeMap<Key, Vec<u32>> = BTreeMap::new();
+        for agent in self.agents.sure() {
+            let is_object = |pixel: usize| {
+                let key = self.scene.seen[pixel];
+                key > 0
+                    && self
+                        .tracks
+                        .get(&key)
+                        .is_some_and(|track| track.rest.is_some() && !track.is_agent_part())
+            };
+            let mut own = agent.mask.clone();
+            own.remove(&Bits::of(look.view.size, is_object));
+            let near = own.dilated(look.view.length_px(REACH_PX));
+            for pixel in near.pixels() {
+                let key = self.scene.seen[pixel];
+                if key > 0 && !own.has(pixel) {
+                    let agents = reach.entry(key).or_default();
+                    if !agents.contains(&agent.number) {
+                        agents.push(agent.number);
+                    }
+                }
+            }
+        }
+        reach
+    }
+
+    /// What holds each track in this frame.
+    fn vote(&mut self, look: &Look<'_>) {
+        let objects = look.found.objects.len();
+        for k in 0..objects {
+            let key = look.keys[k];
+            let Some((parent, relation)) = carrier(look.found, k) else { continue };
+            let parent = parent.and_then(|id| look.found.objects.iter().position(|object| object.id == id));
+            let parent = parent.map(|p| self.root(look.keys[p])).filter(|&p| p != key);
+            let parent = parent.filter(|p| self.tracks.get(p).is_some_and(|track| !track.is_agent_part()));
+            if let Some(track) = self.tracks.get_mut(&key)
+                && !track.is_moving
+            {
+                track.votes.add(parent, relation);
+            }
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Tracks that turn out to be parts of one, and such that come apart.
+
+use std::collections::BTreeSet;
+
+use glam::DVec3;
+
+use crate::happening::{Happening, Other};
+use crate::memory::{Look, Memory};
+use crate::scene::Key;
+use crate::track::Track;
+use crate::tracked::EventKind;
+
+/// Tracks touch when they are this close (px at VGA size).
+const TOUCH_PX: f64 = 3.0;
+
+impl Memory {
+    /// Learns from tracks that touch.
+    pub(crate) fn compare(&mut self, look: &Look<'_>) {
+        let (width, height) = look.view.size;
+        let reach = look.view.length_px(TOUCH_PX);
+        let mut touching = BTreeSet::new();
+        for v in 0..height {
+            for u in 0..width {
+                let pixel = v * width + u;
+                let key = self.scene.seen[pixel];
+                if key == 0 {
+                    continue;
+                }
+                let right = (u + reach < width).then(|| pixel + reach);
+                let below = (v + reach < height).then(|| pixel + reach * width);
+                for other in [right, below].into_iter().flatten().map(|at| self.scene.seen[at]) {
+                    if other > 0 && other != key {
+                        touching.insert((key.min(other), key.max(other)));
+                    }
+                }
+            }
+        }
+        for (a, b) in self.knowledge.learn(&touching, &self.tracks) {
+            self.join(a, b, false);
+        }
+        self.touched = touching;
+    }
+
+    /// Two tracks turned out to be one: the one with more pixels goes on.
+    pub(crate) fn join(&mut self, owner: Key, part: Key, is_event: bool) {
+        let id = self.tracks[&owner].id.zip(self.tracks[&part].id);
+        let (keeper, other) = match id {
+            Some((a, b)) if b < a && !is_event => (part, owner),
+            _ => (owner, part),
+        };
+        if let Some(track) = self.tracks.get_mut(&other) {
+            track.part_of = Some(keeper);
+        }
+        if is_event {
+            self.happenings.tell(Happening {
+                frame: self.frame,
+                time_s: self.stamp_s,
+                kind: EventKind::Merged,
+                object: owner,
+                other: Other::Track(part),
+                span: None,
+                confidence: 0.9,
+                evidence: "what stood before it is gone, and both parts are one surface".to_owned(),
+            });
+        } else if let Some(track) = self.tracks.get_mut(&keeper) {
+            track.note("its parts moved as one");
+        }
+    }
+
+    /// What came off another thing and moved against it was one with it before.
+    pub(crate) fn tell_partings(&mut self) {
+        const PARTED_M: f64 = 0.005;
+        const SEEN_LATE_S: f64 = 0.2;
+        let mut parted = Vec::new();
+        for (&key, track) in &self.tracks {
+            let Some(from) = track.came_off else { continue };
+            let Some(other) = self.tracks.get(&from) else { continue };
+            if track.last.frame != self.frame
+                || other.last.frame != self.frame
+                || !track.is_confirmed()
+                || track.is_agent_part()
+            {
+                continue;
+            }
+            let moved = |track: &Track, since: DVec3| (track.last.center - since).length();
+            let (own, others) = (
+                moved(track, track.first.center),
+                other
+                    .samples
+                    .iter()
+                    .find(|s| s.frame >= track.first.frame)
+                    .map_or(0.0, |s| moved(other, s.center)),
+            );
+            if own.max(others) > PARTED_M
+                && (own - others).abs() > PARTED_M
+                && (track.is_moving || other.is_moving || track.rests())
+            {
+                parted.push((key, from, own > others));
+            }
+        }
+        for (key, from, own_moved) in parted {
+            let track = &self.tracks[&key];
+            // The parts may have moved for a while before the frame showed them as two.
+            let rested = self.tracks.get(&from).and_then(|other| other.rest).map_or(0, |rest| rest.frame + 1);
+            let early = track.first.frame.saturating_sub(self.pace.frames(SEEN_LATE_S) as u64);
+            let frame = rested.clamp(early, track.first.frame);
+            let time_s = track.first.stamp_s - (track.first.frame - frame) as f64 * self.pace.frame_s;
+            let (object, other) = if own_moved { (key, from) } else { (from, key) };
+            self.knowledge.part(key, from);
+            self.happenings.tell(Happening {
+                frame,
+                time_s,
+                kind: EventKind::Split,
+                object,
+                other: Other::Track(other),
+                span: None,
+                confidence: 0.8,
+                evidence: "one moved against the other".to_owned(),
+            });
+            if let Some(track) = self.tracks.get_mut(&key) {
+                track.came_off = None;
+            }
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Which track is seen at each pixel.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::associate::Overlap;
+use crate::memory::{Look, Memory};
+use crate::scene::Key;
+use crate::segment::{Measure, is_looked_at};
+use crate::track::Track;
+
+/// What no segment shows is held when its motion fits so well, or while it rests, so long (s).
+const HELD_FIT: f64 = 0.5;
+const HELD_S: f64 = 1.0;
+/// Pieces of fewer pixels, of those that are looked at, are none.
+const LEAST_PIECE: usize = 8;
+
+impl Memory {
+    /// Writes which track is seen at each pixel. A segment that holds several tracks which were seen to move apart is parted by where they
+    /// should be.
+    pub(crate) fn write_seen(&mut self, look: &mut Look<'_>, predicted: &[Key], overlap: &Overlap) {
+        let parted = self.parted(&look.keys, overlap);
+        let mut pieces: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
+        let width = look.view.size.0;
+        for (pixel, &label) in look.labels.iter().enumerate() {
+            let Some(k) = usize::from(label).checked_sub(1) else {
+                self.scene.seen[pixel] = 0;
+                continue;
+            };
+            let mut key = look.keys[k];
+            if let Some(others) = parted.get(&k) {
+                if others.contains(&predicted[pixel]) {
+                    key = predicted[pixel];
+                }
+                if is_looked_at(pixel, width) {
+                    pieces.entry(key).or_default().push(pixel);
+                }
+            }
+            self.scene.seen[pixel] = key;
+        }
+        self.hold(look, predicted, overlap, &mut pieces);
+        self.measure_pieces(look, pieces);
+    }
+
+    /// The tracks, beside its own, that each segment holds and that are to be kept apart; joins those that turn out to be one with it.
+    fn parted(&mut self, keys: &[Key], overlap: &Overlap) -> BTreeMap<usize, BTreeSet<Key>> {
+        let mut parted = BTreeMap::new();
+        for (k, &owner) in keys.iter().enumerate() {
+            let is_seen = |key: Key| keys.contains(&key);
+            let (apart, one) = self.knowledge.held(k, owner, overlap, &self.tracks, &self.touched, is_seen);
+            if !apart.is_empty() {
+                parted.insert(k, apart.into_iter().collect());
+            }
+            for part in one {
+                self.join(owner, part, true);
+            }
+        }
+        parted
+    }
+
+    /// Pieces of segments, and what is held without one, are segments of their own.
+    fn measure_pieces(&self, look: &mut Look<'_>, pieces: BTreeMap<Key, Vec<usize>>) {
+        let measure =
+            Measure { view: look.view, changed: look.changed, agents: &self.agents, place: &look.place };
+        for (key, pixels) in pieces.into_iter().filter(|(_, pixels)| pixels.len() > LEAST_PIECE) {
+            let segment = measure.segment(&pixels);
+            match look.keys.iter().position(|&known| known == key) {
+                Some(k) => look.segments[k] = segment,
+                None => {
+                    look.segments.push(segment);
+                    look.keys.push(key);
+                }
+            }
+        }
+    }
+
+    /// Known things that no segment shows stay where their motion, or rest, says that they are, if the depth agrees: what a hand
+    /// carries has no support, so the frame alone may take it for no object.
+    fn hold(
+        &mut self,
+        look: &Look<'_>,
+        predicted: &[Key],
+        overlap: &Overlap,
+        pieces: &mut BTreeMap<Key, Vec<usize>>,
+    ) {
+        let is_held = |key: Key| {
+            let Some(track) = self.tracks.get(&key) else { return false };
+            let is_seen = look.keys.contains(&key);
+            let moves = track.motion.as_ref().is_some_and(|motion| motion.fit > HELD_FIT);
+            let rests = track.rest_s > 0.0 && track.held_frames < self.pace.frames(HELD_S);
+            track.rest.is_some()
+                && !track.is_agent_part()
+                && track.part_of.is_none()
+                && !is_seen
+                && (moves || rests)
+        };
+        let held: BTreeSet<Key> = overlap.predicted.keys().copied().filter(|&key| is_held(key)).collect();
+        if held.is_empty() {
+            return;
+        }
+        let width = look.view.size.0;
+        for (pixel, &key) in predicted.iter().enumerate() {
+            if !held.contains(&key) {
+                continue;
+            }
+            let moves = self.tracks[&key].is_moving;
+            let owner = self.scene.seen[pixel];
+            let is_free = owner == 0 || self.tracks.get(&owner).is_some_and(Track::is_agent_part);
+            let is_there = moves || !look.changed.has(pixel) && look.view.inverse[pixel] > 0.0;
+            if is_free && is_there {
+                self.scene.seen[pixel] = key;
+                if is_looked_at(pixel, width) {
+                    pieces.entry(key).or_default().push(pixel);
+                }
+            }
+        }
+        for key in held {
+            if let Some(track) = self.tracks.get_mut(&key) {
+                track.held_frames += 1;
+            }
+        }
+    }
+}
