@@ -33,6 +33,11 @@ fn for_reading(error: &Error) -> Option<String> {
     const CAMERA: &str = "--camera fx,fy,cx,cy[,width,height] or --camera camera.json";
     let text = match error {
         Error::At { error, .. } => return for_reading(error),
+        Error::UnknownFormat { looks_like: Some(Unread::Matroska) } => {
+            "extract the depth of an Azure Kinect with `ffmpeg -i FILE -map 0:1 -pix_fmt gray16be depth-%06d.png`, and give it by \
+             --depth, --depth-scale 1000 and the --camera of its depth"
+                .to_owned()
+        }
         Error::UnknownFormat { looks_like: Some(Unread::Recording(_)) } => {
             "save its depth and colour as images and give them by --depth and --color".to_owned()
         }

@@ -241,10 +241,12 @@ fn names_are_told_without_what_would_command_the_terminal() {
 fn a_bag_gets_no_advice_about_pcd() {
     let folder = Folder::new();
     for (name, head, kind) in [
-        ("a.bag", &b"#ROSBAG V2.0\nE\0\0\0"[..], "a ROS 1 bag"),
-        ("a.mcap", b"\x89MCAP0\r\n\x01", "an MCAP recording"),
-        ("a.db3", b"SQLite format 3\0", "a ROS 2 bag"),
-        ("a.mkv", b"\x1a\x45\xdf\xa3", "a Matroska video"),
+        (
+            "a.bag",
+            &b"#ROSBAG V1.2\nE\0\0\0"[..],
+            "a ROS 1 bag of version 1: save its depth and colour as images",
+        ),
+        ("a.mkv", b"\x1a\x45\xdf\xa3", "a Matroska video: extract the depth of an Azure Kinect with `ffmpeg"),
     ] {
         folder.write(name, head);
         let run = folder.run(&format!("segment {name} --out out"), 1);
@@ -253,8 +255,24 @@ fn a_bag_gets_no_advice_about_pcd() {
             said.starts_with(&format!("error: {name}: not a file that objecthood reads, but {kind}")),
             "{said}"
         );
-        assert!(said.contains("save its depth and colour as images"), "{said}");
         assert!(!said.to_lowercase().contains("pcd"), "{said}");
+    }
+    for (name, head, problem) in [
+        (
+            "b.bag",
+            &b"#ROSBAG V2.0\nE\0\0\0"[..],
+            "no depth image and no point cloud is in the recording: it is empty",
+        ),
+        (
+            "b.mcap",
+            b"\x89MCAP0\r\n\x01",
+            "no depth image and no point cloud is in the recording: it is empty",
+        ),
+        ("b.db3", b"SQLite format 3\0", "the recording ends in the middle, at byte 16"),
+    ] {
+        folder.write(name, head);
+        let run = folder.run(&format!("segment {name} --out out"), 1);
+        assert!(run.errors()[0].starts_with(&format!("error: {name}: {problem}")), "{}", run.errors()[0]);
     }
 }
 

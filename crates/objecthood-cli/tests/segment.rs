@@ -157,6 +157,20 @@ fn folders_are_searched_below_and_results_come_in_natural_order() {
 }
 
 #[test]
+fn frames_are_selected_by_their_number() {
+    let folder = scenes();
+    let run = folder.run("segment in --out out --write labels --frames 1..:2", 0);
+    assert_eq!(folder.names("out"), ["scene10.labels.png", "scene2.labels.png"], "{}", run.stdout);
+    folder.refuses("segment in --out out --frames 5..2", "`5..2` is not a range of frames: write first..end");
+    folder.refuses("segment in --out out --time soon", "`soon` is not a range of times");
+    let run = folder.run("segment in --out out --time 1..2", 1);
+    assert!(
+        run.errors()[0].contains("the frame has no time")
+            && run.errors()[0].ends_with("use --frames instead of --time")
+    );
+}
+
+#[test]
 fn equal_stems_are_refused_or_kept_apart() {
     let folder = Folder::new();
     for (k, name) in ["left/a.pcd", "right/a.pcd", "right/deep/a.pcd", "right/deep/b.pcd"].iter().enumerate()

@@ -2,8 +2,12 @@
 //!
 //! Formats are told apart by content, never by name. Endings only say which files are looked for in a folder.
 
+mod bag;
+mod db3;
+mod mcap;
 pub mod pcd;
 pub mod ply;
+mod rosbag2;
 pub mod tum;
 mod unread;
 
@@ -19,20 +23,21 @@ use crate::cloud::PointCloud;
 use crate::error::{Error, Result};
 use crate::given::Given;
 use crate::organize::organize;
+use crate::recording::Opener;
 use crate::source::Source;
 
 /// What is wrong with the content of a file; each format has a type of its own.
 pub(crate) type ContentError = Box<dyn StdError + Send + Sync>;
 
 /// Every format of frames.
-const FORMATS: &[Format] = &[pcd::FORMAT, ply::FORMAT, tum::FORMAT];
+const FORMATS: &[Format] =
+    &[pcd::FORMAT, ply::FORMAT, mcap::FORMAT, db3::FORMAT, bag::FORMAT, rosbag2::FORMAT, tum::FORMAT];
 
 /// How frames of a format are found and read.
 pub(crate) enum Format {
     /// A file that holds one point cloud.
     Cloud(CloudFormat),
     /// A file that holds many frames.
-    #[expect(dead_code, reason = "the formats of recordings land next")]
     Recording(RecordingFormat),
     /// A folder whose files belong together.
     Folder(FolderFormat),
@@ -56,8 +61,8 @@ pub(crate) struct RecordingFormat {
     pub(crate) extensions: &'static [&'static str],
     /// Whether a file that begins with `head`, at most [`HEAD_BYTES`], is of this format.
     pub(crate) is_mine: fn(head: &[u8]) -> bool,
-    /// Lists the frames of the file. None of them is read, and memory grows with their number alone.
-    pub(crate) open: fn(file: &Path, given: &Given) -> Result<Source>,
+    /// Lists its messages. None of them is kept, and memory grows with their number alone.
+    pub(crate) log: Opener,
 }
 
 /// A layout of folders.
@@ -104,7 +109,12 @@ pub(crate) fn tell(head: &[u8]) -> Result<&'static CloudFormat> {
         return Err(Error::Empty);
     }
     let mine = clouds().find(|format| (format.is_mine)(head));
-    mine.ok_or_else(|| Error::UnknownFormat { looks_like: Unread::tell(head) })
+    let other = || match tell_recording(head) {
+        // It came by a pipe or from memory.
+        Some(_) => Some(Unread::Recording("a recording, which is read from a file")),
+        None => Unread::tell(head),
+    };
+    mine.ok_or_else(|| Error::UnknownFormat { looks_like: other() })
 }
 
 /// The format of the recording that begins with `head`, if it is one.
@@ -158,9 +168,7 @@ mod tests {
     #[test]
     fn a_recording_is_recognised_and_gets_no_advice_about_pcd() {
         for (head, kind) in [
-            (&b"#ROSBAG V2.0\nE\0\0\0"[..], "a ROS 1 bag"),
-            (b"\x89MCAP0\r\n\x01", "an MCAP recording"),
-            (b"SQLite format 3\0", "a ROS 2 bag (SQLite)"),
+            (&b"#ROSBAG V1.2\nE\0\0\0"[..], "a ROS 1 bag of version 1"),
             (b"\x1a\x45\xdf\xa3", "a Matroska video"),
             (b"\x89PNG\r\n\x1a\n", "an image"),
         ] {

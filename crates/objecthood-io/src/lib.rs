@@ -30,6 +30,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod associate;
 pub mod camera_file;
 mod capture;
 mod cloud;
@@ -43,6 +44,7 @@ pub mod natural;
 pub mod organize;
 pub mod output;
 pub mod point_labels;
+mod recording;
 pub mod scene;
 pub mod scope;
 mod source;
@@ -54,4 +56,5 @@ pub use error::{Error, Result};
 pub use formats::{decode, extensions};
 pub use given::{DEFAULT_MAX_PIXELS, Given};
 pub use organize::{CameraFit, GridCamera, PointList};
+pub use recording::RecordingError;
 pub use source::{FrameRange, FrameRef, Notice, Selection, Source, TimeRange, open_frame};

@@ -162,6 +162,20 @@ pub enum Notice {
         /// How far apart two images of a frame may be taken (ms).
         max_apart_ms: i64,
     },
+    /// A recording whose colour images cannot be used; the frames have depth alone.
+    WithoutColor {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A recording that ends in the middle; the frames before are whole.
+    Cut {
+        /// The file.
+        file: PathBuf,
+        /// Where it ends (bytes).
+        at: u64,
+    },
     /// A file of poses that cannot be used; the frames have none.
     NoPoses(Error),
 }
@@ -173,6 +187,14 @@ impl fmt::Display for Notice {
                 f,
                 "{}: {frames} frames; {color} colour and {depth} depth images have no partner within {max_apart_ms} ms",
                 folder.display()
+            ),
+            Self::WithoutColor { file, reason } => {
+                write!(f, "{}: its colour is left out: {reason}", file.display())
+            }
+            Self::Cut { file, at } => write!(
+                f,
+                "{}: the recording ends in the middle, at byte {at}; the frames before are read",
+                file.display()
             ),
             Self::NoPoses(error) => write!(f, "{error}; the frames have no poses"),
         }

@@ -11,14 +11,13 @@
 //!
 //! Source: Sturm et al., *A benchmark for the evaluation of RGB-D SLAM systems*, IROS 2012.
 
-mod associate;
 mod lists;
 
 use std::path::Path;
 
-use self::associate::associate;
 use self::lists::{Timed, parse_images, parse_poses};
 use super::{FolderFormat, Format};
+use crate::associate::associate;
 use crate::camera_file::{self, CameraFile};
 use crate::capture::{Pose, Said};
 use crate::error::{Error, Result};

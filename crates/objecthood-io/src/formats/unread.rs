@@ -12,22 +12,22 @@ pub enum Unread {
     Image,
     /// A recording of many frames, with the name of its format and its article: `a ROS 1 bag`.
     Recording(&'static str),
+    /// A Matroska file, as the Azure Kinect's recorder writes.
+    Matroska,
 }
 
 impl Unread {
     /// What a file that begins with `head` is, if it is known.
     pub(crate) fn tell(head: &[u8]) -> Option<Self> {
-        const RECORDINGS: [(&[u8], &str); 4] = [
-            (b"#ROSBAG V", "a ROS 1 bag"),
-            (b"\x89MCAP0\r\n", "an MCAP recording"),
-            (b"SQLite format 3\0", "a ROS 2 bag (SQLite)"),
-            (b"\x1a\x45\xdf\xa3", "a Matroska video"),
+        const RECORDINGS: [(&[u8], Unread); 2] = [
+            (b"#ROSBAG V1", Unread::Recording("a ROS 1 bag of version 1")),
+            (b"\x1a\x45\xdf\xa3", Unread::Matroska),
         ];
         if images::is_image(head) {
             return Some(Self::Image);
         }
         let recording = RECORDINGS.iter().find(|(signature, _)| head.starts_with(signature));
-        recording.map(|&(_, name)| Self::Recording(name))
+        recording.map(|&(_, kind)| kind)
     }
 }
 
@@ -36,6 +36,7 @@ impl fmt::Display for Unread {
         f.write_str(match self {
             Self::Image => "an image",
             Self::Recording(name) => name,
+            Self::Matroska => "a Matroska video",
         })
     }
 }

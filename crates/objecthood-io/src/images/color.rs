@@ -7,7 +7,7 @@ use super::picture::{self, Picture, Samples};
 use crate::error::Result;
 
 /// The colours of an image, 8 bits each.
-pub(super) fn decode(bytes: &[u8], max_pixels: usize) -> Result<Raster<[u8; 3]>> {
+pub(crate) fn decode(bytes: &[u8], max_pixels: usize) -> Result<Raster<[u8; 3]>> {
     let Picture { size: (width, height), channels, samples } = picture::decode(bytes, max_pixels)?;
     let colors = match samples {
         Samples::U8(samples) => pixels(&samples, channels, |sample| sample),

@@ -22,18 +22,15 @@ pub(super) fn decode(bytes: &[u8], given: &Given) -> Result<Raster<f32>> {
     if channels > 2 {
         return Err(ImageError::DepthIsColor { channels }.into());
     }
-    let (depth_m, scale): (Vec<f32>, f64) = match samples {
+    let (depth_m, scale) = match samples {
         Samples::U8(_) => return Err(ImageError::DepthEightBit.into()),
         Samples::U16(samples) => {
             let scale = given.depth_scale.ok_or(ImageError::NoDepthScale)?;
-            // Their greatest value stands for what is farther, or for nothing at all.
-            let metres = |raw: u16| if raw == u16::MAX { f32::NAN } else { (f64::from(raw) / scale) as f32 };
-            (samples.into_iter().step_by(channels).map(metres).collect(), scale)
+            (metres_of_units(samples.into_iter().step_by(channels), scale), scale)
         }
         Samples::F32(samples) => {
             let scale = given.depth_scale.unwrap_or(1.0);
-            let metres = |raw: f32| (f64::from(raw) / scale) as f32;
-            (samples.into_iter().step_by(channels).map(metres).collect(), scale)
+            (metres_of_floats(samples.into_iter().step_by(channels), scale), scale)
         }
     };
     if let Some(of_camera) = given.camera.and_then(|camera| camera.size)
@@ -45,8 +42,36 @@ pub(super) fn decode(bytes: &[u8], given: &Given) -> Result<Raster<f32>> {
     Ok(Raster::from_vec(size.0, size.1, depth_m)?)
 }
 
+/// The depth of a 16-bit image, of which a message tells size and unit by `metres`.
+///
+/// # Errors
+/// As [`decode`].
+pub(crate) fn depth_of_image(
+    bytes: &[u8],
+    metres: impl FnOnce(Vec<u16>) -> Vec<f32>,
+    max_pixels: usize,
+) -> Result<Raster<f32>> {
+    let Picture { size, channels, samples } = picture::decode(bytes, max_pixels)?;
+    match samples {
+        Samples::U16(samples) if channels == 1 => Ok(Raster::from_vec(size.0, size.1, metres(samples))?),
+        Samples::U8(_) if channels <= 2 => Err(ImageError::DepthEightBit.into()),
+        _ => Err(ImageError::DepthIsColor { channels }.into()),
+    }
+}
+
+/// Depth (m) of units of which `scale` make a metre. Their greatest value stands for what is farther, or for nothing at all.
+pub(crate) fn metres_of_units(samples: impl IntoIterator<Item = u16>, scale: f64) -> Vec<f32> {
+    let metres = |raw: u16| if raw == u16::MAX { f32::NAN } else { (f64::from(raw) / scale) as f32 };
+    samples.into_iter().map(metres).collect()
+}
+
+/// Depth (m) of floating-point numbers of which `scale` make a metre.
+pub(crate) fn metres_of_floats(samples: impl IntoIterator<Item = f32>, scale: f64) -> Vec<f32> {
+    samples.into_iter().map(|raw| (f64::from(raw) / scale) as f32).collect()
+}
+
 /// Refuses depths of which more than half lie where no depth camera measures.
-fn check_unit(depth_m: &[f32], depth_scale: f64) -> Result<(), ImageError> {
+pub(crate) fn check_unit(depth_m: &[f32], depth_scale: f64) -> Result<(), ImageError> {
     let valid = || depth_m.iter().map(|&z| f64::from(z)).filter(|z| *z > 0.0 && z.is_finite());
     let (mut all, mut near, mut far) = (0_usize, 0_usize, 0_usize);
     for z in valid() {

@@ -9,6 +9,7 @@ use crate::capture::Capture;
 use crate::error::{Error, Result};
 use crate::formats::{decode, read_file, read_head, tell, tell_recording};
 use crate::given::Given;
+use crate::recording;
 
 /// The frames of the file at `path`. Only its head is read, of a recording also the list of its messages, but all of what is no
 /// regular file: a pipe gives its bytes once, so it holds one frame.
@@ -26,7 +27,7 @@ pub(super) fn open(path: &Path, given: &Given) -> Result<Source> {
         File::open(path).map_err(|reason| Error::Read { reason }).and_then(|mut file| read_head(&mut file));
     let head = head.map_err(|e| e.at(path))?;
     if let Some(format) = tell_recording(&head) {
-        return (format.open)(path, given).map_err(|e| e.at(path));
+        return recording::open(path, &[(path.to_owned(), format.log)], given).map_err(|e| e.at(path));
     }
     judge(&head).map_err(|e| e.at(path))?;
     Ok(source(path, move || {

@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 ///
 /// Returns the indices of each pair, in the order of the first list. O(n log n): the two that are nearest are
 /// neighbours when both lists are merged, and when they are taken out their neighbours become neighbours.
-pub(super) fn associate(first: &[i64], second: &[i64], max_apart_us: i64) -> Vec<(usize, usize)> {
+pub(crate) fn associate(first: &[i64], second: &[i64], max_apart_us: i64) -> Vec<(usize, usize)> {
     let of = |list: bool, times: &[i64]| -> Vec<(i64, bool, usize)> {
         times.iter().enumerate().map(|(k, &time)| (time, list, k)).collect()
     };

@@ -1,0 +1,255 @@
+//! ROS 1 bags, version 2.0, among them those of RealSense.
+//!
+//! A file is a row of records, each a header of named fields and data. Messages stand in chunks, which may be packed; behind a
+//! chunk stand lists of its messages, with their times. The file is listed by these, front to back.
+//!
+//! Source: the ROS wiki, *Bags/Format/2.0*.
+
+use std::collections::BTreeMap;
+
+use super::{Format, RecordingFormat};
+use crate::recording::{
+    Bytes, Channel, Entry, Fields, Log, Messages, Packed, Place, Problem, RecordingError, Unpacked, Window,
+    Wire, read,
+};
+
+pub(super) const FORMAT: Format =
+    Format::Recording(RecordingFormat { extensions: &["bag"], is_mine: |head| head.starts_with(MAGIC), log });
+
+const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
+const NAME: &str = "ROS 1";
+
+/// What a record is.
+mod op {
+    pub(super) const MESSAGE: u8 = 0x02;
+    pub(super) const INDEX: u8 = 0x04;
+    pub(super) const CHUNK: u8 = 0x05;
+    pub(super) const CONNECTION: u8 = 0x07;
+}
+
+/// The most bytes of a header, and of the data of a connection: it has the definition of its type.
+const MAX_HEADER: u64 = 1 << 20;
+/// The most bytes of a list of messages: 12 for each.
+const MAX_LIST: u64 = 16 << 20;
+
+fn log(bytes: Box<dyn Bytes>) -> Result<Log, RecordingError> {
+    let mut scan = Scan::default();
+    let cut_at = scan.file(&*bytes)?;
+    let Scan { channels, entries, .. } = scan;
+    Ok(Log { channels, entries, cut_at, messages: Box::new(Bag { bytes, unpacked: Unpacked::default() }) })
+}
+
+/// The head of a record.
+struct Record {
+    header: Vec<u8>,
+    /// Where its data begin and end.
+    at: u64,
+    end: u64,
+}
+
+impl Record {
+    /// The field of this name; none is empty.
+    fn field(&self, name: &[u8]) -> &[u8] {
+        let fields = &mut Fields::packed(&self.header);
+        while let Ok(field) = fields.bytes() {
+            if let Some(value) = field.strip_prefix(name).and_then(|rest| rest.strip_prefix(b"=")) {
+                return value;
+            }
+        }
+        &[]
+    }
+
+    fn op(&self) -> Option<u8> {
+        self.field(b"op").first().copied()
+    }
+
+    fn number(&self, name: &[u8]) -> Result<u32, RecordingError> {
+        let missing = |_: Problem| damaged(self.at, "a record lacks a number");
+        Fields::packed(self.field(name)).u32().map_err(missing)
+    }
+}
+
+/// The record at `at`; `None` when the bytes end before its end.
+fn record(window: &mut Window<'_>, at: u64, len: u64) -> Result<Option<Record>, RecordingError> {
+    let size = |bytes: Option<&[u8]>| bytes.and_then(|bytes| Fields::packed(bytes).u32().ok()).map(u64::from);
+    let Some(header_size) = size(window.get(at, 4)?) else { return Ok(None) };
+    if header_size > MAX_HEADER {
+        return Err(damaged(at, "a record has a header of more than 1 MB"));
+    }
+    let Some(header) = window.get(at + 4, header_size as usize)?.map(<[u8]>::to_vec) else { return Ok(None) };
+    let Some(data_size) = size(window.get(at + 4 + header_size, 4)?) else { return Ok(None) };
+    let at = at + 8 + header_size;
+    Ok((at + data_size <= len).then_some(Record { header, at, end: at + data_size }))
+}
+
+/// The chunk of a record.
+fn packed(record: &Record) -> Result<Packed, RecordingError> {
+    Ok(Packed {
+        compression: record.field(b"compression").to_vec(),
+        at: record.at,
+        packed: record.end - record.at,
+        unpacked: record.number(b"size")?.into(),
+    })
+}
+
+/// What was listed so far.
+#[derive(Default)]
+struct Scan {
+    /// Places in the list of channels by the numbers of the file; `None`: they are not read.
+    numbers: BTreeMap<u32, Option<usize>>,
+    channels: Vec<Channel>,
+    entries: Vec<Entry>,
+}
+
+impl Scan {
+    /// Lists the records of the file. Returns where they end too early, if they do.
+    fn file(&mut self, bytes: &dyn Bytes) -> Result<Option<u64>, RecordingError> {
+        let mut window = Window::new(bytes);
+        let mut at = MAGIC.len() as u64;
+        let mut chunk = None;
+        while at < bytes.len() {
+            let Some(record) = record(&mut window, at, bytes.len())? else { return Ok(Some(at)) };
+            match record.op() {
+                Some(op::CHUNK) => {
+                    let packed = packed(&record)?;
+                    let next = self::record(&mut window, record.end, bytes.len())?;
+                    if next.is_none_or(|next| next.op() != Some(op::INDEX)) {
+                        self.chunk(bytes, at, &packed)?;
+                    }
+                    chunk = Some((at, packed));
+                }
+                Some(op::INDEX) => {
+                    let (at, packed) =
+                        chunk.as_ref().ok_or_else(|| damaged(at, "a list of messages has no chunk"))?;
+                    self.list(bytes, &record, *at, packed)?;
+                }
+                Some(op::CONNECTION) => self.connect(bytes, &record)?,
+                _ => {}
+            }
+            at = record.end;
+        }
+        Ok(None)
+    }
+
+    /// Lists the records of a chunk that has no lists of its messages.
+    fn chunk(&mut self, bytes: &dyn Bytes, at: u64, packed: &Packed) -> Result<(), RecordingError> {
+        let content = packed.unpack(bytes, NAME)?;
+        let mut window = Window::new(&content);
+        let mut inside = 0;
+        while let Some(record) = record(&mut window, inside, content.len() as u64)? {
+            match record.op() {
+                Some(op::CONNECTION) => self.connect(&content, &record)?,
+                Some(op::MESSAGE) => {
+                    let time_ns =
+                        time_ns(record.field(b"time")).map_err(|_| damaged(at, "a message has no time"))?;
+                    if let Some(channel) = self.numbers.get(&record.number(b"conn")?).copied().flatten() {
+                        self.entries.push(Entry { time_ns, channel, place: place(at, packed, inside) });
+                    }
+                }
+                _ => {}
+            }
+            inside = record.end;
+        }
+        Ok(())
+    }
+
+    /// Takes a connection. The first one of a number holds.
+    fn connect(&mut self, bytes: &dyn Bytes, record: &Record) -> Result<(), RecordingError> {
+        let number = record.number(b"conn")?;
+        if self.numbers.contains_key(&number) {
+            return Ok(());
+        }
+        if record.end - record.at > MAX_HEADER {
+            return Err(damaged(record.at, "a connection of more than 1 MB"));
+        }
+        let header = read(bytes, record.at, record.end - record.at)?;
+        let inner = Record { header, at: record.at, end: record.end };
+        let channel = Channel::new(record.field(b"topic"), inner.field(b"type"), Wire::Ros1);
+        self.numbers.insert(number, channel.is_read().then_some(self.channels.len()));
+        self.channels.push(channel);
+        Ok(())
+    }
+
+    /// Takes the list of a chunk's messages of one connection.
+    fn list(
+        &mut self,
+        bytes: &dyn Bytes,
+        record: &Record,
+        at: u64,
+        packed: &Packed,
+    ) -> Result<(), RecordingError> {
+        let number = record.number(b"conn")?;
+        if record.end - record.at > MAX_LIST {
+            return Err(damaged(record.at, "a list of more than a million messages"));
+        }
+        if !self.numbers.contains_key(&number) {
+            self.learn(bytes, packed)?;
+        }
+        let Some(channel) = self.numbers.get(&number).copied().flatten() else { return Ok(()) };
+        let content = read(bytes, record.at, record.end - record.at)?;
+        for entry in content.chunks_exact(12) {
+            let (time, inside) = entry.split_at(8);
+            let wrong = |_: Problem| damaged(record.at, "a list of messages is too short");
+            let (time_ns, inside) =
+                (time_ns(time).map_err(wrong)?, Fields::packed(inside).u32().map_err(wrong)?);
+            self.entries.push(Entry { time_ns, channel, place: place(at, packed, inside.into()) });
+        }
+        Ok(())
+    }
+
+    /// Takes the connections that stand in a chunk.
+    fn learn(&mut self, bytes: &dyn Bytes, packed: &Packed) -> Result<(), RecordingError> {
+        let content = packed.unpack(bytes, NAME)?;
+        let mut window = Window::new(&content);
+        let mut inside = 0;
+        while let Some(record) = record(&mut window, inside, content.len() as u64)? {
+            if record.op() == Some(op::CONNECTION) {
+                self.connect(&content, &record)?;
+            }
+            inside = record.end;
+        }
+        Ok(())
+    }
+}
+
+/// Seconds and nanoseconds.
+fn time_ns(field: &[u8]) -> Result<i64, Problem> {
+    let fields = &mut Fields::packed(field);
+    Ok(i64::from(fields.u32()?) * 1_000_000_000 + i64::from(fields.u32()?))
+}
+
+/// The place of a message `inside` a chunk whose record is at `at`. In a plain chunk it is one of the file.
+fn place(at: u64, packed: &Packed, inside: u64) -> Place {
+    if packed.is_plain() { Place(0, packed.at.saturating_add(inside)) } else { Place(at, inside) }
+}
+
+fn damaged(at: u64, problem: &str) -> RecordingError {
+    RecordingError::Damaged { format: NAME, at, problem: problem.to_owned() }
+}
+
+/// Reads messages.
+struct Bag {
+    bytes: Box<dyn Bytes>,
+    unpacked: Unpacked,
+}
+
+impl Messages for Bag {
+    fn read(&self, Place(chunk, at): Place) -> Result<Vec<u8>, RecordingError> {
+        if chunk == 0 {
+            return message(&*self.bytes, at);
+        }
+        let content = self.unpacked.get(chunk, || {
+            let record = record(&mut Window::new(&*self.bytes), chunk, self.bytes.len())?;
+            packed(&record.ok_or(RecordingError::Cut { at: chunk })?)?.unpack(&*self.bytes, NAME)
+        })?;
+        message(&*content, at)
+    }
+}
+
+/// The data of the message whose record is at `at`.
+fn message(bytes: &dyn Bytes, at: u64) -> Result<Vec<u8>, RecordingError> {
+    match record(&mut Window::new(bytes), at, bytes.len())? {
+        Some(record) if record.op() == Some(op::MESSAGE) => read(bytes, record.at, record.end - record.at),
+        _ => Err(damaged(at, "no message is where its list says")),
+    }
+}
