@@ -1,4 +1,6 @@
-//! The files that are written for a frame, and where they go.
+//! The files that are written, and where they go.
+
+pub(crate) mod run;
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -7,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
 use objecthood::{Discovery, Params};
+use objecthood_io::output::{npz, ply};
 use objecthood_io::scene::SceneFile;
 use objecthood_io::{Capture, label_image, point_labels};
 use objecthood_view::{Recording, overlay, panels, png};
@@ -26,7 +29,7 @@ pub(crate) struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// The names and contents of the files of the frame: each name is `stem` and a suffix.
+    /// The names and contents of the files of the frame alone: each name is `stem` and a suffix.
     ///
     /// # Errors
     /// When the frame has no such form.
@@ -34,6 +37,7 @@ impl Found<'_> {
         let Self { source, capture, params, discovery, recording } = *self;
         let mut files = Vec::new();
         for kind in kinds {
+            let Some(suffix) = kind.suffix() else { continue };
             let bytes = match kind {
                 OutputKind::Labels => label_image::encode(&discovery.labels)?,
                 OutputKind::Points => {
@@ -49,16 +53,22 @@ impl Found<'_> {
                     let Some(recording) = recording else { continue };
                     png(&panels(&capture.frame, recording, discovery))?
                 }
+                OutputKind::Npz => npz::of_discovery(capture, discovery),
+                OutputKind::Ply => ply::of_scene(&capture.frame, discovery),
+                OutputKind::PlyObjects => {
+                    let clouds = discovery.objects.iter().map(|object| object.id.0).map(|id| {
+                        let path = with_suffix(stem, &format!(".object{id}.labels.ply"));
+                        (path, ply::of_object(&capture.frame, discovery, id))
+                    });
+                    files.extend(clouds);
+                    continue;
+                }
+                OutputKind::Coco | OutputKind::Bop | OutputKind::Mcap => continue,
             };
-            files.push((path_of(stem, *kind), bytes));
+            files.push((with_suffix(stem, suffix), bytes));
         }
         Ok(files)
     }
-}
-
-/// Where an output goes.
-pub(crate) fn path_of(stem: &Path, kind: OutputKind) -> PathBuf {
-    with_suffix(stem, kind.suffix())
 }
 
 /// A stem and a suffix: `a.b` -> `a.b.json`, which `Path::with_extension` would make `a.json`.

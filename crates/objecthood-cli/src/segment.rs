@@ -1,12 +1,13 @@
-//! `objecthood segment`: frames -> label images, scene files, panels.
+//! `objecthood segment`: frames -> label images, scene files, panels, and what other programs read.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use objecthood::{Estimates, Object, Observer, Params, Pipeline};
+use objecthood_io::output::bop::{self, ImageId};
 use objecthood_io::scene::notices;
 use objecthood_io::scope::Scope;
 use objecthood_io::{Capture, output};
@@ -15,7 +16,8 @@ use objecthood_view::Recording;
 use crate::args::{CameraArg, OutputKind, SegmentArgs};
 use crate::failure::{Outcome, usage};
 use crate::inputs::{Input, Inputs};
-use crate::outputs::{Found, make_folder, make_folders_of, path_of, refuse_file};
+use crate::outputs::run::{self, Place, RunFiles, Share};
+use crate::outputs::{Found, make_folder, make_folders_of, refuse_file, with_suffix};
 use crate::watch::{Laps, Watch};
 use crate::{config, crew, inputs, terminal};
 
@@ -28,11 +30,19 @@ struct Plan<'a> {
     kinds: BTreeSet<OutputKind>,
 }
 
+/// A frame to be done.
+struct Job<'a> {
+    input: &'a Input,
+    place: Place,
+}
+
 /// A frame that is done.
 struct Done {
     objects: Vec<Object>,
     notices: Vec<String>,
     files: Vec<PathBuf>,
+    /// What it adds to the files of the run.
+    share: Option<Share>,
 }
 
 /// Segments every frame named on the command line.
@@ -49,15 +59,23 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     unreadable.iter().for_each(terminal::error);
     let total = frames.len() + unreadable.len();
 
+    let mut of_run = RunFiles::create(&args.out, &plan.kinds)?;
+    let mut added = Ok(());
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
-    let work = |pipeline: &mut Pipeline, input: &Input| plan.segment(pipeline, input);
-    let reported = crew::report_in_order(frames, args.settings.threads(), &bar, work, |input, done| {
+    let work = |pipeline: &mut Pipeline, job: &Job<'_>| plan.segment(pipeline, job);
+    let reported = crew::report_in_order(&plan.jobs(), args.settings.threads(), &bar, work, |job, done| {
+        let input = job.input;
         for notice in &done.notices {
             terminal::note(&format!("{}: {notice}", input.path.display()));
         }
+        if let (true, Some(share)) = (added.is_ok(), &done.share) {
+            added = of_run.add(share);
+        }
         if total == 1 { in_full(input, &done) } else { in_short(input, &done) }
     })?;
-
+    added?;
+    let paths: String = of_run.finish()?.iter().map(|path| format!("{}\n", path.display())).collect();
+    terminal::print(&paths)?;
     reported.sum_up("frames", unreadable.len())
 }
 
@@ -74,12 +92,26 @@ impl<'a> Plan<'a> {
         Ok(plan)
     }
 
+    /// The frames in their order.
+    fn jobs<'j>(&'j self) -> Vec<Job<'j>> {
+        let frames = &self.inputs.frames;
+        let ids = ImageId::of_frames(frames.iter().map(|input| (input.path.as_path(), input.name.as_path())));
+        let job = |(number, (input, id)): (usize, (&'j Input, ImageId))| {
+            // The colour image comes first.
+            let image = input.files().next().and_then(Path::file_name).unwrap_or(input.name.as_os_str());
+            let image_name = input.name.with_file_name(image).to_string_lossy().into_owned();
+            Job { input, place: Place { number, id, image_name } }
+        };
+        frames.iter().zip(ids).enumerate().map(job).collect()
+    }
+
     /// Finds the objects in one frame and writes its files: all of them or none.
-    fn segment(&self, pipeline: &mut Pipeline, input: &Input) -> Result<Done> {
+    fn segment(&self, pipeline: &mut Pipeline, job: &Job<'_>) -> Result<Done> {
+        let input = job.input;
         let mut laps = Laps::start();
         let capture = self.args.frames.read(input, &self.scope)?;
         laps.end("reading");
-        let done = self.look_and_write(pipeline, input, &capture, &mut laps);
+        let done = self.look_and_write(pipeline, job, &capture, &mut laps);
         tracing::info!("{}: {laps}", input.path.display());
         done.with_context(|| input.path.display().to_string())
     }
@@ -87,7 +119,7 @@ impl<'a> Plan<'a> {
     fn look_and_write(
         &self,
         pipeline: &mut Pipeline,
-        input: &Input,
+        Job { input, place }: &Job<'_>,
         capture: &Capture,
         laps: &mut Laps,
     ) -> Result<Done> {
@@ -110,13 +142,22 @@ impl<'a> Plan<'a> {
             discovery,
             recording: recording.as_ref(),
         };
-        let files = found.files(&self.kinds, &self.args.out.join(&input.name))?;
+        let mut files = found.files(&self.kinds, &self.args.out.join(&input.name))?;
+        let share = Share::of(&self.kinds, place, capture, discovery);
+        if let (Some(share), true) = (&share, self.kinds.contains(&OutputKind::Bop)) {
+            files.extend(bop::masks(
+                &self.args.out.join(run::BOP),
+                place.id,
+                &discovery.labels,
+                share.found(),
+            )?);
+        }
         laps.end("encoding");
         make_folders_of(&files)?;
         output::write_together(&files)?;
         laps.end("writing");
         let files = files.into_iter().map(|(path, _)| path).collect();
-        Ok(Done { notices: notices(capture, discovery), objects: discovery.objects.clone(), files })
+        Ok(Done { notices: notices(capture, discovery), objects: discovery.objects.clone(), files, share })
     }
 
     /// Refuses to write over files that are read: the scene file of `camera-depth.png` would be `camera.json`.
@@ -129,10 +170,15 @@ impl<'a> Plan<'a> {
         let read: BTreeSet<PathBuf> = read.filter_map(|path| fs::canonicalize(path).ok()).collect();
 
         let stem = |input: &Input| self.args.out.join(&input.name);
-        let outputs = || {
-            frames.iter().flat_map(|input| self.kinds.iter().map(move |&kind| path_of(&stem(input), kind)))
-        };
-        match outputs().find(|path| fs::canonicalize(path).is_ok_and(|path| read.contains(&path))) {
+        let of_frame =
+            |input| self.kinds.iter().filter_map(move |kind| Some(with_suffix(&stem(input), kind.suffix()?)));
+        let of_run = self.kinds.iter().filter_map(|&kind| run::path_of(&self.args.out, kind));
+        match frames
+            .iter()
+            .flat_map(of_frame)
+            .chain(of_run)
+            .find(|path| fs::canonicalize(path).is_ok_and(|path| read.contains(&path)))
+        {
             Some(path) => Err(usage(format!(
                 "{} is read, so it cannot be written too: choose another --out",
                 path.display()

@@ -1,9 +1,21 @@
-//! Files that appear whole or not at all.
+//! What is written for users and for other programs, and how: files appear whole or not at all.
+//!
+//! [`write_together`] writes the files of a frame, [`Growing`] is a file that takes frames one after the other. What goes into files that
+//! other programs read is in modules of their own, one a format; label images, scene files and labels of points are beside this module.
 
+pub mod bop;
+pub mod coco;
+pub mod depth;
+pub mod instances;
+pub mod mcap;
+pub mod npz;
+pub mod ply;
+pub mod rle;
+mod ros2;
 mod stray;
 
 use std::fs;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -33,6 +45,63 @@ pub fn write_together(files: &[(PathBuf, Vec<u8>)]) -> Result<()> {
     staged.into_iter().zip(files).try_for_each(|(file, (path, _))| take_name(file, path))
 }
 
+/// A file that grows by and by and takes its name when it is finished. If it is dropped before, nothing of it is left.
+#[derive(Debug)]
+pub struct Growing {
+    file: BufWriter<Staged>,
+    path: PathBuf,
+}
+
+impl Growing {
+    /// Begins the file that is to be at `path`.
+    ///
+    /// # Errors
+    /// As [`write_atomically`].
+    pub fn create(path: &Path) -> Result<Self> {
+        let file = open_staged(path).map_err(|reason| cannot_write(path, reason))?;
+        Ok(Self { file: BufWriter::new(file), path: path.to_owned() })
+    }
+
+    /// Appends bytes.
+    ///
+    /// # Errors
+    /// As [`write_atomically`].
+    pub fn append(&mut self, bytes: &[u8]) -> Result<()> {
+        self.file.write_all(bytes).map_err(|reason| cannot_write(&self.path, reason))
+    }
+
+    /// Where the file will be.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The file takes its name.
+    ///
+    /// # Errors
+    /// As [`write_atomically`].
+    pub fn finish(self) -> Result<()> {
+        let Self { file, path } = self;
+        let file = file.into_inner().map_err(|e| cannot_write(&path, e.into_error()))?;
+        take_name(file, &path)
+    }
+}
+
+impl Write for Growing {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Seek for Growing {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
 /// A file that is removed again unless it takes its name.
 type Staged = NamedTempFile<fs::File>;
 
@@ -50,6 +119,13 @@ fn cannot_write(path: &Path, reason: io::Error) -> Error {
 }
 
 fn try_stage(path: &Path, bytes: &[u8]) -> io::Result<Staged> {
+    let mut file = open_staged(path)?;
+    file.as_file_mut().write_all(bytes)?;
+    Ok(file)
+}
+
+/// An empty file beside `path`, under another name.
+fn open_staged(path: &Path) -> io::Result<Staged> {
     // Taking the name of a device would replace it by a file.
     if fs::metadata(path).is_ok_and(|there| !there.is_file()) {
         return Err(io::Error::new(ErrorKind::AlreadyExists, "a folder or device of that name exists"));
@@ -57,9 +133,7 @@ fn try_stage(path: &Path, bytes: &[u8]) -> io::Result<Staged> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     stray::remove_strays_once(folder);
     let mut part = tempfile::Builder::new();
-    let mut file = part.prefix(stray::PREFIX).suffix(stray::SUFFIX).make_in(folder, stray::create_locked)?;
-    file.as_file_mut().write_all(bytes)?;
-    Ok(file)
+    part.prefix(stray::PREFIX).suffix(stray::SUFFIX).make_in(folder, stray::create_locked)
 }
 
 fn advice(kind: ErrorKind) -> &'static str {
@@ -98,6 +172,21 @@ mod tests {
         write_atomically(&path, b"second").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"second");
         assert_eq!(names(folder.path()), ["out.json"]);
+    }
+
+    #[test]
+    fn a_file_that_grows_appears_when_it_is_finished_or_never() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("long.json");
+        let mut growing = Growing::create(&path).unwrap();
+        growing.append(b"[1,").unwrap();
+        growing.append(b"2]").unwrap();
+        assert!(!path.exists());
+        growing.finish().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"[1,2]");
+        drop(Growing::create(&path).unwrap());
+        assert_eq!(names(folder.path()), ["long.json"]);
+        assert_eq!(fs::read(&path).unwrap(), b"[1,2]");
     }
 
     /// They stayed for ever.

@@ -110,7 +110,7 @@ fn images_in(folder: &Path) -> Result<Vec<PathBuf>> {
 
 /// Whether a file is an image by its name, and not one that an earlier run wrote.
 fn is_image(path: &Path) -> bool {
-    let ours: Vec<&str> = OutputKind::value_variants().iter().map(|kind| kind.suffix()).collect();
+    let ours: Vec<&str> = OutputKind::value_variants().iter().filter_map(|kind| kind.suffix()).collect();
     has_extension(path, Role::Color.extensions()) && !has_extension(path, &ours)
 }
 

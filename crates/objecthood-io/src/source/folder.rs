@@ -21,13 +21,14 @@ pub(super) fn search(folder: &Path, given: &Given) -> impl Iterator<Item = Resul
     })
 }
 
-/// What the labels of points end in, which `objecthood segment` writes; they are no input of a later run.
-const POINT_LABELS: &str = ".labels.pcd";
+/// What the names of files end in, before their ending, that hold what `objecthood segment` found: they are no input of a later run.
+const LABELS: &str = ".labels";
 
 /// Whether an entry is a file, perhaps by a link, with an ending that is looked for.
 fn is_frame(entry: &DirEntry) -> bool {
     let extension = entry.path().extension().unwrap_or_default();
-    let is_output = entry.file_name().as_encoded_bytes().ends_with(POINT_LABELS.as_bytes());
+    let stem = entry.path().file_stem().unwrap_or_default();
+    let is_output = stem.as_encoded_bytes().ends_with(LABELS.as_bytes());
     !is_output && extensions().any(|e| extension.eq_ignore_ascii_case(e)) && entry.path().is_file()
 }
 
