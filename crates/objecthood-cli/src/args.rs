@@ -1,5 +1,6 @@
 //! The command line: its subcommands and options. What they do is elsewhere.
 
+mod doctor;
 mod eval;
 mod gravity;
 mod images;
@@ -10,6 +11,7 @@ mod settings;
 mod synthetic;
 mod track;
 
+pub(crate) use doctor::{ConvertArgs, DoctorArgs, InfoArgs, Target};
 pub(crate) use eval::{ComparisonArgs, EvalArgs, SyntheticArgs};
 pub(crate) use gravity::GravityArg;
 pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
@@ -76,6 +78,9 @@ pub(crate) enum Command {
     Demo(DemoArgs),
     Segment(SegmentArgs),
     Track(TrackArgs),
+    Doctor(DoctorArgs),
+    Info(InfoArgs),
+    Convert(ConvertArgs),
     Explain(ExplainArgs),
     Eval(EvalArgs),
     Synth(SynthArgs),
@@ -93,7 +98,8 @@ impl Command {
             Self::Explain(args) => args.settings.verbose,
             Self::Eval(args) => args.settings.verbose,
             Self::Params(args) => args.settings.verbose,
-            Self::Synth(_) | Self::Completions(_) => false,
+            Self::Doctor(args) => args.settings.verbose,
+            Self::Synth(_) | Self::Info(_) | Self::Convert(_) | Self::Completions(_) => false,
         }
     }
 
@@ -106,7 +112,8 @@ impl Command {
             Self::Explain(args) => Some(&args.settings.threads),
             Self::Eval(args) => Some(&args.settings.threads),
             Self::Synth(args) => Some(&args.threads),
-            Self::Params(_) | Self::Completions(_) => None,
+            Self::Doctor(args) => Some(&args.settings.threads),
+            Self::Params(_) | Self::Info(_) | Self::Convert(_) | Self::Completions(_) => None,
         }
     }
 }

@@ -35,6 +35,11 @@ impl Input {
         self.frame.read()
     }
 
+    /// When it was measured (ns), as far as is known before it is read.
+    pub(crate) fn stamp_ns(&self) -> Option<i64> {
+        self.frame.stamp_ns()
+    }
+
     /// The files that it is read from.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         self.frame.files()

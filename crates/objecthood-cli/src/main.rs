@@ -7,11 +7,14 @@ mod advice;
 mod args;
 mod completions;
 mod config;
+mod convert;
 mod crew;
 mod demo;
+mod doctor;
 mod eval;
 mod explain;
 mod failure;
+mod info;
 mod inputs;
 mod interrupt;
 mod outputs;
@@ -48,6 +51,9 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::run(args),
         Command::Segment(args) => segment::run(args),
         Command::Track(args) => track::run(args),
+        Command::Doctor(args) => doctor::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Convert(args) => convert::run(args),
         Command::Explain(args) => explain::run(args),
         Command::Eval(args) => eval::run(args),
         Command::Synth(args) => synth::run(args),

@@ -19,7 +19,7 @@ use crate::inputs::{Input, Inputs};
 use crate::outputs::run::{self, Place, RunFiles, Share};
 use crate::outputs::{Found, make_folder, make_folders_of, refuse_file, with_suffix};
 use crate::watch::{Laps, Watch};
-use crate::{config, crew, inputs, terminal};
+use crate::{config, crew, doctor, inputs, terminal};
 
 /// What to do; nothing is in doubt any more.
 struct Plan<'a> {
@@ -157,7 +157,11 @@ impl<'a> Plan<'a> {
         output::write_together(&files)?;
         laps.end("writing");
         let files = files.into_iter().map(|(path, _)| path).collect();
-        Ok(Done { notices: notices(capture, discovery), objects: discovery.objects.clone(), files, share })
+        let mut notices = notices(capture, discovery);
+        if discovery.objects.is_empty() || discovery.structure_planes.is_empty() {
+            notices.extend(doctor::likely_doubt(capture, discovery, &notices));
+        }
+        Ok(Done { notices, objects: discovery.objects.clone(), files, share })
     }
 
     /// Refuses to write over files that are read: the scene file of `camera-depth.png` would be `camera.json`.

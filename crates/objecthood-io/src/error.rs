@@ -276,6 +276,14 @@ pub enum Error {
         /// What is wrong.
         reason: serde_json::Error,
     },
+    /// A frame that a layout of folders cannot hold.
+    #[error("{reason}, and the layout of {layout} cannot hold that: write another format")]
+    NotForLayout {
+        /// The layout.
+        layout: &'static str,
+        /// What it cannot hold.
+        reason: &'static str,
+    },
     /// A file that could not be written; none of it is left.
     #[error("{}: cannot be written ({reason}): {advice}", path.display())]
     Write {

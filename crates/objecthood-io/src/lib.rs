@@ -34,6 +34,7 @@ mod associate;
 pub mod camera_file;
 mod capture;
 mod cloud;
+pub mod doctor;
 mod error;
 pub mod explanation;
 pub mod formats;

@@ -6,6 +6,7 @@
 pub mod bop;
 pub mod coco;
 pub mod depth;
+pub mod frames;
 pub mod instances;
 pub mod mcap;
 pub mod npz;
