@@ -37,7 +37,7 @@ fn a_tum_folder_gives_the_same_labels() {
     assert_eq!(labels(&folder, "again"), labels(&folder, "labels"));
     let info = folder.run("info tum", 0).stdout;
     assert!(
-        info.starts_with("frames   2, 000000 to 000001\nimages   320 x 240, colour and depth\n"),
+        info.starts_with("frames   2, depth/000000 to depth/000001\nimages   320 x 240, colour and depth\n"),
         "{info}"
     );
     assert!(info.contains("unit     10000 a metre"), "{info}");

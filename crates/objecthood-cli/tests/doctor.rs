@@ -207,10 +207,12 @@ fn missing_and_repeated_frames_are_caught() {
         lines
     });
     assert_eq!(doubts(dropped.path(), &here()), [("suspect".to_owned(), "sequence".to_owned())]);
-    let frozen = video(&data, |lines| {
-        let image = lines[0].split_once(' ').unwrap().1.to_owned();
-        lines.iter().map(|line| format!("{} {image}", line.split_once(' ').unwrap().0)).collect()
-    });
+    // Each frame is a file of its own with the content of the first.
+    let first = std::fs::read(data.join("video/hand-plush/depth/0.000000.png")).unwrap();
+    let frozen = video(&data, |lines| lines);
+    let stamps = (0..30).map(|k| format!("{:.6} depth/{k}.png", f64::from(k) / 15.0));
+    frozen.write("depth.txt", stamps.collect::<Vec<_>>().join("\n").as_bytes());
+    (0..30).for_each(|k| drop(frozen.write(&format!("depth/{k}.png"), &first)));
     assert_eq!(doubts(frozen.path(), &here()), [("sure".to_owned(), "sequence".to_owned())]);
 }
 
