@@ -18,7 +18,7 @@ const RATE_HZ: i64 = 30;
 
 /// What is written; it grows frame by frame.
 enum Sink<'a> {
-    Tum(TumFolder),
+    Tum(Box<TumFolder>),
     Bop(BopScene),
     Mcap(Box<McapFile>),
     Npz(&'a Path),
@@ -111,7 +111,7 @@ fn tell(args: &ConvertArgs, Rounding { error_m, lost_px }: Rounding, are_stamps_
 impl<'a> Sink<'a> {
     fn create(args: &'a ConvertArgs) -> Result<Self> {
         Ok(match args.to {
-            Target::Tum => Self::Tum(TumFolder::create(&args.out)?),
+            Target::Tum => Self::Tum(Box::new(TumFolder::create(&args.out)?)),
             Target::Bop => Self::Bop(BopScene::create(&args.out)?),
             Target::Mcap => Self::Mcap(Box::new(McapFile::create(&args.out)?)),
             Target::Npz => {
