@@ -19,6 +19,7 @@ mod plain_numbers;
 mod ros;
 mod yaml;
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -58,6 +59,18 @@ fn read(path: &Path) -> Result<Vec<u8>> {
     check_beginning(&bytes)?;
     file.take(MOST_BYTES as u64).read_to_end(&mut bytes).map_err(io)?;
     Ok(bytes)
+}
+
+/// Opens the `scene_camera.json` of a BOP scene: the camera of each image, by its number.
+///
+/// # Errors
+/// [`Error::At`] the file: it cannot be read, [`Error::BadCameraFile`], [`Error::Frame`].
+pub(crate) fn open_images(path: &Path) -> Result<BTreeMap<u64, CameraFile>> {
+    let parse = |bytes: Vec<u8>| match serde_json::from_slice(&bytes).map_err(not_json)? {
+        Value::Object(fields) => bop::images(&fields),
+        _ => Err(wrong(bop::NO_LIST)),
+    };
+    read(path).and_then(parse).map_err(|e| e.at(path))
 }
 
 /// Reads the content of a camera file.

@@ -3,6 +3,7 @@
 //! Formats are told apart by content, never by name. Endings only say which files are looked for in a folder.
 
 mod bag;
+mod bop;
 mod db3;
 mod mcap;
 pub mod pcd;
@@ -30,8 +31,16 @@ use crate::source::Source;
 pub(crate) type ContentError = Box<dyn StdError + Send + Sync>;
 
 /// Every format of frames.
-const FORMATS: &[Format] =
-    &[pcd::FORMAT, ply::FORMAT, mcap::FORMAT, db3::FORMAT, bag::FORMAT, rosbag2::FORMAT, tum::FORMAT];
+const FORMATS: &[Format] = &[
+    pcd::FORMAT,
+    ply::FORMAT,
+    mcap::FORMAT,
+    db3::FORMAT,
+    bag::FORMAT,
+    rosbag2::FORMAT,
+    bop::FORMAT,
+    tum::FORMAT,
+];
 
 /// How frames of a format are found and read.
 pub(crate) enum Format {

@@ -1,6 +1,8 @@
 //! Cameras of BOP data sets: `{"cam_K": [525, 0, 319.5, 0, 525, 239.5, 0, 0, 1], "depth_scale": 0.1}`, or `scene_camera.json`, which has
 //! such fields for each image. `depth_scale` is the millimetres of a unit, where ours is the units of a metre.
 
+use std::collections::BTreeMap;
+
 use serde_json::Value;
 
 use super::fields::{Fields, depth_scale, matrix, size};
@@ -30,6 +32,22 @@ pub(super) fn read(fields: &Fields) -> Option<Result<CameraFile>> {
         Ok(camera)
     }))
 }
+
+/// The camera of each image of a `scene_camera.json`, by its number.
+///
+/// # Errors
+/// A number is missing or wrong.
+pub(super) fn images(fields: &Fields) -> Result<BTreeMap<u64, CameraFile>> {
+    let image = |(name, image): (&String, &Value)| {
+        let number = name.parse().map_err(|_| wrong(format!("`{name}` is not the number of an image")))?;
+        let image = image.as_object().ok_or_else(|| wrong(NO_LIST))?;
+        Ok((number, one(image)?))
+    };
+    fields.iter().map(image).collect()
+}
+
+/// What is wrong with a file of another kind.
+pub(super) const NO_LIST: &str = "it does not list the cameras of images by their numbers";
 
 fn one(fields: &Fields) -> Result<CameraFile> {
     let camera = GridCamera {
