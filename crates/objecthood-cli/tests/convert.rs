@@ -5,7 +5,7 @@
 mod common;
 
 use common::Folder;
-use common::photo::camera;
+use common::photo::{camera, png};
 use common::scene::Cloud;
 
 /// Two pairs of images in tenths of a millimetre, and their labels.
@@ -52,6 +52,23 @@ fn images_of_a_bop_scene_give_the_same_labels() {
         0,
     );
     assert_eq!(labels(&folder, "again"), labels(&folder, "labels"));
+}
+
+/// Metres as float numbers, and whole millimetres as 16 bits.
+#[test]
+fn a_recording_gives_the_same_labels() {
+    let (folder, named) = pairs();
+    folder.run(&format!("convert {named} --to mcap --out frames.mcap"), 0);
+    folder.run("segment frames.mcap --out again --write labels", 0);
+    assert_eq!(labels(&folder, "again"), labels(&folder, "labels"));
+    folder.write("mm/a-depth.png", &png(&Cloud::two_boxes(0.0).depth(1000.0)));
+    folder.write("mm/a-color.png", &png(&Cloud::two_boxes(0.0).color()));
+    let in_mm =
+        format!("--color mm/*-color.png --depth mm/*-depth.png --camera {} --depth-scale 1000", camera());
+    folder.run(&format!("segment {in_mm} --out mm-labels --write labels"), 0);
+    folder.run(&format!("convert {in_mm} --to mcap --out mm.mcap"), 0);
+    folder.run("segment mm.mcap --out mm-again --write labels", 0);
+    assert_eq!(labels(&folder, "mm-again"), labels(&folder, "mm-labels"));
 }
 
 #[test]
