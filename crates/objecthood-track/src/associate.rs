@@ -20,6 +20,12 @@ const REACH_STEPS: f64 = 8.0;
 /// A track is found again for so long (s) when it is confirmed, and else for so many frames.
 pub(crate) const MEMORY_S: f64 = 5.0;
 pub(crate) const YOUNG_MEMORY_FRAMES: f64 = 2.5;
+/// A track that began so short a time ago (s), after another was last seen, may turn out to be that one.
+const NEW_S: f64 = 2.0;
+/// For so long (s) what was moving is taken to go on.
+const AHEAD_S: f64 = 0.5;
+/// What comes out from behind something lies within this share of its size (the root of its area) of where it rested.
+const UNCOVERED_SHARE: f64 = 0.6;
 /// What an unknown difference of looks counts as.
 const UNKNOWN_LOOK: f64 = 0.3;
 
@@ -58,12 +64,19 @@ pub(crate) fn associate(
     let all: Vec<usize> = (0..segments.len()).collect();
     pair(&all, &keys, by_overlap, &mut tracks_of);
 
-    // What an agent carries may be a known thing that was hidden in it.
+    // What an agent carries may be a known thing that was hidden in it; what is new, a known thing that was hidden before.
     let is_part = |key: u32| tracks[&key].is_agent_part();
-    let free: Vec<usize> = all.into_iter().filter(|&k| tracks_of[k].is_none_or(is_part)).collect();
+    let is_new = |key: u32| now_s - tracks[&key].first.stamp_s < NEW_S;
+    let is_open = |key: u32| is_part(key) || is_new(key);
+    let free: Vec<usize> = all.into_iter().filter(|&k| tracks_of[k].is_none_or(is_open)).collect();
     let lost: Vec<u32> =
         keys.into_iter().filter(|&key| !tracks_of.contains(&Some(key)) && !is_part(key)).collect();
-    let again = |k: usize, key: u32| found_again(&segments[k], &tracks[&key], now_s, pace).unwrap_or(0.0);
+    let by_overlap = tracks_of.clone();
+    let again = |k: usize, key: u32| {
+        let is_later = |known: u32| is_part(known) || tracks[&known].first.frame > tracks[&key].last.frame;
+        let may_be = by_overlap[k].is_none_or(is_later);
+        may_be.then(|| found_again(&segments[k], &tracks[&key], now_s, pace)).flatten().unwrap_or(0.0)
+    };
     pair(&free, &lost, again, &mut tracks_of);
     tracks_of
 }
@@ -94,9 +107,18 @@ fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pace) -> Opti
     if is_at_agent && (track.rest.is_none() || track.rest_s + away_s < KNOWN_S || look > MOST_LOOK_AT_AGENT) {
         return None;
     }
-    let size = libm::log(segment.area_m2.max(1e-9) / track.area_m2.max(1e-9)).abs();
-    let step = segment.center - track.last.center;
-    let distance = step.length().min((step - track.velocity * away_s).length());
+    let step = segment.center - track.clear.center;
+    let ahead = track.velocity * (now_s - track.clear.stamp_s).min(AHEAD_S);
+    // What moved is rather where it was going than where it was: twins pass each other.
+    let distance = (step.length() + 0.5 * ahead.length()).min((step - ahead).length());
+    let comes_out = track.is_covered
+        && track.rest_s > 0.0
+        && segment.area_m2 < track.area_m2
+        && step.length() < UNCOVERED_SHARE * track.area_m2.sqrt();
+    let size = match comes_out {
+        true => 0.0,
+        false => libm::log(segment.area_m2.max(1e-9) / track.area_m2.max(1e-9)).abs(),
+    };
     let reach = REACH_M[0] + REACH_M[1] * (30.0 * away_s).min(REACH_STEPS);
     if look > MOST_LOOK || size > MOST_SIZE || distance > reach {
         return None;

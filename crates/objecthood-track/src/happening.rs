@@ -17,6 +17,8 @@ const LIFTED_M: f64 = 0.02;
 const OFF_M: f64 = 0.005;
 /// Put down: no motion was found for so long (s).
 const STILL_S: f64 = 0.3;
+/// A thing lies where it came to rest when its lowest point is within this height, and its mean point within this (m): seen as whole, and in part.
+const DOWN_M: [[f64; 2]; 2] = [[0.006, 0.015], [0.010, 0.060]];
 /// Displaced by this between rest and rest (m), half of it by motions that were found; begun by this.
 const PUSHED_M: f64 = 0.012;
 const BEGUN_M: f64 = 0.003;
@@ -127,7 +129,10 @@ impl Happenings {
     fn begin(&mut self, key: Key, track: &Track) {
         let (Some(before), false) = (track.rest, self.handled.contains_key(&key)) else { return };
         let last = track.last;
-        let is_displaced = (last.center - before.center).length() > BEGUN_M && track.is_moving;
+        let shift_m = (last.center - before.center).length();
+        // What is far from where it rested was moved, even if a hand hides how.
+        let is_far = shift_m > LIFTED_M && last.px as f64 > AS_WHOLE * before.px as f64;
+        let is_displaced = shift_m > BEGUN_M && track.is_moving || is_far;
         let since_s = last.stamp_s - REACHED_S;
         let reached = track.samples.iter().rev().take_while(|sample| sample.stamp_s >= since_s);
         let Some(agent) = reached.filter_map(|sample| sample.reached_by).next() else { return };
@@ -294,12 +299,22 @@ fn pushed(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Optio
     })
 }
 
+/// Whether a thing lies where it came to rest. While a hand hides part of it, its mean visible point tells less, and what its motion tells
+/// counts too.
+fn is_down(sample: &Sample, rest: &Sample) -> bool {
+    let (apart, above) = ((sample.center - rest.center).length(), (sample.bottom_m - rest.bottom_m).abs());
+    let is_whole = sample.px as f64 > AS_WHOLE * rest.px as f64;
+    let [height_m, shift_m] = DOWN_M[usize::from(!is_whole)];
+    let is_there = above < height_m && apart < shift_m;
+    is_there || (!is_whole && !sample.moves)
+}
+
 /// How a thing that was lifted came to rest, unless it was let fall.
 fn put_down(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Option<Happening> {
     if !track.is_still_for(STILL_S, pace.frame_s) || flew(track, handling.begun) {
         return None;
     }
-    let moved = track.samples.iter().rev().find(|sample| sample.moves);
+    let moved = track.samples.iter().rev().find(|sample| !is_down(sample, &track.last));
     let down = moved.map_or(handling.before.frame, |sample| sample.frame) + 1;
     let at = track.since(down).next().copied().unwrap_or(track.last);
     let (kind, other) = match track.votes.winner() {

@@ -26,6 +26,7 @@ impl Memory {
         let segments = segments(&labels, count, &measure);
         let overlap = self.overlap(&labels, view, predicted);
         let tracks_of = associate(&segments, &self.tracks, &overlap, self.stamp_s, self.pace);
+        self.take_over(&segments, &tracks_of, &overlap);
         let mut keys = Vec::new();
         let mut fresh = Vec::new();
         for (k, segment) in segments.iter().enumerate() {
@@ -50,6 +51,22 @@ impl Memory {
         let mut look = Look { found, labels, view, changed, place, segments, keys };
         self.write_seen(&mut look, predicted, &overlap);
         look
+    }
+
+    /// A younger track that showed a segment, which is found to show an older one, was that all along.
+    fn take_over(&mut self, segments: &[Segment], tracks_of: &[Option<Key>], overlap: &Overlap) {
+        for (k, owner) in tracks_of.iter().enumerate() {
+            let Some(owner) = *owner else { continue };
+            let parts = overlap.common.range((k, 0)..=(k, Key::MAX));
+            let Some((&(_, young), &common)) = parts.max_by_key(|&(_, &common)| common) else { continue };
+            let was_seen_later = match (self.tracks.get(&young), self.tracks.get(&owner)) {
+                (Some(young), Some(old)) => young.first.frame > old.last.frame && young.part_of.is_none(),
+                _ => false,
+            };
+            if was_seen_later && 2 * common > segments[k].px && !tracks_of.contains(&Some(young)) {
+                self.join(owner, young, false);
+            }
+        }
     }
 
     /// Counts the pixels that segments and predicted masks have in common.

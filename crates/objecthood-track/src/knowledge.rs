@@ -2,16 +2,20 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use glam::DVec3;
+
 use crate::associate::Overlap;
 use crate::scene::Key;
-use crate::track::Track;
+use crate::track::{Rest, Track};
 
 /// Two parts of one thing moved so far (m) together,
 const TOGETHER_PATH_M: f64 = 0.03;
 /// with less than this share of it between them,
 const TOGETHER_SHARE: f64 = 0.2;
-/// in so many frames.
+/// in so many frames,
 const TOGETHER_FRAMES: u32 = 6;
+/// in which the motions of both fit this well (share of points).
+const SURE_FIT: f64 = 0.5;
 /// One of two moved so far (m) against the other.
 const APART_M: f64 = 0.012;
 /// A segment holds a track when it covers this share of where the track should be.
@@ -26,8 +30,17 @@ pub(crate) struct Knowledge {
     apart: BTreeSet<(Key, Key)>,
     /// Pairs that have never touched and of which one segment holds both: for how many frames.
     whole: BTreeMap<(Key, Key), u32>,
-    /// Pairs that touch and move together: for how many frames, and how far apart they came (m).
-    together: BTreeMap<(Key, Key), (u32, f64)>,
+    /// Pairs that touch and move.
+    together: BTreeMap<(Key, Key), Together>,
+}
+
+/// How two parts moved while both motions were known.
+#[derive(Clone, Debug, Default)]
+struct Together {
+    frames: u32,
+    /// Sums of what the point between them moved by: with both, and by the one against the other (m).
+    path: DVec3,
+    against: DVec3,
 }
 
 fn pair(a: Key, b: Key) -> (Key, Key) {
@@ -67,19 +80,36 @@ impl Knowledge {
             }
             let (path_a, path_b) = (one.last.center - rest_a.center, other.last.center - rest_b.center);
             let (path, against) = (path_a.length().max(path_b.length()), (path_a - path_b).length());
-            if against > APART_M && against > TOGETHER_SHARE * path {
+            let is_whole = |track: &Track, rest: Rest| {
+                track.last.px * 4 > rest.px * 3 && rest.px * 4 > track.last.px * 3
+            };
+            let is_clear = (one.is_moving && other.rests() || other.is_moving && one.rests())
+                && is_whole(one, rest_a)
+                && is_whole(other, rest_b);
+            if is_clear && against > APART_M && against > TOGETHER_SHARE * path {
                 self.apart.insert((a, b));
                 self.together.remove(&(a, b));
-            } else if one.is_moving && other.is_moving && !self.apart.contains(&(a, b)) {
-                let state = self.together.entry((a, b)).or_default();
-                state.0 += 1;
-                if state.0 >= TOGETHER_FRAMES && path > TOGETHER_PATH_M {
-                    joined.push((a, b));
-                    self.together.remove(&(a, b));
-                }
+            } else if !self.apart.contains(&(a, b)) && self.moved_as_one(one, other, (a, b)) {
+                joined.push((a, b));
+                self.together.remove(&(a, b));
             }
         }
         joined
+    }
+
+    /// Adds the motions of a frame, if both are known, and says whether the two have moved as one for long enough.
+    fn moved_as_one(&mut self, one: &Track, other: &Track, pair: (Key, Key)) -> bool {
+        let known =
+            |track: &Track| track.motion.clone().filter(|motion| track.is_moving && motion.fit > SURE_FIT);
+        let (Some(a), Some(b)) = (known(one), known(other)) else { return false };
+        let between = 0.5 * (one.center_in_camera + other.center_in_camera);
+        let (moved_a, moved_b) = (a.rigid.point(between) - between, b.rigid.point(between) - between);
+        let sum = self.together.entry(pair).or_default();
+        sum.frames += 1;
+        sum.path += 0.5 * (moved_a + moved_b);
+        sum.against += moved_a - moved_b;
+        let (path, against) = (sum.path.length(), sum.against.length());
+        sum.frames >= TOGETHER_FRAMES && path > TOGETHER_PATH_M && against < TOGETHER_SHARE * path
     }
 
     /// Marks two tracks as things of their own.

@@ -14,7 +14,9 @@ const HIDDEN_S: f64 = 0.1;
 const GONE_FRAMES: u64 = 3;
 /// What was there first, rested, or was seen so often is a thing, not noise.
 const THING_HITS: u32 = 8;
-/// What leaves the image moves faster than this (m/s).
+/// What leaves the image has gone so far (m) from where it rested: an arm that comes in hides what lies at the border bit by bit.
+const LEAVING_M: f64 = 0.05;
+/// It moves faster than this (m/s).
 const LEAVING_M_PER_S: f64 = 0.02;
 
 /// Why a track is not seen.
@@ -52,8 +54,8 @@ impl Memory {
         });
         let by = pixel.and_then(|pixel| {
             let agent = self.agents.sure().find(|agent| agent.mask.has(pixel));
-            let key = self.scene.seen[pixel];
-            let thing = (key > 0).then_some(Other::Track(key));
+            let other = self.root(self.scene.seen[pixel]);
+            let thing = (other > 0 && other != key).then_some(Other::Track(other));
             agent.map(|agent| Other::Agent(agent.number)).or(thing)
         });
         Absence { since, frames: self.frame - since + 1, is_covered, by: by.unwrap_or(Other::Nobody) }
@@ -92,7 +94,8 @@ impl Memory {
             && !track.is_agent_part()
             && absence.frames >= GONE_FRAMES
             && !absence.is_covered
-            && track.velocity.length() > LEAVING_M_PER_S;
+            && track.velocity.length() > LEAVING_M_PER_S
+            && track.rest.is_none_or(|rest| (track.clear.center - rest.center).length() > LEAVING_M);
         if has_left {
             track.told_left = true;
             let (frame, time_s) = (track.last.frame + 1, track.last.stamp_s + self.pace.frame_s);

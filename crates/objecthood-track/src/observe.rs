@@ -39,7 +39,8 @@ impl Memory {
                     let step = center - motion.rigid.inverse().point(center);
                     track.drift += look.place.world_from_camera.direction(step);
                 }
-                track.see(&look.segments[k], sample, frame_s);
+                let noise_m = look.view.sigma_m(center.z);
+                track.see(&look.segments[k], sample, frame_s, noise_m);
             }
         }
         self.vote(look);

@@ -1,0 +1,114 @@
+//! Flat patches before a wall, with the labels that a perfect discovery would give: what the tracker makes of noise and of what hides.
+
+use std::collections::BTreeSet;
+
+use objecthood::discovery::{Object, OrientedBox, PixelBox};
+use objecthood::{Camera, Discovery, Frame, ObjectId, Raster};
+use objecthood_track::{Tracked, Tracker};
+
+const SIZE: (usize, usize) = (160, 120);
+
+/// A rectangle that faces the camera.
+#[derive(Clone, Copy)]
+struct Patch {
+    left: i32,
+    top: i32,
+    width: i32,
+    height: i32,
+    depth_m: f32,
+    color: [u8; 3],
+}
+
+impl Patch {
+    fn has(&self, u: i32, v: i32) -> bool {
+        (self.left..self.left + self.width).contains(&u) && (self.top..self.top + self.height).contains(&v)
+    }
+}
+
+/// A frame of patches, the nearer before the farther, with noise of a Kinect's size; its discovery has a label for each that is seen.
+fn frame(patches: &[Patch], number: u64) -> (Frame, Discovery) {
+    const WALL: ([u8; 3], f32) = ([180, 180, 175], 1.3);
+    let (mut depth_m, mut color, mut owners) = (Vec::new(), Vec::new(), Vec::new());
+    for v in 0..SIZE.1 as i32 {
+        for u in 0..SIZE.0 as i32 {
+            let seen = patches.iter().enumerate().filter(|(_, patch)| patch.has(u, v));
+            let nearest = seen.min_by(|a, b| a.1.depth_m.total_cmp(&b.1.depth_m));
+            let (rgb, z) = nearest.map_or(WALL, |(_, patch)| (patch.color, patch.depth_m));
+            depth_m.push(z + 0.0012 * z * z * noise(u as u64, v as u64, number));
+            color.push(rgb);
+            owners.push(nearest.map(|(k, _)| k));
+        }
+    }
+    let seen: Vec<usize> = (0..patches.len()).filter(|&k| owners.contains(&Some(k))).collect();
+    let label = |owner: &Option<usize>| {
+        owner.and_then(|k| seen.iter().position(|&other| other == k)).map_or(0, |k| k as u16 + 1)
+    };
+    let labels = Raster::from_vec(SIZE.0, SIZE.1, owners.iter().map(label).collect()).unwrap();
+    let object = |k: usize| {
+        let area = PixelBox { u: 0, v: 0, width: 1, height: 1 };
+        let metres =
+            OrientedBox { center_m: [0.0; 3], rotation_xyzw: [0.0, 0.0, 0.0, 1.0], extents_m: [0.1; 3] };
+        Object::new(ObjectId(k as u16 + 1), area, metres)
+    };
+    let found = Discovery::new((0..seen.len()).map(object).collect(), labels);
+    let raster = |depth_m| Raster::from_vec(SIZE.0, SIZE.1, depth_m).unwrap();
+    let color = Raster::from_vec(SIZE.0, SIZE.1, color).unwrap();
+    let camera = Camera::new(131.0, 131.0, 79.5, 59.5).unwrap();
+    (Frame::new(raster(depth_m), Some(color), camera).unwrap(), found)
+}
+
+/// Nearly normal, of variance 1, the same every time: the sum of twelve hashes.
+fn noise(u: u64, v: u64, number: u64) -> f32 {
+    let mut state = u.wrapping_mul(0x9e37_79b9)
+        ^ v.wrapping_mul(0x85eb_ca6b_1234)
+        ^ number.wrapping_mul(0xc2b2_ae35_77ff);
+    let mut next = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        ((mixed ^ (mixed >> 27)) >> 40) as f32 / (1_u64 << 24) as f32
+    };
+    (0..12).map(|_| next()).sum::<f32>() - 6.0
+}
+
+fn follow(tracker: &mut Tracker, patches: &[Patch], number: u64) -> Tracked {
+    let (frame, found) = frame(patches, number);
+    tracker.update_found(&frame, &found, number as f64 / 30.0, None).unwrap()
+}
+
+const THING: Patch = Patch { left: 60, top: 40, width: 36, height: 30, depth_m: 1.0, color: [200, 60, 40] };
+
+#[test]
+fn noise_moves_nothing() {
+    let mut tracker = Tracker::new(objecthood::Params::default());
+    for number in 0..40 {
+        let tracked = follow(&mut tracker, &[THING], number);
+        assert_eq!(tracked.objects.len(), 1);
+        let object = &tracked.objects[0];
+        assert!(object.track.is_some_and(|track| track.0 == 1), "frame {number}: {:?}", object.track);
+        assert!(number < 6 || object.motion.is_none(), "frame {number} moves: {:?}", object.motion);
+        assert!(tracked.events.is_empty(), "{:?}", tracked.events);
+    }
+    assert!(tracker.finish().is_empty());
+}
+
+/// A screen slides over the thing and, a second later, off it: what comes out first is a narrow strip.
+#[test]
+fn what_comes_out_in_pieces_keeps_its_number() {
+    let mut tracker = Tracker::new(objecthood::Params::default());
+    let mut last = None;
+    for number in 0..110_i32 {
+        let slid = match number {
+            0..15 => 0,
+            15..45 => 4 * (number - 15),
+            45..75 => 120,
+            _ => (120 - 4 * (number - 75)).max(0),
+        };
+        let screen =
+            Patch { left: -70 + slid, top: 10, width: 70, height: 110, depth_m: 0.8, color: [40, 70, 190] };
+        last = Some(follow(&mut tracker, &[THING, screen], number as u64));
+    }
+    let labels = last.unwrap().labels;
+    let shown: BTreeSet<u16> = labels.as_slice().iter().copied().filter(|&label| label > 0).collect();
+    assert_eq!(shown, BTreeSet::from([1]));
+    assert_eq!(labels.as_slice().iter().filter(|&&label| label == 1).count(), 36 * 30);
+}
