@@ -10,8 +10,8 @@ use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::track::Track;
 use crate::tracked::{
-    Event, LostTrack, MotionEstimate, SeenAgent, SupportRelation, TrackId, TrackNotice, TrackState, Tracked,
-    TrackedObject,
+    Event, EventKind, LostTrack, MotionEstimate, SeenAgent, SupportRelation, TrackId, TrackNotice,
+    TrackState, Tracked, TrackedObject,
 };
 
 /// A track is shown when it has so many pixels (at VGA size).
@@ -54,10 +54,15 @@ impl Numbers {
             let other = match happening.other {
                 Other::Nobody => None,
                 Other::Ground => Some(0),
-                Other::Track(key) => match id_of(key).or_else(|| tracks.get(&key)?.id) {
-                    Some(id) => Some(id.0),
-                    None => continue,
-                },
+                Other::Track(key) => {
+                    let own = tracks.get(&key).and_then(|track| track.id);
+                    // A part that has become one with the object is named as it was before.
+                    let named = if happening.kind == EventKind::Merged { own } else { id_of(key).or(own) };
+                    match named.filter(|&named| named != object) {
+                        Some(id) => Some(id.0),
+                        None => continue,
+                    }
+                }
                 Other::Agent(number) => self.agent(number).map(|id| id.0),
             };
             let Happening { frame, time_s: time, kind, span, confidence, evidence, .. } = happening;

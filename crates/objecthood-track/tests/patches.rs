@@ -1,5 +1,7 @@
 //! Flat patches before a wall, with the labels that a perfect discovery would give: what the tracker makes of noise and of what hides.
 
+#![allow(clippy::unwrap_used, reason = "in a test, an unwrap that fails is the failure report")]
+
 use std::collections::BTreeSet;
 
 use objecthood::discovery::{Object, OrientedBox, PixelBox};
