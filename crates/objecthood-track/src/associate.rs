@@ -22,8 +22,6 @@ pub(crate) const MEMORY_S: f64 = 5.0;
 pub(crate) const YOUNG_MEMORY_FRAMES: f64 = 2.5;
 /// A track that began so short a time ago (s), after another was last seen, may turn out to be that one.
 const NEW_S: f64 = 2.0;
-/// For so long (s) what was moving is taken to go on.
-const AHEAD_S: f64 = 0.5;
 /// What comes out from behind something lies within this share of its size (the root of its area) of where it rested.
 const UNCOVERED_SHARE: f64 = 0.6;
 /// What an unknown difference of looks counts as.
@@ -107,10 +105,8 @@ fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pace) -> Opti
     if is_at_agent && (track.rest.is_none() || track.rest_s + away_s < KNOWN_S || look > MOST_LOOK_AT_AGENT) {
         return None;
     }
-    let step = segment.center - track.clear.center;
-    let ahead = track.velocity * (now_s - track.clear.stamp_s).min(AHEAD_S);
-    // What moved is rather where it was going than where it was: twins pass each other.
-    let distance = (step.length() + 0.5 * ahead.length()).min((step - ahead).length());
+    let step = segment.center - track.last.center;
+    let distance = step.length().min((step - track.velocity * away_s).length());
     let comes_out = track.is_covered
         && track.rest_s > 0.0
         && segment.area_m2 < track.area_m2

@@ -95,7 +95,7 @@ impl Memory {
             && absence.frames >= GONE_FRAMES
             && !absence.is_covered
             && track.velocity.length() > LEAVING_M_PER_S
-            && track.rest.is_none_or(|rest| (track.clear.center - rest.center).length() > LEAVING_M);
+            && track.rest.is_none_or(|rest| (track.last.center - rest.center).length() > LEAVING_M);
         if has_left {
             track.told_left = true;
             let (frame, time_s) = (track.last.frame + 1, track.last.stamp_s + self.pace.frame_s);

@@ -20,11 +20,9 @@ const RESTING_CHANGE: f64 = 0.10;
 const RESTING_OF_AGENT: f64 = 0.3;
 /// and it moves by less than this (m) from frame to frame.
 const RESTING_STEP_M: f64 = 0.005;
-/// It moves when it is displaced against where it was so long ago (s), by so many standard deviations of depth.
-const DISPLACED_S: f64 = 0.12;
+/// It moves when it is displaced against where it was within this time (s), by so many standard deviations of depth.
+const DISPLACED_S: f64 = 0.15;
 const DISPLACED_NOISES: f64 = 3.5;
-/// A thing that is seen smaller for so long (s) is not hidden in part, but shows another side.
-const CLEAR_S: f64 = 0.5;
 /// It is known once it rested so long (s).
 pub(crate) const KNOWN_S: f64 = 0.2;
 
@@ -66,8 +64,6 @@ pub(crate) struct Track {
     pub(crate) first: Sample,
     pub(crate) last: Sample,
     pub(crate) samples: VecDeque<Sample>,
-    /// The last one in which nothing hid part of it: from there its motion is foretold.
-    pub(crate) clear: Sample,
     pub(crate) look: Look,
     pub(crate) area_m2: f64,
     /// Mean visible point (m), in the camera that saw it last.
@@ -117,7 +113,6 @@ impl Track {
             first: sample,
             last: sample,
             samples: VecDeque::from([sample]),
-            clear: sample,
             look: segment.look.clone(),
             area_m2: segment.area_m2,
             center_in_camera: segment.center_in_camera,
@@ -154,15 +149,8 @@ impl Track {
         let pause_s = (sample.stamp_s - self.last.stamp_s).max(1e-6);
         let step = sample.center - self.last.center;
         let was_seen_just_now = pause_s < 2.5 * frame_s;
+        self.velocity = if was_seen_just_now { step / pause_s } else { DVec3::ZERO };
         let is_whole = sample.px * 4 > self.last.px * 3 && self.last.px * 4 > sample.px * 3;
-        if !was_seen_just_now {
-            self.velocity = DVec3::ZERO;
-        } else if is_whole {
-            self.velocity = step / pause_s;
-        }
-        if sample.px * 4 > self.clear.px * 3 || sample.stamp_s - self.clear.stamp_s > CLEAR_S {
-            self.clear = sample;
-        }
         self.path_m += if is_whole { step.length() } else { 0.0 };
         if segment.of_agent < RESTING_OF_AGENT || self.samples.len() < 3 {
             self.look.blend(&segment.look);
@@ -183,13 +171,15 @@ impl Track {
         self.judge_agent(segment);
     }
 
-    /// Whether it is elsewhere than a short while ago. Noise alone turns and shifts small things from frame to frame, back and forth.
+    /// Whether it was elsewhere a short while ago. Noise alone turns and shifts small things from frame to frame, back and forth.
     /// Of what is hidden in part nobody can tell: then its motion is believed.
     fn is_displaced(&self, sample: &Sample, noise_m: f64) -> bool {
-        let is_early = |earlier: &&Sample| sample.stamp_s - earlier.stamp_s >= DISPLACED_S;
-        let Some(earlier) = self.samples.iter().rev().find(is_early) else { return true };
-        let is_whole = sample.px * 4 > earlier.px * 3 && earlier.px * 4 > sample.px * 3;
-        !is_whole || (sample.center - earlier.center).length() > DISPLACED_NOISES * noise_m
+        let recent = self.samples.iter().rev();
+        let mut recent = recent.take_while(|earlier| sample.stamp_s - earlier.stamp_s <= DISPLACED_S);
+        recent.any(|earlier| {
+            let is_whole = sample.px * 4 > earlier.px * 3 && earlier.px * 4 > sample.px * 3;
+            !is_whole || (sample.center - earlier.center).length() > DISPLACED_NOISES * noise_m
+        })
     }
 
     /// What comes with an agent and never rested is part of it, until it is let go.
