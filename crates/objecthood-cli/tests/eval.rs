@@ -58,13 +58,9 @@ fn our_own_label_images_get_the_same_score() {
 }
 
 #[test]
-fn the_ablation_has_six_settings() {
+fn the_ablations_have_six_and_three_settings() {
     let folder = data_set();
-    let run = folder.run("eval root --method paper --ablation --json figures.json", 0);
-    let figures = json(&folder, "figures.json");
-    let settings: Vec<&str> =
-        figures.as_array().unwrap().iter().map(|report| report["setting"].as_str().unwrap()).collect();
-    let expected = [
+    let paper = [
         "color, curvature off",
         "depth, curvature off",
         "both, curvature off",
@@ -72,15 +68,23 @@ fn the_ablation_has_six_settings() {
         "depth, curvature on",
         "both, curvature on",
     ];
-    assert_eq!(settings, expected);
-    for setting in expected {
-        // One row of objects and three of stages.
-        assert_eq!(run.stdout.matches(&format!("| {setting} ")).count(), 4, "{}", run.stdout);
+    let context = ["depth only", "colour for stages 1 and 2", "colour for all stages"];
+    for (method, expected) in [("paper", &paper[..]), ("context", &context)] {
+        let run = folder.run(&format!("eval root --method {method} --ablation --json figures.json"), 0);
+        let figures = json(&folder, "figures.json");
+        let settings: Vec<&str> =
+            figures.as_array().unwrap().iter().map(|report| report["setting"].as_str().unwrap()).collect();
+        assert_eq!(settings, expected);
+        for setting in expected {
+            // One row of objects and three of stages.
+            assert_eq!(run.stdout.matches(&format!("| {setting} ")).count(), 4, "{}", run.stdout);
+        }
+        // The last setting is that of the method alone.
+        let last = &figures[expected.len() - 1];
+        assert_eq!(last["total"]["counts"]["correct"], 6);
+        folder.run(&format!("eval root --method {method} --json default.json"), 0);
+        assert_eq!(last["scenes"], json(&folder, "default.json")["scenes"]);
     }
-    assert_eq!(figures[5]["total"]["counts"]["correct"], 6);
-    // The last setting is that of the method alone.
-    folder.run("eval root --method paper --json default.json", 0);
-    assert_eq!(figures[5]["scenes"], json(&folder, "default.json")["scenes"]);
 }
 
 #[test]
@@ -159,7 +163,7 @@ fn contradictions_are_mistakes_of_usage() {
         ("--set graph.chanels=depth", "`graph.channels`"),
         ("--json nowhere/figures.json", "nowhere"),
         ("--json root", "--json root is a folder: name a file"),
-        ("--ablation", "which the method context does not read: say --method paper"),
+        ("--ablation --set sensor.color=none", "leave out --set"),
         ("--ladder --method paper", "say --method context"),
         ("--ladder --ablation", "--ladder"),
         ("--sensitivity --labels labels", "--labels"),

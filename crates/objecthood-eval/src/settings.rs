@@ -6,7 +6,7 @@ mod sensitivity;
 
 use objecthood::Params;
 
-pub use ablation::{ABLATED, ablation};
+pub use ablation::{ablated, ablation};
 pub use ladder::ladder;
 pub use sensitivity::{changes_choice, sensitivity};
 

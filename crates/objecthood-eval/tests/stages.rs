@@ -15,7 +15,7 @@ use objecthood_scene::{Family, Sensor, generate, render};
 
 /// For these parameters no tested value changes the output of the stage that they name. So the test cannot notice if that stage is
 /// named too early: the code alone says that it reads them.
-const UNCHANGED: [&str; 17] = [
+const UNCHANGED: [&str; 18] = [
     "context contraction.occlusion_weight",
     "context contraction.seam_weight",
     "context flat.color_overlap",
@@ -26,6 +26,7 @@ const UNCHANGED: [&str; 17] = [
     "context seams.color_overlap",
     "context seams.cross_share",
     "context seams.enabled",
+    "context sensor.color",
     "context sensor.lateral_noise_px",
     "context sensor.noise",
     "context sensor.profile",

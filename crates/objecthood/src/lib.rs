@@ -61,6 +61,7 @@ pub mod estimates;
 pub mod explain;
 pub mod facets;
 pub mod frame;
+mod hull;
 mod linear;
 mod method;
 mod neighbours;

@@ -11,7 +11,7 @@ mod declare;
 mod info;
 mod profile;
 
-pub use choices::{Channels, Method, NoiseFrom, Profile, UpFrom};
+pub use choices::{Channels, ColorFor, Method, NoiseFrom, Profile, UpFrom};
 pub use info::{ParameterInfo, Reader};
 
 use serde::{Deserialize, Serialize};
@@ -33,6 +33,8 @@ parameters! {
         /// Kind of the sensor (`context`): its noise counts where a frame tells little of its own. `--profile` also sets
         /// `sensor.lateral_noise_px`.
         profile: Profile = Profile::None, OneOf("none | kinect | stereo | tof | phone"), "dimensionless: switch", "ours, because a frame mostly tells it better (docs/CONTEXT.md 0.6)", read by [Context: Normals];
+        /// Stages that ask colour, if there is any (`context`).
+        color: ColorFor = ColorFor::All, OneOf("all | facets | none"), "dimensionless: switch", "ours: the comparison of docs/EVALUATION.md, Colour", read by [Context: Normals];
     }
 
     /// Gaussian smoothing of the colour image before eq. 1.

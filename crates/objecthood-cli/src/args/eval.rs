@@ -113,7 +113,8 @@ pub(crate) struct EvalArgs {
 #[derive(Clone, Copy, Debug, Args)]
 #[group(multiple = false, conflicts_with = "labels")]
 pub(crate) struct ComparisonArgs {
-    /// Compare colour, depth and both, each with and without curvature (only `paper`).
+    /// Compare depth only with colour for the first two stages and for all; with `paper` colour, depth and both, each with and
+    /// without curvature.
     #[arg(long)]
     pub(crate) ablation: bool,
 

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use objecthood::{Method, Params};
-use objecthood_eval::settings::ABLATED;
+use objecthood_eval::settings::ablated;
 use objecthood_eval::{Setting, ablation, ladder, sensitivity};
 
 use crate::args::ComparisonArgs;
@@ -11,7 +11,7 @@ use crate::failure::usage;
 /// What is compared with what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Comparison {
-    /// The paper's settings of colour, depth and curvature.
+    /// Depth with and without colour; with `paper` also with and without curvature.
     Ablation,
     /// The steps of `context`, one after the other.
     Ladder,
@@ -30,23 +30,20 @@ impl Comparison {
     /// The settings to score; `set` holds the values of `--set`.
     ///
     /// # Errors
-    /// Of usage, when the method does not read the parameters to vary, or the user has set one of them.
+    /// Of usage, when the comparison is of the other method, or the user has set a parameter that it varies.
     pub(crate) fn settings(self, params: &Params, set: &[String]) -> Result<Vec<Setting>> {
-        let names = ABLATED.join(" and ");
         match (self, params.method) {
-            (Self::Ablation, Method::Paper) => {
-                let swept = |set: &&String| ABLATED.iter().any(|name| set.trim_start().starts_with(name));
+            (Self::Ablation, method) => {
+                let names = ablated(method);
+                let swept = |set: &&String| names.iter().any(|name| set.trim_start().starts_with(name));
                 match set.iter().find(swept) {
                     Some(assignment) => Err(usage(format!(
-                        "--ablation goes through the values of {names}: leave out --set {assignment}"
+                        "--ablation goes through the values of {}: leave out --set {assignment}",
+                        names.join(" and ")
                     ))),
                     None => Ok(ablation(params)),
                 }
             }
-            (Self::Ablation, Method::Context) => Err(usage(format!(
-                "--ablation goes through the values of {names}, which the method context does not read: \
-                 say --method paper, or --ladder for the steps of context"
-            ))),
             (Self::Ladder, Method::Context) => Ok(ladder(params)),
             (Self::Ladder, Method::Paper) => Err(usage(
                 "--ladder switches on the steps of the method context: say --method context, or --ablation for \

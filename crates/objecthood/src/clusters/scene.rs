@@ -7,6 +7,7 @@ use crate::color::image::LabImage;
 use crate::facets::Facets;
 use crate::frame::Frame;
 use crate::oversegment::structure::{Structure, StructureSurface};
+use crate::params::ColorFor;
 use crate::planes::StructurePlane;
 use crate::raster::Raster;
 use crate::regions::SegmentId;
@@ -27,7 +28,7 @@ pub struct Scene<'a> {
     pub normals: &'a Raster<[f32; 3]>,
     /// Points (m); `NaN` without depth.
     pub points_m: &'a Raster<[f32; 3]>,
-    /// Colour, if the frame has any.
+    /// Colour, if the frame has any and the rules ask it.
     pub color: Option<&'a Raster<[u8; 3]>>,
     /// The same as it is compared.
     pub lab: Option<&'a LabImage>,
@@ -64,8 +65,8 @@ impl<'a> Scene<'a> {
             disparity: &surfaces.disparity,
             normals: &surfaces.orientation.normal,
             points_m,
-            color: frame.color(),
-            lab: surfaces.lab.as_ref(),
+            color: frame.color().filter(|_| surfaces.color == ColorFor::All),
+            lab: surfaces.lab_for_shapes(),
             space: &surfaces.space,
             surfaces: &structure.surfaces,
             planes: &structure.planes,

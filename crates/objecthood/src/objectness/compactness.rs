@@ -2,18 +2,11 @@
 
 use rayon::prelude::*;
 
+use crate::hull::{RowSpan, fill_hull, find_row_spans};
 use crate::objectness::outline::STEP_QUANTA;
 use crate::raster::Raster;
 use crate::regions::Segments;
 use crate::surface::disparity::DisparitySpace;
-
-/// Part of an image row, from a first to a last column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct RowSpan {
-    v: usize,
-    first: usize,
-    last: usize,
-}
 
 /// Measures the share of its convex hull in the image that each region fills, in [0, 1]; 0 without pixels. `pixels`: the measured
 /// pixels of each region, in scan order.
@@ -51,65 +44,10 @@ pub fn measure_compactness(
         if pixels.is_empty() {
             0.0
         } else {
-            own / (own + empty_in(region, &find_row_spans(pixels, width)) as f32)
+            own / (own + empty_in(region, &find_row_spans(pixels.iter().copied(), width)) as f32)
         }
     };
     pixels.par_iter().enumerate().map(share).collect()
-}
-
-/// The span of the pixels in each row. `pixels`: in scan order. O(rows · log(width)).
-fn find_row_spans(mut pixels: &[usize], width: usize) -> Vec<RowSpan> {
-    let mut spans = Vec::new();
-    while let Some(&first) = pixels.first() {
-        let v = first / width;
-        let (row, below) =
-            pixels.split_at(pixels[..width.min(pixels.len())].partition_point(|&i| i < (v + 1) * width));
-        spans.push(RowSpan { v, first: first % width, last: row[row.len() - 1] % width });
-        pixels = below;
-    }
-    spans
-}
-
-/// The pixels whose centres lie in the convex hull of the spans' ends. `spans`: by ascending row.
-fn fill_hull(spans: &[RowSpan]) -> Vec<RowSpan> {
-    let left = chain(spans.iter().map(|span| [span.first as i64, span.v as i64]), 1);
-    let right = chain(spans.iter().map(|span| [span.last as i64, span.v as i64]), -1);
-    let (Some(&[_, top]), Some(&[_, bottom])) = (left.first(), left.last()) else { return Vec::new() };
-    let (mut l, mut r) = (0, 0);
-    (top..=bottom)
-        .map(|v| {
-            // Rounded inwards.
-            let first = -crossing(&left, &mut l, v, -1);
-            let last = crossing(&right, &mut r, v, 1);
-            RowSpan { v: v as usize, first: first as usize, last: last as usize }
-        })
-        .collect()
-}
-
-/// The corners of one side of a hull, from top to bottom. `side`: 1 = left, -1 = right.
-fn chain(points: impl Iterator<Item = [i64; 2]>, side: i64) -> Vec<[i64; 2]> {
-    let mut corners: Vec<[i64; 2]> = Vec::new();
-    for [u, v] in points {
-        while let [.., [a, b], [c, d]] = corners[..] {
-            let turn = (c - a) * (v - b) - (d - b) * (u - a);
-            if side * turn < 0 {
-                break;
-            }
-            corners.pop();
-        }
-        corners.push([u, v]);
-    }
-    corners
-}
-
-/// The column in which a side of the hull crosses row `v`, times `sign`, rounded down. `at`: the corner above, which only moves down.
-fn crossing(corners: &[[i64; 2]], at: &mut usize, v: i64, sign: i64) -> i64 {
-    while corners.get(*at + 1).is_some_and(|corner| corner[1] <= v) {
-        *at += 1;
-    }
-    let [a, b] = corners[*at];
-    let Some([c, d]) = corners.get(*at + 1) else { return sign * a };
-    (sign * (a * (d - v) + c * (v - b))).div_euclid(d - b)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::error::{Error, Result};
-use crate::params::choices::{Channels, NoiseFrom, Profile, UpFrom};
+use crate::params::choices::{Channels, ColorFor, NoiseFrom, Profile, UpFrom};
 
 /// The text between the two limits of a range.
 pub(super) const TO: &str = " ..= ";
@@ -74,7 +74,7 @@ macro_rules! no_numbers {
     };
 }
 
-no_numbers!(bool, Channels, NoiseFrom, Profile, UpFrom);
+no_numbers!(bool, Channels, ColorFor, NoiseFrom, Profile, UpFrom);
 
 /// Checks a value of a parameter.
 ///

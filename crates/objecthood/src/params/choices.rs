@@ -44,6 +44,19 @@ choice! {
 }
 
 choice! {
+    /// The stages of `context` that ask colour (the comparison of docs/EVALUATION.md).
+    ColorFor {
+        /// All of them.
+        #[default]
+        All = "all",
+        /// Single pixels and the first two: what superpixels and facets are.
+        Facets = "facets",
+        /// None: depth alone decides.
+        None = "none",
+    }
+}
+
+choice! {
     /// A kind of depth sensor, of which published figures are known (docs/CONTEXT.md 0.6).
     Profile {
         /// Not known: a frame alone tells of its noise.

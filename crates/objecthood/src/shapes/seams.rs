@@ -135,7 +135,7 @@ pub fn find_seams(
     params: &Params,
 ) -> Option<Seams> {
     let (space, up) = (&surfaces.space, structure.ground_normal());
-    let lab = surfaces.lab.as_ref().filter(|_| params.seams.enabled)?;
+    let lab = surfaces.lab_for_shapes().filter(|_| params.seams.enabled)?;
     let partings = Search { lab, space, params: &params.seams, up }.part_all(facets, shapes);
     if partings.is_empty() {
         return None;

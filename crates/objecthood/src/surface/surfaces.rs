@@ -4,7 +4,7 @@ use crate::color::image::LabImage;
 use crate::estimates::Estimates;
 use crate::frame::Frame;
 use crate::noise::MeasuredNoise;
-use crate::params;
+use crate::params::{self, ColorFor};
 use crate::raster::Raster;
 use crate::surface::blocks::{measure_waves, measure_white};
 use crate::surface::bridges::bridge_holes;
@@ -32,6 +32,8 @@ pub struct Surfaces {
     pub sharpened_share: f32,
     /// The frames that the noise of `space` is a mean over; 0 when none told of it.
     pub noise_frames: u32,
+    /// The stages that ask colour.
+    pub color: ColorFor,
     /// The plane fitted to the window around every pixel.
     pub fits: PlaneFits,
     /// Slope and normal of the window that was chosen for every pixel.
@@ -47,7 +49,9 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
     let known = KnownNoise::of(sensor, frame.estimates(), &disparity, &space);
     let mut measured = MeasuredNoise { white: None, blocks_quanta: measure_waves(&disparity, &space) };
     let is_matched = known.with(&measured).noise.is_matched();
-    let sharp = sharpen(&disparity, frame.color(), is_matched, &space);
+    let color = frame.color().filter(|_| sensor.color != ColorFor::None);
+    let sharp = sharpen(&disparity, color, is_matched, &space);
+    let lab = color.map(LabImage::new);
     let (frame, sharpened_share) = sharp
         .as_ref()
         .map_or_else(|| (frame.clone(), 0.0), |sharp| with_changes(frame, [&disparity, sharp], &space));
@@ -57,9 +61,26 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
     measured.white = measure_white(&fits.residual);
     let Estimates { noise, frames: noise_frames, .. } = known.with(&measured);
     let space = space.with_noise(noise);
-    let lab = frame.color().map(LabImage::new);
     let orientation = choose_windows(&disparity, &fits, &space, params);
-    Surfaces { frame, space, lab, disparity, bridged_share, sharpened_share, noise_frames, fits, orientation }
+    Surfaces {
+        frame,
+        space,
+        lab,
+        disparity,
+        bridged_share,
+        sharpened_share,
+        noise_frames,
+        color: sensor.color,
+        fits,
+        orientation,
+    }
+}
+
+impl Surfaces {
+    /// The colours for the stages from the shapes on, if these ask them.
+    pub(crate) fn lab_for_shapes(&self) -> Option<&LabImage> {
+        self.lab.as_ref().filter(|_| self.color == ColorFor::All)
+    }
 }
 
 /// The frame with the depths of the pixels whose disparity was changed, and the share of its measured pixels that they are.

@@ -38,7 +38,8 @@ pub(super) fn join_remainder(
         let mut join = Proposal::new(Rule::VesselRemainder, Source::Cluster(id), Some(vessel));
         let is_remainder = join.check(check(of_contacts, contact_share, Bound::AtLeast, REMAINDER_SHARE))
             && join.check(check("its pixels over the vessel's", size_share, Bound::AtMost, REMAINDER_SIZE))
-            && join.check(limits.check_no_higher(clusters, id, vessel));
+            && join.check(limits.check_no_higher(clusters, id, vessel))
+            && join.check(limits.check_color(clusters, id, &[vessel]));
         if is_remainder {
             clusters.join(join, JoinEvidence::VesselRemainder { contact_share });
             return true;
@@ -58,4 +59,33 @@ fn find_nearest_vessel(
         other.filter(|other| vessels.contains(other)).map(|other| (other, borders.touch))
     });
     touched.reduce(|best, next| if next.1 > best.1 { next } else { best })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clusters::testing::{Table, named, single};
+    use crate::color::image::LabImage;
+    use crate::params;
+
+    #[test]
+    fn what_touches_only_the_vessel_belongs_to_it_unless_its_colors_are_others() {
+        let facet = |u: usize, v: usize| match (u, v) {
+            (12..20, 12..20) => 2,
+            (4..28, 4..28) => 1,
+            _ => 0,
+        };
+        let mut table =
+            Table::new((32, 32), |u, v| Some((facet(u, v), [0.0, 0.05, 0.053][facet(u, v) as usize])));
+        let colors = [[30.0, 0.0, 0.0], [50.0, 50.0, 30.0], [40.0, 10.0, -40.0]];
+        for (lab, expected) in [(false, vec![Some(0); 2]), (true, vec![Some(0), Some(1)])] {
+            table.lab = lab.then(|| LabImage::drawn((32, 32), |u, v| colors[facet(u, v) as usize]));
+            let scene = table.scene();
+            let mut clusters = single(&scene);
+            let limits = Limits { support: scene.ground().unwrap(), params: &params::Vessels::default() };
+            let mut misses = Vec::new();
+            join_remainder(&mut clusters, limits, &BTreeSet::from([SegmentId(0)]), &mut misses);
+            assert_eq!(named(&clusters), expected, "{misses:?}");
+        }
+    }
 }

@@ -11,7 +11,9 @@ use crate::clusters::borders::BorderCounts;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::clusters::rim::{check_circle, fit_rim_circle, measure_share_within};
+use crate::clusters::scene::sampled;
 use crate::discovery::join::{JoinEvidence, RimCircle};
+use crate::hull::Hull;
 use crate::regions::SegmentId;
 
 /// Least number of pixels of an inside, and of a wall (px at a focal length of 525 px).
@@ -24,6 +26,8 @@ const FRONT_PX: usize = 8;
 const FRONT_RATIO: u32 = 4;
 /// Without a circle, the wall is in front of the inside along at least this many pixel pairs (px at 525 px).
 const FRONT_ALONE_PX: usize = 12;
+/// A wall has less than this share of its pixels within the outline of the inside: what lies there is a content.
+const SURROUNDED_SHARE: f64 = 0.5;
 /// Least share of a part's pixels within the circle of the vessel's rim.
 const WITHIN_SHARE: f64 = 0.8;
 
@@ -135,6 +139,7 @@ fn find_walls(
 ) -> Vec<Wall> {
     let space = clusters.scene.space;
     let (least_px, least_front) = (space.area_px(PART_PX), space.length_px(FRONT_PX));
+    let outline = Hull::of(&clusters.get(inside).pixels, clusters.scene.disparity.width());
     let mut walls = Vec::new();
     for (&other, borders) in &clusters.get(inside).neighbours {
         // The counts are seen from the inside, so they are swapped for the wall.
@@ -152,7 +157,8 @@ fn find_walls(
                 Bound::AtLeast,
                 -FLAT,
             ))
-            && join.check(check_level(clusters, limits, id, inside));
+            && join.check(check_level(clusters, limits, id, inside))
+            && join.check(check_around(clusters, id, &outline));
         if is_wall {
             walls.push(Wall { id, in_front, join });
         } else {
@@ -171,6 +177,21 @@ fn check_level(clusters: &Clusters<'_>, limits: Limits<'_>, wall: SegmentId, ins
     let apart_m = (limits.top_m(clusters, wall) - limits.top_m(clusters, inside)).abs();
     let limit_m = limits.params.rim_height_m;
     Check::new("difference of the tops", "m", apart_m, Bound::AtMost, limit_m).set_by(RIM_HEIGHT)
+}
+
+/// Checks that a cluster lies before the inside and not in it: the rim bounds in the image what is seen of the inside, the wall lies
+/// beyond it.
+fn check_around(clusters: &Clusters<'_>, wall: SegmentId, outline: &Hull) -> Check {
+    let (within, all) = sampled(&clusters.get(wall).pixels)
+        .fold((0, 0), |(within, all), i| (within + u32::from(outline.contains(i)), all + 1));
+    let share = f64::from(within) / f64::from(all.max(1));
+    Check::new(
+        "share of the wall within the outline of the inside",
+        "",
+        share,
+        Bound::Below,
+        SURROUNDED_SHARE,
+    )
 }
 
 /// The search for the rim of one inside.
@@ -253,5 +274,32 @@ impl RimSearch<'_> {
             && (clings() || join.check(check_above(Bound::AtLeast, -most_m)))
             && join.check(Check::new("its share within the rim", "", share(), Bound::AtLeast, WITHIN_SHARE))
             && (parts.contains(&id) || join.check(limits.check_color(clusters, id, &[inside, self.wall.id])))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clusters::testing::{Table, single};
+
+    #[test]
+    fn a_wall_lies_before_the_inside_and_a_content_in_it() {
+        let rows = [
+            "____________", //
+            "__aaaaaaaa__",
+            "__aabbbbaa__",
+            "__aabbbbaa__",
+            "__aaaaaaaa__",
+            "__cccccccc__",
+            "___cccccc___",
+        ];
+        let table = Table::drawn(&rows, &[0.02, 0.03, 0.02]);
+        let scene = table.scene();
+        let clusters = single(&scene);
+        let [inside, content, wall] = [0, 1, 2].map(SegmentId);
+        let outline = Hull::of(&clusters.get(inside).pixels, 12);
+        let [content, wall] = [content, wall].map(|id| check_around(&clusters, id, &outline));
+        assert_eq!((content.measured, content.holds()), (1.0, false));
+        assert_eq!((wall.measured, wall.holds()), (0.0, true));
     }
 }

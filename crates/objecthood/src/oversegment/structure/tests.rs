@@ -42,6 +42,7 @@ fn seen_with(params: &params::Structure, depth_m: impl Fn(usize) -> f64) -> Stru
         bridged_share,
         sharpened_share,
         noise_frames,
+        color: params::ColorFor::All,
         fits,
         orientation,
     };
