@@ -42,6 +42,8 @@ pub struct Scene<'a> {
     pub supports: &'a [usize],
     /// The largest differences in disparity that are no step.
     pub steps: StepLimits,
+    /// Whether the sensor smears edges over several pixels (docs/CONTEXT.md 0.7).
+    pub is_smeared: bool,
 }
 
 /// About [`SAMPLED_PX`] of the pixels of a cluster, evenly spread.
@@ -72,6 +74,7 @@ impl<'a> Scene<'a> {
             planes: &structure.planes,
             supports: &structure.supports.surfaces,
             steps,
+            is_smeared: surfaces.sharpened_share > 0.0,
         }
     }
 }

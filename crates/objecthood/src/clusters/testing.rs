@@ -99,6 +99,7 @@ impl Table {
             planes: &[],
             supports: &[0],
             steps: StepLimits::of(&params::Watershed::default(), &self.space),
+            is_smeared: false,
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::up::Up;
 use crate::objectness::compactness::measure_compactness;
 use crate::objectness::outline::measure_outlines;
-use crate::objectness::size::rate_size;
+use crate::objectness::size::{rate_resolution, rate_size};
 use crate::oriented_box::fit_oriented_box;
 use crate::params;
 use crate::raster::Raster;
@@ -165,8 +165,12 @@ pub fn find_cluster_hypotheses(
             hypothesis.is_flat = true;
             let parts = &mut hypothesis.parts;
             parts.separation = parts.separation.max(flat.separation());
-            hypothesis.objectness = parts.objectness(objectness);
+        } else if scene.is_smeared {
+            hypothesis.parts.size *= rate_resolution(hypothesis.pixels.len(), space);
+        } else {
+            continue;
         }
+        hypothesis.objectness = hypothesis.parts.objectness(objectness);
     }
     hypotheses
 }

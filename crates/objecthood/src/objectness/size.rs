@@ -2,6 +2,14 @@
 
 use crate::discovery::object::OrientedBox;
 use crate::params;
+use crate::surface::disparity::DisparitySpace;
+
+/// Where a sensor smears edges, its waves are up to 40 px long (at 525 px). A thing of this area (px) is surely more than one of them ...
+const RESOLVED_PX: usize = 1600;
+/// ... and one that is this many octaves smaller, the smallest hypothesis, may be one ...
+const WAVE_OCTAVES: f32 = 3.0;
+/// ... which takes this share of the rating.
+const WAVE_DOUBT: f32 = 0.35;
 
 /// The longest side of the box (m).
 pub fn longest_side_m(box_m: &OrientedBox) -> f32 {
@@ -34,10 +42,21 @@ pub(crate) fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::O
     (1.0 - visibility * thin).min(within_largest)
 }
 
+/// Rates whether a thing is larger in the image than the waves of a sensor that smears edges (docs/CONTEXT.md 6.1): from 0.65 for a thing as
+/// small as the smallest hypothesis to 1 from 40 x 40 px on, linear in the logarithm.
+///
+/// Source: ours, because crumbs that such a sensor makes of tables, floors and edges are of this size, and what they are in metres depends
+/// on their distance.
+pub(crate) fn rate_resolution(size_px: usize, space: &DisparitySpace) -> f32 {
+    let octaves = libm::log2f(space.area_px(RESOLVED_PX) as f32 / size_px as f32);
+    1.0 - WAVE_DOUBT * (octaves / WAVE_OCTAVES).clamp(0.0, 1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::oriented_box::fit_oriented_box;
+    use crate::testing::space;
 
     #[test]
     fn limits_of_size_are_soft_and_what_is_hidden_may_be_larger() {
@@ -63,6 +82,17 @@ mod tests {
         for (extents_m, visibility, expected) in expected {
             let got = part(extents_m, visibility);
             assert!((got - expected).abs() < 1e-6, "{extents_m:?}, {visibility}: {got}");
+        }
+    }
+
+    #[test]
+    fn a_crumb_may_be_a_wave_and_what_is_larger_than_waves_is_not() {
+        for focal_px in [525.0, 1050.0] {
+            let space = space([focal_px; 2], [319.5, 239.5]);
+            let rated = [100, 200, 800, 1600, 20_000].map(|px| rate_resolution(space.area_px(px), &space));
+            for (rated, expected) in rated.into_iter().zip([0.65, 0.65, 1.0 - 0.35 / 3.0, 1.0, 1.0]) {
+                assert!((rated - expected).abs() < 1e-3, "{focal_px}: {rated} instead of {expected}");
+            }
         }
     }
 }

@@ -1,13 +1,15 @@
-//! Footing: whether a thing goes down to the structure, or is seen to hang in the air (docs/CONTEXT.md 6.7).
+//! Footing: whether a thing goes down to the structure, is seen to hang in the air, or lies below all that could carry it
+//! (docs/CONTEXT.md 6.7).
 
 use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::discovery::support_graph::SupportGraph;
 use crate::raster::Raster;
 use crate::regions::SegmentId;
 use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
-use crate::support::load::carries_structure;
+use crate::support::load::{LEVEL, carries_structure};
 use crate::support::scene::SupportScene;
 
 /// About this many pixels of a thing are looked at.
@@ -32,11 +34,11 @@ enum End {
 ///
 /// A column goes down from a pixel along gravity. While the image shows the thing itself there, the column is hidden in it. It then ends in
 /// air if what is seen lies behind it for 4 cm. Columns that cannot be followed do not count. Things are rated from the lowest to the
-/// highest; something higher than a thing counts as structure for it. Without structure every footing is 1.
-/// O(regions · columns · steps).
+/// highest; something higher than a thing counts as structure for it. Where a level surface is seen, a thing that nothing carries in `graph`
+/// has no footing: it lies below every surface. Without structure every footing is 1. O(regions · columns · steps).
 ///
-/// Source: ours, because people, arms and furniture come in pieces, most of which hang in the air.
-pub(crate) fn measure_footing(scene: &SupportScene<'_>) -> Vec<f32> {
+/// Source: ours, because people, arms and furniture come in pieces, most of which hang in the air or go on below a table's edge.
+pub(crate) fn measure_footing(scene: &SupportScene<'_>, graph: &SupportGraph) -> Vec<f32> {
     let mut footing = vec![1.0_f32; scene.regions.count()];
     if scene.planes.is_empty() {
         return footing;
@@ -54,7 +56,7 @@ pub(crate) fn measure_footing(scene: &SupportScene<'_>) -> Vec<f32> {
         .filter(|(mean_m, _)| !mean_m.is_nan())
         .collect();
     things.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (_, thing) in things {
+    for &(_, thing) in &things {
         let (mut held, mut followed) = (0.0, 0.0_f32);
         for &i in &pixels[thing] {
             let share = match follow(scene, up, i, thing) {
@@ -68,6 +70,14 @@ pub(crate) fn measure_footing(scene: &SupportScene<'_>) -> Vec<f32> {
             footing[thing] = (held / followed / ENOUGH).min(1.0);
         }
         footing[thing] *= 1.0 - load(scene, up, &pixels[thing], thing);
+    }
+    if scene.planes.iter().any(|plane| plane.normal().dot(up) > LEVEL) {
+        let carriers = graph.parents();
+        // Last, because the board of a shelf may lie lowest, and what stands on it shall not share its doubt.
+        things
+            .iter()
+            .filter(|(_, thing)| carriers[*thing].is_empty())
+            .for_each(|&(_, thing)| footing[thing] = 0.0);
     }
     footing
 }
@@ -113,6 +123,8 @@ fn follow(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> End {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discovery::ids::NodeId;
+    use crate::discovery::support_graph::{NodeKind, SupportEdge, SupportNode};
     use crate::discovery::up::{Up, UpSource};
     use crate::planes::StructurePlane;
     use crate::regions::Segments;
@@ -130,8 +142,18 @@ mod tests {
         footing_at(posts, |_, _| POST_M)
     }
 
-    /// The same of posts with a depth (m) by their number and row.
+    /// The same of posts with a depth (m) by their number and row. The floor carries all of them.
     fn footing_at(posts: &[[Range<usize>; 2]], post_m: impl Fn(usize, usize) -> f64) -> Vec<f32> {
+        let carried: Vec<usize> = (2..2 + posts.len()).collect();
+        footing_in(posts, post_m, &carried)
+    }
+
+    /// The same where the floor carries only these regions.
+    fn footing_in(
+        posts: &[[Range<usize>; 2]],
+        post_m: impl Fn(usize, usize) -> f64,
+        carried: &[usize],
+    ) -> Vec<f32> {
         let space = space([FOCAL_PX; 2], [159.5, 119.5]);
         let seen = |i: usize| {
             let [_, v] = position(i, SIZE.0);
@@ -168,7 +190,16 @@ mod tests {
             up: &up,
             space: &space,
         };
-        measure_footing(&scene)
+        let node = SupportNode { kind: NodeKind::Surface, p_s: 0.0, p_o: 0.0, height_m: 0.0, size_px: 1 };
+        let edge = |&upper: &usize| SupportEdge::seen(NodeId(0), NodeId(upper as u32), 1);
+        let edges = carried.iter().map(edge).collect();
+        measure_footing(&scene, &SupportGraph { nodes: vec![node; regions.count()], edges })
+    }
+
+    #[test]
+    fn what_nothing_carries_has_no_footing_and_what_it_carries_has() {
+        let posts = [[100..120, 180..240], [100..120, 150..180], [200..220, 180..240]];
+        assert_eq!(footing_in(&posts, |_, _| POST_M, &[3, 4])[2..], [0.0, 1.0, 1.0]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
 use crate::support::scene::SupportScene;
 
 /// A surface whose normal has this component along up, within 26 degrees, can be carried.
-const LEVEL: f64 = 0.9;
+pub(super) const LEVEL: f64 = 0.9;
 /// Most height (m) of what lies between a thing and the surface that it carries: the thickness of a table-top.
 const THICKEST_M: f64 = 0.08;
 /// A surface that hides the upper end of a thing is carried by it if it is this high (m) above the place: boards of a shelf are closer.
