@@ -115,19 +115,19 @@ impl Capture {
         (fx_px, fy_px, cx_px, cy_px)
     }
 
-    /// Depth along the optical axis, HxW float32 (m), NaN = none. A copy.
+    /// Depth along the optical axis, H x W float32 (m), NaN = none. A copy.
     #[getter]
     fn depth<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         arrays::image(py, self.inner.frame.depth_m())
     }
 
-    /// Colour, HxWx3 uint8 RGB, if there is any. A copy.
+    /// Colour, H x W x 3 uint8 RGB, if there is any. A copy.
     #[getter]
     fn color<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray3<u8>>>> {
         self.inner.frame.color().map(|color| arrays::image3(py, color)).transpose()
     }
 
-    /// The true label of every pixel, HxW uint32 as the file has it, if there is a truth. A copy.
+    /// The true label of every pixel, H x W uint32 as the file has it, if there is a truth. A copy.
     #[getter]
     fn truth<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u32>>>> {
         self.inner.truth.as_ref().map(|truth| arrays::image(py, truth)).transpose()

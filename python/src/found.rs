@@ -167,7 +167,7 @@ impl Found {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// The image with what was found drawn over it, HxWx3.
+    /// The image with what was found drawn over it, H x W x 3.
     fn overlay<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let picture = py.detach(|| overlay(&self.capture.frame, &self.discovery.labels));
         let (width, height) = self.discovery.labels.size();
