@@ -7,6 +7,7 @@ mod api;
 mod bench;
 mod house;
 mod instructions;
+mod package;
 mod pictures;
 mod python;
 mod source;
@@ -32,6 +33,7 @@ const USAGE: &str = "usage: cargo xtask TASK
                        import circles, functions and files that are too long in the core of this checkout, or of the one in FOLDER
   aarch64              builds for aarch64 and compares labels under qemu-user with those of this machine
   api                  writes the listing of the core's public API anew, which `test` compares with
+  python               builds the Python package in its folder, and runs its tests
   pictures             draws the pictures of docs/CONTEXT.md anew";
 
 fn main() -> ExitCode {
@@ -65,6 +67,7 @@ fn run() -> Result<bool> {
         ["house", "--root", folder] => source::check(Path::new(folder)),
         ["api"] => api::bless(&house),
         ["aarch64"] => aarch64::run(&house),
+        ["python"] => package::run(&house),
         ["pictures"] => pictures::run(&house),
         _ => bail!("{USAGE}"),
     }

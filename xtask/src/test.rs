@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 
 use crate::house::House;
 use crate::tally::Tally;
-use crate::{aarch64, api, instructions, python, source};
+use crate::{aarch64, api, instructions, package, python, source};
 
 /// One thing that was checked.
 struct Step {
@@ -20,7 +20,7 @@ struct Step {
 
 /// What `--quick` leaves out, because it takes most of the time.
 const LEFT_OUT: &str = "left out by --quick: tests of whole programs and on real data, documentation with its examples, the listing of \
-     the public API, the build for aarch64, instruction counts";
+     the public API, the Python package, the build for aarch64, instruction counts";
 
 /// What a change needs while it is made: formatting, lints, unit tests and the golden maps. Meant to take four
 /// minutes on two cores when the dependencies are built.
@@ -93,6 +93,7 @@ pub(crate) fn run(house: &House) -> Result<bool> {
         "examples in the documentation",
         "test --workspace --doc --locked --no-fail-fast -- --show-output",
     )?;
+    steps.push(timed("Python package", || package::check(house, &mut tally))?);
     steps.push(timed("builds for aarch64", || aarch64::check(house, &mut tally))?);
     steps.push(timed("instructions", || Ok(instructions::check(house, &mut tally)))?);
 
@@ -124,7 +125,7 @@ fn timed(name: &'static str, step: impl FnOnce() -> Result<bool>) -> Result<Step
 }
 
 /// Runs tests: passes their output on and takes it in; whether all went well.
-fn read_tests(command: &mut Command, tally: &mut Tally) -> Result<bool> {
+pub(crate) fn read_tests(command: &mut Command, tally: &mut Tally) -> Result<bool> {
     let mut child = command.stdout(Stdio::piped()).spawn().with_context(|| format!("{command:?}"))?;
     let output = child.stdout.take().context("the output of the tests cannot be read")?;
     // Tests may print anything, so lines are not taken to be UTF-8.

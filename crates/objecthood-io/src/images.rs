@@ -25,7 +25,8 @@ mod picture;
 mod tiff;
 
 pub(crate) use color::decode as color_of_image;
-pub(crate) use depth::{check_unit, depth_of_image, metres_of_floats, metres_of_units};
+pub(crate) use depth::{check_unit, depth_of_image};
+pub use depth::{metres_of_floats, metres_of_units};
 pub use error::ImageError;
 pub use mask::{decode_mask, open_mask};
 

@@ -60,13 +60,13 @@ pub(crate) fn depth_of_image(
 }
 
 /// Depth (m) of units of which `scale` make a metre. Their greatest value stands for what is farther, or for nothing at all.
-pub(crate) fn metres_of_units(samples: impl IntoIterator<Item = u16>, scale: f64) -> Vec<f32> {
+pub fn metres_of_units(samples: impl IntoIterator<Item = u16>, scale: f64) -> Vec<f32> {
     let metres = |raw: u16| if raw == u16::MAX { f32::NAN } else { (f64::from(raw) / scale) as f32 };
     samples.into_iter().map(metres).collect()
 }
 
 /// Depth (m) of floating-point numbers of which `scale` make a metre.
-pub(crate) fn metres_of_floats(samples: impl IntoIterator<Item = f32>, scale: f64) -> Vec<f32> {
+pub fn metres_of_floats(samples: impl IntoIterator<Item = f32>, scale: f64) -> Vec<f32> {
     samples.into_iter().map(|raw| (f64::from(raw) / scale) as f32).collect()
 }
 

@@ -1,0 +1,133 @@
+"""Streams, threads, signals and memory."""
+
+from __future__ import annotations
+
+import _thread
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import objecthood as oh
+
+
+def test_a_pipeline_gives_what_single_calls_give(scene: oh.Capture, found: oh.Discovery) -> None:
+    other = oh.synthetic("single", 3)
+    pipeline = oh.Pipeline(threads=1)
+    for capture in (scene, other, scene):
+        assert np.array_equal(pipeline.discover(capture).labels, oh.discover(capture).labels)
+    assert np.array_equal(pipeline.discover(scene).labels, found.labels)
+
+
+def test_set_is_a_fresh_run_with_the_value(scene: oh.Capture) -> None:
+    pipeline = oh.Pipeline()
+    assert pipeline.set("objectness.threshold", 0.5) is None, "no frame yet"
+    pipeline.discover(scene)
+    for name, value in (("merging.plane_tolerance_quanta", 1.5), ("objectness.threshold", 0.9), ("method", "paper")):
+        again = pipeline.set(name, value)
+        assert again is not None
+        assert np.array_equal(again.labels, oh.discover(scene, params=pipeline.params).labels), name
+    for name in ("objectness.treshold", "threshold", "objectness", "merging", "method.x", ""):
+        with pytest.raises(oh.ParameterError, match="no parameter"):
+            pipeline.set(name, 1)
+    with pytest.raises(oh.ParameterError, match="outside its range"):
+        pipeline.set("objectness.threshold", 2)
+    with pytest.raises(oh.ParameterError):
+        pipeline.set("objectness.threshold", "much")
+    assert pipeline.params.objectness.threshold == 0.9, "a refused value leaves the old one"
+
+
+def test_threads_may_share_a_pipeline_and_run_their_own(scene: oh.Capture, found: oh.Discovery) -> None:
+    shared = oh.Pipeline(threads=1)
+    wrong: list[str] = []
+
+    def look(own: bool) -> None:
+        for _ in range(5):
+            labels = (oh.discover(scene, threads=1) if own else shared.discover(scene)).labels
+            if not np.array_equal(labels, found.labels):
+                wrong.append("own" if own else "shared")
+
+    threads = [threading.Thread(target=look, args=(k % 2 == 0,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+
+
+def test_the_interpreter_is_released(scene: oh.Capture) -> None:
+    """While one thread looks, another one counts."""
+    capture = oh.discover(scene).capture
+    done = threading.Event()
+
+    def look() -> None:
+        for _ in range(3):
+            oh.discover(capture, method="paper")
+        done.set()
+
+    worker = threading.Thread(target=look)
+    worker.start()
+    counted = 0
+    while not done.is_set():
+        counted += 1
+    worker.join()
+    assert counted > 1000, counted
+
+
+def test_ctrl_c_ends_a_long_call() -> None:
+    depth = np.full((3000, 4000), 1.2, np.float32)
+    depth += np.random.default_rng(1).normal(0, 0.003, depth.shape).astype(np.float32)
+    pipeline = oh.Pipeline(method="paper")
+    asked: list[float] = []
+
+    def press() -> None:
+        asked.append(time.monotonic())
+        _thread.interrupt_main()
+
+    timer = threading.Timer(0.3, press)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        pipeline.discover(depth, (3000, 3000, 2000, 1500))
+        timer.cancel()
+    assert asked, "the call was over before the key was pressed"
+    # The pipeline can be used again.
+    assert len(pipeline.discover(depth[:480, :640], (525, 525, 319.5, 239.5)).labels) == 480
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_a_fork_can_use_the_pipeline_of_its_parent(scene: oh.Capture, found: oh.Discovery) -> None:
+    """A fork has none of its parent's threads: with those of the parent it would wait for ever."""
+    pipeline = oh.Pipeline()
+    pipeline.discover(scene)
+    child = os.fork()
+    if child == 0:
+        signal.alarm(60)
+        os._exit(0 if np.array_equal(pipeline.discover(scene).labels, found.labels) else 1)
+    assert os.waitpid(child, 0)[1] == 0
+
+
+def test_memory_does_not_grow(scene: oh.Capture) -> None:
+    """In a process of its own, because tests before this one leave their memory behind."""
+    code = """
+import objecthood as oh
+def kilobytes():
+    return int(next(line for line in open('/proc/self/status') if line.startswith('VmRSS')).split()[1])
+capture = oh.synthetic('single', 3)
+depth, camera, color = capture.depth, capture.camera, capture.color
+for k in range(60):
+    found = oh.discover(depth, camera, color=color)
+    found.labels, found.boxes3d, found.parents, found[0].points()
+    if k == 20:
+        before = kilobytes()
+print(kilobytes() - before)
+"""
+    if not os.path.exists("/proc/self/status"):
+        pytest.skip("skipped: this system does not tell how much memory a process has")
+    grown = int(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout)
+    # 40 frames with 2 MB of pixels each.
+    assert grown < 20_000, f"{grown} kB in 40 frames"
