@@ -33,6 +33,10 @@ class Sensor:
     also sets `sensor.lateral_noise_px`. Unit: dimensionless: switch. Range: none | kinect | stereo | tof |
     phone. Default: none (ours, because a frame mostly tells it better (docs/CONTEXT.md 0.6))."""
 
+    color: str = "all"
+    """Stages that ask colour, if there is any (`context`). Unit: dimensionless: switch. Range: all | facets |
+    none. Default: all (ours: the comparison of docs/EVALUATION.md, Colour)."""
+
 
 @dataclass(slots=True)
 class Smoothing:
