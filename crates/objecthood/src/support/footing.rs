@@ -34,8 +34,8 @@ enum End {
 ///
 /// A column goes down from a pixel along gravity. While the image shows the thing itself there, the column is hidden in it. It then ends in
 /// air if what is seen lies behind it for 4 cm. Columns that cannot be followed do not count. Things are rated from the lowest to the
-/// highest; something higher than a thing counts as structure for it. Where a level surface is seen, a thing that nothing carries in `graph`
-/// has no footing: it lies below every surface. Without structure every footing is 1. O(regions · columns · steps).
+/// highest; something higher than a thing counts as structure for it. A thing that nothing carries in `graph` and
+/// that lies below every level surface that is seen has no footing. Without structure every footing is 1. O(regions · columns · steps).
 ///
 /// Source: ours, because people, arms and furniture come in pieces, most of which hang in the air or go on below a table's edge.
 pub(crate) fn measure_footing(scene: &SupportScene<'_>, graph: &SupportGraph) -> Vec<f32> {
@@ -71,13 +71,12 @@ pub(crate) fn measure_footing(scene: &SupportScene<'_>, graph: &SupportGraph) ->
         }
         footing[thing] *= 1.0 - load(scene, up, &pixels[thing], thing);
     }
-    if scene.planes.iter().any(|plane| plane.normal().dot(up) > LEVEL) {
-        let carriers = graph.parents();
-        // Last, because the board of a shelf may lie lowest, and what stands on it shall not share its doubt.
-        things
-            .iter()
-            .filter(|(_, thing)| carriers[*thing].is_empty())
-            .for_each(|&(_, thing)| footing[thing] = 0.0);
+    let carriers = graph.parents();
+    // Last, because the board of a shelf may lie lowest, and what stands on it shall not share its doubt.
+    for &(_, thing) in &things {
+        if carriers[thing].is_empty() && lies_below_every_surface(scene, up, &pixels[thing]) {
+            footing[thing] = 0.0;
+        }
     }
     footing
 }
@@ -96,6 +95,19 @@ fn load(scene: &SupportScene<'_>, up: DVec3, pixels: &[usize], thing: usize) -> 
         (carrying, followed) = (carrying + usize::from(carries), followed + 1);
     }
     if followed > 0 { carrying as f32 / followed as f32 } else { 0.0 }
+}
+
+/// Whether level surfaces are seen and these pixels of a thing lie below each of them, on average.
+fn lies_below_every_surface(scene: &SupportScene<'_>, up: DVec3, pixels: &[usize]) -> bool {
+    let center_m = pixels.iter().map(|&i| DVec3::from(scene.points_m[i].map(f64::from))).sum::<DVec3>()
+        / pixels.len() as f64;
+    let mut heights_m = scene
+        .planes
+        .iter()
+        .filter(|plane| plane.normal().dot(up) > LEVEL)
+        .map(|plane| plane.height_m(center_m))
+        .peekable();
+    heights_m.peek().is_some() && heights_m.all(|height_m| height_m < 0.0)
 }
 
 /// Follows the column below pixel `i` of a thing.
@@ -145,14 +157,15 @@ mod tests {
     /// The same of posts with a depth (m) by their number and row. The floor carries all of them.
     fn footing_at(posts: &[[Range<usize>; 2]], post_m: impl Fn(usize, usize) -> f64) -> Vec<f32> {
         let carried: Vec<usize> = (2..2 + posts.len()).collect();
-        footing_in(posts, post_m, &carried)
+        footing_in(posts, post_m, &carried, FLOOR_M)
     }
 
-    /// The same where the floor carries only these regions.
+    /// The same where only these regions are carried, and the level surface is so far below the camera (m).
     fn footing_in(
         posts: &[[Range<usize>; 2]],
         post_m: impl Fn(usize, usize) -> f64,
         carried: &[usize],
+        level_m: f64,
     ) -> Vec<f32> {
         let space = space([FOCAL_PX; 2], [159.5, 119.5]);
         let seen = |i: usize| {
@@ -177,7 +190,7 @@ mod tests {
         );
         let normals = points_m.map(|_| [0.0; 3]);
         let planes = [
-            StructurePlane { normal: [0.0, -1.0, 0.0], offset_m: FLOOR_M as f32, inlier_share: 0.4 },
+            StructurePlane { normal: [0.0, -1.0, 0.0], offset_m: level_m as f32, inlier_share: 0.4 },
             StructurePlane { normal: [0.0, 0.0, -1.0], offset_m: WALL_M as f32, inlier_share: 0.4 },
         ];
         let up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Plane };
@@ -197,9 +210,11 @@ mod tests {
     }
 
     #[test]
-    fn what_nothing_carries_has_no_footing_and_what_it_carries_has() {
+    fn what_lies_below_every_surface_has_no_footing_and_what_it_carries_has() {
         let posts = [[100..120, 180..240], [100..120, 150..180], [200..220, 180..240]];
-        assert_eq!(footing_in(&posts, |_, _| POST_M, &[3, 4])[2..], [0.0, 1.0, 1.0]);
+        let of = |level_m| footing_in(&posts, |_, _| POST_M, &[3, 4], level_m);
+        assert_eq!(of(0.2)[2..], [0.0, 1.0, 1.0], "a table 20 cm below the camera, which carries the third");
+        assert_eq!(of(FLOOR_M)[2..], [1.0, 1.0, 1.0], "above the floor it is only not known what carries it");
     }
 
     #[test]
