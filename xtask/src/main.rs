@@ -8,6 +8,7 @@ mod bench;
 mod house;
 mod instructions;
 mod package;
+mod page;
 mod pictures;
 mod python;
 mod source;
@@ -34,6 +35,7 @@ const USAGE: &str = "usage: cargo xtask TASK
   aarch64              builds for aarch64 and compares labels under qemu-user with those of this machine
   api                  writes the listing of the core's public API anew, which `test` compares with
   python               builds the Python package in its folder, and runs its tests
+  page                 builds the live page from its TypeScript, which needs Node
   pictures             draws the pictures of docs/CONTEXT.md anew";
 
 fn main() -> ExitCode {
@@ -68,6 +70,7 @@ fn run() -> Result<bool> {
         ["api"] => api::bless(&house),
         ["aarch64"] => aarch64::run(&house),
         ["python"] => package::run(&house),
+        ["page"] => page::run(&house),
         ["pictures"] => pictures::run(&house),
         _ => bail!("{USAGE}"),
     }

@@ -10,6 +10,7 @@ mod selection;
 mod settings;
 mod synthetic;
 mod track;
+mod view;
 
 pub(crate) use doctor::{ConvertArgs, DoctorArgs, InfoArgs, Target};
 pub(crate) use eval::{ComparisonArgs, EvalArgs, SyntheticArgs};
@@ -20,6 +21,7 @@ pub(crate) use selection::SelectionArgs;
 pub(crate) use settings::{MethodName, Settings, Threads};
 pub(crate) use synthetic::{DemoArgs, SynthArgs};
 pub(crate) use track::TrackArgs;
+pub(crate) use view::ViewArgs;
 
 use std::path::PathBuf;
 
@@ -82,6 +84,7 @@ pub(crate) enum Command {
     Info(InfoArgs),
     Convert(ConvertArgs),
     Explain(ExplainArgs),
+    View(ViewArgs),
     Eval(EvalArgs),
     Synth(SynthArgs),
     Params(ParamsArgs),
@@ -96,6 +99,7 @@ impl Command {
             Self::Segment(args) => args.settings.verbose,
             Self::Track(args) => args.settings.verbose,
             Self::Explain(args) => args.settings.verbose,
+            Self::View(args) => args.settings.verbose,
             Self::Eval(args) => args.settings.verbose,
             Self::Params(args) => args.settings.verbose,
             Self::Doctor(args) => args.settings.verbose,
@@ -110,6 +114,7 @@ impl Command {
             Self::Segment(args) => Some(&args.settings.threads),
             Self::Track(args) => Some(&args.settings.threads),
             Self::Explain(args) => Some(&args.settings.threads),
+            Self::View(args) => Some(&args.settings.threads),
             Self::Eval(args) => Some(&args.settings.threads),
             Self::Synth(args) => Some(&args.threads),
             Self::Doctor(args) => Some(&args.settings.threads),
@@ -119,7 +124,7 @@ impl Command {
 }
 
 /// Which frames to read, and which part of them to use.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct FrameArgs {
     #[arg(required_unless_present = "depth", conflicts_with = "depth", value_name = "INPUT", help = images::inputs_help())]
     pub(crate) inputs: Vec<PathBuf>,

@@ -1,14 +1,10 @@
 //! `objecthood explain`: why a pixel or an object is what it is.
 
-mod text;
-mod verdict;
-mod words;
-
 use anyhow::Result;
 use indicatif::ProgressBar;
 use objecthood::explain::Explainer;
 use objecthood::{Error, ObjectId, Params, Pipeline};
-use objecthood_io::explanation::ExplanationFile;
+use objecthood_io::explanation::{ExplanationFile, in_words};
 use objecthood_io::scope::Scope;
 use objecthood_io::{Capture, output};
 
@@ -72,7 +68,7 @@ impl<'a> Plan<'a> {
         let mut text = if self.args.json {
             ExplanationFile::new(name, &self.params, &explanation).to_json()?
         } else {
-            text::of(name, &explanation)
+            in_words(name, &explanation)
         };
         if let Some(folder) = &self.args.out {
             make_folder(folder)?;

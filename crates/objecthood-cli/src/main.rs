@@ -25,6 +25,7 @@ mod synth;
 mod synthetic;
 mod terminal;
 mod track;
+mod view;
 mod watch;
 
 use std::process::ExitCode;
@@ -55,6 +56,7 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Explain(args) => explain::run(args),
+        Command::View(args) => view::run(args),
         Command::Eval(args) => eval::run(args),
         Command::Synth(args) => synth::run(args),
         Command::Params(args) => params::run(args),

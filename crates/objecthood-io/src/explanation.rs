@@ -1,4 +1,8 @@
-//! The explanation file: why a pixel is what it is, as JSON.
+//! Why a pixel is what it is: the explanation as text, and as a file of JSON.
+
+mod text;
+mod verdict;
+mod words;
 
 use objecthood::Params;
 use objecthood::explain::Explanation;
@@ -6,6 +10,8 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::scene::{fingerprint, first_null};
+
+pub use text::in_words;
 
 /// Version of the form that is written.
 pub const VERSION: u32 = 1;

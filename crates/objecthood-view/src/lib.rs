@@ -50,4 +50,5 @@ pub use overlay::overlay;
 pub use palette::object_color;
 pub use panels::{panels, png};
 pub use recording::Recording;
+pub use region_colors::stage_colors;
 pub use timeline::{Mark, filmed};

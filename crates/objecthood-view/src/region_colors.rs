@@ -12,12 +12,25 @@ const REGION_COLORS: usize = 48;
 /// Regions that touch differ by this much (`OKLab`) for every eye, as long as there is such a colour.
 const NEIGHBOUR_DIFFERENCE: f32 = 0.14;
 
+/// The greys of tables, walls and floors.
+pub(crate) const STRUCTURE: [u8; 4] = [150, 110, 185, 75];
+
+/// The colour of every region of a stage, whose labels are below `count`: grey for the first `structure`, for the others such that
+/// regions that touch differ; `None` for those that own no pixel.
+pub fn stage_colors(labels: &Raster<i32>, count: usize, structure: usize) -> Vec<Option<Rgb<u8>>> {
+    let mut colors = region_colors(labels, count);
+    for (color, grey) in colors.iter_mut().take(structure).zip(STRUCTURE.iter().cycle()) {
+        *color = Some(Rgb([*grey; 3]));
+    }
+    colors
+}
+
 /// The colour of every region of a label map whose labels are below `count`, such that regions that touch differ;
 /// `None` for those that own no pixel.
 ///
 /// Each takes, from a hash of its number on, the least used of the colours that differ enough from those of its
 /// neighbours; the largest choose first, so that one with many neighbours is not left without a choice.
-pub(crate) fn region_colors(labels: &Raster<i32>, count: usize) -> Vec<Option<Rgb<u8>>> {
+fn region_colors(labels: &Raster<i32>, count: usize) -> Vec<Option<Rgb<u8>>> {
     let touching = touching(labels);
     let mut sizes = vec![0_usize; count];
     for region in labels.as_slice().iter().filter_map(|&l| usize::try_from(l).ok()) {

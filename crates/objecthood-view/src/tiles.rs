@@ -8,15 +8,13 @@ use crate::distance::{Anchor, anchors, to_border};
 use crate::labels::{self, Label};
 use crate::objects::Objects;
 use crate::palette::object_color;
-use crate::region_colors::region_colors;
+use crate::region_colors::stage_colors;
 use crate::support::tree::tree;
 use crate::text::mix;
 use crate::view::{NOTHING, View};
 
 const DEPTH: Gradient = colorous::VIRIDIS;
 const OBJECTNESS: Gradient = colorous::PLASMA;
-/// The greys of tables, walls and floors.
-const STRUCTURE: [u8; 4] = [150, 110, 185, 75];
 /// Around the letters of what carries objects.
 const CARRIER: Rgb<u8> = Rgb([225; 3]);
 
@@ -171,10 +169,7 @@ pub(crate) fn support(view: &View<'_>, size: (u32, u32)) -> Tile {
 /// The regions of a stage in colours that differ; the first of them, which are `structure`, in greys.
 fn regions(view: &View<'_>, name: &str, segments: &Segments, structure: usize) -> Tile {
     let labels = view.labels(segments);
-    let mut colors = region_colors(&labels, segments.count());
-    for (color, grey) in colors.iter_mut().take(structure).zip(STRUCTURE.iter().cycle()) {
-        *color = Some(Rgb([*grey; 3]));
-    }
+    let colors = stage_colors(&labels, segments.count(), structure);
     let image = view.paint(|u, v| colors[usize::try_from(*labels.get(u, v)?).ok()?]);
     Tile { title: format!("{name} {}", view.count(segments, structure)), image, scale: None }
 }
@@ -196,6 +191,7 @@ mod tests {
     use super::*;
     use crate::palette::ink_on;
     use crate::recording::Recording;
+    use crate::region_colors::STRUCTURE;
     use crate::testing;
 
     /// Every pixel of the 4 x 2 frame below is a block of so many pixels in a tile.

@@ -13,7 +13,7 @@ use super::number::whole;
 use crate::failure::usage;
 
 /// Frames in image files.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Images")]
 pub(crate) struct ImageArgs {
     /// Colour images (PNG, JPEG, TIFF), registered to the depth: files, a folder, or a pattern such as '*-color.png';
@@ -36,7 +36,7 @@ pub(crate) struct ImageArgs {
 }
 
 /// Limits of what is looked at, in frames of any kind.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "What is looked at")]
 pub(crate) struct ScopeArgs {
     /// Look at these depths only, in metres; either end may be left out.

@@ -4,7 +4,7 @@ use clap::Args;
 use objecthood_io::{FrameRange, Selection, TimeRange};
 
 /// Which frames of each input.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Videos and recordings")]
 pub(crate) struct SelectionArgs {
     /// Take these frames of each input only, counted from 0: from FIRST up to, but not with, END, every STEP-th. Either end may be left out.

@@ -10,8 +10,8 @@ use super::words;
 /// Borders that are printed; a table has many more.
 const BORDERS: usize = 16;
 
-/// All of it, for a terminal.
-pub(super) fn of(input: &str, explanation: &Explanation) -> String {
+/// All of it, for a terminal: `input` is what the user calls the frame.
+pub fn in_words(input: &str, explanation: &Explanation) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = write(&mut text, input, explanation);

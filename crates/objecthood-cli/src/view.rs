@@ -1,0 +1,94 @@
+//! `objecthood view`: the live page over any frames.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Result, anyhow};
+use objecthood_page::{Address, FrameSource, Session, serve};
+
+use crate::args::{CameraArg, ViewArgs};
+use crate::failure::{Outcome, usage};
+use crate::inputs::{Input, Inputs};
+use crate::shell::word;
+use crate::{advice, config, inputs, interrupt, terminal};
+
+/// Options that say nothing about the frames, each with a value.
+const OF_SETTINGS: [&str; 6] = ["--port", "--set", "--config", "--profile", "--threads", "--method"];
+/// Those without.
+const SWITCHES: [&str; 3] = ["--all", "--verbose", "-v"];
+
+/// Shows the frames until Ctrl-C.
+///
+/// # Errors
+/// Of usage; when there is no frame to show; when the port cannot be had.
+pub(crate) fn run(args: &ViewArgs) -> Result<Outcome> {
+    let session = session(args)?;
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(args.settings.threads())
+        .build_global()
+        .map_err(|e| anyhow!("cannot start the threads ({e}): give fewer with --threads"))?;
+    interrupt::catch()?;
+    let mut printed = Ok(());
+    let ready = |Address(address): &Address| {
+        printed = terminal::print(&format!("{address}\n"));
+        terminal::note("open this address in a browser on this machine; Ctrl-C ends");
+    };
+    serve(session, args.port, ready, interrupt::is_asked)?;
+    printed.map(|()| Outcome::AllDone)
+}
+
+fn session(args: &ViewArgs) -> Result<Session> {
+    let params = config::params(&args.settings, args.method)?;
+    let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
+    args.frames.scale_note(camera.as_ref()).iter().for_each(|note| terminal::note(note));
+    let Inputs { frames, unreadable, notices, .. } = inputs::collect(&args.frames, true, camera.as_ref())?;
+    notices.iter().for_each(|notice| terminal::note(notice));
+    unreadable.iter().for_each(terminal::error);
+    if frames.is_empty() {
+        return Err(unreadable.into_iter().next().unwrap_or_else(|| usage("there is no frame to show")));
+    }
+    let scope = Arc::new(args.frames.scope.read(args.frames.images.max_pixels)?);
+    let asked = Arc::new(args.frames.clone());
+    let of_frame = |input: Input| {
+        let (asked, scope) = (Arc::clone(&asked), Arc::clone(&scope));
+        let name = input.path.display().to_string();
+        FrameSource::new(name, move || {
+            asked.read(&input, &scope).map_err(|e| format!("{e:#}{}", advice::of(&e)))
+        })
+    };
+    let frames = frames.into_iter().map(of_frame).collect();
+    let words = words_of_frames(std::env::args().skip_while(|word| word != "view").skip(1));
+    Ok(Session { title: words.join(" "), words, frames, params })
+}
+
+/// The words of the command line that name the frames, as a shell reads them.
+fn words_of_frames(arguments: impl Iterator<Item = String>) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut arguments = arguments;
+    while let Some(argument) = arguments.next() {
+        let name = argument.split_once('=').map_or(argument.as_str(), |(name, _)| name);
+        if OF_SETTINGS.contains(&name) {
+            if !argument.contains('=') {
+                arguments.next();
+            }
+        } else if !SWITCHES.contains(&name) {
+            words.push(word(Path::new(&argument)));
+        }
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_not_a_part_of_what_names_the_frames() {
+        let words = |line: &str| words_of_frames(line.split(' ').map(str::to_owned)).join(" ");
+        assert_eq!(words("learn --port 80 --set a.b=1 --all"), "learn");
+        assert_eq!(
+            words("--set=a.b=1 --camera 1,2,3,4 --depth d*.png -v"),
+            "--camera 1,2,3,4 --depth 'd*.png'"
+        );
+    }
+}

@@ -1,0 +1,30 @@
+//! The live page: what objecthood sees of a frame, stage by stage, while its parameters are changed.
+//!
+//! * [`Session`] is what the page is about: frames that can be read, the parameters to begin with, and words for the page.
+//! * [`serve()`] shows it to a browser on this machine, and to nobody else.
+//! * [`look()`] runs the method and packs what the page draws. The wire form is documented in docs/PAGE.md.
+//!
+//! The page itself is TypeScript in `web/`. `cargo xtask page` builds it into `assets/`, which are a part of this crate's source, so
+//! that building the crate needs no Node.
+
+mod assets;
+mod error;
+mod explain;
+mod guard;
+mod label_map;
+mod layers;
+mod look;
+mod maps;
+mod pack;
+mod pipelines;
+mod routes;
+mod serve;
+mod session;
+mod settings;
+mod votes;
+
+pub use error::{Error, Result};
+pub use look::{Look, look};
+pub use serve::{Address, serve};
+pub use session::{FrameSource, Session};
+pub use settings::Settings;

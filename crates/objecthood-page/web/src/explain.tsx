@@ -1,0 +1,43 @@
+// Why a pixel is what it is, in the words of `objecthood explain`; what would change it can be tried.
+
+import { asked, defaultOf, explained, searching, set, stopAsking } from "./state";
+
+const TRY = /--set (\S+?)=(\S+)/;
+
+export function Explain() {
+  const found = explained.value;
+  if (!asked.value) {
+    return <p class="note">Click on the picture, or press Enter on it: why is this pixel an object, and what would change that?</p>;
+  }
+  return (
+    <section aria-label="Explanation" aria-live="polite" aria-busy={searching.value}>
+      <div class="bar">
+        <strong>Pixel {asked.value.join(", ")}</strong>
+        <span class="note">{searching.value ? "searching what would change it …" : ""}</span>
+        <button onClick={stopAsking}>Close</button>
+      </div>
+      {found && (
+        <>
+          <ul class="legend">
+            <li class="own">its facet</li><li class="joined">joined to it</li><li class="apart">kept apart</li>
+          </ul>
+          <div class="said">{found.text.split("\n").map((line, k) => <Line key={k} text={line} />)}</div>
+        </>
+      )}
+    </section>
+  );
+}
+
+function Line({ text }: { text: string }) {
+  if (/not searched/.test(text) && searching.value) return null;
+  const change = TRY.exec(text);
+  if (!change) return <pre>{text || " "}</pre>;
+  const [, name, value] = change;
+  const number = typeof defaultOf(name) === "number" ? Number(value) : value;
+  return (
+    <div class="try">
+      <pre>{text}</pre>
+      <button onClick={() => set(name, number)} title={`Set ${name} to ${value}`}>try it</button>
+    </div>
+  );
+}

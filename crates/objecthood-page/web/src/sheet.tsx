@@ -1,0 +1,92 @@
+// The same settings on many frames at once.
+
+import { batch, signal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+
+import { compose, Marks } from "./paint";
+import { frame, goTo, greeting, opacity, settings, view } from "./state";
+import { look, Picture } from "./wire";
+
+const COUNTS = [4, 9, 16, 25];
+const count = signal(9);
+const tiles = signal(new Map<number, Picture>());
+const unmarked = new Marks(null, null, new Set(), new Set());
+
+/** Frames that are spread over all of them. */
+function chosen(): number[] {
+  const all = greeting.value?.frames.length ?? 0;
+  const most = Math.min(count.value, all);
+  return Array.from({ length: most }, (_, k) => Math.floor((k * all) / most));
+}
+
+export function Sheet() {
+  const frames = chosen();
+  const [by, over] = [settings.value, opacity.value];
+  const maps = ["color", "objects", ...[...over].filter(([, share]) => share > 0).map(([name]) => name)];
+  useEffect(() => {
+    let isOver = false;
+    const load = async () => {
+      for (const number of frames) {
+        if (isOver) return;
+        const picture = await look(2, number, by, [...new Set([...maps, "depth"])]).catch(() => null);
+        if (!isOver && picture) tiles.value = new Map(tiles.value).set(number, picture);
+      }
+    };
+    const soon = setTimeout(load, 150);
+    return () => {
+      isOver = true;
+      clearTimeout(soon);
+    };
+  }, [by, maps.join(), frames.join()]);
+  useEffect(() => () => void (tiles.value = new Map()), []);
+  return (
+    <div class="sheet">
+      <div class="bar">
+        <label>
+          Frames{" "}
+          <select value={count.value} onChange={(e) => (count.value = Number(e.currentTarget.value))}>
+            {COUNTS.map((n) => <option key={n} value={n}>{n}</option>)}
+          </select>
+        </label>
+        <Total pictures={frames.map((number) => tiles.value.get(number)).filter((one) => one !== undefined)} />
+      </div>
+      <div class="tiles">{frames.map((number) => <Tile key={number} number={number} />)}</div>
+    </div>
+  );
+}
+
+function Total({ pictures }: { pictures: Picture[] }) {
+  const found = pictures.reduce((sum, { header }) => sum + header.scene.objects.length, 0);
+  const judged = pictures.filter(({ header }) => header.truth);
+  const correct = judged.reduce((sum, { header }) => sum + header.truth!.correct, 0);
+  const known = judged.reduce((sum, { header }) => sum + header.truth!.objects.length, 0);
+  return <span>{found} objects{known > 0 && `, ${correct} of ${known} correct`}</span>;
+}
+
+function Tile({ number }: { number: number }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const picture = tiles.value.get(number);
+  const over = opacity.value;
+  useEffect(() => {
+    if (!canvas.current || !picture) return;
+    const image = compose(picture, over, unmarked);
+    canvas.current.width = image.width;
+    canvas.current.height = image.height;
+    canvas.current.getContext("2d")?.putImageData(image, 0, 0);
+  }, [picture, over]);
+  const name = greeting.value?.frames[number] ?? "";
+  const truth = picture?.header.truth;
+  const open = () => batch(() => {
+    goTo(number);
+    view.value = "picture";
+  });
+  return (
+    <button class={number === frame.value ? "tile now" : "tile"} onClick={open} title={name}>
+      <canvas ref={canvas} aria-hidden="true" />
+      <span>
+        {name.split("/").at(-1)}: {picture ? `${picture.header.scene.objects.length} objects` : "…"}
+        {truth ? `, ${truth.correct}/${truth.objects.length} correct` : ""}
+      </span>
+    </button>
+  );
+}

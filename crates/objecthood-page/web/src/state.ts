@@ -1,0 +1,197 @@
+// What the page knows, and how it comes to know more. One request is under way a side; the latest settings win.
+
+import { batch, effect, signal } from "@preact/signals";
+
+import { cameAndWent } from "./paint";
+import { Explained, explain, Greeting, greet, look, Picture, Settings, Value } from "./wire";
+
+export const greeting = signal<Greeting | null>(null);
+export const frame = signal(0);
+export const settings = signal<Settings>({ method: "context", set: {} });
+/** The settings to compare with, if any. */
+export const other = signal<Settings | null>(null);
+export const pictures = [signal<Picture | null>(null), signal<Picture | null>(null)];
+export const opacity = signal(new Map<string, number>([["objects", 0.45]]));
+export const status = signal("");
+export const problem = signal("");
+export const selected = signal<number | null>(null);
+export const asked = signal<[number, number] | null>(null);
+export const explained = signal<Explained | null>(null);
+export const searching = signal(false);
+export const swipe = signal(0.5);
+/** What the middle of the page shows, and what its right side. */
+export const view = signal<"picture" | "space" | "sheet">("picture");
+export const panel = signal<"objects" | "explain">("objects");
+/** Whether there is a server that can look again; a report has none. */
+export const isLive = signal(true);
+/** The layers that can be shown; null = all. A report holds some. */
+export const available = signal<Set<string> | null>(null);
+
+/** The maps that no parameter changes: they are asked for once a frame. */
+const STILL = ["color", "depth", "truth"];
+
+/** The maps that the page needs now. */
+function wanted(): string[] {
+  const maps = new Set(["color", "depth", "objects", ...[...opacity.value].filter(([, share]) => share > 0).map(([name]) => name)]);
+  if (explained.value) maps.add("filled");
+  return [...maps].sort();
+}
+
+interface Job {
+  frame: number;
+  settings: Settings;
+  maps: string[];
+}
+
+/** Keeps one side up to date: a new request begins when the one before it ended, with what is wanted then. */
+class Side {
+  private due: Job | null = null;
+  private busy = false;
+  private since = 0;
+
+  constructor(private readonly side: number) {}
+
+  want(job: Job | null): void {
+    if (!this.due) this.since = performance.now();
+    this.due = job;
+    if (!job) pictures[this.side].value = null;
+    if (!this.busy) void this.run();
+  }
+
+  private async run(): Promise<void> {
+    this.busy = true;
+    while (this.due) {
+      const [job, since] = [this.due, this.since];
+      this.due = null;
+      try {
+        const last = pictures[this.side].peek();
+        const kept = STILL.filter((name) => last?.header.frame === job.frame && last.maps.has(name));
+        const picture = await look(this.side, job.frame, job.settings, job.maps.filter((name) => !kept.includes(name)));
+        for (const name of kept) picture.maps.set(name, last!.maps.get(name)!);
+        this.show(picture, job, since);
+      } catch (error) {
+        problem.value = error instanceof Error ? error.message : String(error);
+      }
+    }
+    this.busy = false;
+  }
+
+  private show(picture: Picture, job: Job, since: number): void {
+    const before = pictures[this.side].peek();
+    batch(() => {
+      problem.value = "";
+      pictures[this.side].value = picture;
+    });
+    requestAnimationFrame(() => {
+      const took = performance.now() - since;
+      performance.measure(`look ${this.side}`, { start: since, end: since + took });
+      if (this.side === 0) status.value = said(before, picture, job, took);
+    });
+  }
+}
+
+function said(before: Picture | null, after: Picture, job: Job, took: number): string {
+  const count = after.header.scene.objects.length;
+  const text = `${count} ${count === 1 ? "object" : "objects"}`;
+  const [a, b] = [before?.maps.get("objects"), after.maps.get("objects")];
+  if (!before || !a || !b || before.header.frame !== job.frame) return `${text}, shown in ${took.toFixed(0)} ms`;
+  const [came, went] = cameAndWent(a, b);
+  return `applied in ${took.toFixed(0)} ms: ${text}, ${came} came, ${went} went`;
+}
+
+const sides = [new Side(0), new Side(1)];
+
+export async function start(): Promise<void> {
+  try {
+    const said = await greet();
+    batch(() => {
+      greeting.value = said;
+      settings.value = said.settings;
+    });
+  } catch (error) {
+    problem.value = error instanceof Error ? error.message : String(error);
+    return;
+  }
+  effect(() => sides[0].want({ frame: frame.value, settings: settings.value, maps: wanted() }));
+  effect(() => {
+    const compared = other.value;
+    sides[1].want(compared ? { frame: frame.value, settings: compared, maps: wanted() } : null);
+  });
+  effect(() => {
+    const pixel = asked.value;
+    if (pixel) void answer(frame.value, settings.value, pixel);
+  });
+}
+
+let questions = 0;
+
+/** The first answer at once; what would flip it follows. A newer question makes both void. */
+async function answer(of: number, by: Settings, pixel: [number, number]): Promise<void> {
+  const question = ++questions;
+  try {
+    for (const inFull of [false, true]) {
+      const found = await explain(of, by, pixel, inFull);
+      if (question !== questions) return;
+      batch(() => {
+        explained.value = found;
+        searching.value = !inFull;
+        selected.value = found.explanation.object?.object ?? null;
+      });
+    }
+  } catch (error) {
+    if (question === questions) problem.value = error instanceof Error ? error.message : String(error);
+  }
+}
+
+/** The value in force: what was set, or what the server says. */
+export function valueOf(name: string): Value | undefined {
+  return settings.value.set[name] ?? pictures[0].value?.header.values[name] ?? defaultOf(name);
+}
+
+export function defaultOf(name: string): Value | undefined {
+  const parameter = greeting.value?.parameters.find((one) => one.name === name);
+  if (!parameter) return undefined;
+  if (parameter.limits) return Number(parameter.default);
+  return parameter.choices.includes("true") ? parameter.default === "true" : parameter.default;
+}
+
+export function set(name: string, value: Value | undefined): void {
+  const changed = { ...settings.value.set };
+  if (value === undefined || value === defaultOf(name)) delete changed[name];
+  else changed[name] = value;
+  settings.value = { ...settings.value, set: changed };
+}
+
+export function ask(pixel: [number, number]): void {
+  batch(() => {
+    asked.value = pixel;
+    panel.value = "explain";
+  });
+}
+
+export function stopAsking(): void {
+  questions++;
+  batch(() => {
+    asked.value = null;
+    explained.value = null;
+    searching.value = false;
+    selected.value = null;
+  });
+}
+
+export function show(name: string, share: number): void {
+  opacity.value = new Map(opacity.value).set(name, share);
+}
+
+/** Shows one layer, and nothing else over the picture. */
+export function solo(name: string): void {
+  opacity.value = new Map([[name, opacity.value.get(name) || 0.8]]);
+}
+
+export function goTo(next: number): void {
+  const last = (greeting.value?.frames.length ?? 1) - 1;
+  batch(() => {
+    frame.value = Math.min(Math.max(next, 0), last);
+    stopAsking();
+  });
+}

@@ -1,0 +1,199 @@
+// What the server says: docs/PAGE.md describes it.
+
+export type Stage = string;
+export type Value = number | string | boolean;
+
+export interface Parameter {
+  name: string;
+  default: string;
+  range: string;
+  unit: string;
+  meaning: string;
+  source: string;
+  limits: [number, number] | null;
+  is_whole: boolean;
+  choices: string[];
+  /** The first stage that reads it, of `context` and of `paper`. */
+  stages: [Stage | null, Stage | null];
+}
+
+export interface Settings {
+  method: "context" | "paper";
+  set: Record<string, Value>;
+}
+
+export interface Greeting {
+  version: string;
+  title: string;
+  words: string[];
+  frames: string[];
+  settings: Settings;
+  parameters: Parameter[];
+}
+
+export interface OrientedBox {
+  center_m: [number, number, number];
+  rotation_xyzw: [number, number, number, number];
+  extents_m: [number, number, number];
+}
+
+export interface SceneObject {
+  id: number;
+  objectness: number;
+  parts: Record<string, number>;
+  size_px: number;
+  box_px: { u: number; v: number; width: number; height: number };
+  box_m: OrientedBox;
+  top_m?: number | null;
+  flat: boolean;
+  facets: number;
+  node: number;
+  parents: number[];
+}
+
+export interface SupportNode {
+  object?: number | null;
+  plane?: number | null;
+  size_px: number;
+}
+
+export interface SupportEdge {
+  lower: number;
+  upper: number;
+  kind: string;
+  confidence: number;
+  hidden: boolean;
+}
+
+export interface Scene {
+  image: { width_px: number; height_px: number };
+  camera: { fx_px: number; fy_px: number; cx_px: number; cy_px: number };
+  up: { direction: [number, number, number]; source: string };
+  objects: SceneObject[];
+  support: { nodes: SupportNode[]; edges: SupportEdge[] };
+  notices: string[];
+}
+
+export interface Score {
+  correct: number;
+  objects: { verdict: string; iou: number; pixels: number }[];
+  hypotheses: number;
+  off_objects: number;
+  overlap_f: number | null;
+}
+
+interface Place {
+  name: string;
+  kind: "u8" | "u16" | "u32" | "i8" | "rgb";
+  width: number;
+  height: number;
+  unit_m: number | null;
+  offset: number;
+  length: number;
+}
+
+export interface Header {
+  frame: number;
+  name: string;
+  settings: Settings;
+  values: Record<string, Value>;
+  scene: Scene;
+  truth: Score | null;
+  stages_ms: [Stage, number][];
+  together_ms: number;
+  maps: Place[];
+}
+
+export type Numbers = Uint8Array | Uint16Array | Uint32Array | Int8Array;
+
+export interface PixelMap {
+  width: number;
+  height: number;
+  unit_m: number | null;
+  data: Numbers;
+}
+
+/** A frame as it was looked at. */
+export interface Picture {
+  header: Header;
+  maps: Map<string, PixelMap>;
+}
+
+export function unpack(buffer: ArrayBuffer): Picture {
+  const length = new DataView(buffer).getUint32(0, true);
+  const text = new TextDecoder().decode(new Uint8Array(buffer, 4, length));
+  const header = JSON.parse(text) as Header;
+  const maps = new Map<string, PixelMap>();
+  for (const { name, kind, width, height, unit_m, offset, length: bytes } of header.maps) {
+    const start = 4 + length + offset;
+    const data =
+      kind === "u16" ? new Uint16Array(buffer, start, bytes / 2)
+      : kind === "u32" ? new Uint32Array(buffer, start, bytes / 4)
+      : kind === "i8" ? new Int8Array(buffer, start, bytes)
+      : new Uint8Array(buffer, start, bytes);
+    maps.set(name, { width, height, unit_m, data });
+  }
+  return { header, maps };
+}
+
+export interface Flip {
+  kind: string;
+  parameter?: string;
+  from?: number;
+  to?: number;
+}
+
+export interface Decision {
+  flip: Flip;
+}
+
+export interface Explanation {
+  pixel: [number, number];
+  facet?: { facet: number };
+  kept?: Decision;
+  way: Decision[];
+  near_misses: Decision[];
+  borders: { facet: number; vote_mm?: number; decision?: Decision }[];
+  object?: { object?: number; facets: number[] };
+}
+
+export interface Explained {
+  text: string;
+  explanation: Explanation;
+}
+
+/** What the server refuses, in its words. */
+export class Refusal extends Error {}
+
+const TAB = crypto.getRandomValues(new Uint32Array(1))[0];
+
+async function post(path: string, body: object): Promise<Response> {
+  const response = await fetch(path, { method: "POST", body: JSON.stringify({ tab: TAB, ...body }) });
+  if (!response.ok) {
+    const said = await response.json().catch(() => ({}));
+    throw new Refusal((said as { error?: string }).error ?? `the server answered ${response.status}`);
+  }
+  return response;
+}
+
+export async function greet(): Promise<Greeting> {
+  const response = await fetch("session");
+  if (!response.ok) throw new Refusal(`the server answered ${response.status}`);
+  return response.json();
+}
+
+/** Looks at a frame. `side`: 0 and 1 are compared, 2 is the contact sheet. */
+export async function look(side: number, frame: number, settings: Settings, maps: string[]): Promise<Picture> {
+  return unpack(await (await post("look", { side, frame, settings, maps })).arrayBuffer());
+}
+
+export async function explain(
+  frame: number,
+  settings: Settings,
+  pixel: [number, number],
+  in_full: boolean,
+): Promise<Explained> {
+  return (await post("explain", { frame, settings, pixel, in_full })).json();
+}
+
+addEventListener("pagehide", () => navigator.sendBeacon("close", JSON.stringify({ tab: TAB })));
