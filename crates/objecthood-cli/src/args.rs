@@ -200,6 +200,15 @@ pub(crate) struct SegmentArgs {
     #[arg(long)]
     pub(crate) keep_tree: bool,
 
+    /// Go on where an earlier run into DIR ended: frames that it did are skipped, unless their files, the parameters or the version have
+    /// changed. DIR/frames.jsonl tells how each frame ended; it stays, which it else does only when a run is cut off.
+    #[arg(long)]
+    pub(crate) resume: bool,
+
+    /// Also write DIR/summary.json: how many frames are done, how many failed and why, how many objects were found, how fast it was.
+    #[arg(long)]
+    pub(crate) summary: bool,
+
     #[command(flatten)]
     pub(crate) frames: FrameArgs,
 

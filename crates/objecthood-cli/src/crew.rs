@@ -101,7 +101,7 @@ impl Reported {
     }
 }
 
-/// Does `work` on every item as [`in_order`] does, prints what `text` says of each that is done and names each that
+/// Does `work` on every item as [`in_order`] does, prints what `text` says of each (it is done, or it failed) and names each that
 /// failed, above a bar that moves on. Ctrl-C ends it after the items that are under way.
 ///
 /// # Errors
@@ -111,24 +111,30 @@ pub(crate) fn report_in_order<T: Sync, Tool: Default + Send, D: Send>(
     threads: usize,
     bar: &ProgressBar,
     work: impl Fn(&mut Tool, &T) -> Result<D> + Sync,
-    mut text: impl FnMut(&T, D) -> String,
+    mut text: impl FnMut(&T, Result<D, &anyhow::Error>) -> String,
 ) -> Result<Reported> {
     interrupt::catch()?;
     let mut reported = Reported { done: 0, total: items.len(), failed: 0, printed: Ok(()) };
     in_order(items, threads, work, |item, result| {
-        bar.suspend(|| match result {
-            Ok(done) => {
-                reported.done += 1;
-                let text = text(item, done);
-                if reported.printed.is_ok() {
-                    reported.printed = terminal::print(&text);
+        let (text, failed) = match result {
+            Ok(done) => (text(item, Ok(done)), None),
+            Err(e) => (text(item, Err(&e)), Some(e)),
+        };
+        bar.suspend(|| {
+            if reported.printed.is_ok() {
+                reported.printed = terminal::print(&text);
+            }
+            match failed {
+                None => reported.done += 1,
+                Some(e) => {
+                    reported.failed += 1;
+                    terminal::error(&e);
                 }
             }
-            Err(e) => {
-                reported.failed += 1;
-                terminal::error(&e);
-            }
         });
+        if reported.failed > 0 {
+            bar.set_message(format!(", {} failed", reported.failed));
+        }
         bar.inc(1);
     })?;
     bar.finish_and_clear();

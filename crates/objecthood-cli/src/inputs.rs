@@ -35,6 +35,14 @@ impl Input {
         self.frame.read()
     }
 
+    /// What decides its result, as [`FrameRef::fingerprint`] has it.
+    ///
+    /// # Errors
+    /// When a file of it is not there.
+    pub(crate) fn fingerprint(&self, settings: &str, shared: &[PathBuf]) -> objecthood_io::Result<String> {
+        self.frame.fingerprint(settings, shared.iter().map(PathBuf::as_path))
+    }
+
     /// When it was measured (ns), as far as is known before it is read.
     pub(crate) fn stamp_ns(&self) -> Option<i64> {
         self.frame.stamp_ns()

@@ -19,6 +19,7 @@ mod inputs;
 mod interrupt;
 mod outputs;
 mod params;
+mod record;
 mod segment;
 mod shell;
 mod synth;

@@ -1,25 +1,31 @@
 //! `objecthood segment`: frames -> label images, scene files, panels, and what other programs read.
 
-use std::collections::BTreeSet;
+mod summary;
+
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use clap::ValueEnum as _;
 use objecthood::{Estimates, Object, Observer, Params, Pipeline};
+use objecthood_io::camera_file::CameraFile;
 use objecthood_io::output::bop::{self, ImageId};
-use objecthood_io::scene::notices;
+use objecthood_io::scene::{fingerprint, notices};
 use objecthood_io::scope::Scope;
 use objecthood_io::{Capture, output};
 use objecthood_view::Recording;
 
-use crate::args::{CameraArg, OutputKind, SegmentArgs};
+use crate::args::{CameraArg, FrameArgs, OutputKind, SegmentArgs};
 use crate::failure::{Outcome, usage};
 use crate::inputs::{Input, Inputs};
 use crate::outputs::run::{self, Place, RunFiles, Share};
 use crate::outputs::{Found, make_folder, make_folders_of, refuse_file, with_suffix};
+use crate::record::{Earlier, Line, Record};
 use crate::watch::{Laps, Watch};
 use crate::{config, crew, doctor, inputs, terminal};
+use summary::Summary;
 
 /// What to do; nothing is in doubt any more.
 struct Plan<'a> {
@@ -28,6 +34,8 @@ struct Plan<'a> {
     scope: Scope,
     params: Params,
     kinds: BTreeSet<OutputKind>,
+    /// What decides the result of every frame, beside its files.
+    settings: String,
 }
 
 /// A frame to be done.
@@ -36,8 +44,16 @@ struct Job<'a> {
     place: Place,
 }
 
+/// How a frame ended that did not fail.
+enum Step {
+    Done(Box<Done>),
+    /// An earlier run did it and found so many objects.
+    Before(usize),
+}
+
 /// A frame that is done.
 struct Done {
+    fingerprint: String,
     objects: Vec<Object>,
     notices: Vec<String>,
     files: Vec<PathBuf>,
@@ -59,24 +75,92 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     unreadable.iter().for_each(terminal::error);
     let total = frames.len() + unreadable.len();
 
-    let mut of_run = RunFiles::create(&args.out, &plan.kinds)?;
-    let mut added = Ok(());
+    let record = (total > 1 || args.resume).then(|| Record::open(&args.out, args.resume)).transpose()?;
+    let (earlier, record) = record.unzip();
+    let of_run = RunFiles::create(&args.out, &plan.kinds)?;
+    let summary = Summary::new(unreadable);
+    let mut report = Report { plan: &plan, is_single: total == 1, record, of_run, summary, added: Ok(()) };
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
-    let work = |pipeline: &mut Pipeline, job: &Job<'_>| plan.segment(pipeline, job);
-    let reported = crew::report_in_order(&plan.jobs(), args.settings.threads(), &bar, work, |job, done| {
-        let input = job.input;
+    let work = |pipeline: &mut Pipeline, job: &Job<'_>| plan.segment(pipeline, job, earlier.as_ref());
+    let text = |job: &Job<'_>, step: Result<Step, &anyhow::Error>| report.frame(job.input, step);
+    let reported = crew::report_in_order(&plan.jobs(), args.settings.threads(), &bar, work, text)?;
+    let record = report.finish()?;
+    let outcome = reported.sum_up("frames", unreadable.len())?;
+    match (outcome, record) {
+        (Outcome::Interrupted, Some(_)) if !args.write.iter().any(|kind| kind.is_of_run()) => {
+            terminal::note("to go on, give the same command with --resume");
+        }
+        (Outcome::AllDone | Outcome::SomeFailed, Some(record)) if !args.resume => record.remove()?,
+        _ => {}
+    }
+    Ok(outcome)
+}
+
+/// Where everything goes that is to be said of frames, in their order.
+struct Report<'a> {
+    plan: &'a Plan<'a>,
+    is_single: bool,
+    record: Option<Record>,
+    of_run: RunFiles,
+    summary: Summary,
+    /// Whether record and files of the run could be written so far.
+    added: Result<()>,
+}
+
+impl Report<'_> {
+    /// Takes note of how a frame ended; what is to be printed.
+    fn frame(&mut self, input: &Input, step: Result<Step, &anyhow::Error>) -> String {
+        self.summary.add(input, step.as_ref().map_err(|e| *e));
+        if self.added.is_ok() {
+            self.added = self.add(input, step.as_ref().map_err(|e| *e));
+        }
+        let Ok(Step::Done(done)) = step else { return String::new() };
         for notice in &done.notices {
             terminal::note(&format!("{}: {notice}", input.path.display()));
         }
-        if let (true, Some(share)) = (added.is_ok(), &done.share) {
-            added = of_run.add(share);
+        if self.is_single { in_full(input, &done) } else { in_short(input, &done) }
+    }
+
+    /// Adds a frame to record and files of the run.
+    fn add(&mut self, input: &Input, step: Result<&Step, &anyhow::Error>) -> Result<()> {
+        let source = input.path.to_string_lossy().into_owned();
+        let line = match step {
+            Ok(Step::Before(_)) => return Ok(()),
+            Ok(Step::Done(done)) => {
+                if let Some(share) = &done.share {
+                    self.of_run.add(share)?;
+                }
+                let out = &self.plan.args.out;
+                let below =
+                    |path: &PathBuf| path.strip_prefix(out).unwrap_or(path).to_string_lossy().into_owned();
+                let (fingerprint, objects) = (Some(done.fingerprint.clone()), Some(done.objects.len()));
+                Line {
+                    source,
+                    fingerprint,
+                    objects,
+                    files: done.files.iter().map(below).collect(),
+                    error: None,
+                }
+            }
+            Err(e) => {
+                let error = Some(format!("{e:#}"));
+                Line { source, fingerprint: None, objects: None, files: Vec::new(), error }
+            }
+        };
+        self.record.as_mut().map_or(Ok(()), |record| record.add(&line))
+    }
+
+    /// Ends the files of the run, and names them. The record stays open.
+    fn finish(self) -> Result<Option<Record>> {
+        let Self { plan, record, of_run, summary, added, .. } = self;
+        added?;
+        let mut paths = of_run.finish()?;
+        if plan.args.summary {
+            paths.push(summary.write(&plan.args.out, plan)?);
         }
-        if total == 1 { in_full(input, &done) } else { in_short(input, &done) }
-    })?;
-    added?;
-    let paths: String = of_run.finish()?.iter().map(|path| format!("{}\n", path.display())).collect();
-    terminal::print(&paths)?;
-    reported.sum_up("frames", unreadable.len())
+        terminal::print(&paths.iter().map(|path| format!("{}\n", path.display())).collect::<String>())?;
+        Ok(record)
+    }
 }
 
 impl<'a> Plan<'a> {
@@ -87,7 +171,15 @@ impl<'a> Plan<'a> {
         let inputs = inputs::collect(&args.frames, args.keep_tree, camera.as_ref())?;
         let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
         refuse_file("--out", &args.out)?;
-        let plan = Self { args, inputs, scope, params, kinds: args.write.iter().copied().collect() };
+        let kinds: BTreeSet<OutputKind> = args.write.iter().copied().collect();
+        if let (true, Some(kind)) = (args.resume, kinds.iter().find(|kind| kind.is_of_run())) {
+            return Err(usage(format!(
+                "--resume skips frames, but --write {} needs every frame: leave one of them out",
+                kind.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+            )));
+        }
+        let settings = settings(args, &params, camera.as_ref(), &kinds)?;
+        let plan = Self { args, inputs, scope, params, kinds, settings };
         plan.refuse_replacing_what_is_read()?;
         Ok(plan)
     }
@@ -105,15 +197,20 @@ impl<'a> Plan<'a> {
         frames.iter().zip(ids).enumerate().map(job).collect()
     }
 
-    /// Finds the objects in one frame and writes its files: all of them or none.
-    fn segment(&self, pipeline: &mut Pipeline, job: &Job<'_>) -> Result<Done> {
+    /// Finds the objects in one frame and writes its files, all of them or none, unless an earlier run has done so.
+    fn segment(&self, pipeline: &mut Pipeline, job: &Job<'_>, earlier: Option<&Earlier>) -> Result<Step> {
         let input = job.input;
+        let fingerprint = input.fingerprint(&self.settings, &self.inputs.cameras)?;
+        if let Some(objects) = earlier.and_then(|earlier| earlier.objects_of(&fingerprint)) {
+            return Ok(Step::Before(objects));
+        }
         let mut laps = Laps::start();
         let capture = self.args.frames.read(input, &self.scope)?;
         laps.end("reading");
         let done = self.look_and_write(pipeline, job, &capture, &mut laps);
         tracing::info!("{}: {laps}", input.path.display());
-        done.with_context(|| input.path.display().to_string())
+        let done = done.with_context(|| input.path.display().to_string())?;
+        Ok(Step::Done(Box::new(Done { fingerprint, ..done })))
     }
 
     fn look_and_write(
@@ -161,28 +258,28 @@ impl<'a> Plan<'a> {
         if discovery.objects.is_empty() || discovery.structure_planes.is_empty() {
             notices.extend(doctor::likely_doubt(capture, discovery, &notices));
         }
-        Ok(Done { notices, objects: discovery.objects.clone(), files, share })
+        Ok(Done { fingerprint: String::new(), notices, objects: discovery.objects.clone(), files, share })
     }
 
     /// Refuses to write over files that are read: the scene file of `camera-depth.png` would be `camera.json`.
     fn refuse_replacing_what_is_read(&self) -> Result<()> {
         let Inputs { frames, cameras, .. } = &self.inputs;
-        let camera = self.args.frames.camera.as_ref().and_then(CameraArg::file);
-        let given = [camera, self.args.frames.scope.mask(), self.args.settings.config.as_deref()];
-        let beside = cameras.iter().map(PathBuf::as_path).chain(given.into_iter().flatten());
-        let read = frames.iter().flat_map(Input::files).chain(beside);
-        let read: BTreeSet<PathBuf> = read.filter_map(|path| fs::canonicalize(path).ok()).collect();
-
         let stem = |input: &Input| self.args.out.join(&input.name);
         let of_frame =
             |input| self.kinds.iter().filter_map(move |kind| Some(with_suffix(&stem(input), kind.suffix()?)));
         let of_run = self.kinds.iter().filter_map(|&kind| run::path_of(&self.args.out, kind));
-        match frames
-            .iter()
-            .flat_map(of_frame)
-            .chain(of_run)
-            .find(|path| fs::canonicalize(path).is_ok_and(|path| read.contains(&path)))
-        {
+        // A new folder has none of them, and then a million frames need not be looked up.
+        let there = |path: PathBuf| Some((fs::canonicalize(&path).ok()?, path));
+        let written: BTreeMap<PathBuf, PathBuf> =
+            frames.iter().flat_map(of_frame).chain(of_run).filter_map(there).collect();
+        if written.is_empty() {
+            return Ok(());
+        }
+        let camera = self.args.frames.camera.as_ref().and_then(CameraArg::file);
+        let given = [camera, self.args.frames.scope.mask(), self.args.settings.config.as_deref()];
+        let beside = cameras.iter().map(PathBuf::as_path).chain(given.into_iter().flatten());
+        let mut read = frames.iter().flat_map(Input::files).chain(beside);
+        match read.find_map(|path| written.get(&fs::canonicalize(path).ok()?)) {
             Some(path) => Err(usage(format!(
                 "{} is read, so it cannot be written too: choose another --out",
                 path.display()
@@ -190,6 +287,28 @@ impl<'a> Plan<'a> {
             None => Ok(()),
         }
     }
+}
+
+/// In words, everything but its files that decides what is written for a frame.
+///
+/// # Errors
+/// When the file of the mask is not there.
+fn settings(
+    args: &SegmentArgs,
+    params: &Params,
+    camera: Option<&CameraFile>,
+    kinds: &BTreeSet<OutputKind>,
+) -> Result<String> {
+    let FrameArgs { gravity, images, scope, selection, .. } = &args.frames;
+    let changed = |path| -> Result<_> { Ok(fs::metadata(path)?.modified()?) };
+    let mask = scope.mask().map(changed).transpose()?;
+    let version = env!("CARGO_PKG_VERSION");
+    Ok(format!(
+        "{version} {} {kinds:?} {camera:?} {:?} {gravity:?} {scope:?} {mask:?} {:?}",
+        fingerprint(params),
+        images.depth_scale,
+        selection.topics
+    ))
 }
 
 /// The text for a single frame: a table of its objects, and the files.

@@ -45,7 +45,9 @@ fn scenes(args: &SynthArgs) -> Result<Outcome> {
 
     let bar = terminal::progress_bar(recipes.len(), false);
     let work = |(): &mut (), recipe: &Recipe| write(recipe, &args.out);
-    let reported = crew::report_in_order(&recipes, args.threads.count(), &bar, work, |_, text| text)?;
+    let reported = crew::report_in_order(&recipes, args.threads.count(), &bar, work, |_, text| {
+        text.unwrap_or_default()
+    })?;
     let outcome = reported.sum_up("scenes", 0)?;
     if outcome == Outcome::AllDone {
         terminal::print(&next_steps(&args.out))?;

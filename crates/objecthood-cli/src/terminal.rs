@@ -53,7 +53,7 @@ pub(crate) fn log_to_stderr() {
         .init();
 }
 
-/// A bar on stderr that shows how many of `total` items are done; hidden for a single one, off a terminal, and beside a
+/// A bar on stderr that shows how many of `total` items are done, how many a second, how long the rest takes, and its message; hidden for a single one, off a terminal, and beside a
 /// log.
 pub(crate) fn progress_bar(total: usize, verbose: bool) -> ProgressBar {
     if total < 2 || verbose {
@@ -61,21 +61,22 @@ pub(crate) fn progress_bar(total: usize, verbose: bool) -> ProgressBar {
     }
     let write_left = |state: &ProgressState, out: &mut dyn fmt::Write| {
         // What cannot be written cannot be shown.
-        let _ = out.write_str(&left(state.pos(), state.eta()));
+        let _ = out.write_str(&left(state.pos(), state.per_sec(), state.eta()));
     };
     let bar = ProgressBar::new(total as u64);
-    match ProgressStyle::with_template("{bar:40} {pos} of {len} done{left}") {
+    match ProgressStyle::with_template("{bar:40} {pos} of {len} done{left}{msg}") {
         Ok(style) => bar.with_style(style.with_key("left", write_left)),
         Err(_) => bar,
     }
 }
 
-/// How long the rest takes, in words. Empty before the first item is done: until then it is unknown.
-fn left(done: u64, eta: Duration) -> String {
-    match eta.as_secs_f64().round() {
-        seconds if done > 0 && seconds > 0.0 => format!(", {} left", HumanDuration(eta)),
-        _ => String::new(),
+/// How many items are done a second and how long the rest takes, in words. Empty before the first item is done: until then it is unknown.
+fn left(done: u64, per_s: f64, eta: Duration) -> String {
+    if done == 0 {
+        return String::new();
     }
+    let rate = format!(", {per_s:.1} a second");
+    if eta.as_secs_f64().round() > 0.0 { format!("{rate}, {} left", HumanDuration(eta)) } else { rate }
 }
 
 /// A line on stderr that moves while one long step is under way; hidden off a terminal and beside a log. Says nothing
@@ -99,9 +100,9 @@ mod tests {
     /// Bars began with "0s left".
     #[test]
     fn no_time_is_given_before_the_first_item_is_done() {
-        assert_eq!(left(0, Duration::ZERO), "");
-        assert_eq!(left(0, Duration::from_secs(9)), "");
-        assert_eq!(left(3, Duration::from_millis(300)), "");
-        assert_eq!(left(3, Duration::from_secs(9)), ", 9 seconds left");
+        assert_eq!(left(0, 0.0, Duration::ZERO), "");
+        assert_eq!(left(0, 2.0, Duration::from_secs(9)), "");
+        assert_eq!(left(3, 2.5, Duration::from_millis(300)), ", 2.5 a second");
+        assert_eq!(left(3, 2.5, Duration::from_secs(9)), ", 2.5 a second, 9 seconds left");
     }
 }

@@ -643,7 +643,7 @@ pub fn fingerprint(params: &Params) -> String {
     let value = serde_json::to_value(params).expect("parameters are numbers, switches and words");
     let mut text = String::new();
     write_canonical(&value, &mut text);
-    Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+    crate::text::hexadecimal(&Sha256::digest(text))
 }
 
 /// Writes JSON with sorted keys, whatever order the map has in this build of `serde_json`.

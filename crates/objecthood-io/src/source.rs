@@ -1,6 +1,7 @@
 //! Where frames come from: a file, a recording, a folder or images.
 
 mod file;
+mod fingerprint;
 mod folder;
 mod frame_ref;
 mod selection;

@@ -14,6 +14,11 @@ pub(crate) fn preview(bytes: &[u8]) -> String {
     if bytes.len() > LONGEST { format!("{shown}..") } else { shown.to_string() }
 }
 
+/// Bytes in hexadecimal, two digits each.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// The path that a file spells. Where paths are bytes, any bytes are one; elsewhere it is UTF-8.
 pub(crate) fn path(bytes: &[u8]) -> PathBuf {
     #[cfg(unix)]

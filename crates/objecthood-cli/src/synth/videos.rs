@@ -27,7 +27,8 @@ pub(super) fn run(args: &SynthArgs, clips: &[Clip]) -> Result<Outcome> {
     let mut videos = Vec::new();
     let bar = terminal::progress_bar(kinds.len(), false);
     let scripted = |(): &mut (), &(clip, seed): &(Clip, u64)| script(args, clip, seed);
-    let told = |_: &(Clip, u64), made: Made| {
+    let told = |_: &(Clip, u64), made: Result<Made, &_>| {
+        let Ok(made) = made else { return String::new() };
         let line = made.line();
         videos.push(made);
         line
@@ -39,7 +40,7 @@ pub(super) fn run(args: &SynthArgs, clips: &[Clip]) -> Result<Outcome> {
         videos.iter().flat_map(|made| (0..made.video.frames()).map(move |frame| (made, frame))).collect();
     let bar = terminal::progress_bar(frames.len(), false);
     let take = |(): &mut (), &(made, frame): &(&Made, usize)| made.write(frame, args.sensor);
-    let shot = crew::report_in_order(&frames, args.threads.count(), &bar, take, |_, ()| String::new())?
+    let shot = crew::report_in_order(&frames, args.threads.count(), &bar, take, |_, _| String::new())?
         .sum_up("frames", 0)?;
     if let ((Outcome::AllDone, Outcome::AllDone), Some(first)) = ((filmed, shot), videos.first()) {
         let (program, folder) = (program(), word(&first.folder));
