@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 
 use crate::house::House;
 use crate::tally::Tally;
-use crate::{aarch64, api, instructions, package, python, source};
+use crate::{aarch64, api, instructions, package, page, python, source};
 
 /// One thing that was checked.
 struct Step {
@@ -20,7 +20,7 @@ struct Step {
 
 /// What `--quick` leaves out, because it takes most of the time.
 const LEFT_OUT: &str = "left out by --quick: tests of whole programs and on real data, documentation with its examples, the listing of \
-     the public API, the Python package, the build for aarch64, instruction counts";
+     the public API, the Python package, the live page in a browser, the build for aarch64, instruction counts";
 
 /// What a change needs while it is made: formatting, lints, unit tests and the golden maps. Meant to take four
 /// minutes on two cores when the dependencies are built.
@@ -94,6 +94,7 @@ pub(crate) fn run(house: &House) -> Result<bool> {
         "test --workspace --doc --locked --no-fail-fast -- --show-output",
     )?;
     steps.push(timed("Python package", || package::check(house, &mut tally))?);
+    steps.push(timed("live page", || page::check(house, &mut tally))?);
     steps.push(timed("builds for aarch64", || aarch64::check(house, &mut tally))?);
     steps.push(timed("instructions", || Ok(instructions::check(house, &mut tally)))?);
 

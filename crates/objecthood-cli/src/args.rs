@@ -196,6 +196,11 @@ pub(crate) struct SegmentArgs {
     #[arg(long, value_name = "KINDS", value_delimiter = ',', default_value = "labels,points,json")]
     pub(crate) write: Vec<OutputKind>,
 
+    /// Write DIR/report.html too: all frames with every stage as a layer, in space, with objects, parameters and times. It opens from the
+    /// file, in any browser, without a network.
+    #[arg(long)]
+    pub(crate) report: bool,
+
     /// Repeat in DIR the folders of the inputs, from the folder down that all inputs share.
     #[arg(long)]
     pub(crate) keep_tree: bool,

@@ -63,7 +63,7 @@ impl Found<'_> {
                     files.extend(clouds);
                     continue;
                 }
-                OutputKind::Coco | OutputKind::Bop | OutputKind::Mcap => continue,
+                OutputKind::Coco | OutputKind::Bop | OutputKind::Mcap | OutputKind::Report => continue,
             };
             files.push((with_suffix(stem, suffix), bytes));
         }

@@ -8,13 +8,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use clap::ValueEnum as _;
 use objecthood::{Estimates, Object, Observer, Params, Pipeline};
 use objecthood_io::camera_file::CameraFile;
 use objecthood_io::output::bop::{self, ImageId};
 use objecthood_io::scene::{fingerprint, notices};
 use objecthood_io::scope::Scope;
 use objecthood_io::{Capture, output};
+use objecthood_page::Page;
 use objecthood_view::Recording;
 
 use crate::args::{CameraArg, FrameArgs, OutputKind, SegmentArgs};
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
 
     let record = (total > 1 || args.resume).then(|| Record::open(&args.out, args.resume)).transpose()?;
     let (earlier, record) = record.unzip();
-    let of_run = RunFiles::create(&args.out, &plan.kinds)?;
+    let of_run = RunFiles::create(&args.out, &plan.kinds, &plan.params)?;
     let summary = Summary::new(unreadable);
     let mut report = Report { plan: &plan, is_single: total == 1, record, of_run, summary, added: Ok(()) };
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
@@ -87,7 +87,7 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     let record = report.finish()?;
     let outcome = reported.sum_up("frames", unreadable.len())?;
     match (outcome, record) {
-        (Outcome::Interrupted, Some(_)) if !args.write.iter().any(|kind| kind.is_of_run()) => {
+        (Outcome::Interrupted, Some(_)) if !plan.kinds.iter().any(|kind| kind.is_of_run()) => {
             terminal::note("to go on, give the same command with --resume");
         }
         (Outcome::AllDone | Outcome::SomeFailed, Some(record)) if !args.resume => record.remove()?,
@@ -171,11 +171,12 @@ impl<'a> Plan<'a> {
         let inputs = inputs::collect(&args.frames, args.keep_tree, camera.as_ref())?;
         let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
         refuse_file("--out", &args.out)?;
-        let kinds: BTreeSet<OutputKind> = args.write.iter().copied().collect();
+        let of_report = args.report.then_some(OutputKind::Report);
+        let kinds: BTreeSet<OutputKind> = args.write.iter().copied().chain(of_report).collect();
         if let (true, Some(kind)) = (args.resume, kinds.iter().find(|kind| kind.is_of_run())) {
             return Err(usage(format!(
-                "--resume skips frames, but --write {} needs every frame: leave one of them out",
-                kind.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+                "--resume skips frames, but {} needs every frame: leave one of them out",
+                kind.option()
             )));
         }
         let settings = settings(args, &params, camera.as_ref(), &kinds)?;
@@ -240,7 +241,7 @@ impl<'a> Plan<'a> {
             recording: recording.as_ref(),
         };
         let mut files = found.files(&self.kinds, &self.args.out.join(&input.name))?;
-        let share = Share::of(&self.kinds, place, capture, discovery);
+        let mut share = Share::of(&self.kinds, place, capture, discovery);
         if let (Some(share), true) = (&share, self.kinds.contains(&OutputKind::Bop)) {
             files.extend(bop::masks(
                 &self.args.out.join(run::BOP),
@@ -258,7 +259,12 @@ impl<'a> Plan<'a> {
         if discovery.objects.is_empty() || discovery.structure_planes.is_empty() {
             notices.extend(doctor::likely_doubt(capture, discovery, &notices));
         }
-        Ok(Done { fingerprint: String::new(), notices, objects: discovery.objects.clone(), files, share })
+        let objects = discovery.objects.clone();
+        if let (Some(share), true) = (&mut share, self.args.report) {
+            let (name, place) = (input.path.display().to_string(), (place.number, self.inputs.frames.len()));
+            share.page = Some(Page::new(pipeline, &name, capture, &self.params, place, &laps.ended_ms())?);
+        }
+        Ok(Done { fingerprint: String::new(), notices, objects, files, share })
     }
 
     /// Refuses to write over files that are read: the scene file of `camera-depth.png` would be `camera.json`.

@@ -1,6 +1,5 @@
 //! `objecthood view`: the live page over any frames.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Result, anyhow};
@@ -9,13 +8,8 @@ use objecthood_page::{Address, FrameSource, Session, serve};
 use crate::args::{CameraArg, ViewArgs};
 use crate::failure::{Outcome, usage};
 use crate::inputs::{Input, Inputs};
-use crate::shell::word;
+use crate::shell::words_of_frames;
 use crate::{advice, config, inputs, interrupt, terminal};
-
-/// Options that say nothing about the frames, each with a value.
-const OF_SETTINGS: [&str; 6] = ["--port", "--set", "--config", "--profile", "--threads", "--method"];
-/// Those without.
-const SWITCHES: [&str; 3] = ["--all", "--verbose", "-v"];
 
 /// Shows the frames until Ctrl-C.
 ///
@@ -57,38 +51,6 @@ fn session(args: &ViewArgs) -> Result<Session> {
         })
     };
     let frames = frames.into_iter().map(of_frame).collect();
-    let words = words_of_frames(std::env::args().skip_while(|word| word != "view").skip(1));
+    let words = words_of_frames("view");
     Ok(Session { title: words.join(" "), words, frames, params })
-}
-
-/// The words of the command line that name the frames, as a shell reads them.
-fn words_of_frames(arguments: impl Iterator<Item = String>) -> Vec<String> {
-    let mut words = Vec::new();
-    let mut arguments = arguments;
-    while let Some(argument) = arguments.next() {
-        let name = argument.split_once('=').map_or(argument.as_str(), |(name, _)| name);
-        if OF_SETTINGS.contains(&name) {
-            if !argument.contains('=') {
-                arguments.next();
-            }
-        } else if !SWITCHES.contains(&name) {
-            words.push(word(Path::new(&argument)));
-        }
-    }
-    words
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn settings_are_not_a_part_of_what_names_the_frames() {
-        let words = |line: &str| words_of_frames(line.split(' ').map(str::to_owned)).join(" ");
-        assert_eq!(words("learn --port 80 --set a.b=1 --all"), "learn");
-        assert_eq!(
-            words("--set=a.b=1 --camera 1,2,3,4 --depth d*.png -v"),
-            "--camera 1,2,3,4 --depth 'd*.png'"
-        );
-    }
 }

@@ -22,6 +22,11 @@ impl Laps {
         self.laps.push((name, self.start.elapsed()));
         self.start = Instant::now();
     }
+
+    /// The steps that have ended, each with its duration (ms).
+    pub(crate) fn ended_ms(&self) -> Vec<(&'static str, f64)> {
+        self.laps.iter().map(|&(name, time)| (name, 1e3 * time.as_secs_f64())).collect()
+    }
 }
 
 impl fmt::Display for Laps {

@@ -49,6 +49,12 @@ pub enum Error {
     /// Something has no form that can be sent.
     #[error(transparent)]
     Form(#[from] objecthood_io::Error),
+    /// A picture cannot be compressed.
+    #[error("a picture cannot be compressed: {0}")]
+    Picture(#[from] image::ImageError),
+    /// Bytes cannot be compressed.
+    #[error("what a frame shows cannot be compressed: {0}")]
+    Deflate(#[from] std::io::Error),
     /// Something has no JSON form.
     #[error("no JSON form: {0}")]
     Json(#[from] serde_json::Error),

@@ -4,6 +4,8 @@
 //! * [`serve()`] shows it to a browser on this machine, and to nobody else.
 //! * [`look()`] runs the method and packs what the page draws. The wire form is documented in docs/PAGE.md.
 //!
+//! * [`Report`] is a file that shows frames in the same way, without a server.
+//!
 //! The page itself is TypeScript in `web/`. `cargo xtask page` builds it into `assets/`, which are a part of this crate's source, so
 //! that building the crate needs no Node.
 
@@ -17,6 +19,7 @@ mod look;
 mod maps;
 mod pack;
 mod pipelines;
+mod report;
 mod routes;
 mod serve;
 mod session;
@@ -25,6 +28,7 @@ mod votes;
 
 pub use error::{Error, Result};
 pub use look::{Look, look};
+pub use report::{Page, Report};
 pub use serve::{Address, serve};
 pub use session::{FrameSource, Session};
 pub use settings::Settings;

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use crate::error::{Error, Result};
 use crate::layers::Layers;
 use crate::maps::{NAMES, color, depth, labels};
-use crate::pack::pack;
+use crate::pack::{Map, pack};
 use crate::settings::{Settings, values};
 
 /// What to look at, and what of it to show.
@@ -33,6 +33,20 @@ pub struct Look {
 /// # Errors
 /// [`Error::Parameter`], [`Error::NoMap`], and whatever the method fails with.
 pub fn look(pipeline: &mut Pipeline, name: &str, capture: &Capture, asked: &Look) -> Result<Vec<u8>> {
+    let (header, maps) = seen(pipeline, name, capture, asked)?;
+    pack(header, &maps)
+}
+
+/// The header and the maps of a look.
+///
+/// # Errors
+/// As [`look`].
+pub(crate) fn seen(
+    pipeline: &mut Pipeline,
+    name: &str,
+    capture: &Capture,
+    asked: &Look,
+) -> Result<(Value, Vec<Map>)> {
     if let Some(unknown) = asked.maps.iter().find(|map| !NAMES.contains(&map.as_str())) {
         return Err(Error::NoMap(unknown.clone()));
     }
@@ -63,7 +77,7 @@ pub fn look(pipeline: &mut Pipeline, name: &str, capture: &Capture, asked: &Look
         "stages_ms": laps,
         "together_ms": milliseconds(start.elapsed()),
     });
-    pack(header, &maps)
+    Ok((header, maps))
 }
 
 /// How well what was found fits the truth.

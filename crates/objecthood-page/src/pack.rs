@@ -25,6 +25,8 @@ pub(crate) enum Kind {
     I8,
     /// Three bytes: red, green, blue.
     Rgb,
+    /// Not a number for each pixel, but a JPEG file of red, green, blue; in reports.
+    Jpeg,
 }
 
 /// A map: numbers for every pixel, or for every label.

@@ -60,6 +60,26 @@ struct Parameter {
     stages: [Option<Stage>; 2],
 }
 
+impl<'a> Greeting<'a> {
+    /// # Errors
+    /// [`Error::Json`].
+    pub(crate) fn new(
+        title: &'a str,
+        words: &'a [String],
+        frames: Vec<&'a str>,
+        params: &Params,
+    ) -> Result<Self> {
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION"),
+            title,
+            words,
+            frames,
+            settings: Settings::of(params)?,
+            parameters: Params::table().into_iter().map(Parameter::from).collect(),
+        })
+    }
+}
+
 impl Session {
     /// Reads a frame.
     ///
@@ -74,14 +94,8 @@ impl Session {
     /// # Errors
     /// [`Error::Json`].
     pub(crate) fn greeting(&self) -> Result<Greeting<'_>> {
-        Ok(Greeting {
-            version: env!("CARGO_PKG_VERSION"),
-            title: &self.title,
-            words: &self.words,
-            frames: self.frames.iter().map(|frame| frame.name.as_str()).collect(),
-            settings: Settings::of(&self.params)?,
-            parameters: Params::table().into_iter().map(Parameter::from).collect(),
-        })
+        let frames = self.frames.iter().map(|frame| frame.name.as_str()).collect();
+        Greeting::new(&self.title, &self.words, frames, &self.params)
     }
 }
 

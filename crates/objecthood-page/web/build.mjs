@@ -1,12 +1,13 @@
-// Builds the page into ../assets, which are committed so that `cargo build` needs no Node.
+// Builds the page into a folder: that of the assets, which are committed so that `cargo build` needs no Node.
 import { build } from "esbuild";
 import { readdir, readFile, writeFile, copyFile } from "node:fs/promises";
 
+const folder = process.argv[2] ?? "../assets";
 const PACKAGES = ["preact", "@preact/signals", "@preact/signals-core", "three"];
 
 await build({
-  entryPoints: { page: "src/page.tsx" },
-  outdir: "../assets",
+  entryPoints: { page: "src/main.ts" },
+  outdir: folder,
   bundle: true,
   minify: true,
   format: "iife",
@@ -14,14 +15,14 @@ await build({
   legalComments: "none",
   define: { "process.env.NODE_ENV": '"production"' },
 });
-await copyFile("src/page.html", "../assets/page.html");
-await copyFile("src/page.css", "../assets/page.css");
+await copyFile("src/page.html", `${folder}/page.html`);
+await copyFile("src/page.css", `${folder}/page.css`);
 
 let licences = "The page contains these packages, under these licences.\n";
 for (const name of PACKAGES) {
-  const folder = `node_modules/${name}`;
-  const { version } = JSON.parse(await readFile(`${folder}/package.json`, "utf8"));
-  const file = (await readdir(folder)).find((file) => /^licen[cs]e/i.test(file));
-  licences += `\n== ${name} ${version}\n\n${(await readFile(`${folder}/${file}`, "utf8")).trim()}\n`;
+  const its = `node_modules/${name}`;
+  const { version } = JSON.parse(await readFile(`${its}/package.json`, "utf8"));
+  const file = (await readdir(its)).find((file) => /^licen[cs]e/i.test(file));
+  licences += `\n== ${name} ${version}\n\n${(await readFile(`${its}/${file}`, "utf8")).trim()}\n`;
 }
-await writeFile("../assets/LICENSES.txt", licences);
+await writeFile(`${folder}/LICENSES.txt`, licences);

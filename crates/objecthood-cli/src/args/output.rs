@@ -30,6 +30,9 @@ pub(crate) enum OutputKind {
     Bop,
     /// objects.labels.mcap, one recording for all frames: label images and boxes as ROS 2 messages, with the stamps of the input.
     Mcap,
+    /// report.html, one page for all frames; it is asked for by `--report`.
+    #[value(skip)]
+    Report,
 }
 
 impl OutputKind {
@@ -46,8 +49,14 @@ impl OutputKind {
             Self::Npz => Some(".labels.npz"),
             Self::Ply => Some(".labels.ply"),
             Self::PlyObjects => Some(".object1.labels.ply"),
-            Self::Coco | Self::Bop | Self::Mcap => None,
+            Self::Coco | Self::Bop | Self::Mcap | Self::Report => None,
         }
+    }
+
+    /// The option that asks for it.
+    pub(crate) fn option(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or_else(|| "--report".to_owned(), |value| format!("--write {}", value.get_name()))
     }
 
     /// Whether all frames share files of this kind.

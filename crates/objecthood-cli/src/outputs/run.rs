@@ -4,15 +4,18 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use objecthood::{Camera, Discovery};
+use objecthood::{Camera, Discovery, Params};
 use objecthood_io::Capture;
+use objecthood_io::output::Growing;
 use objecthood_io::output::bop::{BopLists, ImageId, RESULTS};
 use objecthood_io::output::coco::CocoFile;
 use objecthood_io::output::instances::{self, Instance};
 use objecthood_io::output::mcap::{McapFile, Message, found_messages};
+use objecthood_page::{Page, Report};
 
 use super::make_folder;
 use crate::args::OutputKind;
+use crate::shell::words_of_frames;
 
 /// Frames without stamps get one as of a camera with this rate (1/s), which is common.
 const RATE_HZ: i64 = 30;
@@ -26,6 +29,7 @@ pub(crate) fn path_of(out: &Path, kind: OutputKind) -> Option<PathBuf> {
         OutputKind::Coco => Some(out.join("instances.coco.json")),
         OutputKind::Bop => Some(out.join(BOP).join(RESULTS)),
         OutputKind::Mcap => Some(out.join("objects.labels.mcap")),
+        OutputKind::Report => Some(out.join("report.html")),
         _ => None,
     }
 }
@@ -48,6 +52,8 @@ pub(crate) struct Share {
     camera: Camera,
     found: Vec<Instance>,
     messages: Vec<Message>,
+    /// Its part of the report.
+    pub(crate) page: Option<Page>,
 }
 
 impl Share {
@@ -69,7 +75,14 @@ impl Share {
         } else {
             Vec::new()
         };
-        Some(Self { place: place.clone(), size: frame.size(), camera: frame.camera(), found, messages })
+        Some(Self {
+            place: place.clone(),
+            size: frame.size(),
+            camera: frame.camera(),
+            found,
+            messages,
+            page: None,
+        })
     }
 
     /// The objects of the frame.
@@ -83,15 +96,16 @@ pub(crate) struct RunFiles {
     coco: Option<CocoFile>,
     bop: Option<BopLists>,
     mcap: Option<McapFile>,
+    report: Option<Report>,
     paths: Vec<PathBuf>,
 }
 
 impl RunFiles {
-    /// Begins those of these kinds in a folder that is there.
+    /// Begins those of these kinds in a folder that is there; `params` and the words of the command line are for the report.
     ///
     /// # Errors
     /// When one cannot be written.
-    pub(crate) fn create(out: &Path, kinds: &BTreeSet<OutputKind>) -> Result<Self> {
+    pub(crate) fn create(out: &Path, kinds: &BTreeSet<OutputKind>, params: &Params) -> Result<Self> {
         let path = |kind| kinds.get(&kind).and_then(|&kind| path_of(out, kind));
         if kinds.contains(&OutputKind::Bop) {
             make_folder(&out.join(BOP))?;
@@ -99,7 +113,18 @@ impl RunFiles {
         let coco = path(OutputKind::Coco).map(|path| CocoFile::create(&path)).transpose()?;
         let bop = path(OutputKind::Bop).map(|_| BopLists::create(&out.join(BOP))).transpose()?;
         let mcap = path(OutputKind::Mcap).map(|path| McapFile::create(&path)).transpose()?;
-        Ok(Self { coco, bop, mcap, paths: kinds.iter().filter_map(|&kind| path_of(out, kind)).collect() })
+        let begin = |path: PathBuf| -> Result<Report> {
+            let words = words_of_frames("segment");
+            Ok(Report::begin(Growing::create(&path)?, words, params)?)
+        };
+        let report = path(OutputKind::Report).map(begin).transpose()?;
+        Ok(Self {
+            coco,
+            bop,
+            mcap,
+            report,
+            paths: kinds.iter().filter_map(|&kind| path_of(out, kind)).collect(),
+        })
     }
 
     /// Adds what a frame has.
@@ -107,7 +132,7 @@ impl RunFiles {
     /// # Errors
     /// When a file cannot be written.
     pub(crate) fn add(&mut self, share: &Share) -> Result<()> {
-        let Share { place, size, camera, found, messages } = share;
+        let Share { place, size, camera, found, messages, page } = share;
         if let Some(coco) = &mut self.coco {
             coco.add(&place.image_name, *size, found)?;
         }
@@ -117,6 +142,9 @@ impl RunFiles {
         if let Some(mcap) = &mut self.mcap {
             mcap.add(messages)?;
         }
+        if let (Some(report), Some(page)) = (&mut self.report, page) {
+            report.add(page)?;
+        }
         Ok(())
     }
 
@@ -125,10 +153,11 @@ impl RunFiles {
     /// # Errors
     /// When one cannot be written.
     pub(crate) fn finish(self) -> Result<Vec<PathBuf>> {
-        let Self { coco, bop, mcap, paths } = self;
+        let Self { coco, bop, mcap, report, paths } = self;
         coco.map(CocoFile::finish).transpose()?;
         bop.map(BopLists::finish).transpose()?;
         mcap.map(McapFile::finish).transpose()?;
+        report.map(Report::finish).transpose()?;
         Ok(paths)
     }
 }

@@ -6,27 +6,21 @@ import { render } from "preact";
 import { Elsewhere, isOpen } from "./elsewhere";
 import { Explain } from "./explain";
 import { Frames, play } from "./frames";
-import { layerOf, Layers, toggle } from "./layers";
+import { onKeys } from "./keys";
+import { Layers } from "./layers";
+import { turnLight } from "./light";
 import { Objects } from "./objects";
 import { Parameters } from "./parameters";
 import { PictureView, Swipe, zoomBy, zoomOut } from "./picture";
 import { Sheet } from "./sheet";
 import { SpaceView } from "./space";
-import { frame, goTo, greeting, other, panel, problem, settings, solo, start, status, stopAsking, view } from "./state";
+import { next, Tabs } from "./tabs";
+import { bye } from "./wire";
+import { frame, goTo, greeting, other, panel, problem, settings, start, status, stopAsking, view } from "./state";
 
 const VIEWS = { picture: "Picture", space: "In space", sheet: "Many frames" } as const;
 const PANELS = { objects: "Objects", explain: "Why?" } as const;
 const isHelping = signal(false);
-
-function Tabs<T extends string>({ of, names, label }: { of: { value: T }; names: Record<T, string>; label: string }) {
-  return (
-    <div class="tabs" role="tablist" aria-label={label}>
-      {(Object.keys(names) as T[]).map((name) => (
-        <button key={name} role="tab" aria-selected={of.value === name} onClick={() => (of.value = name)}>{names[name]}</button>
-      ))}
-    </div>
-  );
-}
 
 function compare(): void {
   other.value = other.value ? null : settings.value;
@@ -35,12 +29,6 @@ function compare(): void {
 function swap(): void {
   const before = other.value;
   if (before) [other.value, settings.value] = [settings.value, before];
-}
-
-function turnLight(): void {
-  const root = document.documentElement;
-  const isDark = getComputedStyle(root).colorScheme === "dark" || (!root.dataset.theme && matchMedia("(prefers-color-scheme: dark)").matches);
-  root.dataset.theme = isDark ? "light" : "dark";
 }
 
 function Header() {
@@ -106,11 +94,6 @@ function Page() {
   );
 }
 
-function next<T extends string>(of: { value: T }, names: Record<T, string>): void {
-  const all = Object.keys(names) as T[];
-  of.value = all[(all.indexOf(of.value) + 1) % all.length];
-}
-
 const DOES: Record<string, () => void> = {
   ",": () => goTo(frame.value - 1),
   ".": () => goTo(frame.value + 1),
@@ -128,22 +111,9 @@ const DOES: Record<string, () => void> = {
   "/": () => document.getElementById("sought")?.focus(),
 };
 
-/** Letters belong to whoever is typing. */
-function isTyping(target: EventTarget | null): boolean {
-  return target instanceof HTMLElement
-    && (target.matches("input:not([type=range], [type=checkbox]), textarea, select") || target.closest("dialog") !== null);
+export function startPage(): void {
+  onKeys(DOES);
+  render(<Page />, document.getElementById("page")!);
+  addEventListener("pagehide", bye);
+  void start();
 }
-
-addEventListener("keydown", (e) => {
-  if (e.ctrlKey || e.metaKey || e.altKey || isTyping(e.target)) return;
-  const digit = /^Digit(\d)$/.exec(e.code)?.[1];
-  const layer = layerOf(digit ?? e.key);
-  const does = DOES[e.key.length === 1 ? e.key.toLowerCase() : e.key];
-  if (layer) (e.shiftKey ? solo : toggle)(layer);
-  else if (does) does();
-  else return;
-  e.preventDefault();
-});
-
-render(<Page />, document.getElementById("page")!);
-void start();

@@ -84,7 +84,8 @@ export interface Score {
 
 interface Place {
   name: string;
-  kind: "u8" | "u16" | "u32" | "i8" | "rgb";
+  /** `jpeg`: a file instead of numbers, in reports. */
+  kind: "u8" | "u16" | "u32" | "i8" | "rgb" | "jpeg";
   width: number;
   height: number;
   unit_m: number | null;
@@ -196,4 +197,7 @@ export async function explain(
   return (await post("explain", { frame, settings, pixel, in_full })).json();
 }
 
-addEventListener("pagehide", () => navigator.sendBeacon("close", JSON.stringify({ tab: TAB })));
+/** Tells the server that the tab is closed. */
+export function bye(): void {
+  navigator.sendBeacon("close", JSON.stringify({ tab: TAB }));
+}

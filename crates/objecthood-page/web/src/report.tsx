@@ -1,0 +1,169 @@
+// A report: frames in a file, shown as the live page shows them.
+
+import { effect, signal } from "@preact/signals";
+import { render } from "preact";
+
+import { onKeys } from "./keys";
+import { Layers } from "./layers";
+import { turnLight } from "./light";
+import { Frames, play } from "./frames";
+import { Objects } from "./objects";
+import { PictureView, zoomBy, zoomOut } from "./picture";
+import { SpaceView } from "./space";
+import { available, frame, goTo, greeting, isLive, pictures, problem, selected, settings, view } from "./state";
+import { all, Row, stored } from "./stored";
+import { next, Tabs } from "./tabs";
+
+const VIEWS = { picture: "Picture", space: "In space" } as const;
+const LEFT = { frames: "Frames", parameters: "Parameters", times: "Times" } as const;
+const left = signal<keyof typeof LEFT>("frames");
+const rows = signal<Row[]>([]);
+
+type Column = "place" | "objects" | "correct" | "together_ms";
+const order = signal<{ by: Column; falls: boolean }>({ by: "place", falls: false });
+const TITLES: Record<Column, string> = { place: "frame", objects: "objects", correct: "correct", together_ms: "ms" };
+
+function Summary() {
+  const sum = (of: (row: Row) => number) => rows.value.reduce((total, row) => total + of(row), 0);
+  const judged = rows.value.filter(({ correct }) => correct);
+  const times = rows.value.map((row) => row.together_ms).sort((a, b) => a - b);
+  return (
+    <p class="score">
+      {rows.value.length} {rows.value.length === 1 ? "frame" : "frames"}, {sum(({ objects }) => objects)} objects
+      {judged.length > 0 && `, ${sum(({ correct }) => correct?.[0] ?? 0)} of ${sum(({ correct }) => correct?.[1] ?? 0)} correct`}
+      {`, median ${(times[Math.floor(times.length / 2)] ?? 0).toFixed(0)} ms a frame`}
+    </p>
+  );
+}
+
+function FrameList() {
+  const { by, falls } = order.value;
+  const columns = (Object.keys(TITLES) as Column[]).filter((column) => column !== "correct" || rows.value.some(({ correct }) => correct));
+  const value = (k: number) => {
+    const { objects, correct, together_ms } = rows.value[k];
+    return by === "place" ? k : by === "objects" ? objects : by === "together_ms" ? together_ms : correct ? correct[0] / correct[1] : 2;
+  };
+  const sorted = rows.value.map((_, k) => k).sort((a, b) => (falls ? -1 : 1) * (value(a) - value(b)) || a - b);
+  return (
+    <table class="objects list">
+      <thead>
+        <tr>
+          {columns.map((column) => (
+            <th key={column} scope="col" aria-sort={by === column ? (falls ? "descending" : "ascending") : "none"}>
+              <button class="quiet" onClick={() => (order.value = { by: column, falls: by === column && !falls })}>
+                {TITLES[column]}{by === column ? (falls ? " ▼" : " ▲") : ""}
+              </button>
+            </th>
+          ))}
+        </tr>
+      </thead>
+      <tbody>
+        {sorted.map((k) => {
+          const { name, objects, correct, together_ms, thumbnail } = rows.value[k];
+          return (
+            <tr key={k} class={k === frame.value ? "chosen" : ""} onClick={() => goTo(k)}>
+              <td class="named">
+                <button class="tile" onClick={() => goTo(k)} aria-current={k === frame.value}>
+                  <img src={`data:image/jpeg;base64,${thumbnail}`} alt="" width={104} loading="lazy" />
+                  <span>{name.split("/").at(-1)}</span>
+                </button>
+              </td>
+              <td>{objects}</td>
+              {columns.includes("correct") && <td>{correct ? correct.join("/") : ""}</td>}
+              <td>{together_ms.toFixed(0)}</td>
+            </tr>
+          );
+        })}
+      </tbody>
+    </table>
+  );
+}
+
+function Parameters() {
+  const values = pictures[0].value?.header.values ?? {};
+  const { method, set } = settings.value;
+  return (
+    <>
+      <p>Method {method}. {Object.keys(set).length} parameters are not at their defaults.</p>
+      {greeting.value?.parameters.filter(({ stages }) => stages[method === "context" ? 0 : 1]).map(({ name, meaning, unit, default: usual }) => (
+        <div key={name} class={name in set ? "parameter changed" : "parameter"}>
+          <strong>{name}</strong> = {String(values[name] ?? set[name] ?? usual)}
+          <p class="meaning">{meaning} {unit}, default {usual}</p>
+        </div>
+      ))}
+    </>
+  );
+}
+
+function Times() {
+  const laps = pictures[0].value?.header.stages_ms ?? [];
+  const longest = Math.max(...laps.map(([, ms]) => ms), 1e-9);
+  return (
+    <table class="objects">
+      <tbody>
+        {laps.map(([stage, ms]) => (
+          <tr key={stage}><td>{stage}</td><td>{ms.toFixed(1)} ms</td><td><meter min={0} max={longest} value={ms} /></td></tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function ReportPage() {
+  const name = greeting.value?.frames[frame.value] ?? "";
+  return (
+    <div class="page">
+      <header class="top">
+        <h1>objecthood</h1>
+        <span class="file" title={name}><bdi>{name}</bdi></span>
+        <span class="status">version {greeting.value?.version}</span>
+        <button onClick={turnLight} title="Dark or light (key L)">◐</button>
+      </header>
+      <div class="said-first">{problem.value && <p class="problem" role="alert">{problem.value}</p>}</div>
+      <main class="middle">
+        <Tabs of={view} names={VIEWS} label="View" />
+        {view.value === "space" ? <SpaceView /> : <PictureView />}
+        <Layers />
+        <Frames />
+      </main>
+      <section class="parameters" aria-label="Frames">
+        <Tabs of={left} names={LEFT} label="Left" />
+        <Summary />
+        <div class="groups">{left.value === "frames" ? <FrameList /> : left.value === "parameters" ? <Parameters /> : <Times />}</div>
+      </section>
+      <aside class="side"><Objects /></aside>
+    </div>
+  );
+}
+
+/** Keeps the picture that of the frame. */
+function showFrame(number: number): void {
+  stored(number).then(
+    (picture) => {
+      if (number !== frame.value) return;
+      available.value = new Set(picture.maps.keys());
+      pictures[0].value = picture;
+    },
+    (error) => (problem.value = `frame ${number} cannot be unpacked: ${error}`),
+  );
+}
+
+export function startReport(): void {
+  const held = all();
+  isLive.value = false;
+  greeting.value = held.greeting;
+  settings.value = held.greeting.settings;
+  rows.value = held.rows;
+  onKeys({
+    ",": () => goTo(frame.value - 1),
+    ".": () => goTo(frame.value + 1),
+    p: play,
+    v: () => next(view, VIEWS),
+    l: turnLight,
+    z: zoomOut,
+    "+": () => zoomBy(1.25),
+    Escape: () => (selected.value = null),
+  });
+  render(<ReportPage />, document.getElementById("page")!);
+  if (held.rows.length > 0) effect(() => showFrame(frame.value));
+}

@@ -1,0 +1,194 @@
+// The live page in a browser: it shows what the command line says.
+import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
+import { writeFile } from "node:fs/promises";
+import { join } from "node:path";
+
+import { colorsOf, finish, hash, inFolder, keep, launch, objecthood, scenes, skip, tab, test, view } from "./house.mjs";
+import { labelsOf } from "./png.mjs";
+
+const { OBJECTHOOD_DATA: data } = process.env;
+
+/** A parameter of every stage, and another value of it. */
+const CHANGES = {
+  normals: ["local_fit.radius_px", 5],
+  structure: ["structure.angle_deg", 12],
+  superpixels: ["watershed.seed_block_px", 20],
+  facets: ["merging.plane_tolerance_quanta", 3],
+  borders: ["border.gap_quanta", 1.5],
+  shapes: ["contraction.reflex_offset_deg", -10],
+  clusters: ["fragments.max_size_px", 900],
+  support: ["objectness.min_size_px", 9000],
+  hypotheses: ["objectness.max_second_side_m", 0.1],
+  objects: ["objectness.threshold", 0.93],
+};
+
+/** Does something, and waits for the next picture of a side; the labels in it. */
+async function looked(page, act, side = 0) {
+  const answered = page.waitForResponse((response) => response.url().endsWith("/look") && response.request().postDataJSON().side === side);
+  await act();
+  const body = await (await answered).body();
+  const length = body.readUInt32LE(0);
+  const header = JSON.parse(body.toString("utf8", 4, 4 + length));
+  const { offset, length: bytes } = header.maps.find(({ name }) => name === "objects");
+  const start = 4 + length + offset;
+  return { header, labels: new Uint16Array(Uint8Array.from(body.subarray(start, start + bytes)).buffer) };
+}
+
+const type = (page, name, value) => async () => {
+  const box = page.locator(`[id="p-${name}"]`);
+  await box.fill(String(value));
+  await box.press("Tab");
+};
+
+/** The labels that the command line finds, and the number of its objects. */
+function segmented(file, ...options) {
+  return inFolder(async (folder) => {
+    await objecthood("segment", file, "--out", folder, "--write", "labels", ...options);
+    const name = file.split("/").at(-1).replace(/\.pcd$/, "");
+    return labelsOf(join(folder, `${name}.labels.png`));
+  });
+}
+
+const browser = await launch();
+const served = [];
+
+async function open(words, options) {
+  const server = await view(...words);
+  served.push(server);
+  const opened = await tab(browser, options);
+  await opened.page.goto(server.address);
+  await opened.page.locator(".side-0").waitFor();
+  await opened.page.waitForFunction(() => /shown in \d+ ms/.test(document.querySelector(".status")?.textContent ?? ""));
+  return { ...opened, ...server };
+}
+
+const { input, first } = await scenes();
+
+test("it_opens_without_a_complaint_and_asks_nobody_else", async () => {
+  const { page, requests, complaints, address, end } = await open([input]);
+  assert.ok((await colorsOf(page, ".side-0")) > 100, "the picture is not blank");
+  await keep(page, "page-1280");
+  await page.keyboard.press("v");
+  await page.waitForTimeout(1500);
+  assert.ok((await colorsOf(page, ".space canvas")) > 100, "the points are not blank");
+  await keep(page, "space-1280");
+  await page.keyboard.press("v");
+  await page.locator(".tile").nth(8).getByText("correct").waitFor();
+  await keep(page, "sheet-1280");
+  assert.deepEqual(complaints, []);
+  assert.deepEqual(requests.filter((url) => !url.startsWith(address) && !url.startsWith("data:")), []);
+  end();
+});
+
+test("a_parameter_of_every_stage_gives_the_labels_of_the_command_line", async () => {
+  const { page, complaints, end } = await open([first]);
+  const before = hash(await segmented(first));
+  let differ = 0;
+  for (const [stage, [name, value]] of Object.entries(CHANGES)) {
+    const { header, labels } = await looked(page, type(page, name, value));
+    assert.deepEqual(header.settings.set, { [name]: value });
+    const said = hash(await segmented(first, "--set", `${name}=${value}`));
+    assert.equal(hash(labels), said, `labels after a change of ${stage}`);
+    differ += Number(said !== before);
+    const reset = await looked(page, () => page.getByRole("button", { name: `Reset ${name}` }).click());
+    assert.equal(hash(reset.labels), before, `labels after the reset of ${stage}`);
+  }
+  assert.ok(differ >= 4, `${differ} changes made a difference`);
+  assert.deepEqual(complaints, []);
+  end();
+});
+
+test("a_click_explains_as_the_command_line_does", async () => {
+  const { page, end } = await open([first]);
+  const picture = page.locator(".stage .frame");
+  const box = await picture.boundingBox();
+  const full = page.waitForResponse((r) => r.url().endsWith("/explain") && r.request().postDataJSON().in_full);
+  await picture.click({ position: { x: box.width / 2, y: box.height / 2 + 40 } });
+  await full;
+  await page.locator(".try button").first().waitFor();
+  const at = (await page.locator(".side strong").textContent()).replace("Pixel ", "").replace(", ", ",");
+  const said = (await page.locator(".said pre").allTextContents()).map((line) => line.trimEnd()).join("\n").trim();
+  const expected = (await objecthood("explain", first, "--at", at)).split("\n").map((line) => line.trimEnd()).join("\n").trim();
+  assert.equal(said, expected);
+  await keep(page, "explain-1280");
+  const { header } = await looked(page, () => page.locator(".try button").first().click());
+  assert.equal(Object.keys(header.settings.set).length, 1, "`try it` sets a parameter");
+  end();
+});
+
+test("two_settings_are_compared", async () => {
+  const { page, end } = await open([first]);
+  const kept = await looked(page, () => page.keyboard.press("b"), 1);
+  const changed = await looked(page, type(page, ...CHANGES.objects), 0);
+  assert.notEqual(hash(kept.labels), hash(changed.labels));
+  const clip = () => page.locator(".side-1").evaluate((canvas) => getComputedStyle(canvas).clipPath);
+  const middle = await clip();
+  await page.locator(".swipe input").fill("0.2");
+  assert.notEqual(await clip(), middle, "the line moves");
+  await keep(page, "compare-1280");
+  const swapped = await looked(page, () => page.keyboard.press("x"), 0);
+  assert.equal(hash(swapped.labels), hash(kept.labels));
+  end();
+});
+
+test("copied_settings_find_the_same_elsewhere", async () => {
+  const { page, end } = await open([first]);
+  await looked(page, type(page, ...CHANGES.shapes));
+  const { labels } = await looked(page, type(page, ...CHANGES.objects));
+  await page.getByRole("button", { name: "Copy settings" }).click();
+  await keep(page, "copy-1280");
+  const toml = await page.locator("dialog textarea").inputValue();
+  const found = await inFolder(async (folder) => {
+    const file = join(folder, "settings.toml");
+    await writeFile(file, toml);
+    return segmented(first, "--config", file);
+  });
+  assert.equal(hash(found), hash(labels));
+  await page.getByRole("tab", { name: "command line" }).click();
+  const command = await page.locator("dialog textarea").inputValue();
+  const options = command.split(" ").slice(command.split(" ").indexOf("--method"));
+  assert.equal(hash(await segmented(first, ...options)), hash(labels));
+  end();
+});
+
+test("everything_fits_from_a_tablet_to_4k_dark_and_light", async () => {
+  for (const [width, height, scheme] of [[820, 1180, "light"], [1280, 720, "dark"], [3840, 2160, "light"]]) {
+    const { page, end } = await open([input], { width, height, scheme });
+    const tooWide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert.ok(tooWide <= 0, `${tooWide} px too wide at ${width}x${height}`);
+    await keep(page, `page-${width}-${scheme}`);
+    await page.context().close();
+    end();
+  }
+});
+
+const video = data && join(data, "video/tum-fr1-rpy");
+if (video && existsSync(video)) {
+  test("a_video_is_scrubbed_and_keeps_the_settings", async () => {
+    const { page, complaints, end } = await open([video]);
+    await looked(page, type(page, ...CHANGES.objects));
+    const slider = page.locator("#scrubber");
+    for (const number of [5, 19]) {
+      const { header, labels } = await looked(page, () => slider.fill(String(number)));
+      assert.equal(header.frame, number);
+      const [name, value] = CHANGES.objects;
+      const found = await inFolder(async (folder) => {
+        const one = [video, "--frames", `${number}..${number + 1}`, "--out", folder, "--write", "labels", "--set", `${name}=${value}`];
+        await objecthood("segment", ...one);
+        const file = header.name.split("/").at(-1).replace(/\.png$/, "");
+        return labelsOf(join(folder, `${file}.labels.png`));
+      });
+      assert.equal(hash(labels), hash(found), `labels of frame ${number}`);
+    }
+    await keep(page, "video-1280");
+    assert.deepEqual(complaints, []);
+    end();
+  });
+} else {
+  skip("the page on a video: there is no data");
+}
+
+await finish();
+served.forEach(({ end }) => end());
+await browser.close();
