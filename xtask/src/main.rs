@@ -36,6 +36,8 @@ const USAGE: &str = "usage: cargo xtask TASK
   api                  writes the listing of the core's public API anew, which `test` compares with
   python               builds the Python package in its folder, and runs its tests
   page                 builds the live page from its TypeScript, which needs Node
+  page --test          tries it in a browser; pictures of what it looks like are left in target/page-pictures
+  page --times         measures how long it takes from a change of a parameter to the picture
   pictures             draws the pictures of docs/CONTEXT.md anew";
 
 fn main() -> ExitCode {
@@ -71,6 +73,8 @@ fn run() -> Result<bool> {
         ["aarch64"] => aarch64::run(&house),
         ["python"] => package::run(&house),
         ["page"] => page::run(&house),
+        ["page", "--test"] => page::run_tests(&house),
+        ["page", "--times"] => page::measure(&house),
         ["pictures"] => pictures::run(&house),
         _ => bail!("{USAGE}"),
     }

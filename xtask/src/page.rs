@@ -30,6 +30,28 @@ pub(crate) fn run(house: &House) -> Result<bool> {
     Ok(true)
 }
 
+/// As [`check`], by itself; says what was skipped.
+///
+/// # Errors
+/// As [`check`].
+pub(crate) fn run_tests(house: &House) -> Result<bool> {
+    let mut tally = Tally::default();
+    let passed = check(house, &mut tally)?;
+    tally.skipped.iter().for_each(|why| println!("skipped: {why}"));
+    Ok(passed)
+}
+
+/// Measures, in release, how long it takes from a change of a parameter to the picture.
+///
+/// # Errors
+/// When the program cannot be built, or there is no Node or no browser.
+pub(crate) fn measure(house: &House) -> Result<bool> {
+    let web = prepare(house)?;
+    pass_on(&mut house.cargo("build --release --locked -p objecthood-cli"))?;
+    pass_on(&mut in_browser(house, &web, "tests/times.mjs", &house.program("objecthood")))?;
+    Ok(true)
+}
+
 /// Whether the assets are what the sources say, and the page does in a browser what it should. Without Node or a browser, and without
 /// the right to install them, that is noted.
 ///
@@ -56,15 +78,21 @@ pub(crate) fn check(house: &House, tally: &mut Tally) -> Result<bool> {
     pass_on(&mut house.cargo("build --profile test --locked -p objecthood-cli"))?;
     let mut passed = is_fresh;
     for test in TESTS {
-        let mut command = Command::new("node");
-        command.current_dir(&web).arg(test).env("OBJECTHOOD_PROGRAM", house.target.join("debug/objecthood"));
+        let mut command = in_browser(house, &web, test, &house.target.join("debug/objecthood"));
         command.env("OBJECTHOOD_PICTURES", house.folder("page-pictures")?);
-        if let Some(data) = house.data() {
-            command.env("OBJECTHOOD_DATA", data);
-        }
         passed &= read_tests(&mut command, tally)?;
     }
     Ok(passed)
+}
+
+/// A program of Node that drives a browser, and what it needs to know.
+fn in_browser(house: &House, web: &Path, script: &str, program: &Path) -> Command {
+    let mut command = Command::new("node");
+    command.current_dir(web).arg(script).env("OBJECTHOOD_PROGRAM", program);
+    if let Some(data) = house.data() {
+        command.env("OBJECTHOOD_DATA", data);
+    }
+    command
 }
 
 /// Installs a package of Debian whose program is missing.

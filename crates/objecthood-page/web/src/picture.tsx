@@ -1,7 +1,7 @@
 // The picture: layers over colour, with zoom; two of them when settings are compared.
 
 import { computed, signal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 
 import { compose, Marks } from "./paint";
 import { ask, asked, explained, isLive, opacity, other, pictures, selected, stopAsking, swipe } from "./state";
@@ -50,7 +50,8 @@ function inside({ factor, u, v }: typeof zoom.value): typeof zoom.value {
 function Canvas({ side }: { side: number }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const image = painted[side].value;
-  useEffect(() => {
+  // Before the browser shows the page next, so that status and picture appear together.
+  useLayoutEffect(() => {
     if (!canvas.current || !image) return;
     if (canvas.current.width !== image.width || canvas.current.height !== image.height) {
       canvas.current.width = image.width;

@@ -82,11 +82,12 @@ class Side {
       problem.value = "";
       pictures[this.side].value = picture;
     });
-    requestAnimationFrame(() => {
+    // A task after the next frame begins when the picture is on the screen.
+    requestAnimationFrame(() => setTimeout(() => {
       const took = performance.now() - since;
       performance.measure(`look ${this.side}`, { start: since, end: since + took });
       if (this.side === 0) status.value = said(before, picture, job, took);
-    });
+    }));
   }
 }
 

@@ -5,23 +5,10 @@ import { writeFile } from "node:fs/promises";
 import { join } from "node:path";
 
 import { colorsOf, finish, hash, inFolder, keep, launch, objecthood, scenes, skip, tab, test, view } from "./house.mjs";
+import { CHANGES } from "./changes.mjs";
 import { labelsOf } from "./png.mjs";
 
 const { OBJECTHOOD_DATA: data } = process.env;
-
-/** A parameter of every stage, and another value of it. */
-const CHANGES = {
-  normals: ["local_fit.radius_px", 5],
-  structure: ["structure.angle_deg", 12],
-  superpixels: ["watershed.seed_block_px", 20],
-  facets: ["merging.plane_tolerance_quanta", 3],
-  borders: ["border.gap_quanta", 1.5],
-  shapes: ["contraction.reflex_offset_deg", -10],
-  clusters: ["fragments.max_size_px", 900],
-  support: ["objectness.min_size_px", 9000],
-  hypotheses: ["objectness.max_second_side_m", 0.1],
-  objects: ["objectness.threshold", 0.93],
-};
 
 /** Does something, and waits for the next picture of a side; the labels in it. */
 async function looked(page, act, side = 0) {
