@@ -37,6 +37,7 @@ const USAGE: &str = "usage: cargo xtask TASK
   python               builds the Python package in its folder, and runs its tests
   page                 builds the live page from its TypeScript, which needs Node
   page --test          tries it in a browser; pictures of what it looks like are left in target/page-pictures
+  page --picture       draws the picture of the page in the README
   page --times         measures how long it takes from a change of a parameter to the picture
   pictures             draws the pictures of docs/CONTEXT.md anew";
 
@@ -74,6 +75,7 @@ fn run() -> Result<bool> {
         ["python"] => package::run(&house),
         ["page"] => page::run(&house),
         ["page", "--test"] => page::run_tests(&house),
+        ["page", "--picture"] => page::draw(&house),
         ["page", "--times"] => page::measure(&house),
         ["pictures"] => pictures::run(&house),
         _ => bail!("{USAGE}"),

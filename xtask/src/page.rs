@@ -52,6 +52,18 @@ pub(crate) fn measure(house: &House) -> Result<bool> {
     Ok(true)
 }
 
+/// Draws the picture of the page in the README: of a synthetic scene, so that it is ours to show.
+///
+/// # Errors
+/// When the program cannot be built, or there is no Node or no browser.
+pub(crate) fn draw(house: &House) -> Result<bool> {
+    let web = prepare(house)?;
+    pass_on(&mut house.cargo("build --profile test --locked -p objecthood-cli"))?;
+    let mut draw = in_browser(house, &web, "tests/picture.mjs", &house.target.join("debug/objecthood"));
+    pass_on(draw.arg(house.root.join("docs/pictures/page.jpg")))?;
+    Ok(true)
+}
+
 /// Whether the assets are what the sources say, and the page does in a browser what it should. Without Node or a browser, and without
 /// the right to install them, that is noted.
 ///

@@ -170,19 +170,19 @@ export class Marks {
 
 /** How many objects came and went: an object stays when it and an earlier one share at least half of their union. */
 export function cameAndWent(before: PixelMap, after: PixelMap): [number, number] {
-  const sizes = [new Map<number, number>(), new Map<number, number>()];
+  const sizes = [new Uint32Array(65536), new Uint32Array(65536)];
   const common = new Map<number, number>();
-  const count = (map: Map<number, number>, key: number) => map.set(key, (map.get(key) ?? 0) + 1);
   for (let i = 0; i < after.data.length; i++) {
     const [a, b] = [before.data[i], after.data[i]];
-    if (a) count(sizes[0], a);
-    if (b) count(sizes[1], b);
-    if (a && b) count(common, a * 65536 + b);
+    sizes[0][a]++;
+    sizes[1][b]++;
+    if (a && b) common.set(a * 65536 + b, (common.get(a * 65536 + b) ?? 0) + 1);
   }
   let stayed = 0;
   for (const [pair, shared] of common) {
     const [a, b] = [Math.floor(pair / 65536), pair % 65536];
-    if (2 * shared >= (sizes[0].get(a) ?? 0) + (sizes[1].get(b) ?? 0) - shared) stayed++;
+    if (2 * shared >= sizes[0][a] + sizes[1][b] - shared) stayed++;
   }
-  return [sizes[1].size - stayed, sizes[0].size - stayed];
+  const count = (of: Uint32Array) => of.subarray(1).reduce((sum, size) => sum + Number(size > 0), 0);
+  return [count(sizes[1]) - stayed, count(sizes[0]) - stayed];
 }
