@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from objecthood import _native
 from objecthood._arrays import camera_of
 from objecthood._native import Capture
+from objecthood.errors import InputError
 
 Camera: TypeAlias = Union[str, PathLike[str], ArrayLike]
 
@@ -68,13 +69,20 @@ def open(
     camera: Camera | None = None,
     depth_scale: float | None = None,
     max_pixels: int | None = None,
+    topics: Sequence[str] = (),
+    frames: str | None = None,
+    time: str | None = None,
 ) -> Source:
     """The frames of a file of any format that is read (docs/INPUTS.md), of a folder with a layout, or of all files below a folder.
 
     What you know better than the files: `camera` is the path of a camera file, a 3x3 matrix, or (fx, fy, cx, cy) in pixels;
     `depth_scale` is the number of depth units in a metre. Frames of more than `max_pixels` (2^24 unless given) are refused.
+    `topics` are those of a recording to be read, where it has several cameras. `frames` selects by number, as "10..200:5" (first..end:step),
+    `time` by seconds from the first frame, as "3.0..8.0"; what is left out is not read.
     """
-    return Source(_native.Source(path, _camera(camera), depth_scale, max_pixels))
+    if isinstance(topics, str):
+        raise InputError(f"topics is {topics!r}: give a list of names, [{topics!r}]")
+    return Source(_native.Source(path, camera_source(camera), depth_scale, max_pixels, list(topics), frames, time))
 
 
 def read_images(
@@ -86,8 +94,9 @@ def read_images(
     max_pixels: int | None = None,
 ) -> Capture:
     """The frame in a depth image and a colour image registered to it. Integer depth needs `depth_scale`, here or in the camera file."""
-    return _native.read_images(depth, color, _camera(camera), depth_scale, max_pixels)
+    return _native.read_images(depth, color, camera_source(camera), depth_scale, max_pixels)
 
 
-def _camera(camera: Camera | None) -> str | PathLike[str] | tuple[float, float, float, float] | None:
+def camera_source(camera: Camera | None) -> str | PathLike[str] | tuple[float, float, float, float] | None:
+    """A camera as the native half takes it."""
     return camera if camera is None or isinstance(camera, (str, PathLike)) else camera_of(camera)

@@ -31,7 +31,7 @@ mod _native {
     #[pymodule_export]
     use super::score::{score, score_mosd, synthetic};
     #[pymodule_export]
-    use super::source::{Source, read_images};
+    use super::source::{Source, extensions, read_camera, read_images};
     #[pymodule_export]
     use super::tracker::{Tracked, Tracker};
 

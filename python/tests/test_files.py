@@ -32,6 +32,25 @@ def test_a_source_is_a_sequence(tmp_path: Path) -> None:
             source[index]
 
 
+def test_frames_are_selected(tmp_path: Path) -> None:
+    for k in range(10):
+        (tmp_path / f"{k}.pcd").write_text(CLOUD)
+
+    def names(**selection: str) -> list[str]:
+        source = oh.open(tmp_path, camera=(525, 525, 0, 0), frames=selection.get("frames"), time=selection.get("time"))
+        return [source.name(k) for k in range(len(source))]
+
+    assert names(frames="2..9:3") == ["2", "5", "8"]
+    assert names(frames="4") == ["4"]
+    for wrong in ({"frames": "9..2"}, {"frames": "a"}, {"time": "5..1"}):
+        with pytest.raises(oh.InputError, match="range"):
+            names(**wrong)
+    with pytest.raises(oh.FileError, match="no time"):
+        oh.open(tmp_path, camera=(525, 525, 0, 0), time="0..1")[0]
+    with pytest.raises(oh.InputError, match="list of names"):
+        oh.open(tmp_path, topics="/depth")
+
+
 def test_files_that_cannot_be_read_are_errors_of_the_system(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="cannot be read"):
         oh.open(tmp_path / "missing.pcd")

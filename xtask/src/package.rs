@@ -1,4 +1,4 @@
-//! The Python package: built, tested with the newest NumPy and the oldest that it takes, and its types checked.
+//! The Python package: built, tested with the newest NumPy, with the oldest that it takes, and with Ray; and its types checked.
 
 use std::fs;
 use std::path::Path;
@@ -11,8 +11,15 @@ use crate::python;
 use crate::tally::Tally;
 use crate::test::read_tests;
 
-/// The environments in which its tests run, each with its pinned packages.
-const ENVIRONMENTS: [&str; 2] = ["tests", "oldest"];
+/// The environments in which its tests run, each with its pinned packages, and the tests that are run there.
+const ENVIRONMENTS: [(&str, &str); 3] = [
+    ("tests", "--ignore=tests/test_ray.py"),
+    ("oldest", "--ignore=tests/test_ray.py"),
+    (TYPED, "tests/test_ray.py"),
+];
+
+/// The environment that has everything that the package imports, for the check of types.
+const TYPED: &str = "ray";
 
 /// Builds the package in its folder, as `pip install --editable` would, with what the tests of Rust have built already.
 ///
@@ -43,7 +50,7 @@ pub(crate) fn check(house: &House, tally: &mut Tally) -> Result<bool> {
     build(house)?;
     let folder = house.root.join("python");
     let mut passed = true;
-    for name in ENVIRONMENTS {
+    for (name, which) in ENVIRONMENTS {
         let requirements = folder.join(format!("requirements-{name}.txt"));
         let python = match python::prepare(&house.target.join(format!("test-package-{name}")), &requirements)
         {
@@ -53,11 +60,13 @@ pub(crate) fn check(house: &House, tally: &mut Tally) -> Result<bool> {
                 continue;
             }
         };
-        let mut tests = module(&folder, &python, &["pytest", "-q", "-rs"]);
+        let mut tests = module(&folder, &python, &["pytest", "-q", "-rs", which]);
         tests.env("OBJECTHOOD_PROGRAM", house.target.join("debug/objecthood"));
         passed &= read_tests(&mut tests, tally)?;
-        if name == ENVIRONMENTS[0] {
-            for types in [&["mypy"][..], &["mypy.stubtest", "objecthood"]] {
+        if name == TYPED {
+            for types in
+                [&["mypy"][..], &["mypy.stubtest", "--mypy-config-file=pyproject.toml", "objecthood"]]
+            {
                 passed &= module(&folder, &python, types).status().context("mypy cannot be run")?.success();
             }
         }

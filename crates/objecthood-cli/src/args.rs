@@ -1,5 +1,6 @@
 //! The command line: its subcommands and options. What they do is elsewhere.
 
+mod batch;
 mod doctor;
 mod eval;
 mod gravity;
@@ -12,6 +13,7 @@ mod synthetic;
 mod track;
 mod view;
 
+pub(crate) use batch::{BatchArgs, Engine};
 pub(crate) use doctor::{ConvertArgs, DoctorArgs, InfoArgs, Target};
 pub(crate) use eval::{ComparisonArgs, EvalArgs, SyntheticArgs};
 pub(crate) use gravity::GravityArg;
@@ -80,6 +82,7 @@ pub(crate) enum Command {
     Demo(DemoArgs),
     Segment(SegmentArgs),
     Track(TrackArgs),
+    Batch(BatchArgs),
     Doctor(DoctorArgs),
     Info(InfoArgs),
     Convert(ConvertArgs),
@@ -103,7 +106,9 @@ impl Command {
             Self::Eval(args) => args.settings.verbose,
             Self::Params(args) => args.settings.verbose,
             Self::Doctor(args) => args.settings.verbose,
-            Self::Synth(_) | Self::Info(_) | Self::Convert(_) | Self::Completions(_) => false,
+            Self::Synth(_) | Self::Info(_) | Self::Convert(_) | Self::Batch(_) | Self::Completions(_) => {
+                false
+            }
         }
     }
 
@@ -118,7 +123,9 @@ impl Command {
             Self::Eval(args) => Some(&args.settings.threads),
             Self::Synth(args) => Some(&args.threads),
             Self::Doctor(args) => Some(&args.settings.threads),
-            Self::Params(_) | Self::Info(_) | Self::Convert(_) | Self::Completions(_) => None,
+            Self::Params(_) | Self::Info(_) | Self::Convert(_) | Self::Batch(_) | Self::Completions(_) => {
+                None
+            }
         }
     }
 }

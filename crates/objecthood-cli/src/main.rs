@@ -5,6 +5,7 @@
 
 mod advice;
 mod args;
+mod batch;
 mod completions;
 mod config;
 mod convert;
@@ -53,6 +54,7 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::run(args),
         Command::Segment(args) => segment::run(args),
         Command::Track(args) => track::run(args),
+        Command::Batch(args) => batch::run(args),
         Command::Doctor(args) => doctor::run(args),
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
