@@ -30,8 +30,10 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::{Arg, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
+use objecthood::Params;
 use objecthood_io::Capture;
 use objecthood_io::camera_file::CameraFile;
+use objecthood_io::scene::fingerprint;
 use objecthood_io::scope::Scope;
 
 use crate::inputs::Input;
@@ -169,6 +171,23 @@ impl FrameArgs {
             None => Ok(capture),
         });
         told.with_context(|| input.path.display().to_string())
+    }
+
+    /// In words, what decides the result of a frame beside its files: version, parameters, and what is said of all frames.
+    ///
+    /// # Errors
+    /// When the file of the mask is not there.
+    pub(crate) fn in_words(&self, params: &Params, camera: Option<&CameraFile>) -> Result<String> {
+        let Self { gravity, images, scope, selection, .. } = self;
+        let changed = |path| -> Result<_> { Ok(std::fs::metadata(path)?.modified()?) };
+        let mask = scope.mask().map(changed).transpose()?;
+        let version = env!("CARGO_PKG_VERSION");
+        Ok(format!(
+            "{version} {} {camera:?} {:?} {gravity:?} {scope:?} {mask:?} {:?}",
+            fingerprint(params),
+            images.depth_scale,
+            selection.topics
+        ))
     }
 
     /// A note for a user whose `--depth-scale` contradicts the camera file; `camera` is the content of that file.

@@ -34,6 +34,13 @@ pub(crate) struct Line {
     pub(crate) error: Option<String>,
 }
 
+/// The first line. With other settings the outputs are replaced one by one, so what an earlier record says of them holds no more.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Head {
+    /// SHA-256 of what decides the results beside the files.
+    settings: String,
+}
+
 /// A record that grows.
 pub(crate) struct Record {
     path: PathBuf,
@@ -48,20 +55,24 @@ pub(crate) struct Earlier {
 }
 
 impl Record {
-    /// Begins a record in a folder, or goes on with the one that is there; what that says.
+    /// Begins a record in a folder, or goes on with the one that is there, if it has these settings; what that says.
     ///
     /// # Errors
     /// When it cannot be read or written.
-    pub(crate) fn open(out: &Path, resume: bool) -> Result<(Earlier, Self)> {
+    pub(crate) fn open(out: &Path, settings: &str, resume: bool) -> Result<(Earlier, Self)> {
         let path = out.join(NAME);
         let broken =
             |e| anyhow!("{}: cannot be used ({e}): check that you may read and write it", path.display());
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true).truncate(!resume);
         let mut file = options.open(&path).map_err(broken)?;
-        let (places, end) = places(&file).map_err(broken)?;
-        // Half a line, of a process that was killed.
+        let head = Head { settings: objecthood_io::sha256(settings.as_bytes()) };
+        let (places, end) = places(&file, &head).map_err(broken)?;
+        // Behind it there is half a line of a process that was killed, or what holds no more.
         file.set_len(end).and_then(|()| file.seek(SeekFrom::End(0))).map_err(broken)?;
+        if end == 0 {
+            writeln!(file, "{}", serde_json::to_string(&head)?).map_err(broken)?;
+        }
         let lines = Mutex::new(BufReader::new(File::open(&path).map_err(broken)?));
         Ok((Earlier { out: out.to_owned(), places, lines }, Self { path, file }))
     }
@@ -101,11 +112,18 @@ impl Earlier {
     }
 }
 
-/// Where the lines of the frames that are done begin, by fingerprint, and where the last whole line ends (bytes).
-fn places(file: &File) -> std::io::Result<(BTreeMap<String, u64>, u64)> {
+/// Where the lines of the frames that are done begin, by fingerprint, and where the last whole line ends (bytes). Nothing of a record with
+/// another head.
+fn places(file: &File, head: &Head) -> std::io::Result<(BTreeMap<String, u64>, u64)> {
     let (mut places, mut end) = (BTreeMap::new(), 0);
     let mut reader = BufReader::new(file);
     let mut text = Vec::new();
+    reader.read_until(b'\n', &mut text)?;
+    if !text.ends_with(b"\n") || serde_json::from_slice::<Head>(&text).ok().as_ref() != Some(head) {
+        return Ok((places, 0));
+    }
+    end += text.len() as u64;
+    text.clear();
     while reader.read_until(b'\n', &mut text)? > 0 && text.ends_with(b"\n") {
         if let Some(fingerprint) =
             serde_json::from_slice::<Line>(&text).ok().and_then(|line| line.fingerprint)
@@ -132,7 +150,7 @@ mod tests {
     #[test]
     fn what_is_whole_counts_and_the_rest_is_done_again() {
         let folder = tempfile::tempdir().unwrap();
-        let (_, mut record) = Record::open(folder.path(), false).unwrap();
+        let (_, mut record) = Record::open(folder.path(), "a", false).unwrap();
         for (name, objects) in [("one", Some(1)), ("failed", None), ("two", Some(2)), ("lost", Some(3))] {
             record.add(&line(name, objects)).unwrap();
         }
@@ -143,14 +161,17 @@ mod tests {
             std::fs::write(folder.path().join(format!("{name}.json")), "").unwrap();
         }
 
-        let (earlier, mut record) = Record::open(folder.path(), true).unwrap();
+        let (earlier, mut record) = Record::open(folder.path(), "a", true).unwrap();
         let found = ["one", "failed", "two", "lost", "other"].map(|name| earlier.objects_of(name));
         assert_eq!(found, [Some(1), None, Some(2), None, None]);
         record.add(&line("more", Some(4))).unwrap();
         let longer = std::fs::read_to_string(&path).unwrap();
-        assert!(longer.starts_with(&whole) && longer.lines().count() == 5, "{longer}");
+        assert!(longer.starts_with(&whole) && longer.lines().count() == 6, "{longer}");
 
-        Record::open(folder.path(), false).unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "");
+        for (settings, resume) in [("b", true), ("b", false)] {
+            let (earlier, _) = Record::open(folder.path(), settings, resume).unwrap();
+            assert_eq!(earlier.objects_of("one"), None);
+            assert_eq!(std::fs::read_to_string(&path).unwrap().lines().count(), 1);
+        }
     }
 }

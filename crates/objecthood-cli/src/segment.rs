@@ -9,15 +9,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use objecthood::{Estimates, Object, Observer, Params, Pipeline};
-use objecthood_io::camera_file::CameraFile;
 use objecthood_io::output::bop::{self, ImageId};
-use objecthood_io::scene::{fingerprint, notices};
+use objecthood_io::scene::notices;
 use objecthood_io::scope::Scope;
 use objecthood_io::{Capture, output};
 use objecthood_page::Page;
 use objecthood_view::Recording;
 
-use crate::args::{CameraArg, FrameArgs, OutputKind, SegmentArgs};
+use crate::args::{CameraArg, OutputKind, SegmentArgs};
 use crate::failure::{Outcome, usage};
 use crate::inputs::{Input, Inputs};
 use crate::outputs::run::{self, Place, RunFiles, Share};
@@ -75,7 +74,9 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     unreadable.iter().for_each(terminal::error);
     let total = frames.len() + unreadable.len();
 
-    let record = (total > 1 || args.resume).then(|| Record::open(&args.out, args.resume)).transpose()?;
+    let record = (total > 1 || args.resume)
+        .then(|| Record::open(&args.out, &plan.settings, args.resume))
+        .transpose()?;
     let (earlier, record) = record.unzip();
     let of_run = RunFiles::create(&args.out, &plan.kinds, &plan.params)?;
     let summary = Summary::new(unreadable);
@@ -179,7 +180,7 @@ impl<'a> Plan<'a> {
                 kind.option()
             )));
         }
-        let settings = settings(args, &params, camera.as_ref(), &kinds)?;
+        let settings = format!("{} {kinds:?}", args.frames.in_words(&params, camera.as_ref())?);
         let plan = Self { args, inputs, scope, params, kinds, settings };
         plan.refuse_replacing_what_is_read()?;
         Ok(plan)
@@ -293,28 +294,6 @@ impl<'a> Plan<'a> {
             None => Ok(()),
         }
     }
-}
-
-/// In words, everything but its files that decides what is written for a frame.
-///
-/// # Errors
-/// When the file of the mask is not there.
-fn settings(
-    args: &SegmentArgs,
-    params: &Params,
-    camera: Option<&CameraFile>,
-    kinds: &BTreeSet<OutputKind>,
-) -> Result<String> {
-    let FrameArgs { gravity, images, scope, selection, .. } = &args.frames;
-    let changed = |path| -> Result<_> { Ok(fs::metadata(path)?.modified()?) };
-    let mask = scope.mask().map(changed).transpose()?;
-    let version = env!("CARGO_PKG_VERSION");
-    Ok(format!(
-        "{version} {} {kinds:?} {camera:?} {:?} {gravity:?} {scope:?} {mask:?} {:?}",
-        fingerprint(params),
-        images.depth_scale,
-        selection.topics
-    ))
 }
 
 /// The text for a single frame: a table of its objects, and the files.

@@ -16,6 +16,7 @@ use crate::args::{CameraArg, TrackArgs};
 use crate::failure::Outcome;
 use crate::inputs::{Input, Inputs};
 use crate::outputs::{make_folder, make_folders_of, refuse_file};
+use crate::record::{Line, Record};
 use crate::{config, crew, inputs, interrupt, terminal};
 use files::Lines;
 
@@ -25,6 +26,8 @@ struct Plan<'a> {
     inputs: Inputs,
     scope: Scope,
     params: Params,
+    /// What decides the result beside the files.
+    settings: String,
 }
 
 /// What is told at the end.
@@ -48,6 +51,11 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     let Inputs { frames, unreadable, notices, .. } = &plan.inputs;
     notices.iter().for_each(|notice| terminal::note(notice));
     unreadable.iter().for_each(terminal::error);
+    let mut ended = plan.ended_before()?;
+    if let Some((_, Some(objects), _)) = &ended {
+        terminal::print(&format!("{objects} objects, followed before -> {}\n", args.out.display()))?;
+        return Ok(Outcome::AllDone);
+    }
     interrupt::catch()?;
 
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
@@ -72,8 +80,23 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
         told.lines.event(&event);
         told.events.push(event);
     }
-    plan.write_lists(&told)?;
-    plan.sum_up(&told, frames.len() + unreadable.len())
+    let files = plan.write_lists(&told)?;
+    let outcome = plan.sum_up(&told, frames.len() + unreadable.len())?;
+    if let (Outcome::AllDone, Some((fingerprint, _, record))) = (outcome, &mut ended) {
+        record.add(&Line {
+            source: args.frames.inputs.iter().map(|path| path.display().to_string()).collect(),
+            fingerprint: Some(fingerprint.clone()),
+            objects: Some(told.lines.objects()),
+            files,
+            error: None,
+        })?;
+    }
+    if outcome == Outcome::Interrupted {
+        terminal::note(
+            "what is written is whole and ends here; the same command follows the video from its beginning",
+        );
+    }
+    Ok(outcome)
 }
 
 impl<'a> Plan<'a> {
@@ -84,7 +107,25 @@ impl<'a> Plan<'a> {
         let inputs = inputs::collect(&args.frames, false, camera.as_ref())?;
         let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
         refuse_file("--out", &args.out)?;
-        Ok(Self { args, inputs, scope, params })
+        let settings = args.frames.in_words(&params, camera.as_ref())?;
+        let settings = format!("{settings} {} {} {:?}", args.fps, args.poses, args.write);
+        Ok(Self { args, inputs, scope, params, settings })
+    }
+
+    /// With `--resume`: the fingerprint of the video, how many objects a run found that came to its end, and the record of runs.
+    fn ended_before(&self) -> Result<Option<(String, Option<usize>, Record)>> {
+        if !self.args.resume {
+            return Ok(None);
+        }
+        let Inputs { frames, cameras, .. } = &self.inputs;
+        let mut whole = String::new();
+        for frame in frames {
+            // A frame that is missing fails when its turn comes, and then the video is not done.
+            whole += &frame.fingerprint(&self.settings, cameras).unwrap_or_default();
+        }
+        let (earlier, record) = Record::open(&self.args.out, &self.settings, true)?;
+        let fingerprint = objecthood_io::sha256(whole.as_bytes());
+        Ok(Some((fingerprint.clone(), earlier.objects_of(&fingerprint), record)))
     }
 
     /// Follows the objects into a frame and writes its images.
@@ -125,14 +166,16 @@ impl<'a> Plan<'a> {
         })
     }
 
-    fn write_lists(&self, told: &Told) -> Result<()> {
+    /// Writes the lists: what they are called.
+    fn write_lists(&self, told: &Told) -> Result<Vec<String>> {
         let path = |name: &str| self.args.out.join(name);
         let files: Vec<(PathBuf, Vec<u8>)> = vec![
             (path("tracks.jsonl"), told.lines.tracks.clone().into_bytes()),
             (path("events.jsonl"), told.lines.events.clone().into_bytes()),
             (path("support.jsonl"), told.lines.support.clone().into_bytes()),
         ];
-        Ok(output::write_together(&files)?)
+        output::write_together(&files)?;
+        Ok(files.iter().filter_map(|(path, _)| Some(path.file_name()?.to_str()?.to_owned())).collect())
     }
 
     fn sum_up(&self, told: &Told, total: usize) -> Result<Outcome> {

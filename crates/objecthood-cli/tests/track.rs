@@ -68,6 +68,27 @@ fn the_number_of_threads_changes_nothing() {
 }
 
 #[test]
+fn a_video_that_was_followed_is_not_followed_again() {
+    let folder = pick();
+    folder.run("track clips/pick1 --frames ..4 --out out --resume", 0);
+    let first = folder.files("out");
+    let again = |arguments: &str| {
+        let run = folder.run(&format!("track clips/pick1 --frames ..4 --out out --resume {arguments}"), 0);
+        run.stdout.contains("followed before")
+    };
+    assert!(again(""));
+    assert!(folder.files("out") == first);
+    assert!(!again("--fps 7"), "other settings");
+    assert!(again("--fps 7"));
+    assert!(!again(""), "they replaced the outputs");
+    assert!(folder.files("out") == first);
+    std::fs::remove_file(folder.path().join("out/events.jsonl")).unwrap();
+    assert!(!again(""), "an output is missing");
+    folder.run("track clips/pick1 --frames ..4 --out plain", 0);
+    assert!(!folder.names("plain").contains(&"frames.jsonl".to_owned()));
+}
+
+#[test]
 fn mistakes_are_explained() {
     let folder = Folder::new();
     let run = folder.run("eval --tracks nowhere --truth .", 2);

@@ -58,4 +58,4 @@ pub use formats::{decode, extensions};
 pub use given::{DEFAULT_MAX_PIXELS, Given};
 pub use organize::{CameraFit, GridCamera, PointList};
 pub use recording::RecordingError;
-pub use source::{FrameRange, FrameRef, Notice, Selection, Source, TimeRange, open_frame};
+pub use source::{FrameRange, FrameRef, Notice, Selection, Source, TimeRange, open_frame, sha256};

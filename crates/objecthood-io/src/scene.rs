@@ -9,7 +9,6 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 
 use crate::capture::{Capture, Pose};
 use crate::error::{Error, Result};
@@ -643,7 +642,7 @@ pub fn fingerprint(params: &Params) -> String {
     let value = serde_json::to_value(params).expect("parameters are numbers, switches and words");
     let mut text = String::new();
     write_canonical(&value, &mut text);
-    crate::text::hexadecimal(&Sha256::digest(text))
+    crate::sha256(text.as_bytes())
 }
 
 /// Writes JSON with sorted keys, whatever order the map has in this build of `serde_json`.

@@ -9,6 +9,7 @@ mod selection;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+pub use fingerprint::sha256;
 pub use frame_ref::FrameRef;
 pub use selection::{FrameRange, Selection, TimeRange};
 

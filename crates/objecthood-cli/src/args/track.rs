@@ -39,6 +39,11 @@ pub(crate) struct TrackArgs {
     #[arg(long)]
     pub(crate) summary: bool,
 
+    /// Do nothing if an earlier run with --resume into DIR followed this video to its end, unless its files, the parameters or the
+    /// version have changed. What follows depends on what came before, so a video that was cut off begins anew.
+    #[arg(long)]
+    pub(crate) resume: bool,
+
     #[command(flatten)]
     pub(crate) frames: FrameArgs,
 

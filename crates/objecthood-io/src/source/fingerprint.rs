@@ -46,6 +46,11 @@ impl FrameRef {
     }
 }
 
+/// SHA-256 of bytes, in hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
 /// Name, size (bytes) and time of the last change (ns) of a file.
 fn state_of(path: &Path, state: &fs::Metadata) -> [Vec<u8>; 3] {
     let since = state.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
