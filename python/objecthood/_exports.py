@@ -6,7 +6,6 @@ import importlib
 from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
-from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from objecthood.discovery import Discovery
@@ -18,34 +17,6 @@ class CocoImage(TypedDict):
     image: dict[str, Any]
     annotations: list[dict[str, Any]]
     categories: list[dict[str, Any]]
-
-
-def coco(found: Discovery, image_id: int, first_id: int) -> CocoImage:
-    height, width = found.capture.shape
-    annotations = [
-        {
-            "id": first_id + row,
-            "image_id": image_id,
-            "category_id": 1,
-            "bbox": [thing.xyxy[0].item(), thing.xyxy[1].item(), *(thing.xyxy[2:] - thing.xyxy[:2]).tolist()],
-            "area": thing.size_px,
-            "segmentation": {"size": [height, width], "counts": run_lengths(thing.mask())},
-            # Run lengths of one object, not of a crowd: readers of COCO take them all the same.
-            "iscrowd": 0,
-            "score": thing.objectness,
-        }
-        for row, thing in enumerate(found)
-    ]
-    image = {"id": image_id, "width": width, "height": height, "file_name": found.capture.path}
-    return {"image": image, "annotations": annotations, "categories": [{"id": 1, "name": "object"}]}
-
-
-def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
-    """Lengths of the runs of equal pixels, column by column; the first is of pixels that are not set."""
-    pixels = mask.ravel(order="F")
-    changes = np.flatnonzero(pixels[1:] != pixels[:-1]) + 1
-    lengths: list[int] = np.diff(np.concatenate(([0], changes, [pixels.size]))).tolist()
-    return [0, *lengths] if pixels[0] else lengths
 
 
 def supervision(found: Discovery) -> Any:
@@ -69,21 +40,6 @@ def pandas(found: Discovery) -> Any:
         columns |= {f"{name}_{axis}_m": values[:, k] for k, axis in enumerate("xyz")}
     columns |= {"top_m": found.tops, "flat": found.flat, "parents": found.parents}
     return _package("pandas").DataFrame(columns)
-
-
-def open3d(found: Discovery) -> list[tuple[Any, Any]]:
-    package = _package("open3d")
-    color = found.capture.color
-    things = []
-    for thing in found:
-        cloud = package.geometry.PointCloud(package.utility.Vector3dVector(thing.points().astype(np.float64)))
-        if color is not None:
-            # A pixel of an object has depth, so points and pixels are the same.
-            cloud.colors = package.utility.Vector3dVector(color[thing.mask()] / 255.0)
-        box = thing.box3d
-        sides = (box.center.astype(np.float64), box.rotation.astype(np.float64), box.size.astype(np.float64))
-        things.append((cloud, package.geometry.OrientedBoundingBox(*sides)))
-    return things
 
 
 def plot(found: Discovery, ax: Any) -> Any:

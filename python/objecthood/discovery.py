@@ -236,10 +236,10 @@ class Discovery:
         return [path for path, _ in files]
 
     def to_coco(self, image_id: int = 1, first_id: int = 1) -> CocoImage:
-        """The image and its annotations as COCO has them: boxes x, y, width, height; masks as uncompressed run lengths."""
-        from objecthood._exports import coco
-
-        return coco(self, image_id, first_id)
+        """The image and its annotations as COCO has them: boxes x, y, width, height; masks as compressed run lengths, which
+        pycocotools decodes; `score` is the objectness, `label` the number in the label image."""
+        content: CocoImage = json.loads(self._found.coco(image_id, first_id))
+        return content
 
     def to_supervision(self) -> Any:
         """`supervision.Detections` with masks. Needs the package supervision."""
@@ -252,12 +252,6 @@ class Discovery:
         from objecthood._exports import pandas
 
         return pandas(self)
-
-    def to_open3d(self) -> list[tuple[Any, Any]]:
-        """For each object its `open3d.geometry.PointCloud` and `OrientedBoundingBox`. Needs the package open3d."""
-        from objecthood._exports import open3d
-
-        return open3d(self)
 
     def plot(self, ax: Any = None) -> Any:
         """Draws `overlay` into matplotlib axes, which are made unless given, and returns them. Needs the package matplotlib."""

@@ -8,11 +8,13 @@ use objecthood::discovery::NodeKind;
 use objecthood::explain::Explainer;
 use objecthood::{Discovery, Object, ObjectnessParts, Params};
 use objecthood_io::explanation::ExplanationFile;
+use objecthood_io::output::{coco, instances};
 use objecthood_io::scene::{SceneFile, fingerprint, notices};
 use objecthood_io::{label_image, output};
 use objecthood_view::{overlay, png};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use serde_json::json;
 
 use crate::arrays::{image, image3, table};
 use crate::capture::Capture;
@@ -152,6 +154,18 @@ impl Found {
     /// The scene file.
     fn scene(&self) -> PyResult<String> {
         SceneFile::new(&self.source, &self.capture, &self.params, &self.discovery).to_json().map_err(file)
+    }
+
+    /// The image and its annotations as COCO has them, in JSON.
+    fn coco(&self, image_id: usize, first_id: usize) -> String {
+        let frame = &self.capture.frame;
+        let found = instances::of_discovery(frame, &self.discovery);
+        let annotations = found.iter().enumerate();
+        let annotations: Vec<_> = annotations
+            .map(|(row, thing)| coco::annotation(first_id.saturating_add(row), image_id, thing))
+            .collect();
+        let image = coco::image(image_id, &self.source, frame.size());
+        json!({"image": image, "annotations": annotations, "categories": [coco::category()]}).to_string()
     }
 
     /// The label image as a 16-bit PNG.

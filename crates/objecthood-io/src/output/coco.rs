@@ -46,31 +46,15 @@ impl CocoFile {
         found: &[Instance],
     ) -> Result<()> {
         self.image_count += 1;
-        let image = json!({"id": self.image_count, "file_name": file_name, "width": width, "height": height});
-        append_to(&mut self.images, &image);
+        append_to(&mut self.images, &image(self.image_count, file_name, (width, height)));
         for instance in found {
             let comma = if self.annotation_count == 0 { "\n" } else { ",\n" };
             self.annotation_count += 1;
-            let annotation = self.annotation(instance);
+            let annotation = annotation(self.annotation_count, self.image_count, instance);
             self.file.append(comma.as_bytes())?;
             self.file.append(annotation.to_string().as_bytes())?;
         }
         Ok(())
-    }
-
-    fn annotation(&self, instance: &Instance) -> Value {
-        let area = instance.box_px;
-        json!({
-            "id": self.annotation_count,
-            "image_id": self.image_count,
-            "category_id": CATEGORY,
-            "segmentation": instance.mask,
-            "area": instance.area_px,
-            "bbox": [area.u, area.v, area.width, area.height],
-            "iscrowd": 0,
-            "score": instance.score,
-            "label": instance.id,
-        })
     }
 
     /// Ends the file, which takes its name.
@@ -79,12 +63,38 @@ impl CocoFile {
     /// [`Error::Write`](crate::Error::Write).
     pub fn finish(self) -> Result<()> {
         let Self { mut file, images, .. } = self;
-        let categories = json!([{"id": CATEGORY, "name": "object", "supercategory": ""}]);
+        let categories = json!([category()]);
         let info =
             json!({"description": "objects found by objecthood", "version": env!("CARGO_PKG_VERSION")});
         file.append(format!("],\n\"images\":[{images}],\n\"categories\":{categories},\n\"licenses\":[],\n\"info\":{info}}}\n").as_bytes())?;
         file.finish()
     }
+}
+
+/// What the file says of an image of `width` x `height` pixels.
+pub fn image(id: usize, file_name: &str, (width, height): (usize, usize)) -> Value {
+    json!({"id": id, "file_name": file_name, "width": width, "height": height})
+}
+
+/// What the file says of an object in an image.
+pub fn annotation(id: usize, image_id: usize, instance: &Instance) -> Value {
+    let area = instance.box_px;
+    json!({
+        "id": id,
+        "image_id": image_id,
+        "category_id": CATEGORY,
+        "segmentation": instance.mask,
+        "area": instance.area_px,
+        "bbox": [area.u, area.v, area.width, area.height],
+        "iscrowd": 0,
+        "score": instance.score,
+        "label": instance.id,
+    })
+}
+
+/// The only category.
+pub fn category() -> Value {
+    json!({"id": CATEGORY, "name": "object", "supercategory": ""})
 }
 
 /// Adds an element to the text of a list.
