@@ -9,6 +9,7 @@ mod number;
 mod output;
 mod selection;
 mod settings;
+mod stream;
 mod synthetic;
 mod track;
 mod view;
@@ -21,6 +22,7 @@ pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
 pub(crate) use output::OutputKind;
 pub(crate) use selection::SelectionArgs;
 pub(crate) use settings::{MethodName, Settings, Threads};
+pub(crate) use stream::StreamArgs;
 pub(crate) use synthetic::{DemoArgs, SynthArgs};
 pub(crate) use track::TrackArgs;
 pub(crate) use view::ViewArgs;
@@ -31,10 +33,10 @@ use anyhow::{Context, Result};
 use clap::{Arg, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
 use objecthood::Params;
-use objecthood_io::Capture;
 use objecthood_io::camera_file::CameraFile;
 use objecthood_io::scene::fingerprint;
 use objecthood_io::scope::Scope;
+use objecthood_io::{Capture, Given};
 
 use crate::inputs::Input;
 use number::whole;
@@ -164,13 +166,29 @@ impl FrameArgs {
     /// # Errors
     /// Whatever is wrong with the frame, and its path.
     pub(crate) fn read(&self, input: &Input, scope: &Scope) -> Result<Capture> {
-        let capture = input.open()?;
-        let limited = scope.limit(capture).map_err(anyhow::Error::from);
-        let told = limited.and_then(|capture| match self.gravity {
+        self.tell(input.open()?, scope).with_context(|| input.path.display().to_string())
+    }
+
+    /// The frame without the pixels that the scope excludes and with the direction of gravity, if it is given.
+    ///
+    /// # Errors
+    /// When nothing is left to look at, or gravity is to be read from a pose that is not there.
+    pub(crate) fn tell(&self, capture: Capture, scope: &Scope) -> Result<Capture> {
+        let capture = scope.limit(capture)?;
+        match self.gravity {
             Some(gravity) => gravity.set(capture),
             None => Ok(capture),
-        });
-        told.with_context(|| input.path.display().to_string())
+        }
+    }
+
+    /// What is known of every frame; `camera` is the content of the camera file.
+    pub(crate) fn given(&self, camera: Option<&CameraFile>) -> Given {
+        Given {
+            camera: camera.map(|file| file.camera),
+            depth_scale: self.images.depth_scale.or(camera.and_then(|file| file.depth_scale)),
+            topics: self.selection.topics.clone(),
+            max_pixels: self.images.max_pixels,
+        }
     }
 
     /// In words, what decides the result of a frame beside its files: version, parameters, and what is said of all frames.
@@ -206,13 +224,17 @@ impl FrameArgs {
 
 /// Find the objects in frames; write label images, scene files and pictures.
 ///
-/// For every frame NAME, DIR receives the files that --write asks for. A frame that fails leaves no file.
+/// For every frame NAME, DIR receives the files that --write asks for. A frame that fails leaves no file. With `- --format frames`
+/// frames come by stdin, and each is answered by a line of JSON on stdout; docs/PIPE.md says how.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct SegmentArgs {
     /// Folder for the output; created if needed.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
+    #[arg(long, value_name = "DIR", required_unless_present = "format")]
+    pub(crate) out: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) stream: StreamArgs,
 
     /// Method to use [default: context].
     #[arg(long)]

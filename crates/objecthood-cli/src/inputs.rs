@@ -16,6 +16,9 @@ use crate::advice;
 use crate::args::FrameArgs;
 use crate::failure::usage;
 
+/// What stands for stdin on the command line.
+pub(crate) const STDIN: &str = "-";
+
 /// One frame to look at.
 #[derive(Clone, Debug)]
 pub(crate) struct Input {
@@ -90,12 +93,12 @@ impl Inputs {
 /// # Errors
 /// Of usage, when two frames would have the same outputs, and when it is not said how depth images are to be read.
 pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraFile>) -> Result<Inputs> {
-    let given = Given {
-        camera: camera.map(|file| file.camera),
-        depth_scale: args.images.depth_scale.or(camera.and_then(|file| file.depth_scale)),
-        topics: args.selection.topics.clone(),
-        max_pixels: args.images.max_pixels,
-    };
+    if args.inputs.iter().any(|input| input == Path::new(STDIN)) {
+        return Err(usage(
+            "- is stdin, which only `segment - --format frames` reads: name a file, or ./- if that is one",
+        ));
+    }
+    let given = args.given(camera);
     let selection = args.selection.selection();
     let mut inputs = Inputs::default();
     let (frames, tops) = if args.images.depth.is_empty() {

@@ -1,5 +1,7 @@
 //! `objecthood segment`: frames -> label images, scene files, panels, and what other programs read.
 
+mod mailbox;
+mod stream;
 mod summary;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,6 +31,7 @@ use summary::Summary;
 /// What to do; nothing is in doubt any more.
 struct Plan<'a> {
     args: &'a SegmentArgs,
+    out: &'a Path,
     inputs: Inputs,
     scope: Scope,
     params: Params,
@@ -66,19 +69,19 @@ struct Done {
 /// Of usage; when the folder for the outputs cannot be made; when stdout cannot be written. A frame that fails is
 /// reported, which is no error.
 pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
-    let plan = Plan::new(args)?;
-    make_folder(&args.out)?;
+    let Some(out) = &args.out else { return stream::run(args) };
+    let plan = Plan::new(args, out)?;
+    make_folder(out)?;
 
     let Inputs { frames, unreadable, notices, .. } = &plan.inputs;
     notices.iter().for_each(|notice| terminal::note(notice));
     unreadable.iter().for_each(terminal::error);
     let total = frames.len() + unreadable.len();
 
-    let record = (total > 1 || args.resume)
-        .then(|| Record::open(&args.out, &plan.settings, args.resume))
-        .transpose()?;
+    let record =
+        (total > 1 || args.resume).then(|| Record::open(out, &plan.settings, args.resume)).transpose()?;
     let (earlier, record) = record.unzip();
-    let of_run = RunFiles::create(&args.out, &plan.kinds, &plan.params)?;
+    let of_run = RunFiles::create(out, &plan.kinds, &plan.params)?;
     let summary = Summary::new(unreadable);
     let mut report = Report { plan: &plan, is_single: total == 1, record, of_run, summary, added: Ok(()) };
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
@@ -131,7 +134,7 @@ impl Report<'_> {
                 if let Some(share) = &done.share {
                     self.of_run.add(share)?;
                 }
-                let out = &self.plan.args.out;
+                let out = self.plan.out;
                 let below =
                     |path: &PathBuf| path.strip_prefix(out).unwrap_or(path).to_string_lossy().into_owned();
                 let (fingerprint, objects) = (Some(done.fingerprint.clone()), Some(done.objects.len()));
@@ -157,7 +160,7 @@ impl Report<'_> {
         added?;
         let mut paths = of_run.finish()?;
         if plan.args.summary {
-            paths.push(summary.write(&plan.args.out, plan)?);
+            paths.push(summary.write(plan.out, plan)?);
         }
         terminal::print(&paths.iter().map(|path| format!("{}\n", path.display())).collect::<String>())?;
         Ok(record)
@@ -165,13 +168,13 @@ impl Report<'_> {
 }
 
 impl<'a> Plan<'a> {
-    fn new(args: &'a SegmentArgs) -> Result<Self> {
+    fn new(args: &'a SegmentArgs, out: &'a Path) -> Result<Self> {
         let params = config::params(&args.settings, args.method)?;
         let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
         args.frames.scale_note(camera.as_ref()).iter().for_each(|note| terminal::note(note));
         let inputs = inputs::collect(&args.frames, args.keep_tree, camera.as_ref())?;
         let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
-        refuse_file("--out", &args.out)?;
+        refuse_file("--out", out)?;
         let of_report = args.report.then_some(OutputKind::Report);
         let kinds: BTreeSet<OutputKind> = args.write.iter().copied().chain(of_report).collect();
         if let (true, Some(kind)) = (args.resume, kinds.iter().find(|kind| kind.is_of_run())) {
@@ -181,7 +184,7 @@ impl<'a> Plan<'a> {
             )));
         }
         let settings = format!("{} {kinds:?}", args.frames.in_words(&params, camera.as_ref())?);
-        let plan = Self { args, inputs, scope, params, kinds, settings };
+        let plan = Self { args, out, inputs, scope, params, kinds, settings };
         plan.refuse_replacing_what_is_read()?;
         Ok(plan)
     }
@@ -241,15 +244,10 @@ impl<'a> Plan<'a> {
             discovery,
             recording: recording.as_ref(),
         };
-        let mut files = found.files(&self.kinds, &self.args.out.join(&input.name))?;
+        let mut files = found.files(&self.kinds, &self.out.join(&input.name))?;
         let mut share = Share::of(&self.kinds, place, capture, discovery);
         if let (Some(share), true) = (&share, self.kinds.contains(&OutputKind::Bop)) {
-            files.extend(bop::masks(
-                &self.args.out.join(run::BOP),
-                place.id,
-                &discovery.labels,
-                share.found(),
-            )?);
+            files.extend(bop::masks(&self.out.join(run::BOP), place.id, &discovery.labels, share.found())?);
         }
         laps.end("encoding");
         make_folders_of(&files)?;
@@ -271,10 +269,10 @@ impl<'a> Plan<'a> {
     /// Refuses to write over files that are read: the scene file of `camera-depth.png` would be `camera.json`.
     fn refuse_replacing_what_is_read(&self) -> Result<()> {
         let Inputs { frames, cameras, .. } = &self.inputs;
-        let stem = |input: &Input| self.args.out.join(&input.name);
+        let stem = |input: &Input| self.out.join(&input.name);
         let of_frame =
             |input| self.kinds.iter().filter_map(move |kind| Some(with_suffix(&stem(input), kind.suffix()?)));
-        let of_run = self.kinds.iter().filter_map(|&kind| run::path_of(&self.args.out, kind));
+        let of_run = self.kinds.iter().filter_map(|&kind| run::path_of(self.out, kind));
         // A new folder has none of them, and then a million frames need not be looked up.
         let there = |path: PathBuf| Some((fs::canonicalize(&path).ok()?, path));
         let written: BTreeMap<PathBuf, PathBuf> =

@@ -16,12 +16,19 @@ use crate::advice;
 /// # Errors
 /// When stdout cannot be written for any other reason.
 pub(crate) fn print(text: &str) -> Result<()> {
+    print_to_reader(text).map(drop)
+}
+
+/// Prints to stdout; whether there is still a reader.
+///
+/// # Errors
+/// When stdout cannot be written although it is not closed.
+pub(crate) fn print_to_reader(text: &str) -> Result<bool> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
-            Err(anyhow!("cannot write to the standard output ({e}): send it elsewhere"))
-        }
-        _ => Ok(()),
+        Ok(()) => Ok(true),
+        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(false),
+        Err(e) => Err(anyhow!("cannot write to the standard output ({e}): send it elsewhere")),
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::formats::{ContentError, Unread, extensions};
 use crate::images::ImageError;
 use crate::organize::MAX_RESIDUAL_PX;
+use crate::pipe::PipeFrameError;
 
 /// Result with this crate's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -70,6 +71,9 @@ pub enum Error {
     /// An image that cannot be used.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// A frame of a stream that is none; the next may be.
+    #[error(transparent)]
+    Pipe(#[from] PipeFrameError),
     /// Depth, colour and camera that make no frame.
     #[error(transparent)]
     Frame(#[from] objecthood::Error),

@@ -8,8 +8,9 @@ use objecthood::Params;
 use objecthood::explain::Explanation;
 use serde::Serialize;
 
-use crate::error::{Error, Result};
-use crate::scene::{fingerprint, first_null};
+use crate::error::Result;
+use crate::json;
+use crate::scene::fingerprint;
 
 pub use text::in_words;
 
@@ -47,12 +48,8 @@ impl<'a> ExplanationFile<'a> {
     /// As JSON that ends with a line end.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] names the place of a value that JSON cannot hold.
+    /// [`Error::NotFinite`](crate::Error::NotFinite) names the place of a value that JSON cannot hold.
     pub fn to_json(&self) -> Result<String> {
-        let no_json = |reason| Error::NoJson { reason };
-        if let Some(place) = first_null(&serde_json::to_value(self).map_err(no_json)?) {
-            return Err(Error::NotFinite { place });
-        }
-        Ok(serde_json::to_string_pretty(self).map_err(no_json)? + "\n")
+        json::pretty(self)
     }
 }

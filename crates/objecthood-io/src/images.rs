@@ -24,11 +24,12 @@ mod mask;
 mod picture;
 mod tiff;
 
-pub(crate) use color::decode as color_of_image;
-pub(crate) use depth::{check_unit, depth_of_image};
+pub(crate) use color::{decode as color_of_image, of_picture as color_of_picture};
+pub(crate) use depth::{check_unit, decode as depth_of_file, depth_of_image, of_picture as depth_of_picture};
 pub use depth::{metres_of_floats, metres_of_units};
 pub use error::ImageError;
 pub use mask::{decode_mask, open_mask};
+pub(crate) use picture::{Picture, Samples};
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -107,7 +108,12 @@ pub fn decode_images(color: Option<&[u8]>, depth: &[u8], given: &Given) -> Resul
     capture_of(color, depth_m, given)
 }
 
-fn capture_of(color: Option<Raster<[u8; 3]>>, depth_m: Raster<f32>, given: &Given) -> Result<Capture> {
+/// The frame of a depth and a colour image, seen by the camera that is given.
+pub(crate) fn capture_of(
+    color: Option<Raster<[u8; 3]>>,
+    depth_m: Raster<f32>,
+    given: &Given,
+) -> Result<Capture> {
     let camera = given.camera.ok_or(ImageError::NoCamera)?.camera;
     Ok(Capture::new(Frame::new(depth_m, color, camera)?))
 }

@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::capture::{Capture, Pose};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::json;
 use crate::organize::PointList;
 
 /// Version of the schema that is written. A reader of version 1 can read every file of version 1.
@@ -436,14 +437,10 @@ impl SceneFile {
     /// The content of the file.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] names the place of a value that JSON cannot hold, [`Error::NoJson`] tells of a kind of
+    /// [`Error::NotFinite`](crate::Error::NotFinite) names the place of a value that JSON cannot hold, [`Error::NoJson`](crate::Error::NoJson) tells of a kind of
     /// value that this version of the schema does not know. Neither happens to what [`objecthood::discover`] found.
     pub fn to_json(&self) -> Result<String> {
-        let no_json = |reason| Error::NoJson { reason };
-        if let Some(place) = first_null(&serde_json::to_value(self).map_err(no_json)?) {
-            return Err(Error::NotFinite { place });
-        }
-        Ok(serde_json::to_string_pretty(self).map_err(no_json)? + "\n")
+        json::pretty(self)
     }
 }
 
@@ -488,19 +485,6 @@ fn unit_advice(notice: &Notice, capture: &Capture) -> String {
 /// The points, if their camera is virtual.
 fn virtual_list(capture: &Capture) -> Option<&PointList> {
     capture.list.as_ref().filter(|list| list.is_virtual)
-}
-
-/// Where in a scene or an explanation the first null stands. A number that is not finite becomes one, and nothing else does.
-pub(crate) fn first_null(value: &Value) -> Option<String> {
-    let inside = |place: String, value: &Value| first_null(value).map(|rest| place + &rest);
-    match value {
-        Value::Null => Some(String::new()),
-        Value::Array(values) => {
-            values.iter().enumerate().find_map(|(k, value)| inside(format!("[{k}]"), value))
-        }
-        Value::Object(map) => map.iter().find_map(|(key, value)| inside(format!(".{key}"), value)),
-        Value::Bool(_) | Value::Number(_) | Value::String(_) => None,
-    }
 }
 
 impl From<&PointList> for VirtualView {
@@ -693,12 +677,5 @@ mod tests {
         let mut other = Params::default();
         other.curvature.threshold += 0.01;
         assert_ne!(default, fingerprint(&other));
-    }
-
-    #[test]
-    fn the_place_of_a_null_is_named() {
-        let value = serde_json::json!({"a": [1, {"b": [0, null]}]});
-        assert_eq!(first_null(&value).unwrap(), ".a[1].b[1]");
-        assert_eq!(first_null(&serde_json::json!({"a": []})), None);
     }
 }

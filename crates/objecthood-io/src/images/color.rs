@@ -6,9 +6,14 @@ use super::error::ImageError;
 use super::picture::{self, Picture, Samples};
 use crate::error::Result;
 
-/// The colours of an image, 8 bits each.
+/// The colours of an image file, 8 bits each.
 pub(crate) fn decode(bytes: &[u8], max_pixels: usize) -> Result<Raster<[u8; 3]>> {
-    let Picture { size: (width, height), channels, samples } = picture::decode(bytes, max_pixels)?;
+    of_picture(picture::decode(bytes, max_pixels)?)
+}
+
+/// The colours of an image, 8 bits each.
+pub(crate) fn of_picture(picture: Picture) -> Result<Raster<[u8; 3]>> {
+    let Picture { size: (width, height), channels, samples } = picture;
     let colors = match samples {
         Samples::U8(samples) => pixels(&samples, channels, |sample| sample),
         Samples::U16(_) if channels <= 2 => {

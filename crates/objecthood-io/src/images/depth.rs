@@ -13,12 +13,17 @@ const USUAL_SCALES: [f64; 4] = [1000.0, 5000.0, 10_000.0, 1.0];
 /// Where depth cameras measure: a median outside is one of wrong units.
 const LIKELY_M: std::ops::RangeInclusive<f64> = 0.05..=50.0;
 
-/// The depth of every pixel (m), from the first channel of the image. What is not positive and finite means none.
-pub(super) fn decode(bytes: &[u8], given: &Given) -> Result<Raster<f32>> {
+/// The depth of every pixel (m) of an image file, from its first channel. What is not positive and finite means none.
+pub(crate) fn decode(bytes: &[u8], given: &Given) -> Result<Raster<f32>> {
     if picture::probe(bytes)? == Format::Jpeg {
         return Err(ImageError::DepthIsJpeg.into());
     }
-    let Picture { size, channels, samples } = picture::decode(bytes, given.max_pixels)?;
+    of_picture(picture::decode(bytes, given.max_pixels)?, given)
+}
+
+/// The depth of every pixel (m) of an image, from its first channel.
+pub(crate) fn of_picture(picture: Picture, given: &Given) -> Result<Raster<f32>> {
+    let Picture { size, channels, samples } = picture;
     if channels > 2 {
         return Err(ImageError::DepthIsColor { channels }.into());
     }

@@ -11,18 +11,18 @@ use super::{check_pixels, jpeg, tiff};
 
 /// An image as it is stored.
 #[derive(Debug)]
-pub(super) struct Picture {
+pub(crate) struct Picture {
     /// Columns and rows.
-    pub(super) size: (usize, usize),
+    pub(crate) size: (usize, usize),
     /// Samples of a pixel: 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha.
-    pub(super) channels: usize,
+    pub(crate) channels: usize,
     /// Row by row, `channels` for every pixel.
-    pub(super) samples: Samples,
+    pub(crate) samples: Samples,
 }
 
 /// The kinds of samples that are read.
 #[derive(Debug)]
-pub(super) enum Samples {
+pub(crate) enum Samples {
     U8(Vec<u8>),
     U16(Vec<u16>),
     F32(Vec<f32>),
