@@ -6,6 +6,7 @@ mod bag;
 mod bop;
 mod db3;
 mod mcap;
+pub mod npz;
 pub mod pcd;
 pub mod ply;
 mod rosbag2;
@@ -34,6 +35,7 @@ pub(crate) type ContentError = Box<dyn StdError + Send + Sync>;
 const FORMATS: &[Format] = &[
     pcd::FORMAT,
     ply::FORMAT,
+    npz::FORMAT,
     mcap::FORMAT,
     db3::FORMAT,
     bag::FORMAT,
@@ -44,24 +46,34 @@ const FORMATS: &[Format] = &[
 
 /// How frames of a format are found and read.
 pub(crate) enum Format {
-    /// A file that holds one point cloud.
-    Cloud(CloudFormat),
+    /// A file that holds one frame.
+    Frame(FrameFormat),
     /// A file that holds many frames.
     Recording(RecordingFormat),
     /// A folder whose files belong together.
     Folder(FolderFormat),
 }
 
-/// A file format of point clouds.
-pub(crate) struct CloudFormat {
+/// A file format of single frames.
+pub(crate) struct FrameFormat {
     /// Endings of the files that are looked for in a folder, in lower case without the dot.
     pub(crate) extensions: &'static [&'static str],
-    /// Whether a file that begins with `head`, at most [`HEAD_BYTES`], is of this format. Need not be sure: `parse` finds
+    /// Whether a file that begins with `head`, at most [`HEAD_BYTES`], is of this format. Need not be sure: `decode` finds
     /// the rest out.
     pub(crate) is_mine: fn(head: &[u8]) -> bool,
-    /// Reads the whole file. Touches nothing else, and takes memory only in proportion to the bytes that are there. The
-    /// error says on one line what is wrong, where, and what to do.
-    pub(crate) parse: fn(bytes: &[u8]) -> Result<PointCloud, ContentError>,
+    /// Whether it is always in metres, as points are.
+    pub(crate) is_metric: bool,
+    /// Reads the whole file. Touches nothing else, and takes memory only in proportion to the bytes that are there, or to the pixels
+    /// that are given. The error says on one line what is wrong, where, and what to do.
+    pub(crate) decode: fn(bytes: &[u8], given: &Given) -> Result<Capture>,
+}
+
+/// The frame of a file that a format of point clouds parses.
+pub(crate) fn organized<E: StdError + Send + Sync + 'static>(
+    cloud: Result<PointCloud, E>,
+    given: &Given,
+) -> Result<Capture> {
+    organize(cloud.map_err(|error| Error::Content(error.into()))?, given)
 }
 
 /// A file format of recordings.
@@ -91,7 +103,7 @@ pub fn extensions() -> impl Iterator<Item = &'static str> {
     FORMATS
         .iter()
         .flat_map(|format| match format {
-            Format::Cloud(format) => format.extensions,
+            Format::Frame(format) => format.extensions,
             Format::Recording(format) => format.extensions,
             Format::Folder(_) => &[],
         })
@@ -103,21 +115,25 @@ pub fn extensions() -> impl Iterator<Item = &'static str> {
 /// # Errors
 /// * [`Error::Empty`], [`Error::UnknownFormat`];
 /// * [`Error::Content`]: what breaks the format;
-/// * those of [`organize`].
+/// * those of [`organize`], and of [`decode_images`](crate::images::decode_images) where a frame is stored as images.
 pub fn decode(bytes: &[u8], given: &Given) -> Result<Capture> {
     let format = tell(&bytes[..bytes.len().min(HEAD_BYTES)])?;
-    organize((format.parse)(bytes).map_err(Error::Content)?, given)
+    (format.decode)(bytes, given)
 }
 
 /// The format of the file that begins with `head`.
 ///
 /// # Errors
 /// [`Error::Empty`], [`Error::UnknownFormat`].
-pub(crate) fn tell(head: &[u8]) -> Result<&'static CloudFormat> {
+pub(crate) fn tell(head: &[u8]) -> Result<&'static FrameFormat> {
     if head.is_empty() {
         return Err(Error::Empty);
     }
-    let mine = clouds().find(|format| (format.is_mine)(head));
+    let frames = FORMATS.iter().filter_map(|format| match format {
+        Format::Frame(format) => Some(format),
+        Format::Folder(_) | Format::Recording(_) => None,
+    });
+    let mine = frames.into_iter().find(|format| (format.is_mine)(head));
     let other = || match tell_recording(head) {
         // It came by a pipe or from memory.
         Some(_) => Some(Unread::Recording("a recording, which is read from a file")),
@@ -130,7 +146,7 @@ pub(crate) fn tell(head: &[u8]) -> Result<&'static CloudFormat> {
 pub(crate) fn tell_recording(head: &[u8]) -> Option<&'static RecordingFormat> {
     let recordings = FORMATS.iter().filter_map(|format| match format {
         Format::Recording(format) => Some(format),
-        Format::Cloud(_) | Format::Folder(_) => None,
+        Format::Frame(_) | Format::Folder(_) => None,
     });
     recordings.into_iter().find(|format| (format.is_mine)(head))
 }
@@ -139,16 +155,9 @@ pub(crate) fn tell_recording(head: &[u8]) -> Option<&'static RecordingFormat> {
 pub(crate) fn tell_folder(folder: &Path) -> Option<&'static FolderFormat> {
     let folders = FORMATS.iter().filter_map(|format| match format {
         Format::Folder(format) => Some(format),
-        Format::Cloud(_) | Format::Recording(_) => None,
+        Format::Frame(_) | Format::Recording(_) => None,
     });
     folders.into_iter().find(|format| (format.is_mine)(folder))
-}
-
-fn clouds() -> impl Iterator<Item = &'static CloudFormat> {
-    FORMATS.iter().filter_map(|format| match format {
-        Format::Cloud(format) => Some(format),
-        Format::Folder(_) | Format::Recording(_) => None,
-    })
 }
 
 /// The bytes of a file. `judge` sees its head first, so that a wrong file (a video, a device without end) is not loaded.

@@ -5,6 +5,8 @@
 //! | PNG | 16-bit grey | 8 and 16 bits, grey, RGB, palette | any |
 //! | JPEG | - | grey, RGB | any |
 //! | TIFF | 16-bit and float grey | 8 and 16 bits, grey, RGB | 8 and 16 bits, grey, RGB |
+//! | EXR | a channel Z, depth or Y, or the only one | - | - |
+//! | NPY | rows and columns of whole or real numbers | - | - |
 //!
 //! * Depth is z in units of which `depth_scale` make a metre: 1000 for millimetres, 5000 in TUM's data, 10000 in
 //!   YCB-Video. Integer depth has no scale of its own, so none is assumed; float depth is in metres unless a scale is
@@ -19,8 +21,10 @@
 mod color;
 mod depth;
 mod error;
+mod exr;
 mod jpeg;
 mod mask;
+pub(crate) mod npy;
 mod picture;
 mod tiff;
 

@@ -26,7 +26,7 @@ pub fn encode(labels: &Raster<u16>) -> Result<Vec<u8>> {
     let image =
         ImageBuffer::<Luma<u16>, _>::from_raw(width, height, labels.as_slice()).ok_or_else(too_large)?;
     let mut bytes = Vec::new();
-    image.write_with_encoder(PngEncoder::new(&mut bytes)).map_err(png)?;
+    image.write_with_encoder(PngEncoder::new(&mut bytes)).map_err(broken)?;
     Ok(bytes)
 }
 
@@ -36,7 +36,7 @@ pub fn encode(labels: &Raster<u16>) -> Result<Vec<u8>> {
 /// [`Error::NotGrey`] for any other kind of pixel: palettes and fewer bits too, because there a value is not what it
 /// seems; [`Error::Png`] when it is no PNG or a broken one; [`Error::Frame`] when it is too large.
 pub fn decode(bytes: &[u8]) -> Result<Raster<u16>> {
-    let decoder = PngDecoder::new(Cursor::new(bytes)).map_err(png)?;
+    let decoder = PngDecoder::new(Cursor::new(bytes)).map_err(broken)?;
     // As stored, not as decoded: fewer bits would be stretched to 8, and so change the labels.
     let &[depth, color] = bytes.get(DEPTH_AND_COLOR).and_then(<[u8]>::first_chunk).unwrap_or(&[0, 0]);
     if color != 0 || depth < 8 {
@@ -45,7 +45,7 @@ pub fn decode(bytes: &[u8]) -> Result<Raster<u16>> {
     if decoder.total_bytes() > MAX_EXPANSION.saturating_mul(bytes.len() as u64) {
         return Err(Error::Png { reason: "too few bytes for its size".into() });
     }
-    let (width, height, labels) = match DynamicImage::from_decoder(decoder).map_err(png)? {
+    let (width, height, labels) = match DynamicImage::from_decoder(decoder).map_err(broken)? {
         DynamicImage::ImageLuma8(image) => {
             (image.width(), image.height(), image.into_raw().into_iter().map(u16::from).collect())
         }
@@ -53,6 +53,29 @@ pub fn decode(bytes: &[u8]) -> Result<Raster<u16>> {
         other => return Err(Error::NotGrey { found: format!("{:?}", other.color()) }),
     };
     Ok(Raster::from_vec(width as usize, height as usize, labels)?)
+}
+
+/// The labels of a PNG in which they may be indices of a palette of 8 bits, as data sets have them; else as [`decode`].
+///
+/// # Errors
+/// Those of [`decode`].
+pub fn decode_indices(bytes: &[u8]) -> Result<Raster<u16>> {
+    if bytes.get(DEPTH_AND_COLOR) != Some(&[8, 3]) {
+        return decode(bytes);
+    }
+    let broken = |error: png::DecodingError| Error::Png { reason: error.to_string() };
+    let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    // Not the colours: the numbers of the colours.
+    decoder.set_transformations(png::Transformations::IDENTITY);
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let size = reader.output_buffer_size().unwrap_or(usize::MAX);
+    if size as u64 > MAX_EXPANSION.saturating_mul(bytes.len() as u64) {
+        return Err(Error::Png { reason: "too few bytes for its size".into() });
+    }
+    let mut indices = vec![0; size];
+    let image = reader.next_frame(&mut indices).map_err(broken)?;
+    let labels = indices.into_iter().map(u16::from).collect();
+    Ok(Raster::from_vec(image.width as usize, image.height as usize, labels)?)
 }
 
 fn color_name(color: u8) -> &'static str {
@@ -66,7 +89,7 @@ fn color_name(color: u8) -> &'static str {
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "the shape of map_err")]
-fn png(error: image::ImageError) -> Error {
+fn broken(error: image::ImageError) -> Error {
     Error::Png { reason: error.to_string() }
 }
 
@@ -94,6 +117,21 @@ mod tests {
     fn eight_bits_are_labels_too() {
         let image = image::GrayImage::from_raw(2, 1, vec![7, 255]).unwrap();
         assert_eq!(decode(&png_of(image)).unwrap().as_slice(), [7, 255]);
+    }
+
+    #[test]
+    fn indices_of_a_palette_are_labels_where_they_may_be() {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 3, 1);
+        encoder.set_color(png::ColorType::Indexed);
+        encoder.set_palette(vec![9; 3 * 256]);
+        encoder.write_header().unwrap().write_image_data(&[0, 7, 255]).unwrap();
+        assert_eq!(decode_indices(&bytes).unwrap().as_slice(), [0, 7, 255]);
+        assert!(matches!(decode(&bytes), Err(Error::NotGrey { .. })));
+        (0..bytes.len())
+            .for_each(|end| assert!(decode_indices(&bytes[..end]).is_err() || end + 12 > bytes.len()));
+        let grey = encode(&Raster::from_vec(2, 1, vec![3, 300]).unwrap()).unwrap();
+        assert_eq!(decode_indices(&grey).unwrap().as_slice(), [3, 300]);
     }
 
     #[test]

@@ -43,6 +43,7 @@ pub mod images;
 mod json;
 pub mod label_image;
 pub mod natural;
+mod npy;
 pub mod organize;
 pub mod output;
 pub mod pipe;

@@ -42,6 +42,11 @@ impl<'a> Lines<'a> {
         Self { rest: text, number: 0 }
     }
 
+    /// What follows the line that was taken last.
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+
     /// Bytes that are left.
     pub(crate) fn bytes_left(&self) -> usize {
         self.rest.len()

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{ENCODINGS, decode, small_file, small_ply};
+use common::{ENCODINGS, decode, small_binary_ply, small_file, small_ply};
 use objecthood_io::{Given, GridCamera, Source, camera_file};
 use pcd_rs::DataKind;
 use proptest::prelude::*;
@@ -207,7 +207,7 @@ fn what_follows_the_last_point_is_ignored() {
 /// others are.
 fn good_files() -> Vec<Vec<u8>> {
     let mut files = ENCODINGS.map(small_file).to_vec();
-    files.push(small_ply());
+    files.extend([small_ply(), small_binary_ply()]);
     files
 }
 
@@ -282,7 +282,7 @@ proptest! {
 
     #[test]
     fn any_bytes(
-        head in prop::sample::select(vec!["", "VERSION .7\n", "ply\nformat ascii 1.0\n"]),
+        head in prop::sample::select(vec!["", "VERSION .7\n", "ply\nformat ascii 1.0\n", "ply\nformat binary_big_endian 1.0\n", "PK\x03\x04"]),
         bytes in prop::collection::vec(any::<u8>(), 0..600),
     ) {
         assert_sound(&[head.as_bytes(), &bytes].concat());
@@ -350,8 +350,9 @@ fn wrong_ply() {
         text.replace(from, to).into_bytes()
     };
     assert_told(b"ply\n\xff\xfe\n", r"line 2 of the PLY header is `\xff\xfe`: expected one of");
-    let binary = changed("ascii", "binary_little_endian");
-    assert_told(&binary, "save the cloud as ASCII PLY, or as PCD");
+    assert_told(&changed("ascii", "binary"), "expected `format`, one of ascii, binary_little_endian");
+    let file = small_binary_ply();
+    assert_told(&file[..file.len() - 20], "promises at least 209 bytes behind it");
     assert_told(&changed("end_header\n", ""), "line 13 of the PLY header is `");
     assert_told(&changed("vertex 11", "vertex 4294967295"), "at most 2^28 are read");
     assert_told(&changed("vertex 11", "vertex 268435456"), "promises at least 3221225471 bytes behind it");

@@ -118,12 +118,12 @@ fn roles() -> impl Strategy<Value = Vec<Role>> {
     })
 }
 
-/// An ASCII file of these points, with a sensor before them and faces behind.
-fn ply_file(roles: &[Role], points: &[Point]) -> Vec<u8> {
+/// A file of these points, with a sensor before them and faces behind.
+fn ply_file(encoding: Encoding, roles: &[Role], points: &[Point]) -> Vec<u8> {
     let sensor = [Role::Other("width", ScalarType::Int), Role::List("lens")];
     let face = [Role::List("vertex_indices")];
     let mut ply = Ply::<DefaultElement>::new();
-    ply.header.encoding = Encoding::Ascii;
+    ply.header.encoding = encoding;
     ply.header.comments.push("of a test".to_owned());
     for (name, roles, points) in
         [("sensor", &sensor[..], &points[..1]), ("vertex", roles, points), ("face", &face, points)]
@@ -148,8 +148,12 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn what_ply_rs_writes_is_read(roles in roles(), points in prop::collection::vec(point(), 1..20)) {
-        let cloud = ply::parse(&ply_file(&roles, &points)).unwrap();
+    fn what_ply_rs_writes_is_read(
+        encoding in prop::sample::select(vec![Encoding::Ascii, Encoding::BinaryLittleEndian, Encoding::BinaryBigEndian]),
+        roles in roles(),
+        points in prop::collection::vec(point(), 1..20),
+    ) {
+        let cloud = ply::parse(&ply_file(encoding, &roles, &points)).unwrap();
         prop_assert_eq!((cloud.width, cloud.height), (points.len(), 1));
         let of_axis = |axis| roles.iter().find(|role| matches!(role, Role::Axis(found, _) if *found == axis)).unwrap();
         let xyz: Vec<_> = points.iter().map(|point| [0, 1, 2].map(|axis| of_axis(axis).coordinate(point))).collect();

@@ -5,56 +5,10 @@
 mod common;
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use common::data_folder;
+use common::written::{Damage, WIDTH, bits, expected, scene, written};
 use objecthood_io::{Capture, Given, GridCamera, Selection, Source};
-
-const WIDTH: usize = 80;
-const HEIGHT: usize = 60;
-
-/// Depth (mm) and colour of a slanted wall with a box before it and a corner without depth.
-fn scene() -> (Vec<u16>, Vec<[u8; 3]>) {
-    let pixel = |i: usize| {
-        let (u, v) = (i % WIDTH, i / WIDTH);
-        let is_box = (30..50).contains(&u) && (20..40).contains(&v);
-        let depth = if u < 5 && v < 5 {
-            0
-        } else if is_box {
-            700
-        } else {
-            1000 + 2 * u + v
-        };
-        (depth as u16, [u as u8 * 3, v as u8 * 4, if is_box { 200 } else { 20 }])
-    };
-    (0..WIDTH * HEIGHT).map(pixel).unzip()
-}
-
-/// A file of NumPy, version 1.0.
-fn npy(kind: &str, shape: &str, bytes: &[u8]) -> Vec<u8> {
-    let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({shape}), }}");
-    header += &" ".repeat((64 - (11 + header.len()) % 64) % 64);
-    header.push('\n');
-    [b"\x93NUMPY\x01\0", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), bytes].concat()
-}
-
-/// The folder with all recordings, if there is a Python to write them.
-fn written() -> Option<tempfile::TempDir> {
-    let Some(python) = std::env::var_os("OBJECTHOOD_PYTHON") else {
-        println!("skipped: no Python in OBJECTHOOD_PYTHON writes recordings");
-        return None;
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let (depth, color) = scene();
-    let depth: Vec<u8> = depth.iter().flat_map(|z| z.to_le_bytes()).collect();
-    std::fs::write(folder.path().join("depth.npy"), npy("<u2", &format!("{HEIGHT}, {WIDTH}"), &depth))
-        .unwrap();
-    let color = npy("|u1", &format!("{HEIGHT}, {WIDTH}, 3"), color.as_flattened());
-    std::fs::write(folder.path().join("color.npy"), color).unwrap();
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recordings.py");
-    assert!(Command::new(python).arg(script).arg(folder.path()).status().unwrap().success());
-    Some(folder)
-}
 
 fn source(path: &Path) -> Source {
     Source::open(path, &Given::default()).unwrap_or_else(|e| panic!("{e}"))
@@ -64,19 +18,9 @@ fn captures(path: &Path) -> Vec<Capture> {
     source(path).captures().map(|capture| capture.unwrap_or_else(|e| panic!("{e}"))).collect()
 }
 
-fn bits(capture: &Capture) -> Vec<u32> {
-    capture.frame.depth_m().as_slice().iter().map(|z| if z.is_nan() { 0 } else { z.to_bits() }).collect()
-}
-
-/// The depth as images of whole millimetres give it.
-fn expected() -> Vec<u32> {
-    let metres = |z: u16| if z == 0 { 0 } else { ((f64::from(z) / 1000.0) as f32).to_bits() };
-    scene().0.into_iter().map(metres).collect()
-}
-
 #[test]
 fn every_container_and_encoding_gives_the_same_frames() {
-    let Some(folder) = written() else { return };
+    let Some(folder) = written("recordings.py") else { return };
     let color = scene().1;
     for name in [
         "raw_mcap",
@@ -119,7 +63,7 @@ fn every_container_and_encoding_gives_the_same_frames() {
 
 #[test]
 fn what_is_given_comes_first_and_what_is_wrong_is_told() {
-    let Some(folder) = written() else { return };
+    let Some(folder) = written("recordings.py") else { return };
     let path = folder.path().join("plain.mcap");
     let topics =
         |topics: &[&str]| Given { topics: topics.iter().map(|&t| t.into()).collect(), ..Given::default() };
@@ -141,7 +85,7 @@ fn what_is_given_comes_first_and_what_is_wrong_is_told() {
 /// A colour camera 0.1 m to the right with twice the pixels.
 #[test]
 fn colour_of_another_camera_is_looked_up() {
-    let Some(folder) = written() else { return };
+    let Some(folder) = written("recordings.py") else { return };
     let capture = &captures(&folder.path().join("apart.mcap"))[0];
     assert_eq!(bits(capture), expected());
     let (depth, color) = scene();
@@ -164,7 +108,7 @@ fn colour_of_another_camera_is_looked_up() {
 /// The pixel of a rectified image is where `plumb_bob` of OpenCV bends its direction to.
 #[test]
 fn distortion_is_undone() {
-    let Some(folder) = written() else { return };
+    let Some(folder) = written("recordings.py") else { return };
     let capture = &captures(&folder.path().join("bent.mcap"))[0];
     let depth = scene().0;
     for (u, v) in [(0, 30), (79, 59), (20, 50), (60, 5)] {
@@ -181,7 +125,7 @@ fn distortion_is_undone() {
 /// Cut at 100 places and with 1000 bytes changed: an error of one line, or frames of which each is whole or an error.
 #[test]
 fn damaged_recordings_are_told() {
-    let Some(folder) = written() else { return };
+    let Some(folder) = written("recordings.py") else { return };
     let damaged = folder.path().join("damaged");
     for name in [
         "lz4.mcap",
@@ -204,29 +148,7 @@ fn damaged_recordings_are_told() {
                 assert!(!message.contains('\n') && message.len() < 700, "{name} {what}: {message}");
             }
         };
-        (0..100).for_each(|k| check(&good[..good.len() * k / 100], &format!("cut {k}")));
-        // A generator of numbers that all machines repeat.
-        let mut state = 1_u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as usize
-        };
-        for k in 0..170 {
-            let mut bytes = good.clone();
-            // Half of them among the first and last bytes, where lengths and lists are.
-            let at = match k % 4 {
-                0 => random() % 2000,
-                1 => bytes.len() - 1 - random() % 2000,
-                _ => random() % bytes.len(),
-            };
-            if k % 10 == 9 {
-                let end = bytes.len().min(at + 8);
-                bytes[at..end].fill(0xff);
-            } else {
-                bytes[at] = random() as u8;
-            }
-            check(&bytes, &format!("byte {at}"));
-        }
+        Damage { places: 170, seed: 1 }.of(&good, check);
     }
 }
 

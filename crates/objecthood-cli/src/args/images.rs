@@ -21,7 +21,7 @@ pub(crate) struct ImageArgs {
     #[arg(long, value_name = "PATH", num_args = 1.., requires = "depth")]
     pub(crate) color: Vec<PathBuf>,
 
-    /// Depth images (16-bit PNG, 16-bit or float TIFF): files, a folder, or a pattern such as '*-depth.png'.
+    /// Depth images (16-bit PNG, 16-bit or float TIFF, EXR, NPY): files, a folder, or a pattern such as '*-depth.png'.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub(crate) depth: Vec<PathBuf>,
 
@@ -113,7 +113,7 @@ impl CameraArg {
 pub(super) fn inputs_help() -> String {
     let endings = extensions().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ");
     format!(
-        "Point clouds ({endings}), folders that are searched for them, folders in the layout of TUM (rgb.txt, depth.txt)"
+        "Clouds, arrays and recordings ({endings}), folders that are searched for them, folders in the layout of TUM (rgb.txt, depth.txt) or BOP (scene_camera.json)"
     )
 }
 

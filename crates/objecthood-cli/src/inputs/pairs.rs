@@ -164,7 +164,7 @@ impl Role {
     fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::Color => &[".png", ".jpg", ".jpeg", ".tif", ".tiff"],
-            Self::Depth => &[".png", ".tif", ".tiff"],
+            Self::Depth => &[".png", ".tif", ".tiff", ".exr", ".npy"],
         }
     }
 

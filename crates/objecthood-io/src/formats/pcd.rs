@@ -34,12 +34,16 @@ pub use error::PcdError;
 use header::{Field, Header};
 use table::Table;
 
-use super::{CloudFormat, Format};
+use super::{Format, FrameFormat, organized};
 use crate::cloud::PointCloud;
 use crate::text::without_byte_order_mark;
 
-pub(super) const FORMAT: Format =
-    Format::Cloud(CloudFormat { extensions: &["pcd"], is_mine: is_pcd, parse: |bytes| Ok(parse(bytes)?) });
+pub(super) const FORMAT: Format = Format::Frame(FrameFormat {
+    extensions: &["pcd"],
+    is_mine: is_pcd,
+    is_metric: true,
+    decode: |bytes, given| organized(parse(bytes), given),
+});
 
 /// Whether a file begins with a comment or its VERSION. A ROS 1 bag begins with `#` too.
 fn is_pcd(head: &[u8]) -> bool {

@@ -1,7 +1,7 @@
-//! Polygon files (PLY 1.0) in ASCII, of which the vertices are read as a point cloud.
+//! Polygon files (PLY 1.0), of which the vertices are read as a point cloud.
 //!
 //! A text header names the elements of the file, how many of each there are, and their properties with their types. The
-//! elements follow in the order of the header, one a line.
+//! elements follow in the order of the header, as text, one a line, or as binary numbers of either byte order.
 //!
 //! | property of `vertex` | type | use |
 //! |---|---|---|
@@ -10,12 +10,14 @@
 //! | the same | `float` or `double` | 0 to 1 |
 //!
 //! Properties stand in any order; others are skipped, lists too. Other elements, such as faces, are skipped, before the
-//! vertices and behind them. Whatever follows the last vertex is not looked at. PLY does not say whether the points lie
-//! on a pixel grid, so the cloud is a list. Binary PLY is refused.
+//! vertices and behind them. Whatever follows the last vertex is not looked at. The format itself does not say whether the points
+//! lie on a pixel grid. Where lines `obj_info num_cols` and `obj_info num_rows` do, as scanners write them, and there are so many
+//! vertices, the cloud is organized; else it is a list.
 //!
 //! Source: Greg Turk, *The PLY Polygon File Format*, 1994; its names of types, and those of later writers with the number
 //! of bits (`float32`). The range of colours that are not whole numbers is what Assimp reads.
 
+mod binary;
 mod error;
 mod header;
 mod points;
@@ -23,15 +25,19 @@ mod points;
 pub use error::PlyError;
 
 use crate::text::Lines;
-use header::{Header, Property, Shape};
+use header::{Encoding, Header, Property, Shape};
 use points::Role;
 
-use super::{CloudFormat, Format};
+use super::{Format, FrameFormat, organized};
 use crate::cloud::PointCloud;
 use crate::text::without_byte_order_mark;
 
-pub(super) const FORMAT: Format =
-    Format::Cloud(CloudFormat { extensions: &["ply"], is_mine: is_ply, parse: |bytes| Ok(parse(bytes)?) });
+pub(super) const FORMAT: Format = Format::Frame(FrameFormat {
+    extensions: &["ply"],
+    is_mine: is_ply,
+    is_metric: true,
+    decode: |bytes, given| organized(parse(bytes), given),
+});
 
 /// The properties that are used.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -53,8 +59,13 @@ pub fn parse(bytes: &[u8]) -> Result<PointCloud, PlyError> {
     let mut lines = Lines::of(without_byte_order_mark(bytes));
     let header = Header::parse(&mut lines)?;
     let roles = roles(&header.properties)?;
-    let (points_m, color) = points::read(&header, &roles, lines)?;
-    Ok(PointCloud { width: points_m.len(), height: 1, points_m, color, label: None, viewpoint: None })
+    let (points_m, color) = match header.encoding {
+        Encoding::Ascii => points::read(&header, &roles, lines)?,
+        Encoding::LittleEndian | Encoding::BigEndian => binary::read(&header, &roles, lines.rest())?,
+    };
+    let is_of = |&(columns, rows): &(usize, usize)| columns.checked_mul(rows) == Some(points_m.len());
+    let (width, height) = header.grid.filter(is_of).unwrap_or((points_m.len(), 1));
+    Ok(PointCloud { width, height, points_m, color, label: None, viewpoint: None })
 }
 
 /// What each property is used for.
@@ -80,7 +91,7 @@ fn role(property: &Property<'_>) -> Result<Role, PlyError> {
     };
     match property.shape {
         Shape::Scalar(_) => Ok(role),
-        Shape::List => Err(PlyError::ListProperty { property: name }),
+        Shape::List { .. } => Err(PlyError::ListProperty { property: name }),
     }
 }
 
@@ -158,7 +169,7 @@ mod tests {
         assert_eq!(read(plain, "1 2 3").unwrap().color, None);
         let colored = format!("{plain}{colors}");
         assert_eq!(read(&colored, "1 2 3 0 0.5 1").unwrap().color, Some(vec![[0, 128, 255]]));
-        for bad in ["255", "-0.1", "nan"] {
+        for bad in ["255", "-0.1", "NaN"] {
             let message = read(&colored, &format!("1 2 3 0 0 {bad}")).unwrap_err().to_string();
             assert!(
                 message.starts_with(&format!("line 11 of the PLY file is no vertex: blue is `{bad}`")),
@@ -178,10 +189,13 @@ mod tests {
                 "",
                 "the PLY header has no `format` line: add one, such as `format ascii 1.0`",
             ),
-            ("ascii", "binary_little_endian", "line 2 of the PLY header says binary_little_endian"),
-            ("ascii", "binary_big_endian", "only ascii is read; save the cloud as ASCII PLY, or as PCD"),
-            ("ascii 1.0", "ascii 1.1", "line 2 of the PLY header is `format ascii 1.1`: expected `format"),
-            ("format ascii", "format utf8", "expected `format ascii 1.0`"),
+            (
+                "ascii",
+                "binary",
+                "line 2 of the PLY header is `format binary 1.0`: expected `format`, one of ascii, binary_little_endian",
+            ),
+            ("ascii 1.0", "ascii 1.1", "line 2 of the PLY header is `format ascii 1.1`: expected `format`"),
+            ("format ascii", "format utf8", "expected `format`, one of"),
             (
                 "comment made by hand",
                 "format ascii 1.0",
@@ -238,6 +252,61 @@ mod tests {
         for (count, said) in [("-1", "`-1` is not the length of a list"), ("99999999", "fewer values")] {
             let message = parse(listed.replace("3 0.5", &format!("3 {count} 0.5")).as_bytes()).unwrap_err();
             assert!(message.to_string().contains(said), "{message}");
+        }
+    }
+
+    /// The vertices of `GOOD` with a list each, behind elements with and without lists.
+    fn binary(encoding: &str, number: impl Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
+        let header = format!(
+            "ply\nformat {encoding} 1.0\nobj_info num_cols 2\nobj_info num_rows 1\nelement camera 2\nproperty double k\n\
+             element note 2\nproperty list uchar short words\nelement none 7\nelement vertex 2\nproperty uchar blue\n\
+             property float x\nproperty list ushort int near\nproperty double y\nproperty short z\nproperty uchar red\n\
+             property uchar green\nelement face 1\nproperty int a\nend_header\n"
+        );
+        let mut file = header.into_bytes();
+        file.extend([1.0_f64, 2.0].iter().flat_map(|k| number(&k.to_le_bytes())));
+        file.extend([&[1][..], &number(&7_i16.to_le_bytes()), &[0]].concat());
+        for (rgb, x, y, z, near) in
+            [([1, 2, 3], 0.5_f32, 0.25_f64, 1_i16, 2_u16), ([4, 5, 6], -0.1, f64::NAN, 2, 0)]
+        {
+            let [red, green, blue] = rgb;
+            file.push(blue);
+            file.extend(number(&x.to_le_bytes()));
+            file.extend(number(&near.to_le_bytes()));
+            (0..near).for_each(|k| file.extend(number(&i32::from(k).to_le_bytes())));
+            file.extend(number(&y.to_le_bytes()));
+            file.extend(number(&z.to_le_bytes()));
+            file.extend([red, green]);
+        }
+        file
+    }
+
+    #[test]
+    fn binary_files_are_read_as_text_is() {
+        let good = text(parse(GOOD.as_bytes()));
+        let reversed = |bytes: &[u8]| bytes.iter().rev().copied().collect();
+        let files = [binary("binary_little_endian", <[u8]>::to_vec), binary("binary_big_endian", reversed)];
+        for file in files {
+            assert_eq!(text(parse(&file)), good);
+            let data = file.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
+            for end in data..file.len() {
+                let error = parse(&file[..end]).unwrap_err();
+                let told = matches!(error, PlyError::TooShort { .. } | PlyError::MissingVertices { .. });
+                assert!(told, "cut at {end}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_cloud_is_organized_where_its_size_is_said_and_fits() {
+        let size = |columns: &str, rows: &str| {
+            let lines = format!("obj_info num_cols {columns}\nobj_info num_rows {rows}\n");
+            let cloud = with("comment made by hand\n", &lines).unwrap();
+            (cloud.width, cloud.height)
+        };
+        assert_eq!(size("1", "2"), (1, 2));
+        for (columns, rows) in [("2", "2"), ("-1", "-2"), ("1", ""), ("18446744073709551615", "2")] {
+            assert_eq!(size(columns, rows), (2, 1), "{columns} {rows}");
         }
     }
 

@@ -8,7 +8,9 @@ pub enum ImageError {
     #[error("the file is empty: record or copy it again")]
     Empty,
     /// The content is that of no image format that is read, whatever the name says.
-    #[error("the content is not that of a PNG, JPEG or TIFF image, whatever its name: convert it to one")]
+    #[error(
+        "the content is not that of a PNG, JPEG, TIFF, EXR or NPY image, whatever its name: convert it to one"
+    )]
     UnknownFormat,
     /// An image that cannot be decoded.
     #[error("not a usable {format} image ({reason}): write or copy it again")]

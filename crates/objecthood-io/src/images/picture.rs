@@ -7,7 +7,7 @@ use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageDecoder, Limits};
 
 use super::error::ImageError;
-use super::{check_pixels, jpeg, tiff};
+use super::{check_pixels, exr, jpeg, npy, tiff};
 
 /// An image as it is stored.
 #[derive(Debug)]
@@ -34,17 +34,21 @@ pub(super) enum Format {
     Png,
     Jpeg,
     Tiff,
+    Exr,
+    Npy,
 }
 
 /// The format of an image that begins with `head`.
 pub(super) fn probe(head: &[u8]) -> Result<Format, ImageError> {
-    const SIGNATURES: [(&[u8], Format); 6] = [
+    const SIGNATURES: [(&[u8], Format); 8] = [
         (b"\x89PNG\r\n\x1a\n", Format::Png),
         (b"\xff\xd8\xff", Format::Jpeg),
         (b"II*\0", Format::Tiff),
         (b"MM\0*", Format::Tiff),
         (b"II+\0", Format::Tiff),
         (b"MM\0+", Format::Tiff),
+        (b"\x76\x2f\x31\x01", Format::Exr),
+        (crate::npy::MARK, Format::Npy),
     ];
     if head.is_empty() {
         return Err(ImageError::Empty);
@@ -66,6 +70,8 @@ pub(super) fn decode(bytes: &[u8], max_pixels: usize) -> Result<Picture, ImageEr
             from_decoder("JPEG", JpegDecoder::new(Cursor::new(bytes)), max_pixels)
         }
         Format::Tiff => tiff::decode(bytes, max_pixels),
+        Format::Exr => exr::decode(bytes, max_pixels),
+        Format::Npy => npy::decode(bytes, max_pixels),
     }
 }
 

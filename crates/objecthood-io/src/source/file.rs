@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::{FrameRef, Source};
 use crate::capture::Capture;
 use crate::error::{Error, Result};
-use crate::formats::{decode, read_file, read_head, tell, tell_recording};
+use crate::formats::{FrameFormat, HEAD_BYTES, decode, read_file, read_head, tell, tell_recording};
 use crate::given::Given;
 use crate::recording;
 
@@ -21,7 +21,8 @@ pub(super) fn open(path: &Path, given: &Given) -> Result<Source> {
     let (file, known) = (path.to_owned(), given.clone());
     if !path.is_file() {
         let bytes = read_file(path, judge).map_err(|e| e.at(path))?;
-        return Ok(source(path, move || decode(&bytes, &known).map_err(|e| e.at(&file))));
+        let format = tell(&bytes[..bytes.len().min(HEAD_BYTES)]).map_err(|e| e.at(path))?;
+        return Ok(source(path, format, move || decode(&bytes, &known).map_err(|e| e.at(&file))));
     }
     let head =
         File::open(path).map_err(|reason| Error::Read { reason }).and_then(|mut file| read_head(&mut file));
@@ -29,13 +30,18 @@ pub(super) fn open(path: &Path, given: &Given) -> Result<Source> {
     if let Some(format) = tell_recording(&head) {
         return recording::open(path, &[(path.to_owned(), format.log)], given).map_err(|e| e.at(path));
     }
-    judge(&head).map_err(|e| e.at(path))?;
-    Ok(source(path, move || {
+    let format = tell(&head).map_err(|e| e.at(path))?;
+    Ok(source(path, format, move || {
         read_file(&file, judge).and_then(|bytes| decode(&bytes, &known)).map_err(|e| e.at(&file))
     }))
 }
 
-fn source(path: &Path, load: impl Fn() -> Result<Capture> + Send + Sync + 'static) -> Source {
+fn source(
+    path: &Path,
+    format: &FrameFormat,
+    load: impl Fn() -> Result<Capture> + Send + Sync + 'static,
+) -> Source {
     let name = path.file_stem().unwrap_or(path.as_os_str()).to_owned();
-    Source::listed(vec![FrameRef::new(path.to_owned(), name, Arc::new(load))])
+    let frame = FrameRef::new(path.to_owned(), name, Arc::new(load));
+    Source::listed(vec![FrameRef { is_metric: format.is_metric, ..frame }])
 }

@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test uses a part")]
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "what fails or is skipped is reported so")]
 
+pub(crate) mod written;
+
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -86,6 +88,22 @@ pub(crate) fn small_ply() -> Vec<u8> {
         file += &format!("{x} {y} {z} 16 32 {}\n", 48 + i);
     }
     (file + "3 0 1 2\n").into_bytes()
+}
+
+/// The same points in binary numbers.
+pub(crate) fn small_binary_ply() -> Vec<u8> {
+    let camera = objecthood::Camera::new(4.0, 4.0, 1.5, 1.0).unwrap();
+    let text = String::from_utf8(small_ply()).unwrap();
+    let header = &text[..text.find("end_header\n").unwrap() + "end_header\n".len()];
+    let mut file = header.replace("ascii", "binary_little_endian").into_bytes();
+    for i in 1..12 {
+        let [x, y, z] = camera.back_project(i % 4, i / 4, 1.0 + i as f32 / 8.0);
+        file.extend([x.to_le_bytes(), y.to_le_bytes()].as_flattened());
+        file.extend(f64::from(z).to_le_bytes());
+        file.extend([16, 32, 48 + i as u8]);
+    }
+    file.extend([3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
+    file
 }
 
 /// The folder of the real data, if it is there; else says that the test is skipped.

@@ -9,16 +9,6 @@ pub enum PlyError {
         "the PLY header ends without an `end_header` line: the file is truncated, copy or record it again"
     )]
     UnfinishedHeader,
-    /// The points are not text.
-    #[error(
-        "line {line} of the PLY header says {encoding}: only ascii is read; save the cloud as ASCII PLY, or as PCD"
-    )]
-    Binary {
-        /// Line of the file, from 1.
-        line: usize,
-        /// How the points are stored.
-        encoding: String,
-    },
     /// A header line that says nothing, or something else than may stand there.
     #[error("line {line} of the PLY header is `{content}`: expected {expected}")]
     BadLine {
@@ -106,14 +96,24 @@ pub enum PlyError {
         /// What is wrong with it.
         problem: String,
     },
-    /// Fewer lines than vertices.
+    /// Numbers that are no vertex.
     #[error(
-        "the PLY header says {promised} vertices but {found} lines of vertices are there: the file is truncated or the header wrong; copy or record it again"
+        "vertex {vertex} of the PLY file is none: {problem}; the file is damaged, copy or record it again"
+    )]
+    BadBinaryVertex {
+        /// Which vertex, from 0.
+        vertex: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// Fewer vertices than the header says.
+    #[error(
+        "the PLY header says {promised} vertices but {found} of them are there: the file is truncated or the header wrong; copy or record it again"
     )]
     MissingVertices {
         /// Vertices by the header.
         promised: usize,
-        /// Lines there.
+        /// Vertices there.
         found: usize,
     },
 }

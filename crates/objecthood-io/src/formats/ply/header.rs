@@ -62,6 +62,16 @@ impl Kind {
         }
     }
 
+    /// Bytes of a value in a binary file.
+    pub(super) fn size(self) -> usize {
+        match self {
+            Self::Char | Self::UChar => 1,
+            Self::Short | Self::UShort => 2,
+            Self::Int | Self::UInt | Self::Float => 4,
+            Self::Double => 8,
+        }
+    }
+
     /// The type and what a value of it is, for whoever does not know the types of PLY.
     pub(super) fn meaning(self) -> &'static str {
         match self {
@@ -77,13 +87,33 @@ impl Kind {
     }
 }
 
+/// How numbers are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    /// As text, an element on a line.
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+impl Encoding {
+    fn new(name: &str) -> Option<Self> {
+        Some(match name {
+            "ascii" => Self::Ascii,
+            "binary_little_endian" => Self::LittleEndian,
+            "binary_big_endian" => Self::BigEndian,
+            _ => return None,
+        })
+    }
+}
+
 /// How many numbers a property has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     /// One.
     Scalar(Kind),
-    /// Its first number says how many follow.
-    List,
+    /// Its first number, a whole one, says how many follow.
+    List { length: Kind, value: Kind },
 }
 
 /// One property of a vertex.
@@ -93,36 +123,55 @@ pub(super) struct Property<'a> {
     pub(super) shape: Shape,
 }
 
-/// What the header says of the vertices.
+/// Elements that stand before the vertices.
+#[derive(Debug)]
+pub(super) struct Others {
+    /// How many there are.
+    pub(super) count: usize,
+    /// The properties of each.
+    pub(super) shapes: Vec<Shape>,
+}
+
+/// What the header says of the vertices, and of what stands before them.
 #[derive(Debug)]
 pub(super) struct Header<'a> {
+    pub(super) encoding: Encoding,
     /// Number of vertices.
     pub(super) vertices: usize,
-    /// Their properties, in the order of the values on a line.
+    /// Their properties, in the order of the values.
     pub(super) properties: Vec<Property<'a>>,
-    /// Lines of other elements before the first vertex.
-    pub(super) lines_before: usize,
+    pub(super) before: Vec<Others>,
+    /// Columns and rows of the image that the vertices are the pixels of, if that is said.
+    pub(super) grid: Option<(usize, usize)>,
+}
+
+impl Header<'_> {
+    /// In a text, lines before the first vertex. What has no property has no line.
+    pub(super) fn lines_before(&self) -> usize {
+        let with_lines = self.before.iter().filter(|others| !others.shapes.is_empty());
+        with_lines.fold(0, |lines, others| lines.saturating_add(others.count))
+    }
 }
 
 /// The element that a `property` line belongs to.
 enum Element {
     Vertex,
-    /// An element before the vertices. It has lines, so many, only if it has a property.
-    Before {
-        lines: usize,
-    },
-    /// An element behind the vertices, or one before them whose lines are counted.
-    Ignored,
+    /// An element before the vertices, the last of them.
+    Before,
+    Behind,
 }
 
 /// What was read so far.
+#[derive(Default)]
 struct Reading<'a> {
-    has_format: bool,
+    encoding: Option<Encoding>,
     element: Option<Element>,
     vertices: Option<u64>,
     properties: Vec<Property<'a>>,
     names: BTreeSet<&'a str>,
-    lines_before: usize,
+    before: Vec<Others>,
+    columns: Option<usize>,
+    rows: Option<usize>,
 }
 
 impl<'a> Header<'a> {
@@ -133,14 +182,7 @@ impl<'a> Header<'a> {
             let expected = "`ply` alone on a line that ends with a line feed";
             return Err(bad_line(number, line, expected));
         }
-        let mut reading = Reading {
-            has_format: false,
-            element: None,
-            vertices: None,
-            properties: Vec::new(),
-            names: BTreeSet::new(),
-            lines_before: 0,
-        };
+        let mut reading = Reading::default();
         for (number, line) in lines {
             if reading.take(number, line)? {
                 return reading.finish();
@@ -156,7 +198,11 @@ impl<'a> Reading<'a> {
         const KEYWORDS: &str = "one of `format`, `comment`, `obj_info`, `element`, `property` and `end_header`; is it a PLY file?";
         let first = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
         // Comments are in any encoding.
-        if first == b"comment" || first == b"obj_info" {
+        if first == b"comment" {
+            return Ok(false);
+        }
+        if first == b"obj_info" {
+            self.info(line);
             return Ok(false);
         }
         let bad = |expected| bad_line(number, line, expected);
@@ -165,16 +211,15 @@ impl<'a> Reading<'a> {
         // One word more than any line has.
         let words: [Option<&'a str>; 5] = std::array::from_fn(|_| words.next());
         match first {
-            b"format" => match words {
-                [Some(encoding), ..] if encoding.starts_with("binary") => {
-                    return Err(PlyError::Binary { line: number, encoding: preview(encoding.as_bytes()) });
-                }
-                [Some("ascii"), Some("1.0"), None, ..] if self.has_format => {
+            b"format" => {
+                const ENCODING: &str =
+                    "`format`, one of ascii, binary_little_endian and binary_big_endian, and `1.0`";
+                let [Some(encoding), Some("1.0"), None, ..] = words else { return Err(bad(ENCODING)) };
+                let encoding = Encoding::new(encoding).ok_or_else(|| bad(ENCODING))?;
+                if self.encoding.replace(encoding).is_some() {
                     return Err(PlyError::RepeatedLine { line: number, keyword: FORMAT });
                 }
-                [Some("ascii"), Some("1.0"), None, ..] => self.has_format = true,
-                _ => return Err(bad("`format ascii 1.0`")),
-            },
+            }
             b"element" => {
                 const ELEMENT: &str = "`element`, a name and how many there are";
                 let [Some(name), Some(count), None, ..] = words else { return Err(bad(ELEMENT)) };
@@ -182,12 +227,19 @@ impl<'a> Reading<'a> {
             }
             b"property" => match self.element {
                 None => return Err(bad("an `element` line before it")),
-                Some(Element::Vertex) => self.property(number, line, words)?,
-                Some(Element::Before { lines }) => {
-                    self.lines_before = self.lines_before.saturating_add(lines);
-                    self.element = Some(Element::Ignored);
+                Some(Element::Vertex) => {
+                    let property = property(number, line, words)?;
+                    if !self.names.insert(property.name) {
+                        let property = preview(property.name.as_bytes());
+                        return Err(PlyError::RepeatedProperty { line: number, property });
+                    }
+                    self.properties.push(property);
                 }
-                Some(Element::Ignored) => {}
+                Some(Element::Before) => {
+                    let shape = property(number, line, words)?.shape;
+                    self.before.iter_mut().last().into_iter().for_each(|others| others.shapes.push(shape));
+                }
+                Some(Element::Behind) => {}
             },
             b"end_header" => return Ok(true),
             _ => return Err(bad(KEYWORDS)),
@@ -202,41 +254,30 @@ impl<'a> Reading<'a> {
                 self.vertices = Some(count);
                 Ok(Element::Vertex)
             }
-            (false, None) => Ok(Element::Before { lines: usize::try_from(count).unwrap_or(usize::MAX) }),
-            (false, Some(_)) => Ok(Element::Ignored),
+            (false, None) => {
+                let count = usize::try_from(count).unwrap_or(usize::MAX);
+                self.before.push(Others { count, shapes: Vec::new() });
+                Ok(Element::Before)
+            }
+            (false, Some(_)) => Ok(Element::Behind),
         }
     }
 
-    fn property(&mut self, number: usize, line: &[u8], words: [Option<&'a str>; 5]) -> Result<(), PlyError> {
-        const ANY: &str = "a type of PLY: char, uchar, short, ushort, int, uint, float or double";
-        const WHOLE: &str = "a whole-number type of PLY: char, uchar, short, ushort, int or uint";
-        let kind = |word: &str, expected, allowed: fn(Kind) -> bool| {
-            let unknown = || PlyError::BadType { line: number, found: preview(word.as_bytes()), expected };
-            Kind::new(word).filter(|&kind| allowed(kind)).ok_or_else(unknown)
-        };
-        let (name, shape) = match words {
-            [Some("list"), Some(length), Some(value), Some(name), None] => {
-                kind(length, WHOLE, Kind::is_whole)?;
-                kind(value, ANY, |_| true)?;
-                (name, Shape::List)
-            }
-            [Some("list"), ..] => {
-                return Err(bad_line(number, line, "`property list`, two types and a name"));
-            }
-            [Some(word), Some(name), None, ..] => (name, Shape::Scalar(kind(word, ANY, |_| true)?)),
-            _ => return Err(bad_line(number, line, "`property`, a type and a name")),
-        };
-        if !self.names.insert(name) {
-            return Err(PlyError::RepeatedProperty { line: number, property: preview(name.as_bytes()) });
+    /// Notes the size of the image, which scanners write so. Whatever else such lines say is for people.
+    fn info(&mut self, line: &[u8]) {
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).skip(1);
+        let (name, number) = (words.next(), words.next());
+        let number = || str::from_utf8(number?).ok()?.parse().ok();
+        match name {
+            Some(b"num_cols") => self.columns = number(),
+            Some(b"num_rows") => self.rows = number(),
+            _ => {}
         }
-        self.properties.push(Property { name, shape });
-        Ok(())
     }
 
     fn finish(self) -> Result<Header<'a>, PlyError> {
-        if !self.has_format {
-            return Err(PlyError::MissingLine { keyword: FORMAT, example: "format ascii 1.0" });
-        }
+        let missing = PlyError::MissingLine { keyword: FORMAT, example: "format ascii 1.0" };
+        let encoding = self.encoding.ok_or(missing)?;
         let missing = PlyError::MissingLine { keyword: ELEMENT_VERTEX, example: "element vertex 1000" };
         let vertices = self.vertices.ok_or(missing)?;
         if vertices == 0 {
@@ -245,9 +286,32 @@ impl<'a> Reading<'a> {
         if vertices > Raster::<f32>::MAX_PIXELS as u64 {
             return Err(PlyError::TooManyVertices { vertices });
         }
-        let Self { properties, lines_before, .. } = self;
-        Ok(Header { vertices: vertices as usize, properties, lines_before })
+        let grid = self.columns.zip(self.rows);
+        let Self { properties, before, .. } = self;
+        Ok(Header { encoding, vertices: vertices as usize, properties, before, grid })
     }
+}
+
+/// What a `property` line says.
+fn property<'a>(number: usize, line: &[u8], words: [Option<&'a str>; 5]) -> Result<Property<'a>, PlyError> {
+    const ANY: &str = "a type of PLY: char, uchar, short, ushort, int, uint, float or double";
+    const WHOLE: &str = "a whole-number type of PLY: char, uchar, short, ushort, int or uint";
+    let kind = |word: &str, expected, allowed: fn(Kind) -> bool| {
+        let unknown = || PlyError::BadType { line: number, found: preview(word.as_bytes()), expected };
+        Kind::new(word).filter(|&kind| allowed(kind)).ok_or_else(unknown)
+    };
+    let (name, shape) = match words {
+        [Some("list"), Some(length), Some(value), Some(name), None] => {
+            let length = kind(length, WHOLE, Kind::is_whole)?;
+            (name, Shape::List { length, value: kind(value, ANY, |_| true)? })
+        }
+        [Some("list"), ..] => {
+            return Err(bad_line(number, line, "`property list`, two types and a name"));
+        }
+        [Some(word), Some(name), None, ..] => (name, Shape::Scalar(kind(word, ANY, |_| true)?)),
+        _ => return Err(bad_line(number, line, "`property`, a type and a name")),
+    };
+    Ok(Property { name, shape })
 }
 
 fn bad_line(line: usize, content: &[u8], expected: &'static str) -> PlyError {

@@ -1,4 +1,4 @@
-//! The vertices, one a line.
+//! The vertices of a text, one a line.
 
 use super::error::PlyError;
 use super::header::{Header, Kind, Shape};
@@ -16,13 +16,13 @@ pub(super) enum Role {
 }
 
 /// The points and, if there are any, their colours.
-type Points = (Vec<[f32; 3]>, Option<Vec<[u8; 3]>>);
+pub(super) type Points = (Vec<[f32; 3]>, Option<Vec<[u8; 3]>>);
 
 /// Reads the vertices; `roles` has an entry for each of their properties.
 pub(super) fn read(header: &Header<'_>, roles: &[Role], mut lines: Lines<'_>) -> Result<Points, PlyError> {
     // A digit and a separator each; the last line may lack its end.
     let values = header.properties.len().saturating_mul(header.vertices);
-    let needed = header.lines_before.saturating_add(values).saturating_mul(2).saturating_sub(1);
+    let needed = header.lines_before().saturating_add(values).saturating_mul(2).saturating_sub(1);
     if lines.bytes_left() < needed {
         return Err(PlyError::TooShort { needed, found: lines.bytes_left() });
     }
@@ -30,7 +30,7 @@ pub(super) fn read(header: &Header<'_>, roles: &[Role], mut lines: Lines<'_>) ->
     let mut points_m = Vec::with_capacity(header.vertices);
     let mut colors = has_color.then(|| Vec::with_capacity(header.vertices));
 
-    for (number, line) in lines.by_ref().skip(header.lines_before).take(header.vertices) {
+    for (number, line) in lines.by_ref().skip(header.lines_before()).take(header.vertices) {
         let vertex = parse_vertex(line, header, roles);
         let (point_m, color) = vertex.map_err(|problem| PlyError::BadVertex { line: number, problem })?;
         points_m.push(point_m);
@@ -52,7 +52,7 @@ fn parse_vertex(line: &[u8], header: &Header<'_>, roles: &[Role]) -> Result<([f3
     for (property, &role) in header.properties.iter().zip(roles) {
         let word = words.next().ok_or(FEWER)?;
         match (property.shape, role) {
-            (Shape::List, _) => {
+            (Shape::List { .. }, _) => {
                 let length = str::from_utf8(word).ok().and_then(|word| word.parse::<u32>().ok());
                 let length =
                     length.ok_or_else(|| format!("`{}` is not the length of a list", preview(word)))?;
@@ -65,7 +65,7 @@ fn parse_vertex(line: &[u8], header: &Header<'_>, roles: &[Role]) -> Result<([f3
                 point_m[axis] = number(property.name, kind, word)? as f32;
             }
             (Shape::Scalar(kind), Role::Channel(channel)) => {
-                color[channel] = intensity(property.name, kind, word)?;
+                color[channel] = intensity(property.name, kind, number(property.name, kind, word)?)?;
             }
         }
     }
@@ -81,13 +81,12 @@ fn number(name: &str, kind: Kind, word: &[u8]) -> Result<f64, String> {
 }
 
 /// A part of a colour: whole numbers are from 0 to 255, others from 0 to 1.
-fn intensity(name: &str, kind: Kind, word: &[u8]) -> Result<u8, String> {
-    let value = number(name, kind, word)?;
+pub(super) fn intensity(name: &str, kind: Kind, value: f64) -> Result<u8, String> {
     let (most, as_uchar) = if kind.is_whole() { (255.0, 1.0) } else { (1.0, 255.0) };
     if (0.0..=most).contains(&value) {
         return Ok((value * as_uchar).round() as u8);
     }
-    let value = preview(word);
+    let value = value as f32;
     Err(format!(
         "{name} is `{value}`, but a colour is 0 to {most} here; best save colours as uchar, 0 to 255"
     ))

@@ -1,0 +1,148 @@
+//! Clouds, arrays and images of other programs are read to the depth that went in: plyfile, NumPy, `OpenEXR`. Needs a Python in
+//! `OBJECTHOOD_PYTHON`, with the packages of `xtask/requirements.txt`; without it, it says that it skips.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "what fails or is skipped is reported so")]
+
+mod common;
+
+use std::path::Path;
+
+use common::written::{Damage, HEIGHT, WIDTH, bits, expected, scene, written};
+use objecthood_io::images::decode_images;
+use objecthood_io::{Capture, Given, Result, open_frame};
+use peak_alloc::PeakAlloc;
+
+#[global_allocator]
+static PEAK: PeakAlloc = PeakAlloc;
+
+fn camera() -> Given {
+    Given { camera: Some("80,80,39.5,29.5,80,60".parse().unwrap()), ..Given::default() }
+}
+
+fn millimetres() -> Given {
+    Given { depth_scale: Some(1000.0), ..Given::default() }
+}
+
+/// Depth and colour of the scene, and no other.
+fn assert_scene(capture: &Capture, has_color: bool, what: &str) {
+    assert_eq!(capture.frame.size(), (WIDTH, HEIGHT), "{what}");
+    assert!(bits(capture) == expected(), "{what}: the depth is another");
+    let colors = capture.frame.color().map(|color| color.as_slice().to_vec());
+    let is_seen = |k: usize| capture.frame.depth_m()[k] > 0.0;
+    assert_eq!(colors.is_some(), has_color, "{what}");
+    for (k, color) in colors.iter().flatten().enumerate().filter(|&(k, _)| is_seen(k)) {
+        assert_eq!(*color, scene().1[k], "{what} {k}");
+    }
+}
+
+fn image(folder: &Path, name: &str, given: &Given) -> Result<Capture> {
+    decode_images(None, &std::fs::read(folder.join(name)).unwrap(), given)
+}
+
+#[test]
+fn what_other_programs_wrote_is_read_and_what_is_broken_told() {
+    let Some(folder) = written("files.py") else { return };
+    let folder = folder.path();
+    clouds(folder);
+    arrays(folder);
+    images(folder);
+    bombs(folder);
+    damaged(folder);
+}
+
+fn clouds(folder: &Path) {
+    for name in ["text.ply", "little.ply", "big.ply"] {
+        let capture = open_frame(&folder.join(name), &camera()).unwrap();
+        assert_scene(&capture, true, name);
+        // Without a camera: a virtual one, and an answer for every point.
+        let capture = open_frame(&folder.join(name), &Given::default()).unwrap();
+        let list = capture.list.unwrap();
+        assert!(list.is_virtual && list.seen > list.points_m.len() * 9 / 10, "{name}: {}", list.seen);
+        assert_eq!(list.points_m.len(), WIDTH * HEIGHT - 25);
+    }
+    let capture = open_frame(&folder.join("organized.ply"), &Given::default()).unwrap();
+    assert_scene(&capture, true, "organized.ply");
+    assert!((capture.frame.camera().fx_px - 80.0).abs() < 1e-3 && capture.list.is_none());
+}
+
+fn arrays(folder: &Path) {
+    let stored = open_frame(&folder.join("stored.npz"), &Given::default()).unwrap();
+    assert_scene(&stored, true, "stored.npz");
+    assert_eq!((stored.frame.camera().fx_px, stored.frame.camera().cy_px), (80.0, 29.5));
+    let compressed = open_frame(&folder.join("compressed.npz"), &millimetres()).unwrap();
+    assert_scene(&compressed, true, "compressed.npz");
+    assert_scene(&open_frame(&folder.join("no-camera.npz"), &camera()).unwrap(), false, "no-camera.npz");
+    assert_scene(&image(folder, "metres.npy", &camera()).unwrap(), false, "metres.npy");
+    let known = Given { depth_scale: Some(1000.0), ..camera() };
+    assert_scene(&image(folder, "depth.npy", &known).unwrap(), false, "depth.npy");
+    for (said, error) in [
+        ("unit of integer depth is not known", open_frame(&folder.join("compressed.npz"), &Given::default())),
+        ("do not say which camera", open_frame(&folder.join("no-camera.npz"), &Given::default())),
+        ("no array `depth`", open_frame(&folder.join("no-depth.npz"), &Given::default())),
+        ("column by column", image(folder, "columns.npy", &known)),
+        ("an array of 3 sides", image(folder, "color.npy", &known)),
+    ] {
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains(said), "expected `{said}`: {message}");
+    }
+}
+
+fn images(folder: &Path) {
+    for name in ["zip.exr", "piz.exr", "rle.exr", "none.exr", "grey.exr"] {
+        assert_scene(&image(folder, name, &camera()).unwrap(), false, name);
+    }
+    let message = image(folder, "color.exr", &camera()).unwrap_err().to_string();
+    assert!(message.contains("a depth image has one channel but this one has 3"), "{message}");
+}
+
+/// Small files that unpack to 33 million pixels: refused before, by their size.
+fn bombs(folder: &Path) {
+    let is_refused = |result: Result<Capture>, name: &str, before: usize| {
+        let message = result.unwrap_err().to_string();
+        assert!(message.contains("8192x4096 pixels are more than the 16777216"), "{name}: {message}");
+        let peak = PEAK.peak_usage() - before;
+        assert!(peak < 4 << 20, "{name}: {peak} bytes");
+    };
+    PEAK.reset_peak_usage();
+    let before = PEAK.current_usage();
+    is_refused(open_frame(&folder.join("bomb.npz"), &Given::default()), "bomb.npz", before);
+    is_refused(image(folder, "bomb.exr", &camera()), "bomb.exr", before);
+}
+
+/// Cut at 100 places and with bytes changed at 1000: an error of one line, or a frame, and at most 256 MB.
+fn damaged(folder: &Path) {
+    const MOST_BYTES: usize = 256 << 20;
+    let known = Given { depth_scale: Some(1000.0), ..camera() };
+    for name in [
+        "text.ply",
+        "little.ply",
+        "big.ply",
+        "organized.ply",
+        "stored.npz",
+        "compressed.npz",
+        "depth.npy",
+        "metres.npy",
+        "zip.exr",
+        "piz.exr",
+        "rle.exr",
+        "none.exr",
+    ] {
+        let good = std::fs::read(folder.join(name)).unwrap();
+        let is_image = name.ends_with("exr") || name.ends_with("npy");
+        let check = |bytes: &[u8], what: &str| {
+            PEAK.reset_peak_usage();
+            let before = PEAK.current_usage();
+            let read = if is_image {
+                decode_images(None, bytes, &known)
+            } else {
+                objecthood_io::decode(bytes, &known)
+            };
+            let peak = PEAK.peak_usage() - before;
+            assert!(peak <= MOST_BYTES, "{name} {what}: {peak} bytes");
+            if let Err(error) = read {
+                let message = error.to_string();
+                assert!(!message.contains('\n') && message.len() < 400, "{name} {what}: {message}");
+            }
+        };
+        Damage { places: 1000, seed: 7 }.of(&good, check);
+    }
+}
