@@ -13,7 +13,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use objecthood::params;
-use objecthood_eval::{Report, SceneRef, Split, mosd};
+use objecthood_eval::{Report, SceneRef, Split, mosd, scenes};
 use objecthood_io::output;
 use serde::Serialize;
 
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
         refuse_file("--pictures", folder)?;
     }
     let Ok(split) = args.split.parse::<Split>();
-    let mut scenes = mosd::scenes(root, &split)?;
+    let mut scenes = scenes(root, &split)?;
     let unlabelled = mosd::take_unlabelled(&mut scenes);
     for SceneRef { path, .. } in &unlabelled {
         terminal::error(&objecthood_eval::Error::NoTruth { path: path.clone() }.into());

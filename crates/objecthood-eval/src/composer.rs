@@ -31,8 +31,9 @@ use objecthood_scene::export::mosd_labels_of;
 use objecthood_scene::random::Rng;
 use rayon::prelude::*;
 
+use crate::dataset::{Scene, SceneRef};
 use crate::error::{Error, Result};
-use crate::mosd::{self, Scene, SceneRef};
+use crate::mosd;
 use canvas::{Canvas, NOTHING, TABLE};
 use placement::{Placement, place};
 use specimen::{Specimen, specimens};

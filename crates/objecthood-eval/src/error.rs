@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::mosd::Split;
+use crate::dataset::Split;
 
 /// Result with this crate's [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
@@ -54,6 +54,16 @@ pub enum Error {
     NoTruth {
         /// The scene.
         path: PathBuf,
+    },
+    /// An image of truth that is not of its frame.
+    #[error("{}: {}x{} pixels, but the frame has {}x{}", path.display(), truth.0, truth.1, frame.0, frame.1)]
+    TruthSize {
+        /// The image.
+        path: PathBuf,
+        /// Columns and rows of it.
+        truth: (usize, usize),
+        /// Columns and rows of the frame.
+        frame: (usize, usize),
     },
     /// A label image that is not there or cannot be read.
     #[error("{}: no label image for scene {scene} ({reason}): check folder and suffix", path.display())]

@@ -10,8 +10,8 @@ use objecthood_io::{GridCamera, label_image};
 use rayon::prelude::*;
 
 use crate::composer::Composer;
+use crate::dataset::{Scene, SceneRef};
 use crate::error::{Error, Result};
-use crate::mosd::{Scene, SceneRef};
 use crate::report::{Report, SceneReport};
 use crate::stages::Stages;
 

@@ -2,7 +2,7 @@
 //!
 //! The way of one evaluation:
 //!
-//! 1. [`mosd`]: a data set finds its [scenes](mosd::scenes), reads each as a frame with a [`Truth`] and declares
+//! 1. [`dataset`]: a data set finds its [scenes], reads each as a frame with a [`Truth`] and declares
 //!    the [`Roles`] of its labels.
 //! 2. [`score()`]: a label image against the truth. [`metrics`] pairs objects with hypotheses and measures overlap
 //!    and boundary; [`verdict`] judges every object strictly.
@@ -14,10 +14,10 @@
 //! last printed digit; tests hold them against it.
 //!
 //! ```no_run
-//! use objecthood_eval::{Prediction, StageObserver, evaluate, mosd};
+//! use objecthood_eval::{Prediction, StageObserver, evaluate, scenes};
 //!
 //! let params = objecthood::Params::default();
-//! let scenes = mosd::scenes("mosd".as_ref(), &"learn".parse()?)?;
+//! let scenes = scenes("mosd".as_ref(), &"learn".parse()?)?;
 //! let report = evaluate(&scenes, None, |scene, _| {
 //!     let mut observer = StageObserver::new(&scene.truth);
 //!     let discovery = objecthood::discover_observed(&scene.frame, &params, &mut observer)?;
@@ -33,14 +33,19 @@
 //! ```
 
 mod assignment;
+mod bop;
 mod boundary;
 pub mod composer;
 mod contingency;
+pub mod dataset;
 pub mod error;
 pub mod evaluate;
 pub mod metrics;
 pub mod mosd;
 mod numpy;
+mod ocid;
+mod osd;
+mod painted;
 #[cfg(test)]
 mod python;
 pub mod ranking;
@@ -54,10 +59,10 @@ pub mod verdict;
 pub mod video;
 
 pub use composer::Composer;
+pub use dataset::{Scene, SceneRef, Split, scenes};
 pub use error::{Error, Result};
 pub use evaluate::{LabelFolder, Prediction, evaluate, evaluate_composites, evaluate_settings};
 pub use metrics::{ImageMetrics, Prf};
-pub use mosd::{Scene, SceneRef, Split};
 pub use ranking::{Ranked, Ranking, ranked};
 pub use report::{
     FamiliesTable, FamilyFigures, FoldersTable, LossesList, Report, SceneReport, SettingsTable, StagesTable,

@@ -6,106 +6,44 @@
 //!
 //! Source: S. Alexandrov's edition of the Object Segmentation Database (A. Richtsfeld, 2012).
 
-use std::convert::Infallible;
+use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
-use std::{fmt, fs, io};
 
-use objecthood::{Camera, Frame, Raster};
+use objecthood::{Camera, Raster};
 use objecthood_io::formats::pcd;
 use objecthood_io::{Given, GridCamera, open_frame};
 
+use crate::dataset::{Layout, Scene, SceneRef, Split, list, text};
 use crate::error::{Error, Result};
 use crate::truth::{Roles, Truth};
 
 /// What the truth labels mean.
 pub const ROLES: Roles = Roles { ignore: Some(0), background: Some(1) };
 
-/// The camera of the data set, which its few unorganized clouds need: a Kinect v1 at 640 x 480.
-const CAMERA: GridCamera = GridCamera {
+/// The camera of the data set, which its few unorganized clouds and the images of OSD need: a Kinect v1 at 640 x 480.
+pub(crate) const CAMERA: GridCamera = GridCamera {
     camera: Camera { fx_px: 525.0, fy_px: 525.0, cx_px: 319.5, cy_px: 239.5 },
     size: Some((640, 480)),
 };
 
-/// Which scenes of a data set.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Split {
-    /// Those of every folder.
-    All,
-    /// Those of one folder, for example `learn`.
-    Folder(String),
-}
-
-impl Split {
-    fn holds(&self, folder: &str) -> bool {
-        match self {
-            Self::All => true,
-            Self::Folder(name) => name == folder,
-        }
-    }
-}
-
-impl FromStr for Split {
-    type Err = Infallible;
-
-    /// `all`, or the name of a folder.
-    fn from_str(text: &str) -> std::result::Result<Self, Infallible> {
-        Ok(if text == "all" { Self::All } else { Self::Folder(text.to_owned()) })
-    }
-}
-
-impl fmt::Display for Split {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::All => "all",
-            Self::Folder(name) => name,
-        })
-    }
-}
-
-/// A scene that has been found but not read.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SceneRef {
-    /// File name without extension; unique in what [`scenes`] returns.
-    pub name: String,
-    /// Name of the folder it lies in.
-    pub folder: String,
-    /// The file.
-    pub path: PathBuf,
-}
-
-/// A scene in memory.
-#[derive(Clone, Debug)]
-pub struct Scene {
-    /// What the camera saw.
-    pub frame: Frame,
-    /// What is there.
-    pub truth: Truth,
-}
-
-/// The scenes of `split` under `root`, by folder and then by the number in their name (`learn2` before `learn10`).
+/// The scenes of `split` under `root`.
 ///
 /// # Errors
 /// [`Error::ReadFolder`] when `root` or a folder in it cannot be listed, [`Error::NoScenes`] with the folders there
-/// are when there is nothing, [`Error::SameName`] when two folders hold a scene of the same name.
-pub fn scenes(root: &Path, split: &Split) -> Result<Vec<SceneRef>> {
+/// are when there is nothing.
+pub(crate) fn list_scenes(root: &Path, split: &Split) -> Result<Vec<SceneRef>> {
     let folders: Vec<PathBuf> = list(root)?.into_iter().filter(|path| path.is_dir()).collect();
     let mut found = Vec::new();
     for folder in folders.iter().filter(|path| split.holds(&text(path.file_name()))) {
         for path in list(folder)?.into_iter().filter(|path| is_pcd(path)) {
-            found.push(SceneRef { name: text(path.file_stem()), folder: text(folder.file_name()), path });
+            let (name, folder) = (text(path.file_stem()), text(folder.file_name()));
+            found.push(SceneRef { name, folder, path, layout: Layout::Labelled });
         }
     }
     if found.is_empty() {
         let folders = folders.iter().map(|path| text(path.file_name())).collect();
         return Err(Error::NoScenes { root: root.to_owned(), split: split.clone(), folders });
-    }
-    found.sort_by_cached_key(|s| (s.folder.clone(), number_in(&s.name), s.name.clone()));
-    let mut by_name: Vec<&SceneRef> = found.iter().collect();
-    by_name.sort_by_key(|s| &s.name);
-    if let Some([first, second]) = by_name.array_windows().find(|[a, b]| a.name == b.name) {
-        return Err(Error::SameName { first: first.path.clone(), second: second.path.clone() });
     }
     Ok(found)
 }
@@ -113,63 +51,40 @@ pub fn scenes(root: &Path, split: &Split) -> Result<Vec<SceneRef>> {
 /// Takes the scenes without truth out of a list: files whose header names no labels. What else may be wrong with a file
 /// is found when it is read. Reads the head of every file.
 pub fn take_unlabelled(scenes: &mut Vec<SceneRef>) -> Vec<SceneRef> {
-    scenes.extract_if(.., |scene| scene.has_labels() == Some(false)).collect()
+    scenes
+        .extract_if(.., |scene| scene.layout == Layout::Labelled && has_labels(scene) == Some(false))
+        .collect()
 }
 
 fn is_pcd(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pcd"))
 }
 
-/// What lies in a folder, by name, hidden files and folders left out.
-fn list(folder: &Path) -> Result<Vec<PathBuf>> {
-    let read = || fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<_>>>();
-    let mut paths = read().map_err(|reason| Error::ReadFolder { path: folder.to_owned(), reason })?;
-    paths.retain(|path| !text(path.file_name()).starts_with('.'));
-    paths.sort();
-    Ok(paths)
+/// Whether the file of a scene has labels, if its header tells.
+fn has_labels(scene: &SceneRef) -> Option<bool> {
+    const HEADER_BYTES: u64 = 4096;
+    let mut head = Vec::new();
+    fs::File::open(&scene.path).ok()?.take(HEADER_BYTES).read_to_end(&mut head).ok()?;
+    pcd::has_labels(&head)
 }
 
-fn text(name: Option<&std::ffi::OsStr>) -> String {
-    name.unwrap_or_default().to_string_lossy().into_owned()
-}
-
-/// The digits of `name` as one number of any length, such that numbers compare like their value.
-fn number_in(name: &str) -> (usize, String) {
-    let digits: String = name.chars().filter(char::is_ascii_digit).collect();
-    let digits = digits.trim_start_matches('0');
-    (digits.len(), digits.to_owned())
-}
-
-impl SceneRef {
-    /// Whether the file has labels, if its header tells.
-    fn has_labels(&self) -> Option<bool> {
-        const HEADER_BYTES: u64 = 4096;
-        let mut head = Vec::new();
-        fs::File::open(&self.path).ok()?.take(HEADER_BYTES).read_to_end(&mut head).ok()?;
-        pcd::has_labels(&head)
-    }
-
-    /// Reads frame and truth.
-    ///
-    /// The camera of an organized cloud is fitted from its points, an unorganized one was seen by the data set's own
-    /// camera; `camera` overrides both.
-    ///
-    /// # Errors
-    /// [`Error::Input`] when the file cannot be read as a frame, [`Error::NoTruth`] when it has no labels.
-    pub fn load(&self, camera: Option<&GridCamera>) -> Result<Scene> {
-        let open = |camera| open_frame(&self.path, &Given { camera, ..Given::default() });
-        let capture = match open(camera.copied()) {
-            Ok(capture) if capture.list.as_ref().is_some_and(|list| list.is_virtual) => open(Some(CAMERA)),
-            Err(objecthood_io::Error::At { error, .. })
-                if camera.is_none() && matches!(*error, objecthood_io::Error::NoView { .. }) =>
-            {
-                open(Some(CAMERA))
-            }
-            capture => capture,
-        }?;
-        let raw = capture.truth.ok_or_else(|| Error::NoTruth { path: self.path.clone() })?;
-        Ok(Scene { frame: capture.frame, truth: truth_of(&raw)? })
-    }
+/// Reads frame and truth of a labelled cloud.
+///
+/// # Errors
+/// [`Error::Input`] when the file cannot be read as a frame, [`Error::NoTruth`] when it has no labels.
+pub(crate) fn load(path: &Path, camera: Option<&GridCamera>) -> Result<Scene> {
+    let open = |camera| open_frame(path, &Given { camera, ..Given::default() });
+    let capture = match open(camera.copied()) {
+        Ok(capture) if capture.list.as_ref().is_some_and(|list| list.is_virtual) => open(Some(CAMERA)),
+        Err(objecthood_io::Error::At { error, .. })
+            if camera.is_none() && matches!(*error, objecthood_io::Error::NoView { .. }) =>
+        {
+            open(Some(CAMERA))
+        }
+        capture => capture,
+    }?;
+    let raw = capture.truth.ok_or_else(|| Error::NoTruth { path: path.to_owned() })?;
+    Ok(Scene { frame: capture.frame, truth: truth_of(&raw)? })
 }
 
 /// The truth behind raw labels: the table 1, objects renumbered 2.. by ascending label, parts likewise.
@@ -241,7 +156,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a1.pcd");
         fs::write(&path, content).unwrap();
-        SceneRef { name: "a1".to_owned(), folder: "a".to_owned(), path }.load(camera)
+        load(&path, camera)
     }
 
     #[test]
@@ -271,7 +186,7 @@ mod tests {
         let scene = |name: &str, content: &str| {
             let path = folder.path().join(name);
             fs::write(&path, content).unwrap();
-            SceneRef { name: name.to_owned(), folder: String::new(), path }
+            SceneRef { name: name.to_owned(), folder: String::new(), path, layout: Layout::Labelled }
         };
         let mut scenes = vec![
             scene("labelled", &pcd(4, "x y z label")),
@@ -284,42 +199,6 @@ mod tests {
         let names = |scenes: &[SceneRef]| scenes.iter().map(|s| s.name.clone()).collect::<Vec<_>>();
         assert_eq!(names(&take_unlabelled(&mut scenes)), ["plain"]);
         assert_eq!(names(&scenes), ["labelled", "cut", "noise", "gone"]);
-    }
-
-    #[test]
-    fn scenes_are_sorted_by_folder_and_number() {
-        let root = tempfile::tempdir().unwrap();
-        let touch = |name: &str| {
-            let path = root.path().join(name);
-            fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::write(path, "").unwrap();
-        };
-        let names = |split: &str| -> Vec<String> {
-            scenes(root.path(), &split.parse().unwrap()).unwrap().into_iter().map(|s| s.name).collect()
-        };
-        for name in ["learn/learn10.pcd", "learn/learn9.pcd", "learn/learn011b.pcd", "learn/none.pcd"] {
-            touch(name);
-        }
-        for other in ["learn/notes.txt", "learn/.learn1.pcd", ".git/a1.pcd", "a0.pcd", "empty/readme"] {
-            touch(other);
-        }
-        touch("all2/x1.PCD");
-        assert_eq!(names("learn"), ["none", "learn9", "learn10", "learn011b"]);
-        assert_eq!(names("all"), ["x1", "none", "learn9", "learn10", "learn011b"]);
-
-        let error = scenes(root.path(), &Split::Folder("test".to_owned())).unwrap_err().to_string();
-        assert!(
-            error.ends_with("no scenes of split `test`: the splits there are: all, all2, empty, learn"),
-            "{error}"
-        );
-        let error = scenes(&root.path().join("learn"), &Split::All).unwrap_err().to_string();
-        assert!(error.contains("folder that holds the folders"), "{error}");
-        let error = scenes(&root.path().join("nowhere"), &Split::All).unwrap_err();
-        assert!(matches!(error, Error::ReadFolder { .. }));
-
-        touch("other/learn9.pcd");
-        assert!(matches!(scenes(root.path(), &Split::All), Err(Error::SameName { .. })));
-        assert_eq!(names("other"), ["learn9"]);
     }
 
     #[test]

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use objecthood::{Camera, Observer, Output, Raster, Segments};
 use objecthood_eval::{
-    Error, LabelFolder, Prediction, Scene, SceneRef, Split, StageObserver, evaluate, evaluate_settings, mosd,
+    Error, LabelFolder, Prediction, Scene, SceneRef, Split, StageObserver, evaluate, evaluate_settings,
+    scenes,
 };
 use objecthood_io::label_image;
 
@@ -33,7 +34,7 @@ fn data_set() -> (tempfile::TempDir, Vec<SceneRef>) {
     for k in 0..20 {
         write_scene(&root.path().join(format!("few/s{k}.pcd")), 1 + k % 11);
     }
-    let scenes = mosd::scenes(root.path(), &Split::All).expect("scenes");
+    let scenes = scenes(root.path(), &Split::All).expect("scenes");
     (root, scenes)
 }
 

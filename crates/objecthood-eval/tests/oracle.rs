@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use objecthood::Raster;
-use objecthood_eval::{LabelFolder, Report, SceneRef, Split, Truth, VerdictCounts, evaluate, mosd};
+use objecthood_eval::{LabelFolder, Report, SceneRef, Split, Truth, VerdictCounts, evaluate, scenes};
 use objecthood_io::label_image;
 
 /// Where everything is, or why the test cannot run.
@@ -112,7 +112,7 @@ fn the_reference_label_images_score_as_the_oracle_says() {
     if !reference.is_dir() {
         return println!("skipped: no reference label images beside the data");
     }
-    let scenes = mosd::scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
+    let scenes = scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
     for suffix in [".paper.png", ".context.png"] {
         let labels = LabelFolder { path: reference.clone(), suffix: suffix.to_owned() };
         assert_eq!(ours(&scenes, &labels).1, oracle(&python, &data, &labels), "{suffix}");
@@ -130,7 +130,7 @@ fn damaged_label_images_score_as_the_oracle_says() {
     if !reference.path.is_dir() {
         return println!("skipped: no reference label images beside the data");
     }
-    let scenes = mosd::scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
+    let scenes = scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let mut seen = VerdictCounts::default();
     // Every scene is damaged in another way in each round.

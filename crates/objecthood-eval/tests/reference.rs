@@ -3,7 +3,7 @@
 mod common;
 
 use objecthood_eval::{
-    Error, LabelFolder, Prediction, Report, Split, VerdictsTable, evaluate, evaluate_settings, ladder, mosd,
+    Error, LabelFolder, Prediction, Report, Split, VerdictsTable, evaluate, evaluate_settings, ladder, scenes,
 };
 use serde_json::Value;
 
@@ -65,7 +65,7 @@ fn the_reference_label_images_score_as_recorded() {
         return;
     };
     let scores: Value = serde_json::from_str(&scores).unwrap();
-    let scenes = mosd::scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
+    let scenes = scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
     assert_eq!(scenes.len(), 45);
 
     for (method, line) in [
@@ -127,7 +127,7 @@ fn context_gives_the_reference_label_maps_pixel_for_pixel() {
     params.flat.enabled = false;
     params.seams.enabled = false;
     params.necks.enabled = false;
-    let scenes = mosd::scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
+    let scenes = scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
     for reference in &scenes {
         let scene = reference.load(None).unwrap();
         let found = objecthood::discover(&scene.frame, &params).unwrap();
@@ -148,7 +148,7 @@ fn the_ladder_climbs_as_that_of_the_reference() {
         println!("skipped: no mOSD here (set OBJECTHOOD_DATA)");
         return;
     };
-    let scenes = mosd::scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
+    let scenes = scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();
     let params = objecthood::Params { method: objecthood::Method::Context, ..Default::default() };
     let rungs = [(0, 91), (7, 94), (8, 104), (9, 105)];
     let settings = rungs.map(|(rung, _)| ladder(&params)[rung].clone());

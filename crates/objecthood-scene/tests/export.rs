@@ -1,7 +1,7 @@
 //! What is written is read back by the readers of the project.
 #![allow(clippy::unwrap_used, reason = "what fails is reported so")]
 
-use objecthood_eval::mosd::{self, Split};
+use objecthood_eval::{Split, scenes};
 use objecthood_io::{formats::pcd, label_image};
 use objecthood_scene::{Family, Rendered, Role, Sensor, World, export, generate, render};
 
@@ -48,7 +48,7 @@ fn eval_reads_the_point_cloud() {
     let root = tempfile::tempdir().unwrap();
     std::fs::create_dir(root.path().join("synthetic")).unwrap();
     std::fs::write(root.path().join("synthetic/scene0.pcd"), export::pcd(&world, &rendered, true)).unwrap();
-    let scenes = mosd::scenes(root.path(), &Split::All).unwrap();
+    let scenes = scenes(root.path(), &Split::All).unwrap();
     let scene = scenes[0].load(None).unwrap();
     let (fit, given) = (scene.frame.camera(), rendered.frame.camera());
     assert!((fit.fx_px - given.fx_px).abs() < 0.01 && (fit.cy_px - given.cy_px).abs() < 0.01, "{fit:?}");

@@ -13,7 +13,8 @@ use super::settings::{MethodName, Settings};
 
 /// Score a method, or label images that you have, on a data set with ground truth.
 ///
-/// ROOT holds folders of labelled point clouds laid out like the data set mOSD. With --family and --support no data set is
+/// ROOT holds folders of labelled point clouds laid out like the data set mOSD, or is the data set OSD, OCID or one in the layout of BOP
+/// with masks of visible objects. With --family and --support no data set is
 /// needed: they score objects, or what stands on what, in synthetic scenes. With --tracks and --truth it scores what `track`, or any
 /// other program, says of videos.
 #[derive(Debug, Args)]
@@ -23,7 +24,7 @@ pub(crate) struct EvalArgs {
     #[arg(value_name = "ROOT", required_unless_present_any = ["support", "family", "tracks"])]
     pub(crate) root: Option<PathBuf>,
 
-    /// Which of its folders to score: learn, test, any other name, or all.
+    /// Which of its folders to score: learn, test, any other name, or all. Of OSD the beginning of the names, of OCID the first folder.
     #[arg(long, value_name = "FOLDER", default_value = "all")]
     pub(crate) split: String,
 
@@ -101,7 +102,7 @@ pub(crate) struct EvalArgs {
     #[arg(long)]
     pub(crate) per_scene: bool,
 
-    /// Camera of the scenes, in pixels [default: the Kinect that took mOSD].
+    /// Camera of the scenes, in pixels [default: what the files say or their points fit; else the Kinect that took mOSD].
     #[arg(long, value_name = "FX,FY,CX,CY[,WIDTH,HEIGHT]")]
     pub(crate) camera: Option<GridCamera>,
 

@@ -8,7 +8,7 @@ use objecthood::surface::disparity::DisparitySpace;
 
 use super::polygon::Polygon;
 use super::table::{Table, position};
-use crate::mosd::Scene;
+use crate::dataset::Scene;
 use crate::truth::Truth;
 
 /// Objects whose lowest point is higher (m) stand on something else, which hides their foot.

@@ -10,7 +10,7 @@ use objecthood_scene::random::Rng;
 use super::canvas::Canvas;
 use super::morphology::Mask;
 use super::polygon::Polygon;
-use crate::mosd::Scene;
+use crate::dataset::Scene;
 
 /// So near to an object (px) pixels of the table are not its own: mixed depth, and colour registered askew.
 const FRINGE_PX: usize = 5;

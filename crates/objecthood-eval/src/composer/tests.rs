@@ -6,7 +6,7 @@ use glam::Vec3;
 use objecthood_scene::{Family, Sensor, export, generate, render};
 
 use super::*;
-use crate::mosd::Split;
+use crate::dataset::{Split, scenes};
 
 /// mOSD, from `OBJECTHOOD_DATA` or beside the workspace.
 fn data() -> Option<PathBuf> {
@@ -20,7 +20,7 @@ fn data() -> Option<PathBuf> {
 }
 
 fn composer(root: &Path) -> Composer {
-    let scenes = mosd::scenes(root, &Split::Folder("learn".to_owned())).unwrap();
+    let scenes = scenes(root, &Split::Folder("learn".to_owned())).unwrap();
     Composer::new(&scenes, None, &params::Sensor::default()).unwrap()
 }
 

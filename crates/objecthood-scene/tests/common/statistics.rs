@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use objecthood_eval::mosd::{self, ROLES, Split};
+use objecthood_eval::mosd::ROLES;
+use objecthood_eval::{Split, scenes};
 
 /// docs/CONTEXT.md 0.2: what a Kinect v1 resolves.
 const QUANTUM_PER_M: f64 = 0.00285;
@@ -38,7 +39,7 @@ impl Statistics {
         let (mut fits, mut tables) = (Vec::new(), Vec::new());
         let (mut at_borders, mut missing) = (0, 0);
         let mut beside = [[0_usize; 2]; 4];
-        for scene in mosd::scenes(root, &Split::Folder("learn".into())).unwrap() {
+        for scene in scenes(root, &Split::Folder("learn".into())).unwrap() {
             let scene = scene.load(None).unwrap();
             let (width, height) = scene.frame.size();
             let quanta = |z: &f32| 1.0 / (f64::from(*z) * QUANTUM_PER_M);
