@@ -6,6 +6,7 @@
 //! some ten bytes a message.
 
 mod bytes;
+mod chunk;
 mod cloud;
 mod error;
 mod fields;
@@ -22,8 +23,9 @@ mod tree;
 mod unpack;
 
 pub(crate) use bytes::{Bytes, Window, read};
+pub(crate) use chunk::{Chunked, Records, each_record, place_in};
 pub use error::RecordingError;
 pub(crate) use fields::{Fields, Problem, Wire};
 pub(crate) use log::{Channel, Entry, Log, Messages, Place};
 pub(crate) use open::{Opener, open};
-pub(crate) use unpack::{Packed, Unpacked};
+pub(crate) use unpack::Packed;

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 
 use super::{Format, RecordingFormat};
 use crate::recording::{
-    Bytes, Channel, Entry, Fields, Log, Messages, Packed, Place, Problem, RecordingError, Unpacked, Window,
-    Wire, read,
+    Bytes, Channel, Chunked, Entry, Fields, Log, Packed, Problem, RecordingError, Records, Window, Wire,
+    each_record, place_in, read,
 };
 
 pub(super) const FORMAT: Format =
@@ -36,7 +36,7 @@ fn log(bytes: Box<dyn Bytes>) -> Result<Log, RecordingError> {
     let mut scan = Scan::default();
     let cut_at = scan.file(&*bytes)?;
     let Scan { channels, entries, .. } = scan;
-    Ok(Log { channels, entries, cut_at, messages: Box::new(Bag { bytes, unpacked: Unpacked::default() }) })
+    Ok(Log { channels, entries, cut_at, messages: Box::new(Chunked::<Record>::new(bytes)) })
 }
 
 /// The head of a record.
@@ -69,27 +69,45 @@ impl Record {
     }
 }
 
-/// The record at `at`; `None` when the bytes end before its end.
-fn record(window: &mut Window<'_>, at: u64, len: u64) -> Result<Option<Record>, RecordingError> {
-    let size = |bytes: Option<&[u8]>| bytes.and_then(|bytes| Fields::packed(bytes).u32().ok()).map(u64::from);
-    let Some(header_size) = size(window.get(at, 4)?) else { return Ok(None) };
-    if header_size > MAX_HEADER {
-        return Err(damaged(at, "a record has a header of more than 1 MB"));
-    }
-    let Some(header) = window.get(at + 4, header_size as usize)?.map(<[u8]>::to_vec) else { return Ok(None) };
-    let Some(data_size) = size(window.get(at + 4 + header_size, 4)?) else { return Ok(None) };
-    let at = at + 8 + header_size;
-    Ok((at + data_size <= len).then_some(Record { header, at, end: at + data_size }))
-}
+impl Records for Record {
+    const NAME: &'static str = NAME;
 
-/// The chunk of a record.
-fn packed(record: &Record) -> Result<Packed, RecordingError> {
-    Ok(Packed {
-        compression: record.field(b"compression").to_vec(),
-        at: record.at,
-        packed: record.end - record.at,
-        unpacked: record.number(b"size")?.into(),
-    })
+    fn read(window: &mut Window<'_>, at: u64, len: u64) -> Result<Option<Self>, RecordingError> {
+        let size =
+            |bytes: Option<&[u8]>| bytes.and_then(|bytes| Fields::packed(bytes).u32().ok()).map(u64::from);
+        let Some(header_size) = size(window.get(at, 4)?) else { return Ok(None) };
+        if header_size > MAX_HEADER {
+            return Err(damaged(at, "a record has a header of more than 1 MB"));
+        }
+        let Some(header) = window.get(at + 4, header_size as usize)?.map(<[u8]>::to_vec) else {
+            return Ok(None);
+        };
+        let Some(data_size) = size(window.get(at + 4 + header_size, 4)?) else { return Ok(None) };
+        let at = at + 8 + header_size;
+        Ok((at + data_size <= len).then_some(Self { header, at, end: at + data_size }))
+    }
+
+    fn end(&self) -> u64 {
+        self.end
+    }
+
+    fn packed(&self, _: &dyn Bytes) -> Result<Packed, RecordingError> {
+        Ok(Packed {
+            compression: self.field(b"compression").to_vec(),
+            at: self.at,
+            packed: self.end - self.at,
+            unpacked: self.number(b"size")?.into(),
+        })
+    }
+
+    fn message(bytes: &dyn Bytes, at: u64) -> Result<Vec<u8>, RecordingError> {
+        match Self::read(&mut Window::new(bytes), at, bytes.len())? {
+            Some(record) if record.op() == Some(op::MESSAGE) => {
+                read(bytes, record.at, record.end - record.at)
+            }
+            _ => Err(damaged(at, "no message is where its list says")),
+        }
+    }
 }
 
 /// What was listed so far.
@@ -108,11 +126,11 @@ impl Scan {
         let mut at = MAGIC.len() as u64;
         let mut chunk = None;
         while at < bytes.len() {
-            let Some(record) = record(&mut window, at, bytes.len())? else { return Ok(Some(at)) };
+            let Some(record) = Record::read(&mut window, at, bytes.len())? else { return Ok(Some(at)) };
             match record.op() {
                 Some(op::CHUNK) => {
-                    let packed = packed(&record)?;
-                    let next = self::record(&mut window, record.end, bytes.len())?;
+                    let packed = record.packed(bytes)?;
+                    let next = Record::read(&mut window, record.end, bytes.len())?;
                     if next.is_none_or(|next| next.op() != Some(op::INDEX)) {
                         self.chunk(bytes, at, &packed)?;
                     }
@@ -133,24 +151,18 @@ impl Scan {
 
     /// Lists the records of a chunk that has no lists of its messages.
     fn chunk(&mut self, bytes: &dyn Bytes, at: u64, packed: &Packed) -> Result<(), RecordingError> {
-        let content = packed.unpack(bytes, NAME)?;
-        let mut window = Window::new(&content);
-        let mut inside = 0;
-        while let Some(record) = record(&mut window, inside, content.len() as u64)? {
-            match record.op() {
-                Some(op::CONNECTION) => self.connect(&content, &record)?,
-                Some(op::MESSAGE) => {
-                    let time_ns =
-                        time_ns(record.field(b"time")).map_err(|_| damaged(at, "a message has no time"))?;
-                    if let Some(channel) = self.numbers.get(&record.number(b"conn")?).copied().flatten() {
-                        self.entries.push(Entry { time_ns, channel, place: place(at, packed, inside) });
-                    }
+        each_record(packed, bytes, |content, record: &Record, inside| match record.op() {
+            Some(op::CONNECTION) => self.connect(content, record),
+            Some(op::MESSAGE) => {
+                let time_ns = time_ns(record.field(b"time"));
+                let time_ns = time_ns.map_err(|_| damaged(at, "a message has no time"))?;
+                if let Some(channel) = self.numbers.get(&record.number(b"conn")?).copied().flatten() {
+                    self.entries.push(Entry { time_ns, channel, place: place_in(at, packed, inside) });
                 }
-                _ => {}
+                Ok(())
             }
-            inside = record.end;
-        }
-        Ok(())
+            _ => Ok(()),
+        })
     }
 
     /// Takes a connection. The first one of a number holds.
@@ -183,7 +195,11 @@ impl Scan {
             return Err(damaged(record.at, "a list of more than a million messages"));
         }
         if !self.numbers.contains_key(&number) {
-            self.learn(bytes, packed)?;
+            // The connections stand in the chunk.
+            each_record(packed, bytes, |content, record: &Record, _| match record.op() {
+                Some(op::CONNECTION) => self.connect(content, record),
+                _ => Ok(()),
+            })?;
         }
         let Some(channel) = self.numbers.get(&number).copied().flatten() else { return Ok(()) };
         let content = read(bytes, record.at, record.end - record.at)?;
@@ -192,21 +208,7 @@ impl Scan {
             let wrong = |_: Problem| damaged(record.at, "a list of messages is too short");
             let (time_ns, inside) =
                 (time_ns(time).map_err(wrong)?, Fields::packed(inside).u32().map_err(wrong)?);
-            self.entries.push(Entry { time_ns, channel, place: place(at, packed, inside.into()) });
-        }
-        Ok(())
-    }
-
-    /// Takes the connections that stand in a chunk.
-    fn learn(&mut self, bytes: &dyn Bytes, packed: &Packed) -> Result<(), RecordingError> {
-        let content = packed.unpack(bytes, NAME)?;
-        let mut window = Window::new(&content);
-        let mut inside = 0;
-        while let Some(record) = record(&mut window, inside, content.len() as u64)? {
-            if record.op() == Some(op::CONNECTION) {
-                self.connect(&content, &record)?;
-            }
-            inside = record.end;
+            self.entries.push(Entry { time_ns, channel, place: place_in(at, packed, inside.into()) });
         }
         Ok(())
     }
@@ -218,38 +220,6 @@ fn time_ns(field: &[u8]) -> Result<i64, Problem> {
     Ok(i64::from(fields.u32()?) * 1_000_000_000 + i64::from(fields.u32()?))
 }
 
-/// The place of a message `inside` a chunk whose record is at `at`. In a plain chunk it is one of the file.
-fn place(at: u64, packed: &Packed, inside: u64) -> Place {
-    if packed.is_plain() { Place(0, packed.at.saturating_add(inside)) } else { Place(at, inside) }
-}
-
 fn damaged(at: u64, problem: &str) -> RecordingError {
     RecordingError::Damaged { format: NAME, at, problem: problem.to_owned() }
-}
-
-/// Reads messages.
-struct Bag {
-    bytes: Box<dyn Bytes>,
-    unpacked: Unpacked,
-}
-
-impl Messages for Bag {
-    fn read(&self, Place(chunk, at): Place) -> Result<Vec<u8>, RecordingError> {
-        if chunk == 0 {
-            return message(&*self.bytes, at);
-        }
-        let content = self.unpacked.get(chunk, || {
-            let record = record(&mut Window::new(&*self.bytes), chunk, self.bytes.len())?;
-            packed(&record.ok_or(RecordingError::Cut { at: chunk })?)?.unpack(&*self.bytes, NAME)
-        })?;
-        message(&*content, at)
-    }
-}
-
-/// The data of the message whose record is at `at`.
-fn message(bytes: &dyn Bytes, at: u64) -> Result<Vec<u8>, RecordingError> {
-    match record(&mut Window::new(bytes), at, bytes.len())? {
-        Some(record) if record.op() == Some(op::MESSAGE) => read(bytes, record.at, record.end - record.at),
-        _ => Err(damaged(at, "no message is where its list says")),
-    }
 }

@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 
 use super::{Format, RecordingFormat};
 use crate::recording::{
-    Bytes, Channel, Entry, Fields, Log, Messages, Packed, Place, Problem, RecordingError, Unpacked, Window,
-    Wire, read,
+    Bytes, Channel, Chunked, Entry, Fields, Log, Packed, Place, Problem, RecordingError, Records, Window,
+    Wire, each_record, place_in, read,
 };
 
 pub(super) const FORMAT: Format = Format::Recording(RecordingFormat {
@@ -47,7 +47,7 @@ fn log(bytes: Box<dyn Bytes>) -> Result<Log, RecordingError> {
     let mut scan = Scan::default();
     let cut_at = scan.file(&*bytes)?;
     let Scan { channels, entries, .. } = scan;
-    Ok(Log { channels, entries, cut_at, messages: Box::new(Mcap { bytes, unpacked: Unpacked::default() }) })
+    Ok(Log { channels, entries, cut_at, messages: Box::new(Chunked::<Record>::new(bytes)) })
 }
 
 /// The head of a record.
@@ -58,34 +58,50 @@ struct Record {
     end: u64,
 }
 
-/// The record at `at`; `None` when the file ends before its end.
-fn record(window: &mut Window<'_>, at: u64, len: u64) -> Result<Option<Record>, RecordingError> {
-    let Some(head) = window.get(at, RECORD_HEAD as usize)? else { return Ok(None) };
-    let (op, count) = (head[0], head[1..].iter().rev().fold(0, |count, &byte| count << 8 | u64::from(byte)));
-    let at = at + RECORD_HEAD;
-    Ok(at.checked_add(count).filter(|&end| end <= len).map(|end| Record { op, at, end }))
-}
+impl Records for Record {
+    const NAME: &'static str = NAME;
 
-/// The chunk whose record is at `record`.
-fn packed(bytes: &dyn Bytes, record: &Record) -> Result<Packed, RecordingError> {
-    let damaged = |problem: Problem| RecordingError::Damaged { format: NAME, at: record.at, problem };
-    // The name of a compression has a few letters.
-    let count = (record.end - record.at).min(CHUNK_HEAD + 64);
-    let head = read(bytes, record.at, count)?;
-    let parse = || {
-        let fields = &mut Fields::packed(&head);
-        fields.raw(16)?;
-        let unpacked = fields.u64()?;
-        fields.u32()?;
-        let compression = fields.text()?.to_vec();
-        Ok::<_, Problem>((unpacked, compression, fields.u64()?, fields.taken() as u64))
-    };
-    let (unpacked, compression, packed, taken) = parse().map_err(damaged)?;
-    let at = record.at + taken;
-    if at.checked_add(packed).is_none_or(|end| end > record.end) {
-        return Err(damaged("its chunk is longer than its record".to_owned()));
+    fn read(window: &mut Window<'_>, at: u64, len: u64) -> Result<Option<Self>, RecordingError> {
+        let Some(head) = window.get(at, RECORD_HEAD as usize)? else { return Ok(None) };
+        let count = head[1..].iter().rev().fold(0, |count, &byte| count << 8 | u64::from(byte));
+        let (op, at) = (head[0], at + RECORD_HEAD);
+        Ok(at.checked_add(count).filter(|&end| end <= len).map(|end| Self { op, at, end }))
     }
-    Ok(Packed { compression, at, packed, unpacked })
+
+    fn end(&self) -> u64 {
+        self.end
+    }
+
+    fn packed(&self, bytes: &dyn Bytes) -> Result<Packed, RecordingError> {
+        // The name of a compression has a few letters.
+        let count = (self.end - self.at).min(CHUNK_HEAD + 64);
+        let head = read(bytes, self.at, count)?;
+        let parse = || {
+            let fields = &mut Fields::packed(&head);
+            fields.raw(16)?;
+            let unpacked = fields.u64()?;
+            fields.u32()?;
+            let compression = fields.text()?.to_vec();
+            Ok::<_, Problem>((unpacked, compression, fields.u64()?, fields.taken() as u64))
+        };
+        let (unpacked, compression, packed, taken) = parse().map_err(|problem| damaged(self.at, &problem))?;
+        let at = self.at + taken;
+        if at.checked_add(packed).is_none_or(|end| end > self.end) {
+            return Err(damaged(self.at, "its chunk is longer than its record"));
+        }
+        Ok(Packed { compression, at, packed, unpacked })
+    }
+
+    fn message(bytes: &dyn Bytes, at: u64) -> Result<Vec<u8>, RecordingError> {
+        let head = read(bytes, at, RECORD_HEAD)?;
+        let record = Self::read(&mut Window::new(&head), 0, u64::MAX)?;
+        let Some(Self { op: op::MESSAGE, end, .. }) = record else {
+            return Err(damaged(at, "no message is where its list says"));
+        };
+        let count = (end - RECORD_HEAD).checked_sub(MESSAGE_HEAD);
+        let count = count.ok_or_else(|| damaged(at, "a message without a head"))?;
+        read(bytes, at.saturating_add(RECORD_HEAD + MESSAGE_HEAD), count)
+    }
 }
 
 /// What was listed so far.
@@ -106,11 +122,11 @@ impl Scan {
         let mut at = MAGIC.len() as u64;
         let mut chunk = None;
         while at < bytes.len() {
-            let Some(record) = record(&mut window, at, bytes.len())? else { return Ok(Some(at)) };
+            let Some(record) = Record::read(&mut window, at, bytes.len())? else { return Ok(Some(at)) };
             match record.op {
                 op::FOOTER | op::DATA_END => return Ok(None),
                 op::CHUNK => {
-                    let packed = packed(bytes, &record)?;
+                    let packed = record.packed(bytes)?;
                     let next = window.get(record.end, 1)?.map(|op| op[0]);
                     if next != Some(op::MESSAGE_INDEX) {
                         self.chunk(bytes, at, &packed)?;
@@ -131,14 +147,9 @@ impl Scan {
 
     /// Lists the records of a chunk that has no lists of its messages.
     fn chunk(&mut self, bytes: &dyn Bytes, at: u64, packed: &Packed) -> Result<(), RecordingError> {
-        let content = packed.unpack(bytes, NAME)?;
-        let mut window = Window::new(&content);
-        let mut inside = 0;
-        while let Some(record) = record(&mut window, inside, content.len() as u64)? {
-            self.record(&content, &record, place(at, packed, inside))?;
-            inside = record.end;
-        }
-        Ok(())
+        each_record(packed, bytes, |content, record, inside| {
+            self.record(content, record, place_in(at, packed, inside))
+        })
     }
 
     /// Takes a message, or the declaration of a type or a channel.
@@ -206,7 +217,11 @@ impl Scan {
         let head = read(bytes, record.at, (record.end - record.at).min(2))?;
         let number = Fields::packed(&head).u16().map_err(damaged)?;
         if !self.numbers.contains_key(&number) {
-            self.learn(bytes, packed)?;
+            // The declarations stand in the chunk.
+            each_record(packed, bytes, |content, record: &Record, inside| match record.op {
+                op::MESSAGE => Ok(()),
+                _ => self.record(content, record, Place(0, inside)),
+            })?;
         }
         let Some(channel) = self.numbers.get(&number).copied().flatten() else { return Ok(()) };
         let content = read(bytes, record.at, record.end - record.at)?;
@@ -218,66 +233,13 @@ impl Scan {
             self.entries.push(Entry {
                 time_ns: time_ns.cast_signed(),
                 channel,
-                place: place(at, packed, inside),
+                place: place_in(at, packed, inside),
             });
         }
         Ok(())
     }
-
-    /// Takes the declarations that stand in a chunk.
-    fn learn(&mut self, bytes: &dyn Bytes, packed: &Packed) -> Result<(), RecordingError> {
-        let content = packed.unpack(bytes, NAME)?;
-        let mut window = Window::new(&content);
-        let mut inside = 0;
-        while let Some(record) = record(&mut window, inside, content.len() as u64)? {
-            if record.op != op::MESSAGE {
-                self.record(&content, &record, Place(0, inside))?;
-            }
-            inside = record.end;
-        }
-        Ok(())
-    }
-}
-
-/// The place of a message `inside` a chunk whose record is at `at`. In a plain chunk it is one of the file.
-fn place(at: u64, packed: &Packed, inside: u64) -> Place {
-    if packed.is_plain() { Place(0, packed.at.saturating_add(inside)) } else { Place(at, inside) }
 }
 
 fn damaged(at: u64, problem: &str) -> RecordingError {
     RecordingError::Damaged { format: NAME, at, problem: problem.to_owned() }
-}
-
-/// Reads messages.
-struct Mcap {
-    bytes: Box<dyn Bytes>,
-    unpacked: Unpacked,
-}
-
-impl Messages for Mcap {
-    fn read(&self, Place(chunk, at): Place) -> Result<Vec<u8>, RecordingError> {
-        if chunk == 0 {
-            return message(&*self.bytes, at);
-        }
-        let content = self.unpacked.get(chunk, || {
-            let mut window = Window::new(&*self.bytes);
-            let record = record(&mut window, chunk, self.bytes.len())?;
-            let record = record.ok_or(RecordingError::Cut { at: chunk })?;
-            packed(&*self.bytes, &record)?.unpack(&*self.bytes, NAME)
-        })?;
-        message(&*content, at)
-    }
-}
-
-/// The data of the message whose record is at `at`.
-fn message(bytes: &dyn Bytes, at: u64) -> Result<Vec<u8>, RecordingError> {
-    let head = read(bytes, at, RECORD_HEAD)?;
-    let record = record(&mut Window::new(&head), 0, u64::MAX)?;
-    let Some(Record { op: op::MESSAGE, end, .. }) = record else {
-        return Err(damaged(at, "no message is where its list says"));
-    };
-    let count = (end - RECORD_HEAD)
-        .checked_sub(MESSAGE_HEAD)
-        .ok_or_else(|| damaged(at, "a message without a head"))?;
-    read(bytes, at.saturating_add(RECORD_HEAD + MESSAGE_HEAD), count)
 }

@@ -116,7 +116,8 @@ impl Database {
         pages_left: &mut u64,
         visit: &mut dyn FnMut(&Row<'_>) -> Result<(), RecordingError>,
     ) -> Result<(), RecordingError> {
-        *pages_left = pages_left.checked_sub(1).ok_or_else(|| damaged(0, "its pages lead in circles"))?;
+        let left = pages_left.checked_sub(1).filter(|_| depth <= MAX_DEPTH);
+        *pages_left = left.ok_or_else(|| damaged(0, "its pages lead in circles"))?;
         let (content, head) = self.page(page)?;
         let wrong = |problem: &str| damaged(u64::from(page) * self.page_size, problem);
         let kind = content[head];
@@ -132,27 +133,14 @@ impl Database {
                 visit(&Row { id: cell.id, place, cell })?;
             } else {
                 let child = page_number(&content, at).ok_or_else(|| wrong("a page leads nowhere"))?;
-                self.below(child, depth, pages_left, visit)?;
+                self.walk(child, depth + 1, pages_left, visit)?;
             }
         }
         if kind == INTERIOR {
             let last = page_number(&content, head + 8).ok_or_else(|| wrong("a page leads nowhere"))?;
-            self.below(last, depth, pages_left, visit)?;
+            self.walk(last, depth + 1, pages_left, visit)?;
         }
         Ok(())
-    }
-
-    fn below(
-        &self,
-        page: u32,
-        depth: usize,
-        pages_left: &mut u64,
-        visit: &mut dyn FnMut(&Row<'_>) -> Result<(), RecordingError>,
-    ) -> Result<(), RecordingError> {
-        if depth >= MAX_DEPTH {
-            return Err(damaged(0, "its pages lead in circles"));
-        }
-        self.walk(page, depth + 1, pages_left, visit)
     }
 
     /// A page of a table, and where its head begins.
