@@ -4,26 +4,16 @@
 
 mod common;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use common::photo::png;
-use common::{Folder, command, workspace};
+use common::{Folder, command, data};
 use image::{DynamicImage, ImageBuffer, Luma, RgbImage, imageops};
 use serde_json::Value;
 
 type Depth = ImageBuffer<Luma<u16>, Vec<u16>>;
 
 const TABLETOP: [f64; 4] = [612.937, 613.173, 322.549, 248.158];
-
-fn data() -> Option<PathBuf> {
-    let data =
-        std::env::var_os("OBJECTHOOD_DATA").map_or_else(|| workspace().join("../shared/data"), PathBuf::from);
-    let is_there = ["stills", "video", "mosd"].iter().all(|set| data.join(set).is_dir());
-    if !is_there {
-        println!("skipped: no stills in the data folder, which OBJECTHOOD_DATA names");
-    }
-    is_there.then_some(data)
-}
 
 /// What doctor says: certainty and cause of every doubt.
 fn doubts(folder: &Path, arguments: &[String]) -> Vec<(String, String)> {

@@ -4,9 +4,9 @@
 
 mod common;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use common::{Folder, command, workspace};
+use common::{Folder, command, data};
 use image::{DynamicImage, ImageBuffer, Luma, RgbImage, imageops};
 use objecthood::plausibility::find_doubts;
 use objecthood_io::images::{ImageFiles, source_of};
@@ -19,16 +19,6 @@ struct Still {
     depth: ImageBuffer<Luma<u16>, Vec<u16>>,
     camera: [f64; 4],
     scale: f64,
-}
-
-fn data() -> Option<PathBuf> {
-    let data =
-        std::env::var_os("OBJECTHOOD_DATA").map_or_else(|| workspace().join("../shared/data"), PathBuf::from);
-    let is_there = ["stills", "video", "mosd"].iter().all(|set| data.join(set).is_dir());
-    if !is_there {
-        println!("skipped: no stills in the data folder, which OBJECTHOOD_DATA names");
-    }
-    is_there.then_some(data)
 }
 
 impl Still {

@@ -108,6 +108,17 @@ impl Folder {
     }
 }
 
+/// The folder of real data, or nothing and a line that says so.
+pub(crate) fn data() -> Option<PathBuf> {
+    let data =
+        std::env::var_os("OBJECTHOOD_DATA").map_or_else(|| workspace().join("../shared/data"), PathBuf::from);
+    let is_there = ["stills", "video", "mosd"].iter().all(|set| data.join(set).is_dir());
+    if !is_there {
+        println!("skipped: no stills in the data folder, which OBJECTHOOD_DATA names");
+    }
+    is_there.then_some(data)
+}
+
 /// The scenes of mOSD's folder `learn`, or nothing and a line that says so.
 pub(crate) fn mosd() -> Option<PathBuf> {
     let data =
