@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use anyhow::Result;
 use objecthood::Camera;
-use objecthood_io::Capture;
+use objecthood_io::{Capture, Topic};
 use serde_json::json;
 
 use crate::args::{CameraArg, InfoArgs};
@@ -18,13 +18,18 @@ use crate::{inputs, terminal};
 /// Of usage; when the first frame cannot be read; when stdout cannot be written.
 pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
     let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
-    let Inputs { frames, unreadable, notices, .. } = inputs::collect(&args.frames, true, camera.as_ref())?;
+    let Inputs { frames, unreadable, notices, topics, .. } =
+        inputs::collect(&args.frames, true, camera.as_ref())?;
     notices.iter().for_each(|notice| terminal::note(notice));
     unreadable.iter().for_each(terminal::error);
     let Some(first) = frames.first() else { return Ok(Outcome::SomeFailed) };
     let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
     let capture = args.frames.read(first, &scope)?;
-    terminal::print(&if args.json { as_json(&frames, &capture) } else { as_text(&frames, &capture) })?;
+    terminal::print(&if args.json {
+        as_json(&frames, &capture, &topics)
+    } else {
+        as_text(&frames, &capture, &topics)
+    })?;
     Ok(if unreadable.is_empty() { Outcome::AllDone } else { Outcome::SomeFailed })
 }
 
@@ -44,10 +49,13 @@ fn source_of_camera(capture: &Capture) -> &'static str {
     }
 }
 
-fn as_json(frames: &[Input], first: &Capture) -> String {
+fn as_json(frames: &[Input], first: &Capture, topics: &[Topic]) -> String {
     let (width, height) = first.frame.size();
     let Camera { fx_px, fy_px, cx_px, cy_px } = first.frame.camera();
     let names = frames.iter().map(|input| input.name.display().to_string());
+    let topics = topics
+        .iter()
+        .map(|Topic { name, kind, messages }| json!({"name": name, "type": kind, "messages": messages}));
     let value = json!({
         "frames": frames.len(),
         "names": names.collect::<Vec<_>>(),
@@ -60,11 +68,12 @@ fn as_json(frames: &[Input], first: &Capture) -> String {
         "has_poses": first.pose.is_some(),
         "has_truth": first.truth.is_some(),
         "points": first.list.as_ref().map(|list| list.points_m.len()),
+        "topics": topics.collect::<Vec<_>>(),
     });
     format!("{value:#}\n")
 }
 
-fn as_text(frames: &[Input], first: &Capture) -> String {
+fn as_text(frames: &[Input], first: &Capture, topics: &[Topic]) -> String {
     let (width, height) = first.frame.size();
     let Camera { fx_px, fy_px, cx_px, cy_px } = first.frame.camera();
     let name =
@@ -92,6 +101,10 @@ fn as_text(frames: &[Input], first: &Capture) -> String {
     }
     if let Some(list) = &first.list {
         let _ = writeln!(text, "points   {} without pixels", list.points_m.len());
+    }
+    for (k, Topic { name, kind, messages }) in topics.iter().enumerate() {
+        let _ =
+            writeln!(text, "{}{messages:>6}  {name}  {kind}", if k == 0 { "topics   " } else { "         " });
     }
     text
 }

@@ -10,7 +10,7 @@ use std::path::{Component, Path, PathBuf};
 use anyhow::Result;
 use objecthood_io::camera_file::CameraFile;
 use objecthood_io::images::{ImageError, ImageFiles, source_of};
-use objecthood_io::{Capture, Error, FrameRef, Given, Selection, Source};
+use objecthood_io::{Capture, Error, FrameRef, Given, Selection, Source, Topic};
 
 use crate::advice;
 use crate::args::FrameArgs;
@@ -67,6 +67,8 @@ pub(crate) struct Inputs {
     pub(crate) unreadable: Vec<anyhow::Error>,
     /// What the user should know of folders that are read.
     pub(crate) notices: Vec<String>,
+    /// The topics of the recordings.
+    pub(crate) topics: Vec<Topic>,
     /// Camera files in folders, whether they are there or not.
     pub(crate) cameras: Vec<PathBuf>,
 }
@@ -145,6 +147,7 @@ fn open_all(
             Ok(source) => {
                 inputs.notices.extend(source.notices().iter().map(ToString::to_string));
                 inputs.cameras.extend_from_slice(source.shared_files());
+                inputs.topics.extend_from_slice(source.topics());
                 frames.extend(inputs.readable(source.select(selection)));
             }
             Err(error) => inputs.unreadable.push(error.into()),

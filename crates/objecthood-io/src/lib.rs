@@ -61,4 +61,4 @@ pub use formats::{decode, extensions};
 pub use given::{DEFAULT_MAX_PIXELS, Given};
 pub use organize::{CameraFit, GridCamera, PointList};
 pub use recording::RecordingError;
-pub use source::{FrameRange, FrameRef, Notice, Selection, Source, TimeRange, open_frame, sha256};
+pub use source::{FrameRange, FrameRef, Notice, Selection, Source, TimeRange, Topic, open_frame, sha256};

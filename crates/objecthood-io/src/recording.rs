@@ -26,6 +26,6 @@ pub(crate) use bytes::{Bytes, Window, read};
 pub(crate) use chunk::{Chunked, Records, each_record, place_in};
 pub use error::RecordingError;
 pub(crate) use fields::{Fields, Problem, Wire};
-pub(crate) use log::{Channel, Entry, Log, Messages, Place};
+pub(crate) use log::{Channel, Listing, Log, Messages, Place};
 pub(crate) use open::{Opener, open};
 pub(crate) use unpack::Packed;

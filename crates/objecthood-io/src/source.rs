@@ -30,6 +30,18 @@ pub struct Source {
     frames: Box<dyn Iterator<Item = Result<FrameRef>> + Send>,
     shared_files: Vec<PathBuf>,
     notices: Vec<Notice>,
+    topics: Vec<Topic>,
+}
+
+/// A topic of a recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Topic {
+    /// Its name.
+    pub name: String,
+    /// The type of its messages, as ROS 1 names it: `sensor_msgs/Image`.
+    pub kind: String,
+    /// How many messages it has, whether frames are made of them or not.
+    pub messages: u64,
 }
 
 impl Source {
@@ -75,6 +87,7 @@ impl Source {
             frames: Box::new(frames.enumerate().map(numbered)),
             shared_files: Vec::new(),
             notices: Vec::new(),
+            topics: Vec::new(),
         }
     }
 
@@ -92,6 +105,16 @@ impl Source {
     /// The same source, and what is to be said of it.
     pub(crate) fn with_notices(self, notices: Vec<Notice>) -> Self {
         Self { notices, ..self }
+    }
+
+    /// The same source, a recording with these topics.
+    pub(crate) fn with_topics(self, topics: Vec<Topic>) -> Self {
+        Self { topics, ..self }
+    }
+
+    /// The topics of a recording, by name; none of any other source.
+    pub fn topics(&self) -> &[Topic] {
+        &self.topics
     }
 
     /// How many frames are still to come, where that is known without reading everything.

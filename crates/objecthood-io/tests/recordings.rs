@@ -43,6 +43,8 @@ fn every_container_and_encoding_gives_the_same_frames() {
         let opened = source(&path);
         assert!(opened.notices().is_empty(), "{name}: {:?}", opened.notices());
         assert_eq!(opened.frame_count(), Some(5), "{name}");
+        let cameras = opened.topics().iter().filter(|topic| topic.kind == "sensor_msgs/CameraInfo");
+        assert!(cameras.clone().all(|topic| topic.messages == 5), "{name}: {:?}", opened.topics());
         let captures = captures(&path);
         for (k, capture) in captures.iter().enumerate() {
             assert_eq!(bits(capture), expected(), "{name} {k}");

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use super::{Format, RecordingFormat};
 use crate::recording::{
-    Bytes, Channel, Chunked, Entry, Fields, Log, Packed, Problem, RecordingError, Records, Window, Wire,
+    Bytes, Channel, Chunked, Fields, Listing, Log, Packed, Problem, RecordingError, Records, Window, Wire,
     each_record, place_in, read,
 };
 
@@ -29,14 +29,15 @@ mod op {
 
 /// The most bytes of a header, and of the data of a connection: it has the definition of its type.
 const MAX_HEADER: u64 = 1 << 20;
-/// The most bytes of a list of messages: 12 for each.
+/// Bytes of a message in a list: its time and its place.
+const LIST_ENTRY: u64 = 12;
+/// The most bytes of a list of messages.
 const MAX_LIST: u64 = 16 << 20;
 
 fn log(bytes: Box<dyn Bytes>) -> Result<Log, RecordingError> {
     let mut scan = Scan::default();
     let cut_at = scan.file(&*bytes)?;
-    let Scan { channels, entries, .. } = scan;
-    Ok(Log { channels, entries, cut_at, messages: Box::new(Chunked::<Record>::new(bytes)) })
+    Ok(scan.listing.finish(cut_at, Box::new(Chunked::<Record>::new(bytes))))
 }
 
 /// The head of a record.
@@ -113,10 +114,9 @@ impl Records for Record {
 /// What was listed so far.
 #[derive(Default)]
 struct Scan {
-    /// Places in the list of channels by the numbers of the file; `None`: they are not read.
-    numbers: BTreeMap<u32, Option<usize>>,
-    channels: Vec<Channel>,
-    entries: Vec<Entry>,
+    /// Places in the list of channels by the numbers of the file.
+    numbers: BTreeMap<u32, usize>,
+    listing: Listing,
 }
 
 impl Scan {
@@ -156,8 +156,8 @@ impl Scan {
             Some(op::MESSAGE) => {
                 let time_ns = time_ns(record.field(b"time"));
                 let time_ns = time_ns.map_err(|_| damaged(at, "a message has no time"))?;
-                if let Some(channel) = self.numbers.get(&record.number(b"conn")?).copied().flatten() {
-                    self.entries.push(Entry { time_ns, channel, place: place_in(at, packed, inside) });
+                if let Some(&channel) = self.numbers.get(&record.number(b"conn")?) {
+                    self.listing.message(channel, time_ns, place_in(at, packed, inside));
                 }
                 Ok(())
             }
@@ -177,8 +177,7 @@ impl Scan {
         let header = read(bytes, record.at, record.end - record.at)?;
         let inner = Record { header, at: record.at, end: record.end };
         let channel = Channel::new(record.field(b"topic"), inner.field(b"type"), Wire::Ros1);
-        self.numbers.insert(number, channel.is_read().then_some(self.channels.len()));
-        self.channels.push(channel);
+        self.numbers.insert(number, self.listing.channel(channel));
         Ok(())
     }
 
@@ -201,14 +200,18 @@ impl Scan {
                 _ => Ok(()),
             })?;
         }
-        let Some(channel) = self.numbers.get(&number).copied().flatten() else { return Ok(()) };
+        let Some(&channel) = self.numbers.get(&number) else { return Ok(()) };
+        if !self.listing.is_read(channel) {
+            self.listing.count(channel, (record.end - record.at) / LIST_ENTRY);
+            return Ok(());
+        }
         let content = read(bytes, record.at, record.end - record.at)?;
-        for entry in content.chunks_exact(12) {
+        for entry in content.chunks_exact(LIST_ENTRY as usize) {
             let (time, inside) = entry.split_at(8);
             let wrong = |_: Problem| damaged(record.at, "a list of messages is too short");
             let (time_ns, inside) =
                 (time_ns(time).map_err(wrong)?, Fields::packed(inside).u32().map_err(wrong)?);
-            self.entries.push(Entry { time_ns, channel, place: place_in(at, packed, inside.into()) });
+            self.listing.message(channel, time_ns, place_in(at, packed, inside.into()));
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use self::sqlite::{Database, Value};
 use super::{Format, RecordingFormat};
-use crate::recording::{Bytes, Channel, Entry, Log, Messages, Place, RecordingError, Wire};
+use crate::recording::{Bytes, Channel, Listing, Log, Messages, Place, RecordingError, Wire};
 
 pub(super) const FORMAT: Format = Format::Recording(RecordingFormat {
     extensions: &["db3"],
@@ -21,26 +21,23 @@ pub(super) const FORMAT: Format = Format::Recording(RecordingFormat {
 
 fn log(bytes: Box<dyn Bytes>) -> Result<Log, RecordingError> {
     let database = Database::open(bytes)?;
-    let mut channels = Vec::new();
+    let mut listing = Listing::default();
     let mut numbers = BTreeMap::new();
     database.rows("topics", |row| {
         let [_, name, kind, format] = row.values()?;
         if let (Value::Bytes(name), Value::Bytes(kind), Value::Bytes(format)) = (name, kind, format) {
-            let channel = Channel::new(&name, &kind, Wire::Cdr);
-            if format == b"cdr" && channel.is_read() {
-                numbers.insert(row.id, channels.len());
-            }
-            channels.push(channel);
+            let mut channel = Channel::new(&name, &kind, Wire::Cdr);
+            channel.is_read &= format == b"cdr";
+            numbers.insert(row.id, listing.channel(channel));
         }
         Ok(())
     })?;
-    let mut entries = Vec::new();
     let end = database.rows("messages", |row| {
         let [_, topic, time] = row.values()?;
         if let (Value::Whole(topic), Value::Whole(time_ns)) = (topic, time)
             && let Some(&channel) = numbers.get(&topic)
         {
-            entries.push(Entry { time_ns, channel, place: row.place });
+            listing.message(channel, time_ns, row.place);
         }
         Ok(())
     });
@@ -48,7 +45,7 @@ fn log(bytes: Box<dyn Bytes>) -> Result<Log, RecordingError> {
         Err(RecordingError::Cut { at }) => Some(at),
         other => other.map(|()| None)?,
     };
-    Ok(Log { channels, entries, cut_at, messages: Box::new(Db3 { database }) })
+    Ok(listing.finish(cut_at, Box::new(Db3 { database })))
 }
 
 /// Reads messages.

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use super::{Format, RecordingFormat};
 use crate::recording::{
-    Bytes, Channel, Chunked, Entry, Fields, Log, Packed, Place, Problem, RecordingError, Records, Window,
+    Bytes, Channel, Chunked, Fields, Listing, Log, Packed, Place, Problem, RecordingError, Records, Window,
     Wire, each_record, place_in, read,
 };
 
@@ -37,6 +37,9 @@ mod op {
 /// Bytes of a record before its content, and of a message before its data.
 const RECORD_HEAD: u64 = 9;
 const MESSAGE_HEAD: u64 = 22;
+/// Bytes of a list of messages before the first, and of each: its time and its place.
+const LIST_HEAD: u64 = 6;
+const LIST_ENTRY: u64 = 16;
 /// Bytes before the name of a chunk's compression.
 const CHUNK_HEAD: u64 = 28;
 
@@ -46,8 +49,7 @@ const MAX_SMALL: u64 = 16 << 20;
 fn log(bytes: Box<dyn Bytes>) -> Result<Log, RecordingError> {
     let mut scan = Scan::default();
     let cut_at = scan.file(&*bytes)?;
-    let Scan { channels, entries, .. } = scan;
-    Ok(Log { channels, entries, cut_at, messages: Box::new(Chunked::<Record>::new(bytes)) })
+    Ok(scan.listing.finish(cut_at, Box::new(Chunked::<Record>::new(bytes))))
 }
 
 /// The head of a record.
@@ -109,10 +111,9 @@ impl Records for Record {
 struct Scan {
     /// Names of types by their numbers.
     schemas: BTreeMap<u16, Vec<u8>>,
-    /// Places in the list of channels by the numbers of the file; `None`: they are not read.
-    numbers: BTreeMap<u16, Option<usize>>,
-    channels: Vec<Channel>,
-    entries: Vec<Entry>,
+    /// Places in the list of channels by the numbers of the file.
+    numbers: BTreeMap<u16, usize>,
+    listing: Listing,
 }
 
 impl Scan {
@@ -162,8 +163,8 @@ impl Scan {
                 let fields = &mut Fields::packed(&head);
                 let parsed = fields.u16().and_then(|channel| Ok((channel, fields.u32()?, fields.u64()?)));
                 let (number, _, time_ns) = parsed.map_err(damaged)?;
-                if let Some(channel) = self.numbers.get(&number).copied().flatten() {
-                    self.entries.push(Entry { time_ns: time_ns.cast_signed(), channel, place });
+                if let Some(&channel) = self.numbers.get(&number) {
+                    self.listing.message(channel, time_ns.cast_signed(), place);
                 }
             }
             op::SCHEMA | op::CHANNEL => {
@@ -194,10 +195,9 @@ impl Scan {
         };
         let kind = self.schemas.get(&schema).map(Vec::as_slice).unwrap_or_default();
         if !self.numbers.contains_key(&number) {
-            let channel = Channel::new(topic, kind, wire.unwrap_or(Wire::Cdr));
-            let is_read = wire.is_some() && channel.is_read();
-            self.numbers.insert(number, is_read.then_some(self.channels.len()));
-            self.channels.push(channel);
+            let mut channel = Channel::new(topic, kind, wire.unwrap_or(Wire::Cdr));
+            channel.is_read &= wire.is_some();
+            self.numbers.insert(number, self.listing.channel(channel));
         }
         Ok(())
     }
@@ -223,18 +223,18 @@ impl Scan {
                 _ => self.record(content, record, Place(0, inside)),
             })?;
         }
-        let Some(channel) = self.numbers.get(&number).copied().flatten() else { return Ok(()) };
+        let Some(&channel) = self.numbers.get(&number) else { return Ok(()) };
+        if !self.listing.is_read(channel) {
+            self.listing.count(channel, (record.end - record.at).saturating_sub(LIST_HEAD) / LIST_ENTRY);
+            return Ok(());
+        }
         let content = read(bytes, record.at, record.end - record.at)?;
         let fields = &mut Fields::packed(&content[2..]);
         let times = fields.bytes().map_err(damaged)?;
-        for pair in times.chunks_exact(16) {
+        for pair in times.chunks_exact(LIST_ENTRY as usize) {
             let fields = &mut Fields::packed(pair);
             let (time_ns, inside) = (fields.u64().map_err(damaged)?, fields.u64().map_err(damaged)?);
-            self.entries.push(Entry {
-                time_ns: time_ns.cast_signed(),
-                channel,
-                place: place_in(at, packed, inside),
-            });
+            self.listing.message(channel, time_ns.cast_signed(), place_in(at, packed, inside));
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use super::fields::Wire;
 /// A recording that was listed; no message is kept.
 pub(crate) struct Log {
     pub(crate) channels: Vec<Channel>,
-    /// Messages of channels that [are read](Channel::is_read), in the order of the file.
+    /// Messages of channels that are read, in the order of the file.
     pub(crate) entries: Vec<Entry>,
     /// Where the file ends too early, if it does.
     pub(crate) cut_at: Option<u64>,
@@ -20,6 +20,10 @@ pub(crate) struct Channel {
     /// The type as ROS 1 names it: `sensor_msgs/Image`.
     pub(crate) kind: String,
     pub(crate) wire: Wire,
+    /// Whether frames are made of its messages.
+    pub(crate) is_read: bool,
+    /// How many messages it has.
+    pub(crate) messages: u64,
 }
 
 /// One message.
@@ -48,20 +52,56 @@ pub(crate) trait Messages: Send + Sync {
 impl Channel {
     pub(crate) fn new(topic: &[u8], kind: &[u8], wire: Wire) -> Self {
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        Self { topic: text(topic), kind: text(kind).replace("/msg/", "/"), wire }
-    }
-
-    /// Whether frames are made of its messages.
-    pub(crate) fn is_read(&self) -> bool {
-        match self.kind.as_str() {
+        let (topic, kind) = (text(topic), text(kind).replace("/msg/", "/"));
+        let is_read = match kind.as_str() {
             "sensor_msgs/Image"
             | "sensor_msgs/CompressedImage"
             | "sensor_msgs/CameraInfo"
             | "sensor_msgs/PointCloud2"
             | "geometry_msgs/Transform" => true,
-            "tf2_msgs/TFMessage" => self.topic.ends_with("tf_static"),
-            "std_msgs/Float32" | "std_msgs/String" => self.topic.ends_with("/option/Depth_Units/value"),
+            "tf2_msgs/TFMessage" => topic.ends_with("tf_static"),
+            "std_msgs/Float32" | "std_msgs/String" => topic.ends_with("/option/Depth_Units/value"),
             _ => false,
+        };
+        Self { topic, kind, wire, is_read, messages: 0 }
+    }
+}
+
+/// A recording while it is listed.
+#[derive(Default)]
+pub(crate) struct Listing {
+    channels: Vec<Channel>,
+    entries: Vec<Entry>,
+}
+
+impl Listing {
+    /// Adds a channel; its place in the list.
+    pub(crate) fn channel(&mut self, channel: Channel) -> usize {
+        self.channels.push(channel);
+        self.channels.len() - 1
+    }
+
+    /// Whether frames are made of the messages of a channel.
+    pub(crate) fn is_read(&self, channel: usize) -> bool {
+        self.channels[channel].is_read
+    }
+
+    /// Adds a message of a channel: counts it, and keeps where it is if it is read.
+    pub(crate) fn message(&mut self, channel: usize, time_ns: i64, place: Place) {
+        self.count(channel, 1);
+        if self.is_read(channel) {
+            self.entries.push(Entry { time_ns, channel, place });
         }
+    }
+
+    /// Counts messages of a channel that is not read.
+    pub(crate) fn count(&mut self, channel: usize, messages: u64) {
+        let count = &mut self.channels[channel].messages;
+        *count = count.saturating_add(messages);
+    }
+
+    /// The recording as it was listed.
+    pub(crate) fn finish(self, cut_at: Option<u64>, messages: Box<dyn Messages>) -> Log {
+        Log { channels: self.channels, entries: self.entries, cut_at, messages }
     }
 }

@@ -54,6 +54,7 @@ pub(crate) fn open(path: &Path, files: &[(PathBuf, Opener)], given: &Given) -> R
         logs.push(log);
     }
     let recording = Recording::of(logs);
+    let topics = recording.topics();
     let name = Named { path: path.to_owned(), stem: path.file_stem().unwrap_or(path.as_os_str()).to_owned() };
     let frames = match choose(&recording, &given.topics)? {
         Chosen::Points(stream) => points(recording, stream, &name, given),
@@ -61,7 +62,7 @@ pub(crate) fn open(path: &Path, files: &[(PathBuf, Opener)], given: &Given) -> R
             images(recording, &depth, color.as_ref(), &name, given, &mut notices)?
         }
     };
-    Ok(Source::listed(frames).with_notices(notices))
+    Ok(Source::listed(frames).with_notices(notices).with_topics(topics))
 }
 
 fn open_log(file: &Path, opener: Opener) -> Result<Log, RecordingError> {

@@ -8,6 +8,7 @@ use super::fields::Wire;
 use super::log::{Log, Messages, Place};
 use super::messages::Header;
 use super::pixels::{Kind, Shows, shows};
+use crate::source::Topic;
 use crate::text::preview;
 
 /// A recording in one file or several.
@@ -23,7 +24,9 @@ pub(super) struct Stream {
     /// The type as ROS 1 names it.
     pub(super) kind: String,
     pub(super) wire: Wire,
-    /// In the order of their times; equal ones in that of the files.
+    /// How many messages there are, whether they are read or not.
+    count: u64,
+    /// Those that are read, in the order of their times; equal ones in that of the files.
     pub(super) messages: Vec<Message>,
 }
 
@@ -47,7 +50,9 @@ impl Recording {
             for (channel, list) in channels.into_iter().zip(lists) {
                 let key = (channel.topic.clone(), channel.kind.clone());
                 let (topic, kind, wire) = (channel.topic, channel.kind, channel.wire);
-                let stream = streams.entry(key).or_insert(Stream { topic, kind, wire, messages: Vec::new() });
+                let none = Stream { topic, kind, wire, count: 0, messages: Vec::new() };
+                let stream = streams.entry(key).or_insert(none);
+                stream.count = stream.count.saturating_add(channel.messages);
                 stream.messages.extend(list);
             }
             files.push(messages);
@@ -55,6 +60,16 @@ impl Recording {
         let mut streams: Vec<Stream> = streams.into_values().collect();
         streams.iter_mut().for_each(|stream| stream.messages.sort_by_key(|message| message.time_ns));
         Self { files, streams }
+    }
+
+    /// All topics.
+    pub(super) fn topics(&self) -> Vec<Topic> {
+        let of = |Stream { topic, kind, count, .. }: &Stream| Topic {
+            name: topic.clone(),
+            kind: kind.clone(),
+            messages: *count,
+        };
+        self.streams.iter().map(of).collect()
     }
 
     /// The bytes of a message.
