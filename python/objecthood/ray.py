@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from collections import OrderedDict, deque
 from collections.abc import Iterable, Sequence
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from objecthood import _native
-from objecthood.errors import ObjecthoodError
+from objecthood.errors import FileError, ObjecthoodError
 from objecthood.files import Camera
 from objecthood.params import Params
 from objecthood.pipeline import Pipeline, _params_of
@@ -80,6 +81,8 @@ def segment(
     have changed; what failed is tried again. Each worker has a warm pipeline of one thread and holds two frames and a part's rows; images do
     not pass through Ray's object store.
     """
+    # Workers have working folders of their own.
+    out = out if "://" in out else os.path.abspath(out)
     job = _Job(_params_of(params, method, None).to_json(), Given.of(camera, depth_scale, topics), out)
     if not ray.is_initialized():
         ray.init(log_to_driver=False)
@@ -104,7 +107,9 @@ def segment(
         for _ in done.iter_batches(batch_size=None):
             pass
     # A worker of a driver that was killed may have ended a part meanwhile.
-    data.known(wanted)
+    lost = wanted.keys() - data.known(wanted).keys()
+    if lost:
+        raise FileError(f"{out}: {len(lost)} frames that workers have done are not there: give a folder or URI that all machines share")
     return data.summarize(set(wanted), {"version": _native.__version__, "parameters": json.loads(job.params)})
 
 
