@@ -3,6 +3,7 @@
 mod comparison;
 mod families;
 mod pictures;
+mod plots;
 mod stock;
 mod subject;
 mod support;
@@ -49,8 +50,8 @@ pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
     }
     let (Some(root), None) = (&args.root, args.support) else { return support::run(args) };
     let subject = Subject::new(args)?;
-    if let Some(folder) = &args.pictures {
-        refuse_file("--pictures", folder)?;
+    for (option, folder) in [("--pictures", &args.pictures), ("--plots", &args.plots)] {
+        folder.iter().try_for_each(|folder| refuse_file(option, folder))?;
     }
     let Ok(split) = args.split.parse::<Split>();
     let mut scenes = scenes(root, &split)?;
@@ -80,6 +81,9 @@ pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
     // The file first: whatever becomes of stdout, the figures are safe.
     if let Some(path) = &args.json {
         output::write_atomically(path, json.as_bytes())?;
+    }
+    if let Some(folder) = &args.plots {
+        plots::draw(folder, &reports, subject.comparison())?;
     }
     terminal::print(&text::of(&reports, subject.comparison(), args.per_scene))?;
     Ok(if unlabelled.is_empty() { Outcome::AllDone } else { Outcome::SomeFailed })

@@ -33,6 +33,7 @@ mod objects;
 mod overlay;
 mod palette;
 mod panels;
+pub mod plot;
 mod recording;
 mod region_colors;
 mod support;

@@ -53,7 +53,7 @@ pub(crate) struct EvalArgs {
         long,
         value_name = "N",
         value_parser = whole(1_u32, 1_000_000),
-        conflicts_with_all = ["root", "labels", "ComparisonArgs", "pictures", "camera", "per_scene", "split"],
+        conflicts_with_all = ["root", "labels", "ComparisonArgs", "pictures", "plots", "camera", "per_scene", "split"],
         group = "made"
     )]
     pub(crate) support: Option<u32>,
@@ -67,7 +67,7 @@ pub(crate) struct EvalArgs {
         long,
         value_name = "DIR",
         requires = "truth",
-        conflicts_with_all = ["root", "labels", "ComparisonArgs", "pictures", "camera", "per_scene", "split", "made"]
+        conflicts_with_all = ["root", "labels", "ComparisonArgs", "pictures", "plots", "camera", "per_scene", "split", "made"]
     )]
     pub(crate) tracks: Option<PathBuf>,
 
@@ -97,6 +97,12 @@ pub(crate) struct EvalArgs {
     /// objects. DIR is created if needed.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["labels", "ComparisonArgs"])]
     pub(crate) pictures: Option<PathBuf>,
+
+    /// Draw the figures as SVG: precision over recall, or with --ladder, --ablation or --sensitivity the settings beside each other.
+    ///
+    /// Of a sensitivity the 30 settings are drawn that change most. DIR is created if needed.
+    #[arg(long, value_name = "DIR", conflicts_with = "labels")]
+    pub(crate) plots: Option<PathBuf>,
 
     /// Print a line for every scene.
     #[arg(long)]
@@ -138,7 +144,7 @@ pub(crate) struct SyntheticArgs {
         long,
         value_name = "NAME|all",
         value_parser = one_or_all(Family::ALL),
-        conflicts_with_all = ["root", "labels", "ComparisonArgs", "pictures", "camera", "per_scene", "split"],
+        conflicts_with_all = ["root", "labels", "ComparisonArgs", "pictures", "plots", "camera", "per_scene", "split"],
         group = "made"
     )]
     pub(crate) family: Option<Chosen<Family>>,

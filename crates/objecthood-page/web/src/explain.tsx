@@ -31,7 +31,8 @@ export function Explain() {
 function Line({ text }: { text: string }) {
   if (/not searched/.test(text) && searching.value) return null;
   const change = TRY.exec(text);
-  if (!change) return <pre>{text || " "}</pre>;
+  // Columns of a table stay below each other.
+  if (!change) return <pre class={/\S {3,}\S/.test(text) ? "columns" : ""}>{text || " "}</pre>;
   const [, name, value] = change;
   const number = typeof defaultOf(name) === "number" ? Number(value) : value;
   return (
