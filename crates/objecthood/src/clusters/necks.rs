@@ -8,7 +8,6 @@ use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
 use crate::clusters::scene::{Scene, sampled};
 use crate::color::histogram::ColorHistogram;
-use crate::color::image::LabImage;
 use crate::neighbours::four_neighbours;
 use crate::params;
 use crate::regions::SegmentId;
@@ -29,17 +28,25 @@ const AROUND_M: f64 = 0.03;
 const LEVEL_DEG: f64 = 25.0;
 /// With a larger share of level pixels around the contact the lower part carries the upper one.
 const LEVEL_SHARE: f64 = 0.3;
+/// A pixel steeper than this is a side (degrees): it says nothing of what stands above it.
+const STEEP_DEG: f64 = 65.0;
+/// From this share of pixels on that are neither level nor steep, a thing of its own would slide off the lower part.
+const SLIDING_SHARE: f64 = 0.33;
+/// A part on a slope has at most this share of the pixels of the one below: caps and heads measure 0.1 to 0.35. Of things that lean on each other, the
+/// front one hides the foot of the other, and both are of a size.
+const SMALLER_SHARE: f64 = 0.4;
 /// Contacts around which the lower part is looked at, at most: evenly spread, their surroundings overlap.
 const CONTACTS: usize = 16;
 
-/// Joins two clusters that touch when they share their colours, and the upper one has no foot of its own: it stands neither on a support
-/// nor on a level face of the lower one, as stacked things do. Pairs that share most are joined first.
+/// Joins two clusters that touch when the upper one has no foot of its own: it stands neither on a support nor on a level face of the lower
+/// one, as stacked things do. They also share their colours, or the upper one is small and sits on a slope, from which a thing of its own
+/// would slide off. Pairs that share most colours are joined first.
 ///
 /// Source: ours, because a neck or fold is a valley between convex parts (paper, future work: concavity). O(pairs that touch · pixels of
-/// both); parallel over pairs. Does nothing without colour or without a support.
+/// both); parallel over pairs. Does nothing without a support; without colour only what would slide off is joined.
 pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
     let scene = clusters.scene;
-    let (Some(lab), Some(ground)) = (scene.lab.filter(|_| params.enabled), scene.ground()) else { return };
+    let Some(ground) = scene.ground().filter(|_| params.enabled) else { return };
     let least_touch = scene.space.length_px(TOUCH_PX) as u32;
     let least_px = scene.space.area_px(PART_PX);
     let is_part = |id: SegmentId| clusters.get(id).pixels.len() >= least_px;
@@ -49,7 +56,7 @@ pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
         let others = touching.filter_map(|(other, _)| *other).filter(|&other| other > id && is_part(other));
         pairs.extend(others.map(|other| [id, other]));
     }
-    let compare = Compare { clusters, lab, up: ground.normal, params };
+    let compare = Compare { clusters, up: ground.normal, params };
     let mut compared: Vec<Pair> = pairs.into_par_iter().map(|pair| compare.pair(pair)).collect();
     compared.sort_by(|a, b| b.overlap.total_cmp(&a.overlap));
     let (joins, misses): (Vec<Pair>, Vec<Pair>) = compared.into_iter().partition(Pair::is_join);
@@ -93,9 +100,16 @@ impl Pair {
     }
 }
 
+/// Shares of the pixels around a contact.
+struct Slopes {
+    /// A thing can stand on them.
+    level_share: f64,
+    /// A thing slides off them.
+    sliding_share: f64,
+}
+
 struct Compare<'a> {
     clusters: &'a Clusters<'a>,
-    lab: &'a LabImage,
     up: DVec3,
     params: &'a params::Necks,
 }
@@ -108,13 +122,32 @@ impl Compare<'_> {
         let is_first_upper = feet_m[0] >= feet_m[1];
         let [upper, lower] = if is_first_upper { pair } else { [pair[1], pair[0]] };
         let foot_m = feet_m[0].max(feet_m[1]);
-        let colors = pixels.map(|pixels| ColorHistogram::of(sampled(pixels).map(|i| self.lab[i])));
-        let overlap = colors[0].overlap(&colors[1]);
-        let level_share = self.level_share(upper, lower);
-        let least = self.params.color_overlap;
-        let checks = vec![
-            Check::new("overlap of their colours", "", overlap, Bound::AtLeast, least)
-                .set_by("necks.color_overlap"),
+        let overlap = scene.lab.map_or(0.0, |lab| {
+            let [a, b] = pixels.map(|pixels| ColorHistogram::of(sampled(pixels).map(|i| lab[i])));
+            a.overlap(&b)
+        });
+        let Slopes { level_share, sliding_share } = self.slopes(upper, lower);
+        let [upper_px, lower_px] = [upper, lower].map(|id| self.clusters.get(id).pixels.len() as f64);
+        let alike =
+            Check::new("overlap of their colours", "", overlap, Bound::AtLeast, self.params.color_overlap)
+                .set_by("necks.color_overlap");
+        let slides = [
+            Check::new(
+                "share of the lower part around it from which it would slide off",
+                "",
+                sliding_share,
+                Bound::AtLeast,
+                SLIDING_SHARE,
+            ),
+            Check::new(
+                "pixels of the upper part, over those of the lower",
+                "",
+                upper_px / lower_px,
+                Bound::AtMost,
+                SMALLER_SHARE,
+            ),
+        ];
+        let mut checks = vec![
             Check::new("foot of the upper part above its support", "m", foot_m, Bound::Above, FOOT_M),
             Check::new(
                 "share of the lower part around it that is level",
@@ -124,11 +157,16 @@ impl Compare<'_> {
                 LEVEL_SHARE,
             ),
         ];
+        if alike.holds() || !slides.iter().all(Check::holds) {
+            checks.insert(0, alike);
+        } else {
+            checks.extend(slides);
+        }
         Pair { parts: [upper, lower], overlap, checks }
     }
 
-    /// The share of the pixels of the lower part around its contact with the upper one that are level.
-    fn level_share(&self, upper: SegmentId, lower: SegmentId) -> f64 {
+    /// How the lower part slopes around its contact with the upper one.
+    fn slopes(&self, upper: SegmentId, lower: SegmentId) -> Slopes {
         let scene = self.clusters.scene;
         let (width, height) = scene.disparity.size();
         let cluster_at = |i: usize| {
@@ -154,14 +192,18 @@ impl Compare<'_> {
                     && scene.point_at(i).distance(point) < AROUND_M
             })
         };
-        let cosine = libm::cos(LEVEL_DEG.to_radians());
-        let (mut near, mut level) = (0_u32, 0_u32);
+        let [level_cosine, steep_cosine] =
+            [LEVEL_DEG, STEEP_DEG].map(|degrees| libm::cos(degrees.to_radians()));
+        let (mut near, mut level, mut sliding) = (0_u32, 0_u32, 0_u32);
         for i in pixels.iter().map(|&i| i as usize).filter(is_near) {
             let normal = scene.normals[i].map(f64::from);
+            let cosine = self.up.dot(normal.into());
             near += 1;
-            level += u32::from(self.up.dot(normal.into()) > cosine);
+            level += u32::from(cosine > level_cosine);
+            sliding += u32::from(cosine > steep_cosine && cosine <= level_cosine);
         }
-        f64::from(level) / f64::from(near.max(1))
+        let share = |count| f64::from(count) / f64::from(near.max(1));
+        Slopes { level_share: share(level), sliding_share: share(sliding) }
     }
 }
 
@@ -175,22 +217,27 @@ fn foot_m(scene: &Scene<'_>, pixels: &[u32]) -> f64 {
 mod tests {
     use super::*;
     use crate::clusters::testing::{Table, named, single};
+    use crate::color::image::LabImage;
 
     const RED: [f32; 3] = [50.0, 50.0, 30.0];
     const BLUE: [f32; 3] = [40.0, 10.0, -40.0];
 
     /// A part that rises from a height by a slope to its right, where a level part joins it, as seen from above.
-    fn body([from_m, slope, joined_m]: [f64; 3], colors: [[f32; 3]; 2]) -> Table {
-        let of = |u: usize, v: usize| match (u, v) {
-            (4..16, 4..24) => 1,
-            (16..28, 4..24) => 2,
-            _ => 0,
+    fn body(heights: [f64; 3], colors: [[f32; 3]; 2]) -> Table {
+        body_with(28, heights, colors)
+    }
+
+    /// The same with a level part that ends before a column.
+    fn body_with(end: usize, [from_m, slope, joined_m]: [f64; 3], colors: [[f32; 3]; 2]) -> Table {
+        let of = |u: usize, v: usize| {
+            let is_body = (4..40).contains(&v);
+            usize::from(is_body && (4..16).contains(&u)) + 2 * usize::from(is_body && (16..end).contains(&u))
         };
-        let mut table = Table::new((32, 28), |u, v| {
-            let height_m = [0.0, from_m + slope * 0.0019 * (u as f64 - 4.0), joined_m][of(u, v) as usize];
-            Some((of(u, v), height_m))
+        let mut table = Table::new((32, 44), |u, v| {
+            let height_m = [0.0, from_m + slope * 0.0019 * (u as f64 - 4.0), joined_m][of(u, v)];
+            Some((of(u, v) as i32, height_m))
         });
-        table.lab = Some(LabImage::drawn((32, 28), |u, v| [BLUE, colors[0], colors[1]][of(u, v) as usize]));
+        table.lab = Some(LabImage::drawn((32, 44), |u, v| [BLUE, colors[0], colors[1]][of(u, v)]));
         table
     }
 
@@ -213,6 +260,19 @@ mod tests {
         let mut depth_only = body(doll, [RED, RED]);
         depth_only.lab = None;
         assert_eq!(joined(&depth_only), two);
+    }
+
+    #[test]
+    fn a_small_part_that_would_slide_off_is_one_with_what_is_below_whatever_its_color() {
+        let (one, two) = (vec![Some(0), Some(0)], vec![Some(0), Some(1)]);
+        // Four columns of 36 pixels are a third of the lower part; five are too large.
+        let bottle = [0.020, 1.0, 0.045];
+        assert_eq!(joined(&body_with(20, bottle, [RED, BLUE])), one);
+        assert_eq!(joined(&body_with(21, bottle, [RED, BLUE])), two, "it is too large");
+        assert_eq!(joined(&body_with(20, [0.020, 0.3, 0.045], [RED, BLUE])), two, "it would not slide");
+        let mut depth_only = body_with(20, bottle, [RED, BLUE]);
+        depth_only.lab = None;
+        assert_eq!(joined(&depth_only), one);
     }
 
     #[test]
