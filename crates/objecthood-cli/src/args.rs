@@ -27,6 +27,7 @@ pub(crate) use synthetic::{DemoArgs, SynthArgs};
 pub(crate) use track::TrackArgs;
 pub(crate) use view::ViewArgs;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
@@ -66,8 +67,16 @@ impl Cli {
     /// # Errors
     /// When it makes no sense; when it asks for help or version.
     pub(crate) fn read() -> Result<Self, clap::Error> {
+        Self::of(std::env::args_os())
+    }
+
+    /// Reads the words of a command line, the name of the program first.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(crate) fn of(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
         let mut command = Self::command().mut_subcommands(|command| command.mut_args(take_what_follows));
-        let matches = command.try_get_matches_from_mut(std::env::args_os())?;
+        let matches = command.try_get_matches_from_mut(words)?;
         Self::from_arg_matches(&matches).map_err(|e| e.format(&mut command))
     }
 }

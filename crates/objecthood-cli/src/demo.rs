@@ -1,5 +1,7 @@
 //! `objecthood demo`: makes a synthetic scene, finds its objects, and compares them with the truth.
 
+mod video;
+
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
@@ -24,11 +26,14 @@ const FAMILY: Family = Family::Tabletop;
 /// The camera that takes the picture.
 const SENSOR: Sensor = Sensor::Kinect;
 
-/// Shows one scene.
+/// Shows one scene or video.
 ///
 /// # Errors
 /// Of usage; when the files or stdout cannot be written.
 pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
+    if let Some(clip) = args.video {
+        return video::run(args, clip);
+    }
     let params = config::params(&args.settings, args.method)?;
     refuse_file("--out", &args.out)?;
     let recipe = Recipe::new(FAMILY, args.seed.into(), SENSOR);

@@ -50,7 +50,23 @@ fn main() -> ExitCode {
     if let Some(note) = cli.command.threads().and_then(Threads::note) {
         terminal::note(&note);
     }
-    let outcome = match &cli.command {
+    match run(&cli.command) {
+        Ok(Outcome::AllDone) => ExitCode::SUCCESS,
+        Ok(Outcome::SomeFailed) => ExitCode::FAILURE,
+        Ok(Outcome::Interrupted) => ExitCode::from(interrupt::EXIT_CODE),
+        Err(e) => {
+            terminal::error(&e);
+            ExitCode::from(exit_code(&e))
+        }
+    }
+}
+
+/// Does what a command says.
+///
+/// # Errors
+/// Those of the command.
+fn run(command: &Command) -> anyhow::Result<Outcome> {
+    match command {
         Command::Demo(args) => demo::run(args),
         Command::Segment(args) => segment::run(args),
         Command::Track(args) => track::run(args),
@@ -64,14 +80,5 @@ fn main() -> ExitCode {
         Command::Synth(args) => synth::run(args),
         Command::Params(args) => params::run(args),
         Command::Completions(args) => completions::run(args),
-    };
-    match outcome {
-        Ok(Outcome::AllDone) => ExitCode::SUCCESS,
-        Ok(Outcome::SomeFailed) => ExitCode::FAILURE,
-        Ok(Outcome::Interrupted) => ExitCode::from(interrupt::EXIT_CODE),
-        Err(e) => {
-            terminal::error(&e);
-            ExitCode::from(exit_code(&e))
-        }
     }
 }

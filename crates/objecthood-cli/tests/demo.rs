@@ -41,6 +41,27 @@ fn the_next_commands_run_as_printed() {
 }
 
 #[test]
+fn the_demo_of_a_video_shows_the_commands_that_it_runs_and_what_they_say() {
+    let folder = Folder::new();
+    let run = folder.run("demo --video=walker --seed 1 --out it", 0);
+    let commands: Vec<&str> = run.stdout.lines().filter_map(|line| line.strip_prefix("$ ")).collect();
+    let ends: Vec<&str> = commands.iter().map(|line| line.split_once("objecthood ").unwrap().1).collect();
+    assert_eq!(
+        ends,
+        [
+            "synth --video walker --seed 1 --out it",
+            "track it/walker1 --out it/walker1-tracks --write pictures --summary",
+            "eval --tracks it/walker1-tracks --truth it/walker1",
+        ]
+    );
+    assert!(run.stdout.contains("| walker1 |"), "{}", run.stdout);
+    assert!(run.stdout.ends_with("look at: it/walker1-tracks/pictures\n"), "{}", run.stdout);
+    assert_eq!(folder.names("it/walker1-tracks/pictures").len(), folder.names("it/walker1/depth").len());
+    let refused = folder.run("demo --video=pick --method paper", 2);
+    assert!(refused.stderr.contains("--video"), "{}", refused.stderr);
+}
+
+#[test]
 fn the_first_command_shows_what_the_program_does() {
     let folder = Folder::new();
     let run = folder.run("demo", 0);

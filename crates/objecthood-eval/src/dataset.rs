@@ -3,9 +3,9 @@
 //! | layout | told by | truth |
 //! |---|---|---|
 //! | [`mosd`] | folders of `.pcd` files | the labels of the points |
-//! | [`osd`] | `annotation/`, `image_color/`, and `pcd/` or `disparity/` | images of labels |
-//! | [`ocid`] | folders with `rgb/`, `label/` and `pcd/`, at any depth | images of labels |
-//! | [`bop`] | folders with `scene_camera.json`, `depth/` and `mask_visib/`, at any depth | a mask for each object |
+//! | `osd` | `annotation/`, `image_color/`, and `pcd/` or `disparity/` | images of labels |
+//! | `ocid` | folders with `rgb/`, `label/` and `pcd/`, at any depth | images of labels |
+//! | `bop` | folders with `scene_camera.json`, `depth/` and `mask_visib/`, at any depth | a mask for each object |
 
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};

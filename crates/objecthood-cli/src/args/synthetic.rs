@@ -12,7 +12,7 @@ use super::{EXIT_CODES, MethodName, Settings, Threads};
 /// Try it without data: make a scene, find its objects, compare them with the truth.
 ///
 /// DIR receives the scene as `objecthood synth` writes it, and what `objecthood segment` finds in it: a label image, a scene
-/// file and pictures of every stage.
+/// file and pictures of every stage. With --video, a video and what `objecthood track` finds in it.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct DemoArgs {
@@ -23,6 +23,12 @@ pub(crate) struct DemoArgs {
     /// Folder for the output; created if needed.
     #[arg(long, value_name = "DIR", default_value = "objecthood-demo")]
     pub(crate) out: PathBuf,
+
+    /// Make a video of this kind instead of a scene [default: pick], follow its objects, and compare them with the truth: runs
+    /// `synth`, `track` and `eval` and shows each command, to be tried again with other options.
+    #[arg(long, value_name = "KIND", num_args = 0..=1, require_equals = true, default_missing_value = "pick",
+          conflicts_with_all = ["method", "Settings"])]
+    pub(crate) video: Option<Clip>,
 
     /// Method to use [default: context].
     #[arg(long)]

@@ -43,8 +43,9 @@ pub(super) fn run(args: &SynthArgs, clips: &[Clip]) -> Result<Outcome> {
     let shot = crew::report_in_order(&frames, args.threads.count(), &bar, take, |_, _| String::new())?
         .sum_up("frames", 0)?;
     if let ((Outcome::AllDone, Outcome::AllDone), Some(first)) = ((filmed, shot), videos.first()) {
-        let (program, folder) = (program(), word(&first.folder));
-        terminal::print(&format!("\nnext:\n  {program} segment {folder} --out {folder}/found\n"))?;
+        let tracks = args.out.join(format!("{}-tracks", first.name));
+        let (program, clip, tracks) = (program(), word(&first.folder), word(&tracks));
+        terminal::print(&format!("\nnext:\n  {program} track {clip} --out {tracks} --summary\n"))?;
     }
     Ok(if filmed == Outcome::AllDone { shot } else { filmed })
 }
