@@ -47,7 +47,7 @@ type Asked = (Kind, usize, usize);
 const KINDS: [Asked; 10] = [
     (Kind::ConvexityJoined, CASES, 15),
     (Kind::ConvexityCut, CASES, 18),
-    (Kind::StepCut, CASES, 9),
+    (Kind::StepCut, CASES, 8),
     (Kind::Fragment, CASES, 10),
     (Kind::Low, CASES, 18),
     (Kind::TooSmall, CASES, 18),
