@@ -6,8 +6,8 @@
 //!
 //! * [`Report`] is a file that shows frames in the same way, without a server.
 //!
-//! The page itself is TypeScript in `web/`. `cargo xtask page` builds it into `assets/`, which are a part of this crate's source, so
-//! that building the crate needs no Node.
+//! The page itself is TypeScript in `web/`. `cargo xtask page` bundles it into `assets/page.js`, which is a part of this crate's source,
+//! so that building the crate needs no Node.
 
 mod assets;
 mod error;

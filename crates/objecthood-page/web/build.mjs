@@ -1,6 +1,7 @@
-// Builds the page into a folder: that of the assets, which are committed so that `cargo build` needs no Node.
+// Bundles the script of the page, and the licences of what is in it, into a folder: that of the assets, which are committed so that
+// `cargo build` needs no Node. The crate takes page.html and page.css from src/ as they are.
 import { build } from "esbuild";
-import { readdir, readFile, writeFile, copyFile } from "node:fs/promises";
+import { readdir, readFile, writeFile } from "node:fs/promises";
 
 const folder = process.argv[2] ?? "../assets";
 const PACKAGES = ["preact", "@preact/signals", "@preact/signals-core", "three"];
@@ -15,8 +16,6 @@ await build({
   legalComments: "none",
   define: { "process.env.NODE_ENV": '"production"' },
 });
-await copyFile("src/page.html", `${folder}/page.html`);
-await copyFile("src/page.css", `${folder}/page.css`);
 
 let licences = "The page contains these packages, under these licences.\n";
 for (const name of PACKAGES) {
