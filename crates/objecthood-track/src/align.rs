@@ -99,6 +99,48 @@ pub(crate) fn fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> (f64, 
     (fitting as f64 / in_view.max(1) as f64, in_view as f64 / points.len().max(1) as f64)
 }
 
+/// By how much a motion explains better what is seen than rest does: the difference of the sums of squared residuals in standard
+/// deviations, each cut off where it does not count in [`align`]. Of all points at which nothing nearer stands now than was there; `None` when these are too
+/// few.
+pub(crate) fn gain(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> Option<f64> {
+    let (mut open, mut gain) = (0_usize, 0.0);
+    for point in points {
+        let Some(rest) = residual(point, point.at, view) else { continue };
+        if rest.depth < -COVERED_M {
+            continue;
+        }
+        open += 1;
+        let moved = residual(point, rigid.point(point.at), view);
+        let most = FIT[0].powi(2) + FIT[1].powi(2);
+        gain += rest.square(point.at.z, view) - moved.map_or(most, |moved| moved.square(point.at.z, view));
+    }
+    (open >= LEAST_POINTS).then(|| gain / open as f64)
+}
+
+/// Nearer by this (m) than a point is what stands before it.
+const COVERED_M: f64 = 0.02;
+
+/// What is seen at a point, less what was remembered.
+struct Residual {
+    depth: f64,
+    grey: f64,
+}
+
+impl Residual {
+    fn square(&self, z: f64, view: &View) -> f64 {
+        (self.depth / view.sigma_m(z)).abs().min(FIT[0]).powi(2)
+            + (self.grey / SIGMA_GREY).abs().min(FIT[1]).powi(2)
+    }
+}
+
+fn residual(point: &SurfacePoint, now: DVec3, view: &View) -> Option<Residual> {
+    let pixel = view.pixel_of(now)?;
+    let inverse = f64::from(view.inverse[pixel]);
+    let depth = (inverse > 0.0).then(|| 1.0 / inverse - now.z)?;
+    let grey = point.grey.zip(view.grey.get(pixel)).map_or(0.0, |(was, &is)| f64::from(is) - was);
+    Some(Residual { depth, grey })
+}
+
 /// Normal equations: 3 shifts, then 3 turns.
 #[derive(Default)]
 struct System {

@@ -9,6 +9,8 @@ use crate::track::{KNOWN_S, Track};
 
 /// Least overlap (intersection over union) of a segment with where a track should be seen.
 const LEAST_IOU: f64 = 0.25;
+/// A segment holds a track when it covers this share of where the track should be.
+pub(crate) const HOLDS: f64 = 0.5;
 /// Limits of finding again: difference of looks, logarithm of the ratio of areas.
 const MOST_LOOK: f64 = 0.6;
 const MOST_SIZE: f64 = 1.4;
@@ -37,6 +39,14 @@ pub(crate) struct Overlap {
 }
 
 impl Overlap {
+    /// Whether a segment covers most of where a track should be seen.
+    pub(crate) fn is_held(&self, key: u32) -> bool {
+        let predicted = self.predicted.get(&key).copied().unwrap_or(0);
+        self.common
+            .iter()
+            .any(|(&(_, other), &common)| other == key && common as f64 > HOLDS * predicted as f64)
+    }
+
     pub(crate) fn iou(&self, segment: usize, segment_px: usize, key: u32) -> f64 {
         let common = self.common.get(&(segment, key)).copied().unwrap_or(0);
         let predicted = self.predicted.get(&key).copied().unwrap_or(0);
@@ -67,8 +77,8 @@ pub(crate) fn associate(
     let is_new = |key: u32| now_s - tracks[&key].first.stamp_s < NEW_S;
     let is_open = |key: u32| is_part(key) || is_new(key);
     let free: Vec<usize> = all.into_iter().filter(|&k| tracks_of[k].is_none_or(is_open)).collect();
-    let lost: Vec<u32> =
-        keys.into_iter().filter(|&key| !tracks_of.contains(&Some(key)) && !is_part(key)).collect();
+    let is_lost = |key: u32| !tracks_of.contains(&Some(key)) && !is_part(key) && !overlap.is_held(key);
+    let lost: Vec<u32> = keys.into_iter().filter(|&key| is_lost(key)).collect();
     let by_overlap = tracks_of.clone();
     let again = |k: usize, key: u32| {
         let is_later = |known: u32| is_part(known) || tracks[&known].first.frame > tracks[&key].last.frame;
@@ -94,7 +104,7 @@ fn pair(rows: &[usize], columns: &[u32], value: impl Fn(usize, u32) -> f64, trac
 }
 
 /// How well a segment fits a track that is not where it was: 1 less the cost; `None` when it cannot be.
-fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pace) -> Option<f64> {
+pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pace) -> Option<f64> {
     let away_s = now_s - track.last.stamp_s;
     let memory_s = if track.is_confirmed() { MEMORY_S } else { YOUNG_MEMORY_FRAMES * pace.frame_s };
     if away_s > memory_s || track.part_of.is_some() {

@@ -18,8 +18,10 @@ const SHARE: f64 = 0.22;
 const SIGMAS: f64 = 2.5;
 /// Standard deviation of a height (m).
 const HEIGHT_SIGMA_M: f64 = 0.003;
-/// What flies moves, or changes where it is seen, and is in no hand.
+/// What flies moves, or changes where it is seen.
 const LEAST_CHANGED: f64 = 0.35;
+/// No hand reaches it in so many frames, and in these less of it than this belongs to an agent's region.
+const LEAST_FREE: usize = 3;
 const MOST_OF_AGENT: f64 = 0.5;
 /// It covers at least this (m), so that rest is no flight.
 const LEAST_PATH_M: f64 = 0.03;
@@ -43,15 +45,17 @@ pub(crate) struct Flight {
 
 /// The flights among the samples of a thing, in time. O(samples²).
 pub(crate) fn flights(samples: &[Sample]) -> Vec<Flight> {
-    let may_fly = |sample: &Sample| {
-        (sample.moves || sample.changed > LEAST_CHANGED)
-            && sample.of_agent < MOST_OF_AGENT
-            && !sample.at_border
+    let moves = |sample: &Sample| sample.moves || sample.changed > LEAST_CHANGED;
+    // At the top of its path it hardly moves.
+    let may_fly = |k: usize| {
+        let around = &samples[k.saturating_sub(1)..(k + 2).min(samples.len())];
+        around.iter().any(moves) && !samples[k].at_border
     };
     let mut flights = Vec::new();
     let mut start = 0;
     while start + LEAST_FRAMES <= samples.len() {
-        let run = samples[start..].iter().take_while(|sample| may_fly(sample)).count();
+        let run = (start..samples.len()).take_while(|&k| may_fly(k)).count();
+        let run = samples[start..start + run].iter().rposition(moves).map_or(0, |last| last + 1);
         let longest = (LEAST_FRAMES..=run).rev().find_map(|n| fits(&samples[start..start + n]));
         match longest {
             Some(flight) => {
@@ -85,9 +89,9 @@ fn fits(samples: &[Sample]) -> Option<Flight> {
     let (first, last) = (samples.first()?, samples.last()?);
     let sizes = || samples.iter().map(|sample| sample.px);
     let is_whole = sizes().max()? <= MOST_SIZES * sizes().min()?;
-    // It may begin in a hand, and no one reaches it then.
-    let is_free = samples.iter().skip(1).all(|sample| sample.reached_by.is_none());
-    if !is_whole || !is_free {
+    // It may begin near a hand, or end there.
+    let is_free = |sample: &&Sample| sample.reached_by.is_none() && sample.of_agent < MOST_OF_AGENT;
+    if !is_whole || samples.iter().filter(is_free).count() < LEAST_FREE {
         return None;
     }
     let n = samples.len() as f64;
@@ -154,6 +158,7 @@ mod tests {
                     center: DVec3::new(0.8 * t, 0.1, height_m),
                     height_m,
                     bottom_m: height_m - 0.03,
+                    in_place: 0.0,
                     px: 900,
                     changed: 0.9,
                     of_agent: 0.0,
@@ -176,6 +181,29 @@ mod tests {
             assert_eq!(flights(&samples(n, fps, |t| 0.5 + 0.4 * t)), []);
             assert_eq!(flights(&samples(n, fps, |t| 0.5 - 0.5 * 5.0 * t * t)), []);
         }
+    }
+
+    #[test]
+    fn a_flight_may_begin_in_a_hand() {
+        let mut fall = samples(8, 30.0, |t| 0.5 - 0.5 * 9.81 * t * t);
+        for sample in &mut fall[..4] {
+            (sample.of_agent, sample.reached_by) = (1.0, Some(1));
+        }
+        assert_eq!(flights(&fall).len(), 1);
+        for sample in &mut fall {
+            (sample.of_agent, sample.reached_by) = (1.0, Some(1));
+        }
+        assert_eq!(flights(&fall), [], "nobody lets it go");
+    }
+
+    #[test]
+    fn a_flight_goes_on_at_its_top_where_hardly_anything_moves() {
+        let mut thrown = samples(12, 30.0, |t| 1.8 * t - 0.5 * 9.81 * t * t);
+        for sample in &mut thrown[5..7] {
+            (sample.moves, sample.changed) = (false, 0.1);
+        }
+        let found = flights(&thrown);
+        assert_eq!(found.iter().map(|flight| (flight.first, flight.last)).collect::<Vec<_>>(), [(0, 11)]);
     }
 
     #[test]

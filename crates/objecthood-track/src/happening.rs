@@ -13,6 +13,8 @@ use crate::tracked::{EventKind, Relation};
 
 /// Lifted: its lowest point rose by this (m), and its mean point by half of that.
 const LIFTED_M: f64 = 0.02;
+/// It stays where it is when this share of its pixels or more shows what rested there.
+const STAYS: f64 = 0.8;
 /// First moved, upwards (m).
 const OFF_M: f64 = 0.005;
 /// Put down: no motion was found for so long (s).
@@ -27,9 +29,14 @@ const BEGUN_SHARE: f64 = 0.15;
 /// Compared are positions of things seen nearly as whole (share of pixels).
 const AS_WHOLE: f64 = 0.75;
 /// An agent that reached it so long ago (s) may have moved it.
-const REACHED_S: f64 = 0.33;
+pub(crate) const REACHED_S: f64 = 0.33;
+/// What a hand hid for so long (s), and which then rests so far away (m), was carried.
+const UNSEEN_S: f64 = 0.2;
+const CARRIED_M: f64 = 0.05;
 /// What rested so long (s) is not being pushed, even by an agent that still touches it.
 const UNTOUCHED_S: f64 = 0.6;
+/// In a hand: this share of its pixels or more belongs to an agent's region.
+const OF_AGENT: f64 = 0.5;
 /// Flights with less between them (s) are bounces of one.
 const BOUNCE_S: f64 = 0.34;
 /// A fall goes down by more than this (m), and up by less.
@@ -58,6 +65,21 @@ pub(crate) struct Happening {
     pub(crate) span: Option<(u64, u64)>,
     pub(crate) confidence: f32,
     pub(crate) evidence: String,
+}
+
+impl Happening {
+    /// What happened to a thing in the frame of a sample.
+    pub(crate) fn at(
+        sample: &Sample,
+        object: Key,
+        kind: EventKind,
+        other: Other,
+        confidence: f32,
+        evidence: String,
+    ) -> Self {
+        let (frame, time_s) = (sample.frame, sample.stamp_s);
+        Self { frame, time_s, kind, object, other, span: None, confidence, evidence }
+    }
 }
 
 /// A thing that an agent handles.
@@ -100,13 +122,22 @@ impl Happenings {
     }
 
     /// Looks at a track that is seen, after its new sample.
-    pub(crate) fn look(&mut self, key: Key, track: &mut Track, up: DVec3, pace: Pace) {
+    /// `is_carried`: what it lies in or stands on moves.
+    pub(crate) fn look(&mut self, key: Key, track: &mut Track, is_carried: bool, up: DVec3, pace: Pace) {
         if track.is_agent_part() {
             return;
         }
-        self.begin(key, track);
+        if !is_carried {
+            self.begin(key, track);
+        }
         self.lift(key, track, up);
-        if self.is_lifted(key) && track.is_still_for(STILL_S, pace.frame_s) {
+        // In a hand that keeps still it is not put down, unless something is seen to hold it.
+        let is_let_go = track.last.of_agent < OF_AGENT || track.votes.winner().is_some();
+        if self.is_lifted(key) && is_let_go && track.is_still_for(STILL_S, pace.frame_s) {
+            self.end(key, track, pace, false);
+        }
+        let is_let_go = !self.is_lifted(key) && track.reached_within(REACHED_S).is_none();
+        if self.is_handled(key) && is_let_go {
             self.end(key, track, pace, false);
         }
         if track.rests() {
@@ -114,7 +145,7 @@ impl Happenings {
             self.end(key, track, pace, false);
             let is_whole = track.rest.is_none_or(|rest| track.last.px as f64 > AS_WHOLE * rest.px as f64);
             if !self.handled.contains_key(&key) && is_whole {
-                track.rest = Some(rest_of(track));
+                track.settle();
             }
         }
     }
@@ -133,9 +164,7 @@ impl Happenings {
         // What is far from where it rested was moved, even if a hand hides how.
         let is_far = shift_m > LIFTED_M && last.px as f64 > AS_WHOLE * before.px as f64;
         let is_displaced = shift_m > BEGUN_M && track.is_moving || is_far;
-        let since_s = last.stamp_s - REACHED_S;
-        let reached = track.samples.iter().rev().take_while(|sample| sample.stamp_s >= since_s);
-        let Some(agent) = reached.filter_map(|sample| sample.reached_by).next() else { return };
+        let Some(agent) = track.reached_within(REACHED_S) else { return };
         if track.rest_s == 0.0 && (is_displaced || last.bottom_m - before.bottom_m > OFF_M && track.is_moving)
         {
             let was_in = track
@@ -156,6 +185,7 @@ impl Happenings {
             track.drift.dot(up) > LIFTED_M / 2.0 || track.last.px as f64 > AS_WHOLE * before.px as f64;
         let is_up = |sample: &Sample| {
             climbs
+                && sample.in_place < STAYS
                 && sample.bottom_m - before.bottom_m > LIFTED_M
                 && sample.height_m - before.height_m > LIFTED_M / 2.0
         };
@@ -164,7 +194,7 @@ impl Happenings {
             return;
         }
         handling.lifted = true;
-        let rises = |sample: &&Sample| sample.height_m - before.height_m > OFF_M;
+        let rises = |sample: &&Sample| sample.in_place < STAYS && sample.height_m - before.height_m > OFF_M;
         let since = track
             .samples
             .iter()
@@ -175,20 +205,11 @@ impl Happenings {
         let other = Other::Agent(handling.agent);
         let rise_mm = 1000.0 * (track.last.bottom_m - before.bottom_m);
         let evidence = format!("its lowest point rose by {rise_mm:.0} mm in reach of the agent");
-        let happening = |kind, other, evidence| Happening {
-            frame: first.frame,
-            time_s: first.stamp_s,
-            kind,
-            object: key,
-            other,
-            span: None,
-            confidence: 0.9,
-            evidence,
-        };
-        self.told.push(happening(EventKind::PickedUp, other, evidence));
+        self.told.push(Happening::at(&first, key, EventKind::PickedUp, other, 0.9, evidence));
         if let Some(Some(vessel)) = handling.was_in {
             let evidence = "it lay in it before it was lifted".to_owned();
-            self.told.push(happening(EventKind::TakenOut, Other::Track(vessel), evidence));
+            let vessel = Other::Track(vessel);
+            self.told.push(Happening::at(&first, key, EventKind::TakenOut, vessel, 0.9, evidence));
         }
         track.note("it was lifted and stayed whole");
         track.votes.clear();
@@ -199,16 +220,25 @@ impl Happenings {
         let Some(handling) = self.handled.get(&key).cloned() else { return };
         if handling.lifted {
             self.told.extend(put_down(key, track, &handling, pace));
-            track.rest = Some(rest_of(track));
+            track.settle();
         } else {
             let net_m = (track.last.center - handling.before.center).length();
             let is_free = track.last.reached_by.is_none() || is_last_word || track.rest_s > UNTOUCHED_S;
             if !is_free && net_m > PUSHED_M {
                 return;
             }
-            self.told.extend(pushed(key, track, &handling, pace));
+            match taken_unseen(track, handling.before) {
+                Some(taken) => {
+                    let evidence = "a hand hid it, and it rests elsewhere now".to_owned();
+                    let other = Other::Agent(handling.agent);
+                    let kind = EventKind::PickedUp;
+                    self.told.push(Happening::at(&taken, key, kind, other, 0.6, evidence));
+                    self.told.extend(put_down(key, track, &handling, pace));
+                }
+                None => self.told.extend(pushed(key, track, &handling, pace)),
+            }
             if track.last.px as f64 >= AS_WHOLE * handling.before.px as f64 {
-                track.rest = Some(rest_of(track));
+                track.settle();
             }
         }
         self.handled.remove(&key);
@@ -279,7 +309,9 @@ fn pushed(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Optio
         && as_whole(last.px, before.px)
         && net_m > PUSHED_M
         && track.drift.length() > PUSHED_M / 2.0;
-    if !is_moved || !track.is_still_for(STILL_S / 2.0, pace.frame_s) || flew(track, before.frame) {
+    let is_over =
+        track.is_still_for(STILL_S / 2.0, pace.frame_s) || track.reached_within(REACHED_S).is_none();
+    if !is_moved || !is_over || flew(track, before.frame) {
         return None;
     }
     let begun_m = BEGUN_M.max(BEGUN_SHARE * net_m);
@@ -287,16 +319,19 @@ fn pushed(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Optio
     let stayed = track.samples.iter().rev().find(is_there).map_or(before.frame, |sample| sample.frame);
     let first = track.since(stayed + 1).next().copied().unwrap_or(last);
     track.note("it was pushed and stayed whole");
-    Some(Happening {
-        frame: first.frame,
-        time_s: first.stamp_s,
-        kind: EventKind::Pushed,
-        object: key,
-        other: Other::Agent(handling.agent),
-        span: None,
-        confidence: 0.8,
-        evidence: format!("displaced by {:.0} mm in reach of the agent, without rising", 1000.0 * net_m),
-    })
+    let evidence = format!("displaced by {:.0} mm in reach of the agent, without rising", 1000.0 * net_m);
+    let other = Other::Agent(handling.agent);
+    Some(Happening::at(&first, key, EventKind::Pushed, other, 0.8, evidence))
+}
+
+/// The last time that a thing was seen where it rested, if it then was hidden for long and is elsewhere now.
+fn taken_unseen(track: &Track, before: Rest) -> Option<Sample> {
+    let is_far = (track.last.center - before.center).length() > CARRIED_M;
+    let is_whole = track.last.px as f64 > AS_WHOLE * before.px as f64;
+    let seen: Vec<&Sample> = track.since(before.frame).collect();
+    let hidden_s = |pair: &&[&Sample]| pair[1].stamp_s - pair[0].stamp_s;
+    let longest = seen.windows(2).max_by(|a, b| hidden_s(a).total_cmp(&hidden_s(b)))?;
+    (is_far && is_whole && hidden_s(&longest) > UNSEEN_S).then(|| *longest[0])
 }
 
 /// Whether a thing lies where it came to rest. While a hand hides part of it, its mean visible point tells less, and what its motion tells
@@ -314,8 +349,11 @@ fn put_down(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Opt
     if !track.is_still_for(STILL_S, pace.frame_s) || flew(track, handling.begun) {
         return None;
     }
-    let moved = track.samples.iter().rev().find(|sample| !is_down(sample, &track.last));
-    let down = moved.map_or(handling.before.frame, |sample| sample.frame) + 1;
+    // A hand that leaves may spoil a frame.
+    let is_up = |sample: &Sample| !is_down(sample, &track.last);
+    let recent = track.samples.iter().rev();
+    let moved = recent.clone().zip(recent.skip(1)).find(|(later, earlier)| is_up(later) && is_up(earlier));
+    let down = moved.map_or(handling.before.frame, |(sample, _)| sample.frame) + 1;
     let at = track.since(down).next().copied().unwrap_or(track.last);
     let (kind, other) = match track.votes.winner() {
         Some((Some(vessel), Relation::In)) => (EventKind::PutIn, Other::Track(vessel)),
@@ -323,26 +361,11 @@ fn put_down(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Opt
         _ => (EventKind::PlacedOn, Other::Ground),
     };
     track.note("it was put down and stayed whole");
-    Some(Happening {
-        frame: at.frame,
-        time_s: at.stamp_s,
-        kind,
-        object: key,
-        other,
-        span: None,
-        confidence: 0.85,
-        evidence: "it rests again after it was lifted".to_owned(),
-    })
+    Some(Happening::at(&at, key, kind, other, 0.85, "it rests again after it was lifted".to_owned()))
 }
 
 /// Whether a track was in flight since a frame, as far as was analysed.
 fn flew(track: &Track, since: u64) -> bool {
     let samples: Vec<Sample> = track.since(since).copied().collect();
     !flights(&samples).is_empty()
-}
-
-/// How it rests: the mean of the last frames would be the same.
-fn rest_of(track: &Track) -> Rest {
-    let Sample { frame, center, height_m, bottom_m, px, .. } = track.last;
-    Rest { frame, center, height_m, bottom_m, px }
 }

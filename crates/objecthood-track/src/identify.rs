@@ -21,10 +21,11 @@ impl Memory {
         place: Place,
         predicted: &[Key],
     ) -> Look<'a> {
-        let measure = Measure { view, changed, agents: &self.agents, place: &place };
-        let (labels, count) = labels(found, view, &self.scene, &self.agents);
-        let segments = segments(&labels, count, &measure);
+        let measure = Measure { view, changed, scene: &self.scene, agents: &self.agents, place: &place };
+        let (mut labels, count) = labels(found, view, &self.scene, &self.agents);
+        let mut segments = segments(&labels, count, &measure);
         let overlap = self.overlap(&labels, view, predicted);
+        self.part_uncovered(&mut labels, &mut segments, &overlap, predicted, &measure);
         let tracks_of = associate(&segments, &self.tracks, &overlap, self.stamp_s, self.pace);
         self.take_over(&segments, &tracks_of, &overlap);
         let mut keys = Vec::new();
@@ -82,6 +83,7 @@ impl Memory {
             }
         };
         for (pixel, (&key, &label)) in predicted.iter().zip(labels).enumerate() {
+            let key = if key > 0 && self.scene.is_behind(view, pixel) { 0 } else { key };
             if (key, label) != (run.0, run.1) {
                 flush(run);
                 run = (key, label, 0, 0);

@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 
-use crate::associate::Overlap;
+use crate::associate::{HOLDS, Overlap};
 use crate::scene::Key;
 use crate::track::{Rest, Track};
+use crate::tracked::Relation;
 
 /// Two parts of one thing moved so far (m) together,
 const TOGETHER_PATH_M: f64 = 0.03;
@@ -18,8 +19,8 @@ const TOGETHER_FRAMES: u32 = 6;
 const SURE_FIT: f64 = 0.5;
 /// One of two moved so far (m) against the other.
 const APART_M: f64 = 0.012;
-/// A segment holds a track when it covers this share of where the track should be.
-const HOLDS: f64 = 0.5;
+/// Or rests so far (m) from where it first rested, if it is put beside where the other first rested.
+const AGAINST_M: f64 = 0.02;
 /// Parts that stood apart are one when a segment holds both for so many frames.
 const WHOLE_FRAMES: u32 = 3;
 
@@ -76,6 +77,11 @@ impl Knowledge {
                 || one.part_of.is_some()
                 || other.part_of.is_some()
             {
+                continue;
+            }
+            // What lies in a vessel moves with it.
+            let is_in = |track: &Track, vessel: Key| track.votes.says(Some(vessel), Relation::In);
+            if is_in(one, b) || is_in(other, a) || one.was_moved_against(other, AGAINST_M) {
                 continue;
             }
             let (path_a, path_b) = (one.last.center - rest_a.center, other.last.center - rest_b.center);
@@ -136,9 +142,12 @@ impl Knowledge {
             if key == owner || is_seen(key) || !track.is_confirmed() || !is_held || track.is_agent_part() {
                 continue;
             }
-            if self.are_apart(owner, key) {
+            let touched = touched.contains(&pair(owner, key));
+            let is_own =
+                touched && track.rest.is_some() || track.was_moved_against(&tracks[&owner], AGAINST_M);
+            if self.are_apart(owner, key) || is_own {
                 apart.push(key);
-            } else if !touched.contains(&pair(owner, key)) && track.rests() && tracks[&owner].rest.is_some() {
+            } else if !touched && track.rests() && tracks[&owner].rest.is_some() {
                 let frames = self.whole.entry(pair(owner, key)).or_default();
                 *frames += 1;
                 if *frames >= WHOLE_FRAMES {

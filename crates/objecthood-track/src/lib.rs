@@ -38,6 +38,7 @@ mod bits;
 mod camera;
 mod error;
 mod flight;
+mod hand;
 mod happening;
 mod identify;
 mod knowledge;
@@ -57,6 +58,7 @@ mod support;
 mod track;
 mod tracked;
 mod tracker;
+mod uncover;
 mod view;
 
 pub use error::{Error, Result};

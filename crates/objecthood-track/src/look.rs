@@ -20,16 +20,25 @@ impl Default for Look {
     }
 }
 
+/// Which of the colours this one is.
+fn bin(rgb: [u8; 3]) -> usize {
+    let [l, a, b] = lab(rgb);
+    let step = |x: f32, first: f32, width: f32, steps: usize| {
+        (((x - first) / width).max(0.0) as usize).min(steps - 1)
+    };
+    // Most things have little chroma: the steps of a and b are 16 wide about grey.
+    (step(l, 0.0, 25.0, 4) * 8 + step(a, -64.0, 16.0, 8)) * 8 + step(b, -64.0, 16.0, 8)
+}
+
 impl Look {
     pub(crate) fn add(&mut self, rgb: [u8; 3]) {
-        let [l, a, b] = lab(rgb);
-        let step = |x: f32, first: f32, width: f32, steps: usize| {
-            (((x - first) / width).max(0.0) as usize).min(steps - 1)
-        };
-        // Most things have little chroma: the steps of a and b are 16 wide about grey.
-        let bin = (step(l, 0.0, 25.0, 4) * 8 + step(a, -64.0, 16.0, 8)) * 8 + step(b, -64.0, 16.0, 8);
-        self.shares[bin] += 1.0;
+        self.shares[bin(rgb)] += 1.0;
         self.samples += 1;
+    }
+
+    /// The share of a colour.
+    pub(crate) fn share(&self, rgb: [u8; 3]) -> f32 {
+        self.shares[bin(rgb)]
     }
 
     pub(crate) fn finish(&mut self) {

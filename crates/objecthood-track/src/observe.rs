@@ -1,6 +1,6 @@
 //! Every track that is seen is brought up to date.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 
@@ -9,10 +9,12 @@ use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::segment::Segment;
 use crate::support::carrier;
-use crate::track::Sample;
+use crate::track::{Sample, Track};
 
 /// An agent reaches what is this close to it (px at VGA size).
 const REACH_PX: f64 = 6.0;
+/// What goes with what carries it was moved at most this much (m) farther.
+const WITH_IT_M: f64 = 0.015;
 
 impl Memory {
     /// Brings every track up to date and tells what happened to it.
@@ -45,9 +47,10 @@ impl Memory {
         }
         self.vote(look);
         self.compare(look);
+        let carried = self.carried();
         for (&key, track) in &mut self.tracks {
             if track.last.frame == self.frame {
-                self.happenings.look(key, track, look.place.up, self.pace);
+                self.happenings.look(key, track, carried.contains(&key), look.place.up, self.pace);
             }
         }
         self.tell_partings();
@@ -62,6 +65,7 @@ impl Memory {
             center: segment.center,
             height_m: segment.height_m,
             bottom_m: segment.bottom_m,
+            in_place: segment.in_place,
             px: segment.px,
             changed: segment.changed,
             of_agent: segment.of_agent,
@@ -69,6 +73,20 @@ impl Memory {
             moves: false,
             reached_by: reached_by.first().copied(),
         }
+    }
+
+    /// Things that lie in or stand on another, which was moved as far as they were: they go with it.
+    fn carried(&self) -> BTreeSet<Key> {
+        let moved_m =
+            |track: &Track| track.rest.map_or(0.0, |rest| (track.last.center - rest.center).length());
+        let goes_with = |track: &Track, below: &Track| moved_m(track) < moved_m(below) + WITH_IT_M;
+        let is_carried = |track: &Track| match track.votes.winner() {
+            Some((Some(below), _)) => self.tracks.get(&below).is_some_and(|carrier| {
+                (carrier.is_moving || self.happenings.is_handled(below)) && goes_with(track, carrier)
+            }),
+            _ => false,
+        };
+        self.tracks.iter().filter(|(_, track)| is_carried(track)).map(|(&key, _)| key).collect()
     }
 
     /// The agents that reach each track: they touch it with pixels that belong to no known object.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 
-use crate::happening::{Happening, Other};
+use crate::happening::{Happening, Other, REACHED_S};
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::track::Track;
@@ -107,16 +107,16 @@ impl Memory {
             let time_s = track.first.stamp_s - (track.first.frame - frame) as f64 * self.pace.frame_s;
             let (object, other) = if own_moved { (key, from) } else { (from, key) };
             self.knowledge.part(key, from);
-            self.happenings.tell(Happening {
-                frame,
-                time_s,
-                kind: EventKind::Split,
-                object,
-                other: Other::Track(other),
-                span: None,
-                confidence: 0.8,
-                evidence: "one moved against the other".to_owned(),
-            });
+            let mut tell = |kind, other, evidence: &str| {
+                let evidence = evidence.to_owned();
+                let told =
+                    Happening { frame, time_s, kind, object, other, span: None, confidence: 0.8, evidence };
+                self.happenings.tell(told);
+            };
+            tell(EventKind::Split, Other::Track(other), "one moved against the other");
+            if let Some(agent) = self.tracks[&object].reached_within(REACHED_S) {
+                tell(EventKind::Pushed, Other::Agent(agent), "it came off in reach of the agent");
+            }
             if let Some(track) = self.tracks.get_mut(&key) {
                 track.came_off = None;
             }

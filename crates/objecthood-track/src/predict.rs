@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use crate::align::{Motion, SurfacePoint, align};
+use crate::align::{Motion, SurfacePoint, align, gain};
 use crate::bits::Bits;
 use crate::rigid::Rigid;
-use crate::scene::{Key, Scene};
+use crate::scene::{Key, Scene, THERE_M};
 use crate::track::Track;
 use crate::view::View;
 
@@ -20,8 +20,8 @@ const LEAST_FIT: f64 = 0.35;
 /// and it is more than noise: shift (m), turn (rad).
 const LEAST_SHIFT_M: f64 = 0.0025;
 const LEAST_TURN_RAD: f64 = 0.02;
-/// A moved point is there when the depth is within this (m).
-const THERE_M: f64 = 0.02;
+/// and it explains what is seen better than rest does, by this mean square of standard deviations: what a hand passes only seems to move.
+const LEAST_GAIN: f64 = 1.0;
 
 /// Finds the motion of every track that may have moved, and the pixels at which all should be seen. O(n) and O(points) a
 /// moving track.
@@ -57,9 +57,12 @@ pub(crate) fn predict(
         let center = points.iter().map(|point| point.at).sum::<DVec3>() / points.len().max(1) as f64;
         let is_more = motion.rigid.displacement_m(center) > LEAST_SHIFT_M * f64::from(view.noise)
             || motion.rigid.angle_rad() > LEAST_TURN_RAD * f64::from(view.noise);
-        if motion.fit > LEAST_FIT && is_more {
-            moving.insert(*key, motion.rigid);
-            (track.is_moving, track.motion) = (true, Some(motion));
+        let is_more = is_more && gain(points, view, &motion.rigid).is_none_or(|gain| gain > LEAST_GAIN);
+        if motion.fit > LEAST_FIT {
+            if is_more {
+                moving.insert(*key, motion.rigid);
+            }
+            (track.is_moving, track.motion) = (is_more, Some(motion));
         }
     }
     splat(scene, view, &moving)
@@ -125,8 +128,8 @@ fn splat(scene: &Scene, view: &View, moving: &BTreeMap<Key, Rigid>) -> Vec<Key> 
         for (u, v) in [(u, v), (u + 1, v), (u, v + 1), (u + 1, v + 1)] {
             if u < width && v < height {
                 let to = v * width + u;
-                let is_there =
-                    view.inverse[to] > 0.0 && (1.0 / f64::from(view.inverse[to]) - now.z).abs() < THERE_M;
+                let is_there = view.inverse[to] > 0.0
+                    && (1.0 / f64::from(view.inverse[to]) - now.z).abs() < f64::from(THERE_M);
                 if is_there {
                     predicted[to] = key;
                 }

@@ -12,6 +12,10 @@ const CHANGED_PER_M: [f32; 2] = [0.0042, 0.009];
 const CHANGED_LEVELS: [i16; 2] = [26, 60];
 /// Nearer or farther than the rested background by this inverse depth (1/m).
 const BESIDE_BACKGROUND_PER_M: f32 = 0.007;
+/// A surface is there when the depth is within this (m).
+pub(crate) const THERE_M: f32 = 0.02;
+/// A surface is far behind another by this (m).
+const BEHIND_M: f32 = 0.05;
 /// The running mean of inverse depth goes over so many frames.
 const MEAN_FRAMES: u8 = 12;
 /// Farther than the background for so long (s), it is the background.
@@ -162,9 +166,27 @@ impl Scene {
         rested > 0.0 && view.inverse[pixel] - rested > BESIDE_BACKGROUND_PER_M * view.noise
     }
 
+    /// Whether a pixel shows the rested background, to which belongs what rests.
+    pub(crate) fn is_in_place(&self, view: &View, pixel: usize) -> bool {
+        let (rested, is) = (self.background[pixel], view.inverse[pixel]);
+        rested > 0.0 && is > 0.0 && (is - rested).abs() < BESIDE_BACKGROUND_PER_M * view.noise
+    }
+
     /// Whether something nearer than what was there stands at a pixel now.
     pub(crate) fn is_covered(&self, view: &View, pixel: usize) -> bool {
         view.inverse[pixel] > self.depth[pixel] + CHANGED_PER_M[1] * view.noise
+    }
+
+    /// Whether what was remembered at a pixel is far behind what is seen there.
+    pub(crate) fn is_behind(&self, view: &View, pixel: usize) -> bool {
+        let (was, is) = (self.depth[pixel], view.inverse[pixel]);
+        was > 0.0 && is > 0.0 && 1.0 / was - 1.0 / is > BEHIND_M
+    }
+
+    /// Whether the surface that was remembered at a pixel is still there.
+    pub(crate) fn is_as_before(&self, view: &View, pixel: usize) -> bool {
+        let (was, is) = (self.depth[pixel], view.inverse[pixel]);
+        was > 0.0 && is > 0.0 && (1.0 / is - 1.0 / was).abs() < THERE_M
     }
 
     /// Decides which track is shown: near changes the frame's, elsewhere the one shown before unless frames disagree long. O(n).

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::associate::Overlap;
+use crate::hand::HandColors;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::segment::{Measure, is_looked_at};
@@ -11,6 +12,9 @@ use crate::track::Track;
 /// What no segment shows is held when its motion fits so well, or while it rests, so long (s).
 const HELD_FIT: f64 = 0.5;
 const HELD_S: f64 = 1.0;
+/// Little of a thing is this share of its pixels at rest; of what is left of it this share or more stands before the rested scene.
+const LITTLE: f64 = 0.25;
+const LEAST_IN_FRONT: f64 = 0.3;
 /// Pieces of fewer pixels, of those that are looked at, are none.
 const LEAST_PIECE: usize = 8;
 
@@ -21,23 +25,26 @@ impl Memory {
         let parted = self.parted(&look.keys, overlap);
         let mut pieces: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
         let width = look.view.size.0;
+        let hand = HandColors::of(look.view, predicted, &self.agents.region, &self.tracks);
         for (pixel, &label) in look.labels.iter().enumerate() {
             let Some(k) = usize::from(label).checked_sub(1) else {
                 self.scene.seen[pixel] = 0;
                 continue;
             };
             let mut key = look.keys[k];
-            if let Some(others) = parted.get(&k) {
-                if others.contains(&predicted[pixel]) {
-                    key = predicted[pixel];
-                }
-                if is_looked_at(pixel, width) {
-                    pieces.entry(key).or_default().push(pixel);
-                }
+            if parted.get(&k).is_some_and(|others| others.contains(&predicted[pixel])) {
+                key = predicted[pixel];
+            }
+            if self.tracks.get(&key).is_some_and(|track| hand.has(pixel, track, predicted[pixel] == key)) {
+                self.scene.seen[pixel] = 0;
+                continue;
+            }
+            if parted.contains_key(&k) && is_looked_at(pixel, width) {
+                pieces.entry(key).or_default().push(pixel);
             }
             self.scene.seen[pixel] = key;
         }
-        self.hold(look, predicted, overlap, &mut pieces);
+        self.hold(look, predicted, overlap, &hand, &mut pieces);
         self.measure_pieces(look, pieces);
     }
 
@@ -59,8 +66,13 @@ impl Memory {
 
     /// Pieces of segments, and what is held without one, are segments of their own.
     fn measure_pieces(&self, look: &mut Look<'_>, pieces: BTreeMap<Key, Vec<usize>>) {
-        let measure =
-            Measure { view: look.view, changed: look.changed, agents: &self.agents, place: &look.place };
+        let measure = Measure {
+            view: look.view,
+            changed: look.changed,
+            scene: &self.scene,
+            agents: &self.agents,
+            place: &look.place,
+        };
         for (key, pixels) in pieces.into_iter().filter(|(_, pixels)| pixels.len() > LEAST_PIECE) {
             let segment = measure.segment(&pixels);
             match look.keys.iter().position(|&known| known == key) {
@@ -80,6 +92,7 @@ impl Memory {
         look: &Look<'_>,
         predicted: &[Key],
         overlap: &Overlap,
+        hand: &HandColors<'_>,
         pieces: &mut BTreeMap<Key, Vec<usize>>,
     ) {
         let is_held = |key: Key| {
@@ -87,26 +100,32 @@ impl Memory {
             let is_seen = look.keys.contains(&key);
             let moves = track.motion.as_ref().is_some_and(|motion| motion.fit > HELD_FIT);
             let rests = track.rest_s > 0.0 && track.held_frames < self.pace.frames(HELD_S);
+            let is_handled = self.happenings.is_handled(key);
             track.rest.is_some()
                 && !track.is_agent_part()
                 && track.part_of.is_none()
                 && !is_seen
-                && (moves || rests)
+                && (moves || rests || is_handled)
         };
         let held: BTreeSet<Key> = overlap.predicted.keys().copied().filter(|&key| is_held(key)).collect();
         if held.is_empty() {
             return;
         }
-        let width = look.view.size.0;
-        for (pixel, &key) in predicted.iter().enumerate() {
-            if !held.contains(&key) {
-                continue;
-            }
-            let moves = self.tracks[&key].is_moving;
+        let mut shown: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
+        for (pixel, &key) in predicted.iter().enumerate().filter(|(_, key)| held.contains(key)) {
             let owner = self.scene.seen[pixel];
             let is_free = owner == 0 || self.tracks.get(&owner).is_some_and(Track::is_agent_part);
-            let is_there = moves || !look.changed.has(pixel) && look.view.inverse[pixel] > 0.0;
-            if is_free && is_there {
+            let is_there = self.tracks[&key].is_moving || self.scene.is_as_before(look.view, pixel);
+            if is_free && is_there && !hand.has(pixel, &self.tracks[&key], true) {
+                shown.entry(key).or_default().push(pixel);
+            }
+        }
+        let width = look.view.size.0;
+        for (key, pixels) in shown {
+            if self.is_shadow(key, &pixels, look) {
+                continue;
+            }
+            for pixel in pixels {
                 self.scene.seen[pixel] = key;
                 if is_looked_at(pixel, width) {
                     pieces.entry(key).or_default().push(pixel);
@@ -118,5 +137,14 @@ impl Memory {
                 track.held_frames += 1;
             }
         }
+    }
+
+    /// Whether what seems to be left of a thing that was taken away is a shadow that moves with the hand: little is left, and most of it
+    /// does not stand before the rested scene.
+    fn is_shadow(&self, key: Key, pixels: &[usize], look: &Look<'_>) -> bool {
+        let track = &self.tracks[&key];
+        let in_front = pixels.iter().filter(|&&pixel| self.scene.is_in_front(look.view, pixel)).count();
+        let is_little = track.rest.is_some_and(|rest| (pixels.len() as f64) < LITTLE * rest.px as f64);
+        track.is_away() && is_little && (in_front as f64) < LEAST_IN_FRONT * pixels.len() as f64
     }
 }

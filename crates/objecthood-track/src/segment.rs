@@ -26,6 +26,8 @@ pub(crate) struct Segment {
     /// Height of the mean visible point (m), and of what is lowest, without the lowest twentieth.
     pub(crate) height_m: f64,
     pub(crate) bottom_m: f64,
+    /// Share of its pixels that show what rested there before.
+    pub(crate) in_place: f64,
     pub(crate) look: Look,
     /// Visible area, as if it faced the camera (m²).
     pub(crate) area_m2: f64,
@@ -39,6 +41,7 @@ pub(crate) struct Segment {
 pub(crate) struct Measure<'a> {
     pub(crate) view: &'a View,
     pub(crate) changed: &'a Bits,
+    pub(crate) scene: &'a Scene,
     pub(crate) agents: &'a Agents,
     pub(crate) place: &'a Place,
 }
@@ -99,6 +102,7 @@ impl Measure<'_> {
             let reach = STRIDE_PX;
             segment.at_border |= u < reach || v < reach || u + reach >= width || v + reach >= height;
             segment.changed += f64::from(u8::from(self.changed.has(pixel)));
+            segment.in_place += f64::from(u8::from(self.scene.is_in_place(self.view, pixel)));
             segment.of_agent += f64::from(u8::from(self.agents.region.has(pixel)));
             if let Some(&color) = self.view.color.get(pixel) {
                 segment.look.add(color);
@@ -113,6 +117,7 @@ impl Measure<'_> {
         let (all, measured) = (pixels.len().max(1) as f64, heights.len().max(1) as f64);
         segment.changed /= all;
         segment.of_agent /= all;
+        segment.in_place /= all;
         segment.center_in_camera = sum / measured;
         segment.center = self.place.world(segment.center_in_camera);
         segment.height_m = segment.center.dot(self.place.up);

@@ -31,6 +31,11 @@ impl Votes {
         self.candidates.clear();
     }
 
+    /// Whether any frame that still counts said so.
+    pub(crate) fn says(&self, parent: Parent, relation: Relation) -> bool {
+        self.candidates.iter().any(|candidate| (candidate.0, candidate.1) == (parent, relation))
+    }
+
     /// The one with most votes; of equals the first that got one.
     pub(crate) fn winner(&self) -> Option<(Parent, Relation)> {
         let mut best: Option<&(Parent, Relation, f32)> = None;

@@ -23,6 +23,8 @@ const RESTING_STEP_M: f64 = 0.005;
 /// It moves when it is displaced against where it was within this time (s), by so many standard deviations of depth.
 const DISPLACED_S: f64 = 0.15;
 const DISPLACED_NOISES: f64 = 3.5;
+/// It is elsewhere when its mean visible point is so far (m) from where it rested.
+const AWAY_M: f64 = 0.02;
 /// It is known once it rested so long (s).
 pub(crate) const KNOWN_S: f64 = 0.2;
 
@@ -36,6 +38,8 @@ pub(crate) struct Sample {
     /// Heights (m).
     pub(crate) height_m: f64,
     pub(crate) bottom_m: f64,
+    /// Share of its pixels that show what rested there before.
+    pub(crate) in_place: f64,
     pub(crate) px: usize,
     pub(crate) changed: f64,
     pub(crate) of_agent: f64,
@@ -76,6 +80,7 @@ pub(crate) struct Track {
     /// So long it has rested (s).
     pub(crate) rest_s: f64,
     pub(crate) rest: Option<Rest>,
+    pub(crate) first_rest: Option<Rest>,
     /// Path since it was last at rest, and in all (m).
     pub(crate) path_m: f64,
     /// The sum of its motions since it last rested (m), in the world.
@@ -121,6 +126,7 @@ impl Track {
             is_moving: false,
             rest_s: 0.0,
             rest: None,
+            first_rest: None,
             path_m: 0.0,
             drift: DVec3::ZERO,
             agent_score: if segment.of_agent > 0.5 { 4 } else { 0 },
@@ -210,6 +216,17 @@ impl Track {
         self.rest_s >= KNOWN_S
     }
 
+    /// Whether it is elsewhere than where it last rested.
+    pub(crate) fn is_away(&self) -> bool {
+        self.rest.is_some_and(|rest| (self.last.center - rest.center).length() > AWAY_M)
+    }
+
+    /// Whether it was moved by more than this (m) against another since both first rested.
+    pub(crate) fn was_moved_against(&self, other: &Self, least_m: f64) -> bool {
+        let moved = |track: &Self| Some(track.rest?.center - track.first_rest?.center);
+        moved(self).zip(moved(other)).is_some_and(|(own, others)| (own - others).length() > least_m)
+    }
+
     /// Whether it was seen for some time (s), and no motion was found.
     pub(crate) fn is_still_for(&self, seconds: f64, frame_s: f64) -> bool {
         let since_s = self.last.stamp_s - seconds;
@@ -219,9 +236,23 @@ impl Track {
             && self.samples.iter().filter(|sample| sample.stamp_s > since_s).count() >= least
     }
 
+    /// The agent that reached it last, in this time (s).
+    pub(crate) fn reached_within(&self, seconds: f64) -> Option<u32> {
+        let since_s = self.last.stamp_s - seconds;
+        let recent = self.samples.iter().rev().take_while(|sample| sample.stamp_s >= since_s);
+        recent.filter_map(|sample| sample.reached_by).next()
+    }
+
     /// The samples since a frame.
     pub(crate) fn since(&self, frame: u64) -> impl DoubleEndedIterator<Item = &Sample> {
         self.samples.iter().filter(move |sample| sample.frame >= frame)
+    }
+
+    /// It rests as it was just seen.
+    pub(crate) fn settle(&mut self) {
+        let Sample { frame, center, height_m, bottom_m, px, .. } = self.last;
+        self.rest = Some(Rest { frame, center, height_m, bottom_m, px });
+        self.first_rest = self.first_rest.or(self.rest);
     }
 
     pub(crate) fn note(&mut self, what: &'static str) {

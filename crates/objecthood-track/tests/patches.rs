@@ -25,20 +25,27 @@ impl Patch {
     fn has(&self, u: i32, v: i32) -> bool {
         (self.left..self.left + self.width).contains(&u) && (self.top..self.top + self.height).contains(&v)
     }
+
+    /// Spots that show how it moves in its plane.
+    fn color_at(&self, u: i32, v: i32) -> [u8; 3] {
+        let is_dark = (u - self.left) / 6 % 3 == (v - self.top) / 5 % 2;
+        self.color.map(|level| if is_dark { level - level / 4 } else { level })
+    }
 }
 
-/// A frame of patches, the nearer before the farther, with noise of a Kinect's size; its discovery has a label for each that is seen.
-fn frame(patches: &[Patch], number: u64) -> (Frame, Discovery) {
+/// A frame of patches, the nearer before the farther, with noise of a Kinect's size; its discovery has a label for each of `found` that is
+/// seen.
+fn frame(patches: &[Patch], found: &[usize], number: u64) -> (Frame, Discovery) {
     const WALL: ([u8; 3], f32) = ([180, 180, 175], 1.3);
     let (mut depth_m, mut color, mut owners) = (Vec::new(), Vec::new(), Vec::new());
     for v in 0..SIZE.1 as i32 {
         for u in 0..SIZE.0 as i32 {
             let seen = patches.iter().enumerate().filter(|(_, patch)| patch.has(u, v));
             let nearest = seen.min_by(|a, b| a.1.depth_m.total_cmp(&b.1.depth_m));
-            let (rgb, z) = nearest.map_or(WALL, |(_, patch)| (patch.color, patch.depth_m));
+            let (rgb, z) = nearest.map_or(WALL, |(_, patch)| (patch.color_at(u, v), patch.depth_m));
             depth_m.push(z + 0.0012 * z * z * noise(u as u64, v as u64, number));
             color.push(rgb);
-            owners.push(nearest.map(|(k, _)| k));
+            owners.push(nearest.map(|(k, _)| k).filter(|k| found.contains(k)));
         }
     }
     let seen: Vec<usize> = (0..patches.len()).filter(|&k| owners.contains(&Some(k))).collect();
@@ -73,7 +80,8 @@ fn noise(u: u64, v: u64, number: u64) -> f32 {
 }
 
 fn follow(tracker: &mut Tracker, patches: &[Patch], number: u64) -> Tracked {
-    let (frame, found) = frame(patches, number);
+    let all: Vec<usize> = (0..patches.len()).collect();
+    let (frame, found) = frame(patches, &all, number);
     tracker.update_found(&frame, &found, number as f64 / 30.0, None).unwrap()
 }
 
@@ -113,4 +121,33 @@ fn what_comes_out_in_pieces_keeps_its_number() {
     let shown: BTreeSet<u16> = labels.as_slice().iter().copied().filter(|&label| label > 0).collect();
     assert_eq!(shown, BTreeSet::from([1]));
     assert_eq!(labels.as_slice().iter().filter(|&&label| label == 1).count(), 36 * 30);
+}
+
+/// An arm takes the thing up, holds it still and takes it aside. Meanwhile no frame shows the thing as an object of its own.
+#[test]
+fn what_a_hand_holds_keeps_its_number() {
+    let mut tracker = Tracker::new(objecthood::Params::default());
+    for number in 0..75_i32 {
+        let reach = (40 - 4 * (number - 20)).clamp(0, 160);
+        let up = (2 * (number - 35)).clamp(0, 20);
+        let aside = (3 * (number - 58)).clamp(0, 30);
+        let thing = Patch { left: THING.left - aside, top: THING.top - up, ..THING };
+        let (left, top) = (thing.left + 18 + reach, thing.top + 6);
+        let arm = Patch { left, top, width: 160, height: 10, depth_m: 0.96, color: [40, 70, 190] };
+        let is_held = number >= 33;
+        let seen: &[usize] = if is_held { &[] } else { &[0] };
+        let (frame, found) = frame(&[thing, arm], seen, number as u64);
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        let free = |u: i32, v: i32| thing.has(u, v) && !arm.has(u, v);
+        let places = (0..SIZE.1 as i32).flat_map(|v| (0..SIZE.0 as i32).map(move |u| (u, v)));
+        let visible = places.filter(|&(u, v)| free(u, v)).map(|(u, v)| v as usize * SIZE.0 + u as usize);
+        let (mut own, mut all) = (0, 0);
+        for pixel in visible {
+            all += 1;
+            own += usize::from(tracked.labels.as_slice()[pixel] == 1);
+        }
+        assert!(4 * own > 3 * all, "frame {number}: {own} of {all} pixels");
+        let others = tracked.labels.as_slice().iter().filter(|&&label| label > 1).count();
+        assert_eq!(others, 0, "frame {number}");
+    }
 }

@@ -1,0 +1,56 @@
+//! What belongs to a hand rather than to the thing that it holds: a frame takes both for one segment, and colour tells them apart (ours).
+
+use std::collections::BTreeMap;
+
+use crate::bits::Bits;
+use crate::look::Look;
+use crate::scene::Key;
+use crate::segment::is_looked_at;
+use crate::track::Track;
+use crate::view::View;
+
+/// Where a thing is expected, a colour has to be so many times as frequent in the hand as in the thing to be the hand's.
+const EXPECTED: f32 = 4.0;
+
+/// The colours of the agents of a frame.
+pub(crate) struct HandColors<'a> {
+    view: &'a View,
+    region: Bits,
+    look: Look,
+}
+
+impl<'a> HandColors<'a> {
+    /// The colours of the agents' region where no known thing is expected. O(n).
+    pub(crate) fn of(
+        view: &'a View,
+        predicted: &[Key],
+        region: &Bits,
+        tracks: &BTreeMap<Key, Track>,
+    ) -> Self {
+        let mut look = Look::default();
+        let is_known = |key: Key| tracks.get(&key).is_some_and(|track| track.rest.is_some());
+        for pixel in region.pixels().filter(|&pixel| is_looked_at(pixel, view.size.0)) {
+            if let Some(&color) = view.color.get(pixel)
+                && !is_known(predicted[pixel])
+            {
+                look.add(color);
+            }
+        }
+        look.finish();
+        Self { view, region: region.clone(), look }
+    }
+
+    /// Whether a pixel that a segment gives to a known thing is the hand's. `is_expected`: whether the thing should be there.
+    /// Never without colour.
+    pub(crate) fn has(&self, pixel: usize, track: &Track, is_expected: bool) -> bool {
+        let least = if is_expected { EXPECTED } else { 1.0 };
+        self.region.has(pixel)
+            && track.rest.is_some()
+            && !track.is_agent_part()
+            && self
+                .view
+                .color
+                .get(pixel)
+                .is_some_and(|&color| self.look.share(color) > least * track.look.share(color))
+    }
+}
