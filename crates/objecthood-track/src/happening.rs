@@ -142,7 +142,9 @@ impl Happenings {
         }
         if track.rests() {
             self.fly(key, track);
-            self.end(key, track, pace, false);
+            if track.is_still_for(STILL_S, pace.frame_s) {
+                self.end(key, track, pace, false);
+            }
             let is_whole = track.rest.is_none_or(|rest| track.last.px as f64 > AS_WHOLE * rest.px as f64);
             if !self.handled.contains_key(&key) && is_whole {
                 track.settle();
@@ -219,7 +221,7 @@ impl Happenings {
     fn end(&mut self, key: Key, track: &mut Track, pace: Pace, is_last_word: bool) {
         let Some(handling) = self.handled.get(&key).cloned() else { return };
         if handling.lifted {
-            self.told.extend(put_down(key, track, &handling, pace));
+            self.told.extend(put_down(key, track, handling.begun, pace));
             track.settle();
         } else {
             let net_m = (track.last.center - handling.before.center).length();
@@ -228,12 +230,13 @@ impl Happenings {
                 return;
             }
             match taken_unseen(track, handling.before) {
+                Some(_) if !is_last_word && !track.is_still_for(STILL_S, pace.frame_s) => return,
                 Some(taken) => {
                     let evidence = "a hand hid it, and it rests elsewhere now".to_owned();
                     let other = Other::Agent(handling.agent);
                     let kind = EventKind::PickedUp;
                     self.told.push(Happening::at(&taken, key, kind, other, 0.6, evidence));
-                    self.told.extend(put_down(key, track, &handling, pace));
+                    self.told.extend(put_down(key, track, taken.frame, pace));
                 }
                 None => self.told.extend(pushed(key, track, &handling, pace)),
             }
@@ -326,7 +329,8 @@ fn pushed(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Optio
 
 /// The last time that a thing was seen where it rested, if it then was hidden for long and is elsewhere now.
 fn taken_unseen(track: &Track, before: Rest) -> Option<Sample> {
-    let is_far = (track.last.center - before.center).length() > CARRIED_M;
+    // What the border cuts seems to move when a hand hides part of it.
+    let is_far = (track.last.center - before.center).length() > CARRIED_M && !track.last.at_border;
     let is_whole = track.last.px as f64 > AS_WHOLE * before.px as f64;
     let seen: Vec<&Sample> = track.since(before.frame).collect();
     let hidden_s = |pair: &&[&Sample]| pair[1].stamp_s - pair[0].stamp_s;
@@ -344,16 +348,16 @@ fn is_down(sample: &Sample, rest: &Sample) -> bool {
     is_there || (!is_whole && !sample.moves)
 }
 
-/// How a thing that was lifted came to rest, unless it was let fall.
-fn put_down(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Option<Happening> {
-    if !track.is_still_for(STILL_S, pace.frame_s) || flew(track, handling.begun) {
+/// How a thing that was lifted after the frame `begun` came to rest, unless it was let fall.
+fn put_down(key: Key, track: &mut Track, begun: u64, pace: Pace) -> Option<Happening> {
+    if !track.is_still_for(STILL_S, pace.frame_s) || flew(track, begun) {
         return None;
     }
     // A hand that leaves may spoil a frame.
     let is_up = |sample: &Sample| !is_down(sample, &track.last);
     let recent = track.samples.iter().rev();
     let moved = recent.clone().zip(recent.skip(1)).find(|(later, earlier)| is_up(later) && is_up(earlier));
-    let down = moved.map_or(handling.before.frame, |(sample, _)| sample.frame) + 1;
+    let down = moved.map_or(begun, |(sample, _)| sample.frame.max(begun)) + 1;
     let at = track.since(down).next().copied().unwrap_or(track.last);
     let (kind, other) = match track.votes.winner() {
         Some((Some(vessel), Relation::In)) => (EventKind::PutIn, Other::Track(vessel)),

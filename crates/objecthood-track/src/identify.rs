@@ -83,7 +83,9 @@ impl Memory {
             }
         };
         for (pixel, (&key, &label)) in predicted.iter().zip(labels).enumerate() {
-            let key = if key > 0 && self.scene.is_behind(view, pixel) { 0 } else { key };
+            // Behind a hand nothing is expected. What flies may be far from where it was.
+            let is_behind = self.agents.region.has(pixel) && self.scene.is_behind(view, pixel);
+            let key = if is_behind { 0 } else { key };
             if (key, label) != (run.0, run.1) {
                 flush(run);
                 run = (key, label, 0, 0);

@@ -12,10 +12,10 @@ const BEFORE_M: f64 = 0.02;
 const HIDDEN_S: f64 = 0.1;
 /// A thing is gone once it is not seen in so many frames.
 const GONE_FRAMES: u64 = 3;
-/// What was there first, rested, or was seen so often is a thing, not noise.
-const THING_HITS: u32 = 8;
 /// What leaves the image has gone so far (m) from where it rested: an arm that comes in hides what lies at the border bit by bit.
 const LEAVING_M: f64 = 0.05;
+/// When it was seen last it moved, or so much of it changed (share of its pixels).
+const LEAVING_CHANGED: f64 = 0.35;
 /// It moves faster than this (m/s).
 const LEAVING_M_PER_S: f64 = 0.02;
 
@@ -87,10 +87,12 @@ impl Memory {
             let kind = EventKind::Occluded;
             self.happenings.tell(happening(absence.since, time_s, kind, absence.by, evidence));
         }
-        let is_thing = track.was_there_first || track.rest.is_some() || track.hits >= THING_HITS;
+        let is_thing = track.told_appeared || track.rest.is_some();
+        let went = track.last.moves || track.last.changed > LEAVING_CHANGED;
         let has_left = track.last.at_border
             && !track.told_left
             && is_thing
+            && went
             && !track.is_agent_part()
             && absence.frames >= GONE_FRAMES
             && !absence.is_covered
