@@ -60,7 +60,7 @@ pub(crate) fn check(house: &House, tally: &mut Tally) -> Result<bool> {
                 continue;
             }
         };
-        let mut tests = module(&folder, &python, &["pytest", "-q", "-rs", which]);
+        let mut tests = module(&folder, &python, &["pytest", "-q", "-rfEs", which]);
         tests.env("OBJECTHOOD_PROGRAM", house.target.join("debug/objecthood"));
         passed &= read_tests(&mut tests, tally)?;
         if name == TYPED {

@@ -99,20 +99,21 @@ pub(crate) fn fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> (f64, 
     (fitting as f64 / in_view.max(1) as f64, in_view as f64 / points.len().max(1) as f64)
 }
 
-/// By how much a motion explains better what is seen than rest does: the difference of the sums of squared residuals in standard
-/// deviations, each cut off where it does not count in [`align`]. Of all points at which nothing nearer stands now than was there; `None` when these are too
-/// few.
-pub(crate) fn gain(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> Option<f64> {
+/// By how much one motion explains better what is seen than another, such as rest, does: the difference of the means of squared residuals in
+/// standard deviations, each cut off where it does not count in [`fit`]. Of all points at which, by the other, nothing nearer stands
+/// now than was there; `None` when these are too few.
+pub(crate) fn gain(points: &[SurfacePoint], view: &View, rigid: &Rigid, other: &Rigid) -> Option<f64> {
     let (mut open, mut gain) = (0_usize, 0.0);
     for point in points {
-        let Some(rest) = residual(point, point.at, view) else { continue };
-        if rest.depth < -COVERED_M {
+        let z = point.at.z;
+        let Some(by_other) = residual(point, other.point(point.at), view) else { continue };
+        if by_other.depth < -COVERED_M {
             continue;
         }
         open += 1;
-        let moved = residual(point, rigid.point(point.at), view);
+        let by_this = residual(point, rigid.point(point.at), view);
         let most = FIT[0].powi(2) + FIT[1].powi(2);
-        gain += rest.square(point.at.z, view) - moved.map_or(most, |moved| moved.square(point.at.z, view));
+        gain += by_other.square(z, view) - by_this.map_or(most, |residual| residual.square(z, view));
     }
     (open >= LEAST_POINTS).then(|| gain / open as f64)
 }

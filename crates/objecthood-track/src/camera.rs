@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::align::{Motion, SurfacePoint, align, fit};
+use crate::align::{Motion, SurfacePoint, align, fit, gain};
 use crate::rigid::Rigid;
 use crate::view::View;
 
@@ -17,6 +17,9 @@ const LEAST_FIT: f64 = 0.5;
 const LOST_FIT: f64 = 0.3;
 /// When so many points of the key frame lie where they lay, the camera stands still.
 const STANDS_FIT: f64 = 0.85;
+/// The camera moves when that explains the frame better than standing still, by this mean square of standard deviations. A hand and its
+/// shadow hide much of the key frame. A slow motion is found once it has summed up to this: about a millimetre at a metre.
+const LEAST_GAIN: f64 = 0.1;
 
 /// Where the camera is.
 #[derive(Clone, Copy, Debug)]
@@ -75,8 +78,13 @@ impl CameraMotion {
         } else {
             match align(&self.key, view, &self.from_key).filter(|motion| motion.fit > LOST_FIT) {
                 Some(motion) => {
-                    covariance = motion.covariance;
-                    self.settle(&motion)
+                    let gain = gain(&self.key, view, &motion.rigid, &self.from_key);
+                    if gain.is_some_and(|gain| gain < LEAST_GAIN) {
+                        Rigid::IDENTITY
+                    } else {
+                        covariance = motion.covariance;
+                        self.settle(&motion)
+                    }
                 }
                 None => {
                     is_lost = true;

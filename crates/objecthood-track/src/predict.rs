@@ -57,7 +57,8 @@ pub(crate) fn predict(
         let center = points.iter().map(|point| point.at).sum::<DVec3>() / points.len().max(1) as f64;
         let is_more = motion.rigid.displacement_m(center) > LEAST_SHIFT_M * f64::from(view.noise)
             || motion.rigid.angle_rad() > LEAST_TURN_RAD * f64::from(view.noise);
-        let is_more = is_more && gain(points, view, &motion.rigid).is_none_or(|gain| gain > LEAST_GAIN);
+        let gain = gain(points, view, &motion.rigid, &Rigid::IDENTITY);
+        let is_more = is_more && gain.is_none_or(|gain| gain > LEAST_GAIN);
         if motion.fit > LEAST_FIT {
             if is_more {
                 moving.insert(*key, motion.rigid);

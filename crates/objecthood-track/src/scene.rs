@@ -50,6 +50,34 @@ pub(crate) struct Scene {
     sure: Vec<u8>,
 }
 
+/// Where a pixel that moves with the camera goes: first to the nearest pixel, then to those around it that are still empty. If the nearest
+/// surface won everywhere, all surfaces would creep towards the camera.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Reach {
+    Nearest,
+    Around,
+}
+
+impl Reach {
+    fn pixels(self, u: f64, v: f64, size: (usize, usize)) -> impl Iterator<Item = usize> {
+        let (width, height) = size;
+        let (u, v, around) = match self {
+            Self::Nearest => (u + 0.5, v + 0.5, &[(0, 0)][..]),
+            Self::Around => (u, v, &[(0, 0), (1, 0), (0, 1), (1, 1)][..]),
+        };
+        let at = around.iter().map(move |&(a, b)| (u as usize + a, v as usize + b));
+        at.filter(move |&(u, v)| u < width && v < height).map(move |(u, v)| v * width + u)
+    }
+
+    /// Whether what a pixel has already (1/m, 0 = nothing) stays.
+    fn keeps(self, has: f32, inverse: f32) -> bool {
+        match self {
+            Self::Nearest => inverse <= has,
+            Self::Around => has > 0.0,
+        }
+    }
+}
+
 impl Scene {
     pub(crate) fn empty(size: (usize, usize)) -> Self {
         let n = size.0 * size.1;
@@ -78,39 +106,37 @@ impl Scene {
         let place = |pixel: usize, inverse: f32| {
             let (u, v) = ((pixel % old.size.0) as f64, (pixel / old.size.0) as f64);
             let p = matrix * (glam::DVec3::from(view.camera.ray(u, v)) / f64::from(inverse)) + shift;
-            view.project(p).map(|(u, v)| (u as usize, v as usize, (1.0 / p.z) as f32))
+            view.project(p).map(|(u, v)| (u, v, (1.0 / p.z) as f32))
         };
-        let (width, height) = self.size;
-        let around = |u: usize, v: usize| {
-            [(0, 0), (1, 0), (0, 1), (1, 1)]
-                .into_iter()
-                .map(move |(a, b)| (u + a, v + b))
-                .filter(move |&(u, v)| u < width && v < height)
-                .map(move |(u, v)| v * width + u)
+        let known = |inverse: &[f32]| -> Vec<usize> {
+            (0..inverse.len()).filter(|&pixel| inverse[pixel] > 0.0).collect()
         };
-        for pixel in (0..old.depth.len()).filter(|&pixel| old.depth[pixel] > 0.0) {
-            let Some((u, v, inverse)) = place(pixel, old.depth[pixel]) else { continue };
-            for to in around(u, v) {
-                if inverse <= self.depth[to] {
-                    continue;
+        let (surface, rested) = (known(&old.depth), known(&old.background));
+        for reach in [Reach::Nearest, Reach::Around] {
+            for &pixel in &surface {
+                let Some((u, v, inverse)) = place(pixel, old.depth[pixel]) else { continue };
+                for to in reach.pixels(u, v, self.size) {
+                    if reach.keeps(self.depth[to], inverse) {
+                        continue;
+                    }
+                    self.depth[to] = inverse;
+                    self.frames[to] = old.frames[pixel];
+                    self.color[to] = old.color[pixel];
+                    self.seen[to] = old.seen[pixel];
+                    self.shown[to] = old.shown[pixel];
+                    self.sure[to] = old.sure[pixel];
                 }
-                self.depth[to] = inverse;
-                self.frames[to] = old.frames[pixel];
-                self.color[to] = old.color[pixel];
-                self.seen[to] = old.seen[pixel];
-                self.shown[to] = old.shown[pixel];
-                self.sure[to] = old.sure[pixel];
             }
-        }
-        for pixel in (0..old.background.len()).filter(|&pixel| old.background[pixel] > 0.0) {
-            let Some((u, v, inverse)) = place(pixel, old.background[pixel]) else { continue };
-            for to in around(u, v) {
-                if inverse <= self.background[to] {
-                    continue;
+            for &pixel in &rested {
+                let Some((u, v, inverse)) = place(pixel, old.background[pixel]) else { continue };
+                for to in reach.pixels(u, v, self.size) {
+                    if reach.keeps(self.background[to], inverse) {
+                        continue;
+                    }
+                    self.background[to] = inverse;
+                    self.farther[to] = old.farther[pixel];
+                    self.nearer[to] = old.nearer[pixel];
                 }
-                self.background[to] = inverse;
-                self.farther[to] = old.farther[pixel];
-                self.nearer[to] = old.nearer[pixel];
             }
         }
     }
