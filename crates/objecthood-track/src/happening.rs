@@ -131,9 +131,7 @@ impl Happenings {
             self.begin(key, track);
         }
         self.lift(key, track, up);
-        // In a hand that keeps still it is not put down, unless something is seen to hold it.
-        let is_let_go = track.last.of_agent < OF_AGENT || track.votes.winner().is_some();
-        if self.is_lifted(key) && is_let_go && track.is_still_for(STILL_S, pace.frame_s) {
+        if self.is_lifted(key) && self.is_put_down(key, track) && track.is_still_for(STILL_S, pace.frame_s) {
             self.end(key, track, pace, false);
         }
         let is_let_go = !self.is_lifted(key) && track.reached_within(REACHED_S).is_none();
@@ -152,6 +150,16 @@ impl Happenings {
         }
     }
 
+    /// In a hand that keeps still a thing is not put down, unless something is seen to hold it. The ground does not reach up.
+    fn is_put_down(&self, key: Key, track: &Track) -> bool {
+        let is_low = self
+            .handled
+            .get(&key)
+            .is_some_and(|handling| track.last.bottom_m < handling.before.bottom_m + LIFTED_M);
+        let is_held_from_below = track.votes.winner().is_some_and(|(parent, _)| parent.is_some() || is_low);
+        track.last.of_agent < OF_AGENT || is_held_from_below
+    }
+
     /// The last word on a track: it is gone, or the video ends.
     pub(crate) fn close(&mut self, key: Key, track: &mut Track, pace: Pace) {
         self.fly(key, track);
@@ -164,7 +172,7 @@ impl Happenings {
         let last = track.last;
         let shift_m = (last.center - before.center).length();
         // What is far from where it rested was moved, even if a hand hides how.
-        let is_far = shift_m > LIFTED_M && last.px as f64 > AS_WHOLE * before.px as f64;
+        let is_far = shift_m > LIFTED_M && are_alike(last.px, before.px);
         let is_displaced = shift_m > BEGUN_M && track.is_moving || is_far;
         let Some(agent) = track.reached_within(REACHED_S) else { return };
         if track.rest_s == 0.0 && (is_displaced || last.bottom_m - before.bottom_m > OFF_M && track.is_moving)
@@ -183,8 +191,7 @@ impl Happenings {
         let Some(handling) = self.handled.get_mut(&key) else { return };
         let before = handling.before;
         // A hand before its lower part only seems to lift it.
-        let climbs =
-            track.drift.dot(up) > LIFTED_M / 2.0 || track.last.px as f64 > AS_WHOLE * before.px as f64;
+        let climbs = track.drift.dot(up) > LIFTED_M / 2.0 || are_alike(track.last.px, before.px);
         let is_up = |sample: &Sample| {
             climbs
                 && sample.in_place < STAYS
@@ -303,15 +310,17 @@ impl Happenings {
     }
 }
 
+/// Whether two sizes are those of a thing that is seen about as whole.
+fn are_alike(a: usize, b: usize) -> bool {
+    let (a, b) = (a as f64, b as f64);
+    a >= AS_WHOLE * b && b >= AS_WHOLE * a
+}
+
 /// The push of a thing that was displaced without being lifted.
 fn pushed(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Option<Happening> {
     let (before, last) = (handling.before, track.last);
     let net_m = (last.center - before.center).length();
-    let as_whole = |a: usize, b: usize| a as f64 >= AS_WHOLE * b as f64;
-    let is_moved = as_whole(before.px, last.px)
-        && as_whole(last.px, before.px)
-        && net_m > PUSHED_M
-        && track.drift.length() > PUSHED_M / 2.0;
+    let is_moved = are_alike(before.px, last.px) && net_m > PUSHED_M && track.drift.length() > PUSHED_M / 2.0;
     let is_over =
         track.is_still_for(STILL_S / 2.0, pace.frame_s) || track.reached_within(REACHED_S).is_none();
     if !is_moved || !is_over || flew(track, before.frame) {
