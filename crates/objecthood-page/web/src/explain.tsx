@@ -30,15 +30,27 @@ export function Explain() {
 
 function Line({ text }: { text: string }) {
   if (/not searched/.test(text) && searching.value) return null;
+  if (/\S {3,}\S/.test(text)) return <Row text={text} />;
   const change = TRY.exec(text);
-  // Columns of a table stay below each other.
-  if (!change) return <pre class={/\S {3,}\S/.test(text) ? "columns" : ""}>{text || " "}</pre>;
+  // What goes on below keeps the indent of its line.
+  const indent = text.search(/\S|$/);
+  const hanging = { paddingLeft: `${indent}ch`, textIndent: `-${indent}ch` };
+  if (!change) return <pre style={hanging}>{text || " "}</pre>;
   const [, name, value] = change;
+  // A long line breaks before the value, not within it.
+  const [before, rest] = text.split(/(?<=--set [^\s=]+=)/);
   const number = typeof defaultOf(name) === "number" ? Number(value) : value;
   return (
     <div class="try">
-      <pre>{text}</pre>
+      <pre style={hanging}>{before}<wbr />{rest}</pre>
       <button onClick={() => set(name, number)} title={`Set ${name} to ${value}`}>try it</button>
     </div>
   );
+}
+
+/** A line of the table of borders. Its cells stand below each other without the spaces that do so in a terminal, so that it fits. */
+function Row({ text }: { text: string }) {
+  const cells = text.match(/ *\S+(?: \S+)*/g) ?? [];
+  const kind = /^ *\[/.test(text) ? "units" : /\d/.test(text) ? "" : "heads";
+  return <pre class={`columns ${kind}`}>{cells.map((cell, k) => <span key={k}>{cell}</span>)}</pre>;
 }

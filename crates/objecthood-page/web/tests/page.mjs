@@ -86,6 +86,13 @@ test("a_parameter_of_every_stage_gives_the_labels_of_the_command_line", async ()
   end();
 });
 
+test("the_published_method_gives_the_labels_of_the_command_line", async () => {
+  const { page, end } = await open([first]);
+  const { labels } = await looked(page, () => page.getByLabel("Method").selectOption("paper"));
+  assert.equal(hash(labels), hash(await segmented(first, "--method", "paper")));
+  end();
+});
+
 test("a_click_explains_as_the_command_line_does", async () => {
   const { page, end } = await open([first]);
   const picture = page.locator(".stage .frame");
@@ -99,6 +106,15 @@ test("a_click_explains_as_the_command_line_does", async () => {
   const expected = (await objecthood("explain", first, "--at", at)).split("\n").map((line) => line.trimEnd()).join("\n").trim();
   assert.equal(said, expected);
   await keep(page, "explain-1280");
+  const rows = page.locator(".said .columns");
+  await rows.first().evaluate((row) => row.scrollIntoView());
+  await keep(page, "explain-borders-1280");
+  const cells = rows.locator("span");
+  const cut = await cells.evaluateAll((all) => all.filter((cell) => cell.scrollWidth > cell.clientWidth).map((cell) => cell.textContent));
+  assert.ok((await rows.count()) > 2, "the borders are a table");
+  assert.deepEqual(cut, [], "every cell of the table fits");
+  const tooWide = await page.locator(".said").evaluate((said) => said.scrollWidth - said.clientWidth);
+  assert.equal(tooWide, 0, "the table fits into the panel");
   const { header } = await looked(page, () => page.locator(".try button").first().click());
   assert.equal(Object.keys(header.settings.set).length, 1, "`try it` sets a parameter");
   end();
