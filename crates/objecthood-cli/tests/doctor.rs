@@ -5,6 +5,7 @@
 mod common;
 
 use std::path::Path;
+use std::process::Command;
 
 use common::photo::png;
 use common::{Folder, command, data};
@@ -204,6 +205,34 @@ fn missing_and_repeated_frames_are_caught() {
     frozen.write("depth.txt", stamps.collect::<Vec<_>>().join("\n").as_bytes());
     (0..30).for_each(|k| drop(frozen.write(&format!("depth/{k}.png"), &first)));
     assert_eq!(doubts(frozen.path(), &here()), [("sure".to_owned(), "sequence".to_owned())]);
+}
+
+/// Mistakes in recordings of `rosbags`, which knows nothing of this program.
+#[test]
+fn mistakes_in_recordings_are_caught() {
+    let Some(data) = data() else { return };
+    let Some(python) = std::env::var_os("OBJECTHOOD_PYTHON") else {
+        println!("skipped: no Python with rosbags (set OBJECTHOOD_PYTHON)");
+        return;
+    };
+    let folder = Folder::new();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/doctor.py");
+    let (video, out) = (data.join("video/hand-plush"), folder.path());
+    assert!(Command::new(python).arg(script).arg(video).arg(out).status().unwrap().success());
+    let found = |name: &str| doubts(out, &[name.to_owned()]);
+    assert_eq!(found("good"), []);
+    let cases = [
+        ("dropped", "suspect", "sequence"),
+        ("set_back", "sure", "sequence"),
+        ("frozen", "sure", "sequence"),
+        ("shifted", "sure", "registration"),
+        ("ten_times", "sure", "too_far"),
+        ("one_byte", "sure", "eight_bit"),
+    ];
+    let told = cases.map(|(name, ..)| (name, found(name)));
+    for ((name, certainty, cause), (_, doubts)) in cases.iter().zip(&told) {
+        assert!(doubts.contains(&((*certainty).to_owned(), (*cause).to_owned())), "{name}: {told:#?}");
+    }
 }
 
 #[test]

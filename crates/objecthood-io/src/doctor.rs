@@ -188,7 +188,7 @@ impl Examination {
         doubts.extend(found.notices.iter().filter_map(turned));
         doubts.into_iter().for_each(|doubt| self.note(doubt));
         self.registration.look(frame);
-        self.sequence.look(frame);
+        self.sequence.look(frame, capture.stamp_ns);
         self.noise.extend(found.estimates.map(|estimates| [estimates.noise.white, estimates.noise.waves()]));
         self.mounts.extend(mount(found));
     }

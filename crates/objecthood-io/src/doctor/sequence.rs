@@ -17,10 +17,13 @@ const MANY_GAPS: f64 = 0.02;
 pub(super) struct Sequence {
     /// A number for the content of each frame.
     contents: Vec<u64>,
+    /// When each frame was measured by its own clock (ns), where it says so.
+    measured_ns: Vec<i64>,
 }
 
 impl Sequence {
-    pub(super) fn look(&mut self, frame: &Frame) {
+    pub(super) fn look(&mut self, frame: &Frame, stamp_ns: Option<i64>) {
+        self.measured_ns.extend(stamp_ns);
         let mut hasher = DefaultHasher::new();
         frame.depth_m().as_slice().iter().for_each(|z| z.to_bits().hash(&mut hasher));
         self.contents.push(hasher.finish());
@@ -32,6 +35,11 @@ impl Sequence {
         let repeated = self.contents.windows(2).filter(|pair| pair[0] == pair[1]).count();
         if repeated > 0 && repeated + 1 == self.contents.len() {
             let reason = "all frames that were looked at have the same depth, to the last bit: the recording stands still";
+            return found(Certainty::Sure, reason.to_owned());
+        }
+        // The list of a recording has the clock of the recorder, in whose order it is; the clock of the camera is in the frames.
+        if self.measured_ns.windows(2).any(|pair| pair[1] < pair[0]) {
+            let reason = "frames say that they were measured before others that come earlier: they are out of order, or a clock was set back";
             return found(Certainty::Sure, reason.to_owned());
         }
         let stamps: Option<Vec<i64>> = stamps_ns.iter().copied().collect();
@@ -117,6 +125,15 @@ mod tests {
         let mut swapped = even;
         swapped.swap(4, 5);
         assert!(reason(&[], &swapped).unwrap().starts_with("1 of 20 frames are not later"));
+    }
+
+    #[test]
+    fn a_clock_that_goes_back_is_told() {
+        let even: Vec<_> = (0..8).map(|k| Some(33_000_000 * k)).collect();
+        let sequence = |measured_ns| Sequence { measured_ns, ..Sequence::default() };
+        assert_eq!(sequence(vec![10, 20, 30]).findings(&[], &even), None);
+        let finding = sequence(vec![10, 20, 15]).findings(&[], &even).unwrap();
+        assert_eq!((finding.certainty, finding.cause), (Certainty::Sure, Cause::Sequence));
     }
 
     #[test]
