@@ -2,9 +2,12 @@
 
 import json
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
+import jsonschema
 import numpy as np
+import supervision
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from foxglove_schemas_protobuf import SceneUpdate_pb2
@@ -17,6 +20,15 @@ out = Path(sys.argv[1])
 names = sys.argv[2:]
 labels = {name: np.array(Image.open(out / f"{name}.labels.png")) for name in names}
 scenes = {name: json.loads((out / f"{name}.json").read_text()) for name in names}
+
+
+def schema():
+    published = json.loads((Path(__file__).parents[3] / "docs/scene.schema.json").read_text())
+    validator = jsonschema.validators.validator_for(published)
+    validator.check_schema(published)
+    for scene in scenes.values():
+        validator(published).validate(scene)
+        assert not validator(published).is_valid({**scene, "objects": 2})
 
 
 def boxes(scene):
@@ -35,6 +47,15 @@ def coco():
             assert coco_mask.area(annotation["segmentation"]) == annotation["area"]
     results = data.loadRes([{k: a[k] for k in ("image_id", "category_id", "segmentation", "score")} for a in data.anns.values()])
     assert len(results.anns) == len(data.anns)
+
+
+def detections():
+    data = supervision.DetectionDataset.from_coco(str(out), str(out / "instances.coco.json"), force_masks=True)
+    assert len(data.annotations) == len(names) and data.classes == ["object"]
+    for path, found in data.annotations.items():
+        own, scene = labels[Path(path).stem], scenes[Path(path).stem]
+        assert (found.mask == [own == o["id"] for o in scene["objects"]]).all()
+        assert found.xyxy.tolist() == [[u, v, u + width, v + height] for u, v, width, height in boxes(scene)]
 
 
 def bop():
@@ -82,6 +103,22 @@ def ply():
             assert (own["label"] == o["id"]).all() and len(own) == (points["label"] == o["id"]).sum()
 
 
+def open3d():
+    if find_spec("open3d") is None:
+        print("skipped: Open3D, 400 MB to fetch, is not installed")
+        return
+    from open3d import io, t
+
+    for name in names:
+        path = str(out / f"{name}.labels.ply")
+        points, cloud, tensor = PlyData.read(path)["vertex"], io.read_point_cloud(path), t.io.read_point_cloud(path)
+        xyz, rgb = (np.stack([points[k] for k in keys], axis=1) for keys in (("x", "y", "z"), ("red", "green", "blue")))
+        assert (np.asarray(cloud.points) == xyz).all() and np.allclose(np.asarray(cloud.colors), rgb / 255)
+        assert (tensor.point.positions.numpy() == xyz).all()
+        for key in ("label", "pixel"):
+            assert (tensor.point[key].numpy().ravel() == points[key]).all()
+
+
 def fields(message):
     return [f.name for f in sorted(message.DESCRIPTOR.fields, key=lambda f: f.number)]
 
@@ -116,5 +153,5 @@ def recording():
         assert list(update.deletions[0].__slots__) == fields(theirs.deletions.add())
 
 
-coco(), bop(), npz(), ply(), recording()
+schema(), coco(), detections(), bop(), npz(), ply(), open3d(), recording()
 print("read back", len(names))

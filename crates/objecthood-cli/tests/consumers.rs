@@ -1,4 +1,5 @@
-//! What `segment --write` gives to other programs, read back by them: pycocotools, NumPy, plyfile and the MCAP libraries.
+//! What `segment --write` gives to other programs, read back by them: jsonschema, pycocotools, supervision, NumPy, plyfile, the MCAP
+//! libraries, and Open3D where it is installed.
 //!
 //! Needs, in `OBJECTHOOD_PYTHON`, a Python with the packages of `xtask/requirements.txt`.
 
@@ -22,7 +23,9 @@ fn two_frames() -> Folder {
 #[test]
 fn every_file_is_read_by_its_consumer() {
     let Some(python) = std::env::var_os("OBJECTHOOD_PYTHON") else {
-        println!("skipped: no Python with pycocotools, plyfile and mcap (set OBJECTHOOD_PYTHON)");
+        println!(
+            "skipped: no Python with pycocotools, supervision, plyfile and mcap (set OBJECTHOOD_PYTHON)"
+        );
         return;
     };
     let folder = two_frames();

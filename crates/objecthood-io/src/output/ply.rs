@@ -1,7 +1,8 @@
 //! Point clouds as binary PLY: the points of a frame with colour, label and the pixel that saw them.
 //!
 //! Vertices have `x y z` (m, camera frame: x right, y down, z forward), `red green blue` if the frame has colour, `label`, the number of
-//! the object, 0 = none, and `pixel`, the index of the pixel row by row. Comments name camera and size, which lead back to the image.
+//! the object, 0 = none, and `pixel`, the index of the pixel row by row; both as `int`, the only type of whole numbers
+//! above 255 that Open3D takes. Comments name camera and size, which lead back to the image.
 
 use objecthood::{Camera, Discovery, Frame};
 
@@ -29,7 +30,7 @@ fn of_points(frame: &Frame, discovery: &Discovery, is_wanted: impl Fn(u16) -> bo
     let mut bytes = format!(
         "ply\nformat binary_little_endian 1.0\ncomment objecthood {}\ncomment camera {fx_px} {fy_px} {cx_px} {cy_px}\n\
          comment size {width} {height}\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n{colors}\
-         property ushort label\nproperty uint pixel\nend_header\n",
+         property int label\nproperty int pixel\nend_header\n",
         env!("CARGO_PKG_VERSION"),
         pixels.len()
     )
@@ -40,8 +41,8 @@ fn of_points(frame: &Frame, discovery: &Discovery, is_wanted: impl Fn(u16) -> bo
         if let Some(color) = frame.color() {
             bytes.extend(color[i]);
         }
-        bytes.extend(labels[i].to_le_bytes());
-        bytes.extend((i as u32).to_le_bytes());
+        bytes.extend(i32::from(labels[i]).to_le_bytes());
+        bytes.extend((i as i32).to_le_bytes());
     }
     bytes
 }
