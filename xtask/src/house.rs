@@ -33,6 +33,14 @@ impl House {
         command
     }
 
+    /// Builds the program `debug/objecthood` and the library of the Python package, with the profile of the tests.
+    ///
+    /// Both, whichever is asked for: cargo chooses the features of a dependency by all packages that it builds at once, so one of
+    /// them alone would compile most dependencies again.
+    pub(crate) fn build_products(&self) -> Result<()> {
+        pass_on(&mut self.cargo("build --profile test --locked -p objecthood-python -p objecthood-cli"))
+    }
+
     /// A program built in release.
     pub(crate) fn program(&self, name: &str) -> PathBuf {
         self.target.join("release").join(name)

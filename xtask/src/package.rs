@@ -6,7 +6,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::house::{House, pass_on};
+use crate::house::House;
 use crate::python;
 use crate::tally::Tally;
 use crate::test::read_tests;
@@ -26,7 +26,7 @@ const TYPED: &str = "ray";
 /// # Errors
 /// When it cannot be built.
 pub(crate) fn build(house: &House) -> Result<()> {
-    pass_on(&mut house.cargo("build --profile test --locked -p objecthood-python -p objecthood-cli"))?;
+    house.build_products()?;
     let (built, loaded) = if cfg!(windows) {
         ("_native.dll", "_native.pyd")
     } else if cfg!(target_os = "macos") {

@@ -58,7 +58,7 @@ pub(crate) fn measure(house: &House) -> Result<bool> {
 /// When the program cannot be built, or there is no Node or no browser.
 pub(crate) fn draw(house: &House) -> Result<bool> {
     let web = prepare(house)?;
-    pass_on(&mut house.cargo("build --profile test --locked -p objecthood-cli"))?;
+    house.build_products()?;
     let mut draw = in_browser(house, &web, "tests/picture.mjs", &house.target.join("debug/objecthood"));
     pass_on(draw.arg(house.root.join("docs/pictures/page.jpg")))?;
     Ok(true)
@@ -87,7 +87,7 @@ pub(crate) fn check(house: &House, tally: &mut Tally) -> Result<bool> {
     if !is_fresh {
         println!("{ASSETS} is not what {WEB} says: `cargo xtask page`, and commit it");
     }
-    pass_on(&mut house.cargo("build --profile test --locked -p objecthood-cli"))?;
+    house.build_products()?;
     let mut passed = is_fresh;
     for test in TESTS {
         let mut command = in_browser(house, &web, test, &house.target.join("debug/objecthood"));
