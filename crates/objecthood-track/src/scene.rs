@@ -50,6 +50,31 @@ pub(crate) struct Scene {
     sure: Vec<u8>,
 }
 
+/// Where a pixel is seen after a step of the camera, and its inverse depth (1/m) there.
+struct Placed {
+    from: usize,
+    u: f32,
+    v: f32,
+    inverse: f32,
+}
+
+/// The pixels of an image of inverse depths (1/m, 0 = unknown) that stay in view after a step. O(n).
+fn placed(inverse: &[f32], step: &Rigid, view: &View) -> Vec<Placed> {
+    let (matrix, shift) = (step.matrix(), step.point(glam::DVec3::ZERO));
+    let at = |from: usize, inverse: f32| {
+        let (u, v) = ((from % view.size.0) as f64, (from / view.size.0) as f64);
+        // The point times its inverse depth: its direction is what counts.
+        let ray = matrix * glam::DVec3::from(view.camera.ray(u, v)) + shift * f64::from(inverse);
+        let z_m = ray.z / f64::from(inverse);
+        let (u, v) = view.project(ray * (z_m / ray.z))?;
+        Some(Placed { from, u: u as f32, v: v as f32, inverse: (1.0 / z_m) as f32 })
+    };
+    (0..inverse.len())
+        .filter(|&from| inverse[from] > 0.0)
+        .filter_map(|from| at(from, inverse[from]))
+        .collect()
+}
+
 /// Where a pixel that moves with the camera goes: first to the nearest pixel, then to those around it that are still empty. If the nearest
 /// surface won everywhere, all surfaces would creep towards the camera.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -59,11 +84,11 @@ enum Reach {
 }
 
 impl Reach {
-    fn pixels(self, u: f64, v: f64, size: (usize, usize)) -> impl Iterator<Item = usize> {
+    fn pixels(self, at: &Placed, size: (usize, usize)) -> impl Iterator<Item = usize> {
         let (width, height) = size;
         let (u, v, around) = match self {
-            Self::Nearest => (u + 0.5, v + 0.5, &[(0, 0)][..]),
-            Self::Around => (u, v, &[(0, 0), (1, 0), (0, 1), (1, 1)][..]),
+            Self::Nearest => (at.u + 0.5, at.v + 0.5, &[(0, 0)][..]),
+            Self::Around => (at.u, at.v, &[(0, 0), (1, 0), (0, 1), (1, 1)][..]),
         };
         let at = around.iter().map(move |&(a, b)| (u as usize + a, v as usize + b));
         at.filter(move |&(u, v)| u < width && v < height).map(move |(u, v)| v * width + u)
@@ -102,40 +127,29 @@ impl Scene {
     /// Moves what is known with the camera: `step` takes points from the last frame's camera to this one's. O(n).
     pub(crate) fn carry(&mut self, step: &Rigid, view: &View) {
         let old = std::mem::replace(self, Self::empty(self.size));
-        let (matrix, shift) = (step.matrix(), step.point(glam::DVec3::ZERO));
-        let place = |pixel: usize, inverse: f32| {
-            let (u, v) = ((pixel % old.size.0) as f64, (pixel / old.size.0) as f64);
-            let p = matrix * (glam::DVec3::from(view.camera.ray(u, v)) / f64::from(inverse)) + shift;
-            view.project(p).map(|(u, v)| (u, v, (1.0 / p.z) as f32))
-        };
-        let known = |inverse: &[f32]| -> Vec<usize> {
-            (0..inverse.len()).filter(|&pixel| inverse[pixel] > 0.0).collect()
-        };
-        let (surface, rested) = (known(&old.depth), known(&old.background));
+        let (surface, rested) = (placed(&old.depth, step, view), placed(&old.background, step, view));
         for reach in [Reach::Nearest, Reach::Around] {
-            for &pixel in &surface {
-                let Some((u, v, inverse)) = place(pixel, old.depth[pixel]) else { continue };
-                for to in reach.pixels(u, v, self.size) {
-                    if reach.keeps(self.depth[to], inverse) {
+            for at in &surface {
+                for to in reach.pixels(at, self.size) {
+                    if reach.keeps(self.depth[to], at.inverse) {
                         continue;
                     }
-                    self.depth[to] = inverse;
-                    self.frames[to] = old.frames[pixel];
-                    self.color[to] = old.color[pixel];
-                    self.seen[to] = old.seen[pixel];
-                    self.shown[to] = old.shown[pixel];
-                    self.sure[to] = old.sure[pixel];
+                    self.depth[to] = at.inverse;
+                    self.frames[to] = old.frames[at.from];
+                    self.color[to] = old.color[at.from];
+                    self.seen[to] = old.seen[at.from];
+                    self.shown[to] = old.shown[at.from];
+                    self.sure[to] = old.sure[at.from];
                 }
             }
-            for &pixel in &rested {
-                let Some((u, v, inverse)) = place(pixel, old.background[pixel]) else { continue };
-                for to in reach.pixels(u, v, self.size) {
-                    if reach.keeps(self.background[to], inverse) {
+            for at in &rested {
+                for to in reach.pixels(at, self.size) {
+                    if reach.keeps(self.background[to], at.inverse) {
                         continue;
                     }
-                    self.background[to] = inverse;
-                    self.farther[to] = old.farther[pixel];
-                    self.nearer[to] = old.nearer[pixel];
+                    self.background[to] = at.inverse;
+                    self.farther[to] = old.farther[at.from];
+                    self.nearer[to] = old.nearer[at.from];
                 }
             }
         }
