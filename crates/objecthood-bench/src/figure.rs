@@ -52,6 +52,13 @@ impl Spent {
         Now { wall: Instant::now(), cpu: ProcessTime::now() }
     }
 
+    /// A part of so many.
+    #[must_use]
+    pub fn over(self, count: usize) -> Self {
+        let part = |time: Duration| time.div_f64(count.max(1) as f64);
+        Self { wall: part(self.wall), cpu: part(self.cpu) }
+    }
+
     /// As two figures: `series/wall_ms` and `series/cpu_ms`.
     pub fn figures(&self, frame: &str, series: &str) -> [Figure; 2] {
         let figure = |quantity, time: Duration| Figure {

@@ -9,6 +9,7 @@ pub mod growth;
 pub mod laps;
 pub mod normals;
 pub mod peer;
+pub mod reading;
 pub mod recomputed;
 pub mod scenes;
 pub mod times;

@@ -86,6 +86,7 @@ pub(crate) fn run(house: &House, options: &Options) -> Result<bool> {
             program.alone(&frames, &mut figures)?;
             program.stream(&learn, &mut figures)?;
         }
+        program.reading(&frames, &mut figures)?;
     }
     for _ in 0..options.rounds.max(3) {
         program.peak(first, &mut figures)?;

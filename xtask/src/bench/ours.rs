@@ -88,6 +88,13 @@ impl Program {
         Ok(())
     }
 
+    /// Reading beside the method, of frames that are stored in several formats.
+    pub(crate) fn reading(&self, files: &[PathBuf], figures: &mut Figures) -> Result<()> {
+        let folder = self.out.join("reading");
+        let text = output(Command::new(&self.measure).arg("reading").arg(folder).args(files))?;
+        figures.read(&text, |_, series| series.to_owned())
+    }
+
     /// The most memory that a fresh process has for one frame.
     pub(crate) fn peak(&self, file: &Path, figures: &mut Figures) -> Result<()> {
         for method in METHODS {

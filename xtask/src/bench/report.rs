@@ -24,11 +24,14 @@ const STAGES: [&str; 12] = [
 ];
 
 /// What is measured beside the methods: series and what it is.
-const KERNELS: [(&str, &str); 16] = [
+const KERNELS: [(&str, &str); 19] = [
     ("context/alone/1", "`context`, one frame after the other"),
     ("context/alone/2", "`context`, one frame after the other on 2 threads"),
     ("paper/alone/1", "`paper`, one frame after the other"),
     ("paper/alone/2", "`paper`, one frame after the other on 2 threads"),
+    ("reading/pcd/read", "reading a PCD file"),
+    ("reading/png/read", "reading a pair of PNG files"),
+    ("reading/mcap/read", "reading raw images of an MCAP file"),
     ("one pass", "one pass over the frame, 4 bytes a pixel read and 4 written: the yardstick"),
     ("graph", "graph segmentation of the colour image, ours"),
     ("opencv graph", "the same by OpenCV `createGraphSegmentation`"),

@@ -31,7 +31,7 @@ const fn at_most(
 const LCCP: &str = "lccp/TOTAL without load/cpu_ms";
 const OPENCV: &str = "opencv graph/cpu_ms";
 
-pub(crate) const TARGETS: [Target; 14] = [
+pub(crate) const TARGETS: [Target; 18] = [
     at_most("`context`, 1 thread, against tuned PCL LCCP", "context/alone/1/cpu_ms", LCCP, 0.40, Some(0.20)),
     at_most(
         "`context`, 1 thread, against OpenCV's graph segmentation alone",
@@ -118,6 +118,30 @@ pub(crate) const TARGETS: [Target; 14] = [
         None,
     ),
     at_most("the same of `paper`", "paper/resident end/mb", "paper/resident warm/mb", 1.02, None),
+    at_most(
+        "from a PCD file to labels, against `context` alone",
+        "reading/pcd/both/cpu_ms",
+        "reading/pcd/alone/cpu_ms",
+        1.8,
+        None,
+    ),
+    at_most("from two PNG files", "reading/png/both/cpu_ms", "reading/png/alone/cpu_ms", 1.6, None),
+    at_most(
+        "from raw images in an MCAP file",
+        "reading/mcap/both/cpu_ms",
+        "reading/mcap/alone/cpu_ms",
+        1.25,
+        None,
+    ),
+    Target {
+        what: "reading raw VGA frames of an MCAP file: 200 a second",
+        ours: "reading/mcap/read/cpu_ms",
+        theirs: "",
+        target: 5.0,
+        stretch: None,
+        at_least: false,
+        unit: " ms",
+    },
 ];
 
 impl Target {

@@ -10,6 +10,7 @@ use clap::Parser;
 use objecthood_bench::figure::Figure;
 use objecthood_bench::graph::color_alone;
 use objecthood_bench::peer::Peer;
+use objecthood_bench::reading::reading;
 use objecthood_bench::recomputed::recomputed;
 use objecthood_bench::times::{Bench, METHODS, Named, alone, open};
 use objecthood_bench::{growth, scenes};
@@ -33,6 +34,8 @@ enum Task {
     Alone { files: Vec<PathBuf> },
     /// Memory after 100 and after COUNT frames, for each method.
     Growth { count: usize, files: Vec<PathBuf> },
+    /// Times of reading files beside the method; the frames are stored in FOLDER in other formats.
+    Reading { folder: PathBuf, files: Vec<PathBuf> },
     /// What a change of each parameter computes again, as a share of a whole frame, for each method.
     Recomputed { files: Vec<PathBuf> },
     /// Writes synthetic scenes of growing size and growing number of things to a folder.
@@ -72,6 +75,9 @@ fn main() -> Result<()> {
                     println!("{}", Figure { frame: "all".into(), series, value });
                 }
             }
+        }
+        Task::Reading { folder, files } => {
+            reading(&files, &folder)?.iter().for_each(|figure| println!("{figure}"));
         }
         Task::Recomputed { files } => {
             for file in files {

@@ -6,6 +6,12 @@
 /// Three bytes stand for 264 at most.
 const MAX_EXPANSION: usize = 88;
 
+/// Most bytes of a literal piece.
+const MAX_LITERAL: usize = 32;
+
+/// Bytes that are copied at a time: most copies are shorter.
+const STEP: usize = 16;
+
 /// Where and why data cannot be unpacked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Damage {
@@ -26,10 +32,16 @@ pub(super) fn decompress(input: &[u8], size: usize) -> Result<Vec<u8>, Damage> {
         let ends = || damage("they end within a piece");
         let overflow = || damage("they unpack to more than they should");
 
-        if control < 32 {
+        if control < MAX_LITERAL as u8 {
             let length = usize::from(control) + 1;
-            let literal = input.get(read + 1..read + 1 + length).ok_or_else(ends)?;
-            output.get_mut(written..written + length).ok_or_else(overflow)?.copy_from_slice(literal);
+            let room = output.get_mut(written..).and_then(<[u8]>::first_chunk_mut::<MAX_LITERAL>);
+            if let (Some(room), Some(bytes)) = (room, input.get(read + 1..).and_then(<[u8]>::first_chunk)) {
+                // A copy of one size is a few instructions; what it writes too much the next pieces write again.
+                *room = *bytes;
+            } else {
+                let literal = input.get(read + 1..read + 1 + length).ok_or_else(ends)?;
+                output.get_mut(written..written + length).ok_or_else(overflow)?.copy_from_slice(literal);
+            }
             written += length;
             read += 1 + length;
         } else {
@@ -59,6 +71,13 @@ pub(super) fn decompress(input: &[u8], size: usize) -> Result<Vec<u8>, Damage> {
 /// Copies `length` bytes from `start` to `end`, byte after byte: what was just written is copied again when the two
 /// overlap. The stretch from `start` repeats itself, so each step may be longer than all steps before it.
 fn copy_forward(bytes: &mut [u8], start: usize, end: usize, length: usize) {
+    if end - start >= STEP && end + length + STEP <= bytes.len() {
+        // As with literals: behind the piece it may write too much.
+        for at in (0..length).step_by(STEP) {
+            bytes.copy_within(start + at..start + at + STEP, end + at);
+        }
+        return;
+    }
     let mut copied = 0;
     while copied < length {
         let step = (end - start + copied).min(length - copied);
