@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import OpenEXR
+from PIL import Image
 from plyfile import PlyData, PlyElement
 
 out = Path(sys.argv[1])
@@ -46,3 +47,13 @@ OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineim
 OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}, {"RGB": half}).write(str(out / "color.exr"))
 bomb = np.zeros((4096, 8192), np.float32)
 OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}, {"Z": bomb}).write(str(out / "bomb.exr"))
+
+Image.fromarray(depth).save(out / "depth.png")
+Image.fromarray(depth).save(out / "depth.tif")
+Image.fromarray(depth).save(out / "packed.tif", compression="tiff_adobe_deflate")
+Image.fromarray(color).save(out / "color.png")
+Image.fromarray(color).save(out / "color.jpg")
+Image.fromarray(color).save(out / "color.tif", compression="tiff_lzw")
+bomb = Image.fromarray(np.zeros((4096, 8192), np.uint16))
+bomb.save(out / "bomb.png")
+bomb.save(out / "bomb.tif", compression="tiff_adobe_deflate")

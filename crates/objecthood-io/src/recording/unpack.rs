@@ -49,7 +49,8 @@ impl Packed {
         let bad = |reason: String| {
             damaged(format!("its chunk cannot be unpacked ({})", preview(reason.as_bytes())))
         };
-        let mut unpacked = Vec::new();
+        // It does not grow, as that would take room for the old and the new one at a time.
+        let mut unpacked = Vec::with_capacity(self.unpacked as usize);
         let most = self.unpacked + 1;
         match &self.compression[..] {
             b"lz4" => lz4_flex::frame::FrameDecoder::new(&packed[..]).take(most).read_to_end(&mut unpacked),
@@ -89,6 +90,8 @@ impl Unpacked {
             return Ok(Arc::clone(content));
         }
         kept.truncate(KEPT - 1);
+        // A large one is not kept beside the next, and beside a copy of a message.
+        kept.retain(|(_, content)| Bytes::len(&**content) <= MAX_UNPACKED / 2);
         let content = Arc::new(unpack()?);
         kept.insert(0, (at, Arc::clone(&content)));
         Ok(content)

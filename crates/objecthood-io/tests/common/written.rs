@@ -89,9 +89,11 @@ impl Damage {
             let end = bytes.len().min(at + 8);
             match k % 20 {
                 9 => bytes[at..end].fill(0xff),
-                19 => bytes[at..end].copy_from_slice(
-                    &(1_u64 << if k % 40 == 19 { 31 } else { 63 }).to_le_bytes()[..end - at],
-                ),
+                19 => {
+                    let length = 1_u64 << if k % 40 == 19 { 31 } else { 63 };
+                    let of_file = if k % 80 < 40 { length.to_le_bytes() } else { length.to_be_bytes() };
+                    bytes[at..end].copy_from_slice(&of_file[..end - at]);
+                }
                 _ => bytes[at] = random() as u8,
             }
             check(&bytes, &format!("byte {at}"));
