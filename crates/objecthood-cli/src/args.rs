@@ -19,7 +19,7 @@ pub(crate) use doctor::{ConvertArgs, DoctorArgs, InfoArgs, Target};
 pub(crate) use eval::{ComparisonArgs, EvalArgs, SyntheticArgs};
 pub(crate) use gravity::GravityArg;
 pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
-pub(crate) use output::OutputKind;
+pub(crate) use output::{OutputKind, Printed};
 pub(crate) use selection::SelectionArgs;
 pub(crate) use settings::{MethodName, Settings, Threads};
 pub(crate) use stream::StreamArgs;
@@ -294,9 +294,8 @@ pub(crate) struct ExplainArgs {
     #[arg(long, value_name = "ID", value_parser = whole(1, u16::MAX))]
     pub(crate) object: Option<u16>,
 
-    /// Print JSON instead of text.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) printed: Printed,
 
     /// Folder for the picture; created if needed.
     #[arg(long, value_name = "DIR")]

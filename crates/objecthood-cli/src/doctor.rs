@@ -45,7 +45,7 @@ pub(crate) fn run(args: &DoctorArgs) -> Result<Outcome> {
     let names: Vec<String> = frames.iter().map(|input| input.name.display().to_string()).collect();
     let stamps: Vec<_> = frames.iter().map(Input::stamp_ns).collect();
     let report = examination.report(&names, &stamps);
-    terminal::print(&if args.json { as_json(args, &report) } else { as_text(args, &report) })?;
+    terminal::print(&if args.printed.json { as_json(args, &report) } else { as_text(args, &report) })?;
     let is_wrong = report.findings.iter().any(|finding| finding.certainty == Certainty::Sure);
     Ok(match (interrupt::is_asked(), is_wrong) {
         (true, _) => Outcome::Interrupted,
@@ -110,6 +110,7 @@ fn mend(args: &DoctorArgs, report: &Report, cause: Cause) -> Option<String> {
         Cause::Registration => {
             "register the depth to the colour in the program of the camera, or leave out --color".to_owned()
         }
+        Cause::Distortion => "leave out --camera, or record rectified images".to_owned(),
         Cause::Turned => {
             "nothing if it is mounted so; else turn the images, or say --gravity X,Y,Z".to_owned()
         }
@@ -176,6 +177,7 @@ fn facts_text(facts: &Facts) -> String {
         "noise",
         facts.noise.map(|[white, waves]| format!("{white:.2} times a Kinect's, its waves {waves:.2} times")),
     );
+    line("distortion", facts.distortion_px.map(|px| format!("{px:.1} px at most, as the input says")));
     line("registration", facts.registration.map(shift_text));
     line("mount", facts.mount.map(mount_text));
     text

@@ -65,7 +65,7 @@ impl<'a> Plan<'a> {
         let pixel = self.pixel(&explainer)?;
         spinner.set_message("trying which parameters would change the answer");
         let explanation = explainer.explain(pixel).map_err(said_of_usage)?;
-        let mut text = if self.args.json {
+        let mut text = if self.args.printed.json {
             ExplanationFile::new(name, &self.params, &explanation).to_json()?
         } else {
             in_words(name, &explanation)
@@ -77,7 +77,7 @@ impl<'a> Plan<'a> {
                 objecthood_view::explanation(&capture.frame, explainer.facets(), labels, &explanation);
             let path = with_suffix(&folder.join(&self.input.name), ".explain.png");
             output::write_together(&[(path.clone(), objecthood_view::png(&picture)?)])?;
-            if !self.args.json {
+            if !self.args.printed.json {
                 text.push_str(&format!("\n{}\n", path.display()));
             }
         }

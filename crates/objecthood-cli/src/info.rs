@@ -25,7 +25,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
     let Some(first) = frames.first() else { return Ok(Outcome::SomeFailed) };
     let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
     let capture = args.frames.read(first, &scope)?;
-    terminal::print(&if args.json {
+    terminal::print(&if args.printed.json {
         as_json(&frames, &capture, &topics)
     } else {
         as_text(&frames, &capture, &topics)

@@ -74,6 +74,9 @@ pub struct Said {
     pub camera: Option<GridCamera>,
     /// Units of the stored depth that make a metre.
     pub depth_scale: Option<f64>,
+    /// How far, at most, the lens bends a pixel of the image from where a pinhole would see it (px); `None` if the source tells no
+    /// distortion.
+    pub distortion_px: Option<f64>,
 }
 
 /// Where a camera is in the world of its source: a point p of the camera frame (x right, y down, z forward) is at

@@ -48,6 +48,8 @@ pub enum Cause {
     Constant,
     /// The colour image lies otherwise than the depth.
     Registration,
+    /// The lens bends the image, which is not undone.
+    Distortion,
     /// The camera is not held upright.
     Turned,
     /// Frames are missing, repeated or out of order.
@@ -67,6 +69,7 @@ impl Cause {
             Self::EightBit => "eight_bit",
             Self::Constant => "constant",
             Self::Registration => "registration",
+            Self::Distortion => "distortion",
             Self::Turned => "turned",
             Self::Sequence => "sequence",
             Self::Unreadable => "unreadable",
@@ -133,6 +136,8 @@ pub struct Facts {
     pub camera: [f64; 4],
     /// What the camera sees (degrees), across and down.
     pub field_of_view_deg: [f64; 2],
+    /// How far the lens bends pixels at most (px), where the input says it.
+    pub distortion_px: Option<f64>,
     /// How far the edges of the colour lie from those of the depth; `None` where they do not tell.
     pub registration: Option<Shift>,
     /// Height of the camera over the support plane (m), how far it looks down and how far it is rolled (degrees).
@@ -186,6 +191,7 @@ impl Examination {
         let mut doubts = certainty::of_doubts(&find_doubts(frame), frame);
         doubts.extend(self.values.look(frame));
         doubts.extend(found.notices.iter().filter_map(turned));
+        doubts.extend(bent(capture));
         doubts.into_iter().for_each(|doubt| self.note(doubt));
         self.registration.look(frame);
         self.sequence.look(frame, capture.stamp_ns);
@@ -237,6 +243,7 @@ impl Examination {
             noise: middle(&self.noise, |noise| noise[1]),
             camera: [fx_px, fy_px, cx_px, cy_px],
             field_of_view_deg: [angle(width, fx_px), angle(height, fy_px)],
+            distortion_px: first.said.distortion_px,
             registration,
             mount: middle(&self.mounts, |mount| mount.tilt_deg),
         })
@@ -246,6 +253,16 @@ impl Examination {
 /// Whether a finding is about the input and not about single frames.
 fn is_of_all(finding: &Finding) -> bool {
     matches!(finding.cause, Cause::Sequence | Cause::Registration | Cause::Unreadable)
+}
+
+/// A camera was given to images whose lens bends them. Without it the distortion is undone.
+fn bent(capture: &Capture) -> Option<Finding> {
+    let bent_px = capture.said.distortion_px.filter(|&px| px > MUCH_BENT_PX)?;
+    let is_given = capture.said.camera.is_some_and(|own| own.camera != capture.frame.camera());
+    let reason = format!(
+        "by the recording its lens bends pixels by up to {bent_px:.0} px, but images of a camera that is given are taken as without distortion"
+    );
+    is_given.then(|| Finding::new(Certainty::Suspect, Cause::Distortion, reason))
 }
 
 /// What the way the camera is held suggests.
@@ -270,6 +287,9 @@ fn mount(found: &Discovery) -> Option<Mount> {
         roll_deg: (-x).atan2(-y).to_degrees(),
     })
 }
+
+/// Distortion that matters (px): edges of depth are that uncertain.
+const MUCH_BENT_PX: f64 = 2.0;
 
 /// A plane carries if its normal is within 20 degrees of up.
 const LEVEL_COS: f64 = 0.94;

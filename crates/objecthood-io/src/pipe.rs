@@ -218,7 +218,7 @@ impl PipeFrame {
         let size = (header.width, header.height);
         let of_header = header.camera.map(|[fx, fy, cx, cy]| Camera::new(fx, fy, cx, cy)).transpose()?;
         let of_header = of_header.map(|camera| GridCamera { camera, size: None });
-        let said = Said { camera: of_header, depth_scale: header.depth_scale };
+        let said = Said { camera: of_header, depth_scale: header.depth_scale, ..Said::default() };
         let known = Given {
             camera: given.camera.or(said.camera),
             depth_scale: given.depth_scale.or(said.depth_scale),

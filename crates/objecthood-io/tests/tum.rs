@@ -56,7 +56,7 @@ fn a_frame_has_name_stamp_pose_and_what_its_folder_says() {
         assert_eq!(capture.stamp_ns, Some(1_000_000_000 * (k as i64 + 1) + 10_000_000));
         let pose = pose.map(|(position_m, rotation_xyzw)| Pose { position_m, rotation_xyzw });
         assert_eq!(capture.pose, pose);
-        assert_eq!(capture.said, Said { camera: Some(camera), depth_scale: Some(5000.0) });
+        assert_eq!(capture.said, Said { camera: Some(camera), depth_scale: Some(5000.0), ..Said::default() });
         assert_eq!(capture.frame.depth_m()[0], k as f32 + 1.0);
         assert_eq!(capture.frame.color().unwrap()[0], [k as u8 + 1; 3]);
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::{EXIT_CODES, FrameArgs, Settings};
+use super::{EXIT_CODES, FrameArgs, Printed, Settings};
 
 /// Say what an input is and what of it may be wrong: unit, camera, registration, resolution, missing frames.
 ///
@@ -13,9 +13,8 @@ use super::{EXIT_CODES, FrameArgs, Settings};
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct DoctorArgs {
-    /// Print JSON instead of text.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) printed: Printed,
 
     #[command(flatten)]
     pub(crate) frames: FrameArgs,
@@ -28,9 +27,8 @@ pub(crate) struct DoctorArgs {
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct InfoArgs {
-    /// Print JSON instead of text.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) printed: Printed,
 
     #[command(flatten)]
     pub(crate) frames: FrameArgs,

@@ -1,6 +1,14 @@
-//! The files that `objecthood segment` can write.
+//! The files that `objecthood segment` can write, and how reports are printed.
 
-use clap::ValueEnum;
+use clap::{Args, ValueEnum};
+
+/// How a report is printed.
+#[derive(Debug, Args)]
+pub(crate) struct Printed {
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
 
 /// What can be written: most of it for every frame, some as files of the run. docs/OUTPUTS.md describes each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]

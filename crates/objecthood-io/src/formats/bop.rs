@@ -52,6 +52,7 @@ fn open(folder: &Path, given: &Given) -> Result<Source> {
         let said = Said {
             camera: Some(camera.camera),
             depth_scale: Some(camera.depth_scale.unwrap_or(DEPTH_SCALE)),
+            ..Said::default()
         };
         frame_of(ImageFiles::new(color, depth), given, said)
     });

@@ -85,7 +85,7 @@ pub fn decode(bytes: &[u8], given: &Given) -> Result<Capture> {
     let mut archive = Archive(ZipArchive::new(Cursor::new(bytes)).map_err(broken)?);
     let camera = archive.numbers::<9>("K", &[3, 3], "(3, 3)")?.map(|k| k.map(Number::as_f64));
     let camera = camera.map(|k| Camera::new(k[0], k[4], k[2], k[5])).transpose()?;
-    let said = Said { camera: camera.map(|camera| GridCamera { camera, size: None }), depth_scale: None };
+    let said = Said { camera: camera.map(|camera| GridCamera { camera, size: None }), ..Said::default() };
     let known = Given { camera: given.camera.or(said.camera), ..given.clone() };
     let depth = archive
         .array("depth", |array| depth_of_picture(npy::picture_of(array, given.max_pixels)?, &known))?;

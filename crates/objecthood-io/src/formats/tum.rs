@@ -53,6 +53,7 @@ fn open(folder: &Path, given: &Given) -> Result<Source> {
     let said = Said {
         camera: own.map(|file| file.camera),
         depth_scale: Some(own.and_then(|CameraFile { depth_scale, .. }| depth_scale).unwrap_or(DEPTH_SCALE)),
+        ..Said::default()
     };
     if given.camera.or(said.camera).is_none() {
         return Err(Error::NoCameraFile { name: CAMERA }.at(folder));

@@ -71,14 +71,29 @@ impl Lens {
         self.bend.apply(direction) * DVec2::new(fx_px, fy_px) + DVec2::new(cx_px, cy_px)
     }
 
+    /// How far it moves a pixel at the border of the image, at most (px); `None` without distortion.
+    pub(super) fn distortion_px(&self, (width, height): (usize, usize)) -> Option<f64> {
+        let rows = (0..width).flat_map(|u| [(u, 0), (u, height.saturating_sub(1))]);
+        let columns = (0..height).flat_map(|v| [(0, v), (width.saturating_sub(1), v)]);
+        let moved_px = |(u, v): (usize, usize)| {
+            let at = DVec2::new(u as f64, v as f64);
+            (self.pixel(self.direction(at)) - at).length()
+        };
+        (!self.is_straight()).then(|| rows.chain(columns).map(moved_px).fold(0.0, f64::max))
+    }
+
+    /// The direction (x, y, 1) that a pinhole sees at a place in the image (px).
+    fn direction(&self, at: DVec2) -> DVec2 {
+        let Camera { fx_px, fy_px, cx_px, cy_px, .. } = self.camera;
+        (at - DVec2::new(cx_px, cy_px)) / DVec2::new(fx_px, fy_px)
+    }
+
     /// For every pixel of the image without distortion the pixel of the image as it was taken, row by row; `None` where that
     /// ends. O(pixels).
     pub(super) fn straightened(&self, (width, height): (usize, usize)) -> Vec<Option<u32>> {
-        let Camera { fx_px, fy_px, cx_px, cy_px, .. } = self.camera;
         let of = |i: usize| {
-            let (u, v) = ((i % width) as f64, (i / width) as f64);
-            let direction = DVec2::new((u - cx_px) / fx_px, (v - cy_px) / fy_px);
-            nearest(self.pixel(direction), (width, height)).map(|pixel| pixel as u32)
+            let at = DVec2::new((i % width) as f64, (i / width) as f64);
+            nearest(self.pixel(self.direction(at)), (width, height)).map(|pixel| pixel as u32)
         };
         (0..width * height).map(of).collect()
     }

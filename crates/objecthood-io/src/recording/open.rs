@@ -253,7 +253,7 @@ impl Camera {
             }
             _ => None,
         };
-        let said = Said { camera: self.rig.said, depth_scale: Some(self.said_scale) };
+        let said = Said { depth_scale: Some(self.said_scale), ..self.rig.said };
         let frame = self.rig.frame(depth_m, color)?;
         Ok(Capture { stamp_ns: stamp(header.stamp_ns), said, ..Capture::new(frame) })
     }

@@ -14,7 +14,7 @@ use super::messages::{CameraInfo, transform, transforms};
 use super::rigid::Rigid;
 use super::topics::{Recording, View, is_registered};
 use super::tree::Tree;
-use crate::capture::Pose;
+use crate::capture::{Pose, Said};
 use crate::error::Result;
 use crate::given::Given;
 use crate::images::ImageError;
@@ -29,7 +29,7 @@ pub(super) struct Rig {
     /// Where the depth camera is in a world whose z axis points up.
     pub(super) pose: Option<Pose>,
     /// What the recording itself says.
-    pub(super) said: Option<GridCamera>,
+    pub(super) said: Said,
 }
 
 /// The size of an image, and for each of its pixels without distortion the one that was taken.
@@ -90,7 +90,11 @@ impl Rig {
             },
         };
         let pose = cameras.tree.upright(&depth.view.header.frame_id);
-        let said = said.map(|lens| GridCamera { camera: lens.camera, size: lens.size });
+        let said = Said {
+            distortion_px: said.as_ref().and_then(|lens| lens.distortion_px(depth.size.or(lens.size)?)),
+            camera: said.map(|lens| GridCamera { camera: lens.camera, size: lens.size }),
+            depth_scale: None,
+        };
         Ok((Self { depth: lens, straight: OnceLock::new(), coloring, pose, said }, problem))
     }
 
