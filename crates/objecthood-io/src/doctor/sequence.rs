@@ -2,8 +2,9 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
+use objecthood::Frame;
+
 use super::{Cause, Certainty, Finding};
-use crate::capture::Capture;
 
 /// A gap between two frames is one when it is longer than this many usual ones.
 const GAP_TIMES: f64 = 1.7;
@@ -24,9 +25,8 @@ impl Sequence {
     pub(super) fn look(&mut self, frame: &Frame, stamp_ns: Option<i64>) {
         self.measured_ns.extend(stamp_ns);
         let mut hasher = DefaultHasher::new();
-        capture.frame.depth_m().as_slice().iter().for_each(|z| z.to_bits().hash(&mut hasher));
+        frame.depth_m().as_slice().iter().for_each(|z| z.to_bits().hash(&mut hasher));
         self.contents.push(hasher.finish());
-        self.measured_ns.push(capture.stamp_ns);
     }
 
     /// What is wrong with the frames together.
