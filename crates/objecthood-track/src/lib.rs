@@ -23,6 +23,8 @@
 //! | `agent.rs` | hands and people: what is nearer than the rested scene and stays connected to the border of the image |
 //! | `predict.rs` | the motion of every object, and where it should be seen |
 //! | `identify.rs`, `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
+//! | `uncover.rs` | what comes out from behind a hand beside a known thing, and that a frame takes for one with it |
+//! | `hand.rs` | what belongs to a hand rather than to the thing that it holds, by colour |
 //! | `seen.rs` | which track is seen at each pixel; known things that no segment shows are held |
 //! | `observe.rs`, `missing.rs` | tracks that are seen, and tracks that are not |
 //! | `parts.rs`, `knowledge.rs` | what motion proved: parts that are one, things that are not |
