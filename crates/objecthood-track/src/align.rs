@@ -45,6 +45,8 @@ const CUT: [f64; 2] = [12.0, 8.0];
 const FAR_M: [f64; 2] = [0.05, 0.025];
 /// A point fits within this many standard deviations of depth, and this of grey.
 const FIT: [f64; 2] = [3.5, 8.0];
+/// Nearer by this (m) than a point is what stands before it.
+const COVERED_M: f64 = 0.02;
 /// Weak knowledge that nothing moves: inverse variances of shift (1/m²) and turn (1/rad²).
 const PRIOR: [f64; 2] = [1e2, 1.0];
 
@@ -83,18 +85,10 @@ pub(crate) fn fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> (f64, 
     let (mut in_view, mut fitting) = (0_usize, 0_usize);
     for point in points {
         let now = rigid.point(point.at);
-        let Some(pixel) = view.pixel_of(now) else { continue };
-        let inverse = f64::from(view.inverse[pixel]);
-        if inverse == 0.0 {
-            continue;
-        }
+        let Some(residual) = residual(point, now, view) else { continue };
         in_view += 1;
-        let is_there = (1.0 / inverse - now.z).abs() < FIT[0] * view.sigma_m(now.z);
-        let looks = match (point.grey, view.grey.get(pixel)) {
-            (Some(was), Some(&is)) => (was - f64::from(is)).abs() < FIT[1] * SIGMA_GREY,
-            _ => true,
-        };
-        fitting += usize::from(is_there && looks);
+        let is_there = residual.depth.abs() < FIT[0] * view.sigma_m(now.z);
+        fitting += usize::from(is_there && residual.grey.abs() < FIT[1] * SIGMA_GREY);
     }
     (fitting as f64 / in_view.max(1) as f64, in_view as f64 / points.len().max(1) as f64)
 }
@@ -118,10 +112,7 @@ pub(crate) fn gain(points: &[SurfacePoint], view: &View, rigid: &Rigid, other: &
     (open >= LEAST_POINTS).then(|| gain / open as f64)
 }
 
-/// Nearer by this (m) than a point is what stands before it.
-const COVERED_M: f64 = 0.02;
-
-/// What is seen at a point, less what was remembered.
+/// What is seen at a point, less what was remembered: depth (m), grey value (levels; 0 without colour).
 struct Residual {
     depth: f64,
     grey: f64,
@@ -134,6 +125,7 @@ impl Residual {
     }
 }
 
+/// The residual of a point that would now be at `now`; `None` out of view and where no depth was measured.
 fn residual(point: &SurfacePoint, now: DVec3, view: &View) -> Option<Residual> {
     let pixel = view.pixel_of(now)?;
     let inverse = f64::from(view.inverse[pixel]);
