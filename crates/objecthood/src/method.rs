@@ -77,8 +77,16 @@ pub(crate) fn paper<'k>(
     observer.observe(Output::Support { graph: support, regions: shapes });
     let hypotheses = recall(&mut kept.hypotheses, || {
         let space = &DisparitySpace::new(frame.camera(), &params.sensor);
-        let evidence =
-            Evidence { regions: shapes, points_m, normals, support, footing: None, up: &ground.up, space };
+        let evidence = Evidence {
+            regions: shapes,
+            points_m,
+            normals,
+            support,
+            footing: None,
+            up: &ground.up,
+            space,
+            seams: None,
+        };
         find_hypotheses(&evidence, &params.objectness, &params.contraction)
     });
     observer.observe(Output::Hypotheses(hypotheses));
@@ -136,7 +144,7 @@ pub(crate) fn context<'k>(
     let steps = StepLimits::of(&params.watershed, &surfaces.space);
     let filled = recall(&mut kept.filled, || fill_facets(facets, &surfaces.disparity, steps));
     let points_m = recall(&mut kept.points_m, || frame.points_m());
-    let scene = &Scene::new(frame, surfaces, structure, filled, points_m, steps);
+    let scene = &Scene::new(frame, surfaces, structure, filled, points_m, steps).with_seams(seams.as_ref());
     let clusters = recall(&mut kept.clusters, || find_clusters(scene, shapes, Rules::of(params)));
     observer.observe(Output::Clusters { facets: filled, clusters });
     let standing =

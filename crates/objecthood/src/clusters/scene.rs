@@ -11,6 +11,7 @@ use crate::params::ColorFor;
 use crate::planes::StructurePlane;
 use crate::raster::Raster;
 use crate::regions::SegmentId;
+use crate::shapes::seams::{Cuts, Seams};
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::surfaces::Surfaces;
 
@@ -44,6 +45,8 @@ pub struct Scene<'a> {
     pub steps: StepLimits,
     /// Whether the sensor smears edges over several pixels (docs/CONTEXT.md 0.7).
     pub is_smeared: bool,
+    /// The seams that cut facets; `None` if there is none.
+    pub cuts: Option<&'a Cuts>,
 }
 
 /// About [`SAMPLED_PX`] of the pixels of a cluster, evenly spread.
@@ -75,7 +78,14 @@ impl<'a> Scene<'a> {
             supports: &structure.supports.surfaces,
             steps,
             is_smeared: surfaces.sharpened_share > 0.0,
+            cuts: None,
         }
+    }
+
+    /// The same with the seams that cut its facets, if there are any.
+    #[must_use]
+    pub fn with_seams(self, seams: Option<&'a Seams>) -> Self {
+        Self { cuts: seams.map(|seams| &seams.cuts), ..self }
     }
 }
 

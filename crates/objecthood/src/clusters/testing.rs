@@ -100,6 +100,7 @@ impl Table {
             supports: &[0],
             steps: StepLimits::of(&params::Watershed::default(), &self.space),
             is_smeared: false,
+            cuts: None,
         }
     }
 }

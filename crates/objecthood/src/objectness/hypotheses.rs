@@ -10,7 +10,7 @@ use crate::discovery::parts::ObjectnessParts;
 use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::up::Up;
 use crate::objectness::compactness::measure_compactness;
-use crate::objectness::outline::measure_outlines;
+use crate::objectness::outline::{SeamsAt, measure_outlines};
 use crate::objectness::size::{rate_resolution, rate_size};
 use crate::oriented_box::fit_oriented_box;
 use crate::params;
@@ -58,6 +58,8 @@ pub struct Evidence<'a> {
     pub up: &'a Up,
     /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
+    /// The seams between facets, if there are any.
+    pub seams: Option<SeamsAt<'a>>,
 }
 
 /// Makes hypotheses of the regions that have at least `objectness.min_size_px` points, in their order. O(pixels + area of the
@@ -86,10 +88,10 @@ fn judge_regions(
     objectness: &params::Objectness,
     contraction: &params::Contraction,
 ) -> Vec<Hypothesis> {
-    let Evidence { regions, points_m, normals, support, footing, up, space } = *evidence;
+    let Evidence { regions, points_m, normals, support, footing, up, space, seams } = *evidence;
     let pixels = measured_pixels(regions, first, points_m);
     let (outlines, compactness) = rayon::join(
-        || measure_outlines(regions, first, points_m, normals, space, contraction),
+        || measure_outlines(regions, first, points_m, normals, space, contraction, seams),
         || measure_compactness(regions, &pixels, points_m, space),
     );
     let carried = support.carried();
@@ -154,6 +156,7 @@ pub fn find_cluster_hypotheses(
         footing: Some(footing),
         up,
         space,
+        seams: scene.cuts.map(|cuts| SeamsAt { facets: &scene.facets.segments, cuts }),
     };
     // All candidates are large enough.
     let candidates_only = Judged { first: planes.len(), min_size_px: 1 };

@@ -10,6 +10,7 @@ use crate::params;
 use crate::raster::{Raster, marked};
 use crate::regions::{SegmentId, Segments};
 use crate::shapes::border::{Fold, fold_angle_deg};
+use crate::shapes::seams::Cuts;
 use crate::surface::disparity::DisparitySpace;
 
 /// A larger difference in disparity (quanta) across an outline is a step in depth, as for clusters that touch (docs/CONTEXT.md 4.1).
@@ -57,16 +58,34 @@ struct View<'a> {
     normals: &'a Raster<[f32; 3]>,
     space: &'a DisparitySpace,
     params: &'a params::Contraction,
+    seams: Option<SeamsAt<'a>>,
     /// Farthest distance (px) at which the pixel beyond a hole is searched.
     reach: usize,
     /// Distance (px) from the border at which normals are read.
     aside: usize,
 }
 
+/// The seams between facets.
+#[derive(Clone, Copy, Debug)]
+pub struct SeamsAt<'a> {
+    /// The facets.
+    pub facets: &'a Segments,
+    /// The seams that cut them.
+    pub cuts: &'a Cuts,
+}
+
+impl SeamsAt<'_> {
+    /// Whether a seam runs between two pixels.
+    fn part(&self, i: usize, j: usize) -> bool {
+        let [a, b] = [i, j].map(|pixel| self.facets.at(pixel));
+        a.zip(b).is_some_and(|(a, b)| self.cuts.between(a.index(), b.index()).is_some())
+    }
+}
+
 /// Measures the outline of every region from number `first` on; the other outlines stay empty.
 ///
 /// A step in depth is clear, whichever side is in front. The deeper the valley of a fold, the clearer it is: not clear at all where it
-/// votes fully for one shape, wholly clear where it votes fully against (docs/CONTEXT.md 3.2). Across a hole in the depth the search
+/// votes fully for one shape, wholly clear where it votes fully against (docs/CONTEXT.md 3.2). A seam is clear. Across a hole in the depth the search
 /// reaches up to 24 px (at 525 px); a side without a measured pixel in reach does not count. O(pixels + outline · 24); parallel over
 /// bands of rows.
 pub fn measure_outlines(
@@ -76,10 +95,11 @@ pub fn measure_outlines(
     normals: &Raster<[f32; 3]>,
     space: &DisparitySpace,
     params: &params::Contraction,
+    seams: Option<SeamsAt<'_>>,
 ) -> Vec<Outline> {
     let height = regions.labels().height();
     let [reach, aside] = [REACH_PX, ASIDE_PX].map(|px| space.length_px(px));
-    let view = View { regions, points_m, normals, space, params, reach, aside };
+    let view = View { regions, points_m, normals, space, params, seams, reach, aside };
     regions.find_runs();
     let band = |band: usize| view.band(band * BAND_ROWS..height.min((band + 1) * BAND_ROWS), first);
     let bands: Vec<Vec<OutlineSide>> = (0..height.div_ceil(BAND_ROWS)).into_par_iter().map(band).collect();
@@ -172,6 +192,9 @@ impl View<'_> {
                 return Some((if z_m < own_m { End::Hidden } else { End::Own }, Some(length_m)));
             }
             let clear_m = || {
+                if self.seams.is_some_and(|seams| seams.part(i, j)) {
+                    return Some(length_m);
+                }
                 let fold = Fold {
                     angle_deg: fold_angle_deg(self.surface(i, -step)?, self.surface(j, step)?),
                     length_m,
@@ -236,7 +259,7 @@ mod tests {
         let table = Table::drawn(rows, heights_m);
         let scene = table.scene();
         let params = params::Contraction::default();
-        measure_outlines(&scene.facets.segments, 0, scene.points_m, scene.normals, scene.space, &params)
+        measure_outlines(&scene.facets.segments, 0, scene.points_m, scene.normals, scene.space, &params, None)
     }
 
     fn sides(length_m: f64, height_m: f64) -> f64 {
@@ -294,8 +317,15 @@ mod tests {
             });
             let scene = table.scene();
             let params = params::Contraction::default();
-            measure_outlines(&scene.facets.segments, 0, scene.points_m, scene.normals, scene.space, &params)
-                [1]
+            measure_outlines(
+                &scene.facets.segments,
+                0,
+                scene.points_m,
+                scene.normals,
+                scene.space,
+                &params,
+                None,
+            )[1]
             .separation()
         };
         assert!(bent(1.0) < 0.05 && bent(-1.0) > 0.95, "{} {}", bent(1.0), bent(-1.0));
@@ -314,14 +344,14 @@ mod tests {
             let Scene { facets, points_m, normals, space, .. } = table.scene();
             let (regions, params) = (&facets.segments, &params::Contraction::default());
             let [reach, aside] = [REACH_PX, ASIDE_PX].map(|px| space.length_px(px));
-            let view = View { regions, points_m, normals, space, params, reach, aside };
+            let view = View { regions, points_m, normals, space, params, seams: None, reach, aside };
             let mut expected = vec![Outline::default(); regions.count()];
             for (i, region) in regions.members().filter(|&(_, region)| region >= first) {
                 let mut sides = Vec::new();
                 view.sides(i, SegmentId(region as u32), &mut sides);
                 sides.iter().for_each(|side| expected[region].add(side));
             }
-            prop_assert_eq!(measure_outlines(regions, first, points_m, normals, space, params), expected);
+            prop_assert_eq!(measure_outlines(regions, first, points_m, normals, space, params, None), expected);
         }
     }
 

@@ -37,7 +37,7 @@
 //! assert_eq!((support.edges[0].lower.0, support.edges[0].upper.0), (0, 1)); // the box stands on the table
 //!
 //! let space = &DisparitySpace::new(frame.camera(), &params.sensor);
-//! let evidence = Evidence { regions: shapes, points_m, normals, support, footing: None, up: &ground.up, space };
+//! let evidence = Evidence { regions: shapes, points_m, normals, support, footing: None, up: &ground.up, space, seams: None };
 //! let hypotheses = find_hypotheses(&evidence, &params.objectness, &params.contraction);
 //! let scene = PaperScene { facets, points_m, ground, support };
 //! let found = conclude_paper(&frame, &scene, &hypotheses, &params.gravity, &params.objectness)?;

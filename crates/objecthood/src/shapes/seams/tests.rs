@@ -1,7 +1,9 @@
 //! Seams of painted boards.
 
 use super::*;
+use crate::objectness::outline::{SeamsAt, measure_outlines};
 use crate::raster::Raster;
+use crate::surface::disparity::position;
 use crate::surface::model::Basis;
 use crate::surface::moments::Moments;
 use crate::testing::kinect;
@@ -90,4 +92,22 @@ fn the_parameters_decide() {
     let torn = |u: usize, v: usize| if u < 50 || v < 32 { RED } else { BLUE };
     assert!(seams(torn, &default).is_none());
     assert!(seams(torn, &params::Seams { cross_share: 0.4, color_overlap: 1.0, ..default }).is_some());
+}
+
+#[test]
+fn a_seam_parts_two_things_as_clearly_as_a_step() {
+    let paint = |u: usize, _: usize| if u < 50 { RED } else { BLUE };
+    let (cuts, facets) = seams(paint, &params::Seams::default()).unwrap();
+    let disparity = board().1;
+    let point = |i: usize| kinect().point_m(position(i, SIZE.0), disparity[i].into()).map(|x| x as f32);
+    let points_m = disparity.with_data((0..disparity.len()).map(point).collect());
+    let normals = disparity.map(|_| [0.0, 0.0, -1.0]);
+    let separation = |seams| {
+        let params = params::Contraction::default();
+        let outlines = measure_outlines(&facets.segments, 0, &points_m, &normals, &kinect(), &params, seams);
+        [0, 1].map(|half| outlines[half].separation())
+    };
+    let seams = SeamsAt { facets: &facets.segments, cuts: &cuts };
+    assert_eq!(separation(Some(seams)), [1.0; 2]);
+    assert!(separation(None).iter().all(|&halves| halves < 0.2), "one even board");
 }
