@@ -19,6 +19,16 @@ pub fn lab(rgb: [u8; 3]) -> [f32; 3] {
     lab_by(linear(rgb), libm::cbrtf)
 }
 
+/// Weight of lightness in the difference of two colours: light and shading change it more than chroma.
+const LIGHTNESS: f32 = 0.6;
+
+/// The difference of two colours (L\*a\*b\*), lightness weighted less.
+#[inline]
+pub(crate) fn difference(one: [f32; 3], other: [f32; 3]) -> f32 {
+    let [l, a, b]: [f32; 3] = std::array::from_fn(|k| one[k] - other[k]);
+    ((LIGHTNESS * l).powi(2) + a * a + b * b).sqrt()
+}
+
 /// Linear light, in [0, 1].
 #[inline]
 pub(crate) fn linear(rgb: [u8; 3]) -> [f32; 3] {

@@ -76,17 +76,9 @@ pub(crate) fn paper<'k>(
     });
     observer.observe(Output::Support { graph: support, regions: shapes });
     let hypotheses = recall(&mut kept.hypotheses, || {
-        let space = &DisparitySpace::new(frame.camera(), &params.sensor);
-        let evidence = Evidence {
-            regions: shapes,
-            points_m,
-            normals,
-            support,
-            footing: None,
-            up: &ground.up,
-            space,
-            seams: None,
-        };
+        let (space, up) = (&DisparitySpace::new(frame.camera(), &params.sensor), &ground.up);
+        let evidence =
+            Evidence { regions: shapes, points_m, normals, support, footing: None, up, space, seams: None };
         find_hypotheses(&evidence, &params.objectness, &params.contraction)
     });
     observer.observe(Output::Hypotheses(hypotheses));

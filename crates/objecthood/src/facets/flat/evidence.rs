@@ -1,10 +1,10 @@
 //! Evidence for a flat thing: what a group of cells shows beside the ring around it (docs/CONTEXT.md 2.3).
 
 use crate::check::{Bound, Check};
+use crate::color::difference;
 use crate::color::histogram::ColorHistogram;
 use crate::facets::flat::field::Field;
 use crate::facets::flat::hull::solidity;
-use crate::facets::flat::patches::difference;
 use crate::facets::flat::proposals::RARE;
 use crate::facets::flat::surroundings::Surroundings;
 use crate::params;

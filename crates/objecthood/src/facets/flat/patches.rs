@@ -1,12 +1,11 @@
 //! Patches: pieces of the field of one colour each (graph segmentation by Felzenszwalb and Huttenlocher, IJCV 2004, on cells).
 
+use crate::color::difference;
 use crate::facets::flat::field::{Field, NO_SUPPORT};
 use crate::union_find::UnionFind;
 
 /// Preference for large patches: the step in colour that a patch of one cell tolerates (ΔE).
 const PREFERENCE: f32 = 60.0;
-/// Weight of lightness in colour differences: light varies more than paint.
-pub(super) const LIGHTNESS_WEIGHT: f32 = 0.6;
 /// Steps of the edge weights (1/ΔE), and their greatest number.
 const WEIGHT_STEPS: f32 = 8.0;
 const MOST_STEPS: usize = 1023;
@@ -21,12 +20,6 @@ pub(super) struct Patches {
 
 /// The patch of a cell outside the field.
 pub(super) const NO_PATCH: u32 = u32::MAX;
-
-/// The difference of two colours.
-pub(super) fn difference(a: [f32; 3], b: [f32; 3]) -> f32 {
-    let [l, x, y] = std::array::from_fn(|k| a[k] - b[k]);
-    (LIGHTNESS_WEIGHT * LIGHTNESS_WEIGHT * l * l + x * x + y * y).sqrt()
-}
 
 /// Segments the cells by colour. O(cells · α), sequential: each decision depends on those before.
 pub(super) fn find_patches(field: &Field) -> Patches {

@@ -5,9 +5,10 @@ use std::ops::RangeInclusive;
 use rayon::prelude::*;
 
 use crate::check::Check;
+use crate::color::difference;
 use crate::facets::flat::evidence::{LEAST_PX, Shown, measure};
 use crate::facets::flat::field::Field;
-use crate::facets::flat::patches::{difference, find_patches, find_pieces};
+use crate::facets::flat::patches::{find_patches, find_pieces};
 use crate::facets::flat::proposals::{OwnColors, Proposal, propose_by_color, propose_by_depth};
 use crate::facets::flat::raised::find_raised;
 use crate::facets::flat::surroundings::Surroundings;

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::color::difference;
 use crate::color::image::LabImage;
 use crate::shapes::seams::body::{Body, BodyPixel, Face};
 use crate::shapes::seams::trace::Trace;
@@ -25,8 +26,6 @@ const MARGIN_M: f64 = 0.012;
 const LEAST_SIDE_PX: usize = 200;
 /// A face whose normal is within this cosine of the edge lies across it: it is a fold, and shows no trace.
 const ACROSS: f64 = 0.8;
-/// Weight of lightness in the difference of two colours: shading changes it more than chroma.
-const LIGHTNESS: f32 = 0.6;
 /// Colours differ from this difference on (Lab, lightness weighted): print and light change even faces by less.
 const CONTRAST: f32 = 12.0;
 /// A difference from this on is wholly clear (Lab, lightness weighted).
@@ -155,8 +154,7 @@ impl Places {
         let (before, behind) = (place.checked_sub(self.gap)?, (place + self.gap).min(self.count));
         let low: [f32; 3] = mean(before.saturating_sub(self.window), before)?;
         let high: [f32; 3] = mean(behind, (behind + self.window).min(self.count))?;
-        let [l, a, b] = std::array::from_fn(|k| low[k] - high[k]);
-        Some(((LIGHTNESS * l).powi(2) + a * a + b * b).sqrt())
+        Some(difference(low, high))
     }
 
     /// The clearest places that are a window apart, if they lie a margin from the ends and from folds, with enough on both sides.
