@@ -133,7 +133,15 @@ fn check_consistent(explainer: &Explainer, explanation: &Explanation) {
             }
             (Reason::OtherBorders, yes) => assert_eq!(yes, vote_mm <= 0.0, "{border:?}"),
             (Reason::Rule(_), yes) => assert!(yes, "{border:?}"),
-            (Reason::Size | Reason::Objectness | Reason::Structure | Reason::Passed | Reason::Flat, _) => {
+            (
+                Reason::Size
+                | Reason::Objectness
+                | Reason::Structure
+                | Reason::Skirt
+                | Reason::Passed
+                | Reason::Flat,
+                _,
+            ) => {
                 panic!("{border:?}")
             }
         }

@@ -181,6 +181,8 @@ pub enum Reason {
     Objectness,
     /// It lies on a large plane that carries or encloses things.
     Structure,
+    /// It looks like the large plane beside it, and the depth of the sensor is smeared.
+    Skirt,
     /// It lies flat on a support, and rises above it or has other colours.
     Flat,
     /// No rule or filter refused it.

@@ -86,6 +86,10 @@ impl Explainer {
         if self.subject.run.answer(question) {
             return self.decision(question, Reason::Rule(Rule::VesselBottom), Vec::new());
         }
+        let i = (pixel[1] * self.subject.run.structure.labels.width() + pixel[0]) as u32;
+        if self.subject.run.structure.skirts.binary_search(&i).is_ok() {
+            return self.decision(question, Reason::Skirt, Vec::new());
+        }
         // A pixel farther from the plane got its label from neighbours: by straightened borders, or because a hole was filled.
         let checks = Some(near.set_by("structure.tolerance_quanta")).filter(Check::holds);
         self.decision(question, Reason::Structure, checks.into_iter().collect())

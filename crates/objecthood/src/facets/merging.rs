@@ -393,7 +393,13 @@ mod tests {
 
     fn no_structure(like: &Segments) -> Structure {
         let labels = like.labels().map(|_| -1);
-        Structure { surfaces: Vec::new(), labels, supports: Supports::default(), planes: Vec::new() }
+        Structure {
+            surfaces: Vec::new(),
+            labels,
+            skirts: Vec::new(),
+            supports: Supports::default(),
+            planes: Vec::new(),
+        }
     }
 
     proptest! {
@@ -484,6 +490,7 @@ mod tests {
         let structure = Structure {
             surfaces: vec![surface],
             labels: labels.clone(),
+            skirts: Vec::new(),
             supports: Supports::default(),
             planes: Vec::new(),
         };

@@ -10,6 +10,7 @@ mod labels;
 mod planes;
 mod sample;
 mod size;
+mod skirts;
 mod surface;
 mod tilt;
 mod trials;
@@ -23,6 +24,7 @@ use self::ground::find_supports;
 use self::labels::label_pixels;
 use self::planes::fit_planes;
 use self::size::SurfaceSize;
+use self::skirts::reclaim_skirts;
 pub use self::surface::StructureSurface;
 use self::tilt::{Alike, least_square};
 use crate::attitude::Attitude;
@@ -40,6 +42,8 @@ pub struct Structure {
     pub surfaces: Vec<StructureSurface>,
     /// The surface of every pixel; -1 = none.
     pub labels: Raster<i32>,
+    /// The pixels, in scan order, that belong to a surface because they look like it, where depth is smeared.
+    pub skirts: Vec<u32>,
     /// The surfaces on which things stand.
     pub supports: Supports,
     /// Every surface as a plane, fitted to its own pixels.
@@ -82,7 +86,9 @@ pub fn find_structure(
         renumber(&mut labels, &kept);
     }
     let planes = fit_planes(&surfaces, &labels, depth_m, &space.camera());
-    Structure { surfaces, labels, supports, planes }
+    let lab = surfaces_at.lab_for_shapes().filter(|_| surfaces_at.sharpened_share > 0.0);
+    let skirts = lab.map_or_else(Vec::new, |lab| reclaim_skirts(&mut labels, disparity, lab, space));
+    Structure { surfaces, labels, skirts, supports, planes }
 }
 
 /// Surfaces that may be structure.
