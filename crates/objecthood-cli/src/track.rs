@@ -1,6 +1,7 @@
 //! `objecthood track`: the frames of a video -> numbers of objects that last, what happened, what stands on what.
 
 mod files;
+mod progress;
 mod summary;
 
 use std::path::PathBuf;
@@ -16,9 +17,9 @@ use crate::args::{CameraArg, TrackArgs};
 use crate::failure::Outcome;
 use crate::inputs::{Input, Inputs};
 use crate::outputs::{make_folder, make_folders_of, refuse_file};
-use crate::record::{Line, Record};
 use crate::{config, crew, inputs, interrupt, terminal};
 use files::Lines;
+use progress::Going;
 
 /// What to do; nothing is in doubt any more.
 struct Plan<'a> {
@@ -51,19 +52,21 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     let Inputs { frames, unreadable, notices, .. } = &plan.inputs;
     notices.iter().for_each(|notice| terminal::note(notice));
     unreadable.iter().for_each(terminal::error);
-    let mut ended = plan.ended_before()?;
-    if let Some((_, Some(objects), _)) = &ended {
+    let fingerprints = plan.fingerprints();
+    let Going { mut tracker, mut told, done } = plan.go_on(&fingerprints);
+    if done == frames.len() && done > 0 && told.failed == 0 && unreadable.is_empty() {
+        let objects = told.lines.objects();
         terminal::print(&format!("{objects} objects, followed before -> {}\n", args.out.display()))?;
         return Ok(Outcome::AllDone);
     }
     interrupt::catch()?;
 
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
-    let mut told = Told { failed: unreadable.len(), ..Told::default() };
-    let mut tracker = Tracker::new(plan.params.clone());
+    told.failed += unreadable.len();
+    bar.inc(done as u64);
     let pool = crew::pool(args.settings.threads())?;
     pool.install(|| -> Result<()> {
-        for (k, input) in frames.iter().enumerate().take_while(|_| !interrupt::is_asked()) {
+        for (k, input) in frames.iter().enumerate().skip(done).take_while(|_| !interrupt::is_asked()) {
             match plan.follow(&mut tracker, input, k, &mut told) {
                 Ok(()) => told.done += 1,
                 Err(e) => {
@@ -76,25 +79,18 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
         Ok(())
     })?;
     bar.finish_and_clear();
+    if args.resume {
+        plan.keep(&tracker, &told, unreadable.len(), &fingerprints)?;
+    }
     for event in tracker.finish() {
         told.lines.event(&event);
         told.events.push(event);
     }
-    let files = plan.write_lists(&told)?;
+    plan.write_lists(&told)?;
     let outcome = plan.sum_up(&told, frames.len() + unreadable.len())?;
-    if let (Outcome::AllDone, Some((fingerprint, _, record))) = (outcome, &mut ended) {
-        record.add(&Line {
-            source: args.frames.inputs.iter().map(|path| path.display().to_string()).collect(),
-            fingerprint: Some(fingerprint.clone()),
-            objects: Some(told.lines.objects()),
-            files,
-            error: None,
-        })?;
-    }
     if outcome == Outcome::Interrupted {
-        terminal::note(
-            "what is written is whole and ends here; the same command follows the video from its beginning",
-        );
+        let next = if args.resume { "goes on from here" } else { "follows the video from its beginning" };
+        terminal::note(&format!("what is written is whole and ends here; the same command {next}"));
     }
     Ok(outcome)
 }
@@ -108,24 +104,8 @@ impl<'a> Plan<'a> {
         let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
         refuse_file("--out", &args.out)?;
         let settings = args.frames.in_words(&params, camera.as_ref())?;
-        let settings = format!("{settings} {} {} {:?}", args.fps, args.poses, args.write);
+        let settings = format!("{settings} {} {} {:?} {:?}", args.fps, args.poses, args.write, args.without);
         Ok(Self { args, inputs, scope, params, settings })
-    }
-
-    /// With `--resume`: the fingerprint of the video, how many objects a run found that came to its end, and the record of runs.
-    fn ended_before(&self) -> Result<Option<(String, Option<usize>, Record)>> {
-        if !self.args.resume {
-            return Ok(None);
-        }
-        let Inputs { frames, cameras, .. } = &self.inputs;
-        let mut whole = String::new();
-        for frame in frames {
-            // A frame that is missing fails when its turn comes, and then the video is not done.
-            whole += &frame.fingerprint(&self.settings, cameras).unwrap_or_default();
-        }
-        let (earlier, record) = Record::open(&self.args.out, &self.settings, true)?;
-        let fingerprint = objecthood_io::sha256(whole.as_bytes());
-        Ok(Some((fingerprint.clone(), earlier.objects_of(&fingerprint), record)))
     }
 
     /// Follows the objects into a frame and writes its images.
@@ -166,16 +146,15 @@ impl<'a> Plan<'a> {
         })
     }
 
-    /// Writes the lists: what they are called.
-    fn write_lists(&self, told: &Told) -> Result<Vec<String>> {
+    /// Writes the lists.
+    fn write_lists(&self, told: &Told) -> Result<()> {
         let path = |name: &str| self.args.out.join(name);
         let files: Vec<(PathBuf, Vec<u8>)> = vec![
             (path("tracks.jsonl"), told.lines.tracks.clone().into_bytes()),
             (path("events.jsonl"), told.lines.events.clone().into_bytes()),
             (path("support.jsonl"), told.lines.support.clone().into_bytes()),
         ];
-        output::write_together(&files)?;
-        Ok(files.iter().filter_map(|(path, _)| Some(path.file_name()?.to_str()?.to_owned())).collect())
+        Ok(output::write_together(&files)?)
     }
 
     fn sum_up(&self, told: &Told, total: usize) -> Result<Outcome> {

@@ -85,7 +85,60 @@ fn a_video_that_was_followed_is_not_followed_again() {
     std::fs::remove_file(folder.path().join("out/events.jsonl")).unwrap();
     assert!(!again(""), "an output is missing");
     folder.run("track clips/pick1 --frames ..4 --out plain", 0);
-    assert!(!folder.names("plain").contains(&"frames.jsonl".to_owned()));
+    assert!(!folder.names("plain").contains(&"tracker.state".to_owned()));
+}
+
+#[test]
+fn a_run_that_was_stopped_goes_on_in_the_middle() {
+    let folder = pick();
+    folder.run("track clips/pick1 --out whole --write pictures --resume", 0);
+    folder.run("track clips/pick1 --out parts --write pictures --resume --frames ..9", 0);
+    let label = folder.files("parts/labels").into_keys().next().unwrap();
+    let touched = |name: &str| std::fs::metadata(folder.path().join(name)).unwrap().modified().unwrap();
+    let first = touched(&format!("parts/labels/{label}"));
+    folder.run("track clips/pick1 --out parts --write pictures --resume", 0);
+    assert_eq!(touched(&format!("parts/labels/{label}")), first, "its first frames are not followed again");
+    assert!(folder.files("parts") == folder.files("whole"));
+
+    let mut state = folder.files("parts").remove("tracker.state").unwrap();
+    let middle = state.len() / 2;
+    state[middle] ^= 1;
+    std::fs::write(folder.path().join("parts/tracker.state"), state).unwrap();
+    folder.run("track clips/pick1 --out parts --write pictures --resume", 0);
+    assert!(folder.files("parts") == folder.files("whole"), "a damaged state is not used");
+}
+
+#[test]
+fn a_lid_that_is_opened_is_neither_lifted_nor_pushed() {
+    let folder = Folder::new();
+    folder.run("synth --out clips --video lid --seed 1 --fps 15 --size 320x240", 0);
+    folder.run("track clips/lid1 --out found", 0);
+    let told = lines(&folder.files("found")["events.jsonl"]);
+    let of_kind = |kind: &str| told.iter().filter(|event| event["type"] == kind).count();
+    assert_eq!([of_kind("opened"), of_kind("picked_up"), of_kind("pushed")], [1, 0, 0], "{told:?}");
+    let truth = lines(&folder.files("clips/lid1")["events.jsonl"]);
+    let opened = |events: &[Value]| {
+        events
+            .iter()
+            .find(|event| event["type"] == "opened")
+            .and_then(|event| event["time"].as_f64())
+            .unwrap()
+    };
+    assert!((opened(&told) - opened(&truth)).abs() <= 0.2);
+}
+
+#[test]
+fn without_its_ingredients_a_tracker_says_less() {
+    let folder = pick();
+    let agents = |out: &str| {
+        let frames = lines(&folder.files(out)["tracks.jsonl"]);
+        frames.iter().filter(|frame| !frame["agents"].as_array().unwrap().is_empty()).count()
+    };
+    folder.run("track clips/pick1 --out whole", 0);
+    folder.run("track clips/pick1 --out less --without agents,steadying", 0);
+    assert!(agents("whole") > 0 && agents("less") == 0);
+    let run = folder.run("track clips/pick1 --out less --without wisdom", 2);
+    assert!(run.stderr.contains("steadying and all"), "{}", run.stderr);
 }
 
 #[test]

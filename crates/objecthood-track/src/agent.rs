@@ -1,5 +1,7 @@
 //! Agents: what is nearer than the rested scene and stays connected to the border of the image (ours, after the design note).
 
+use serde::{Deserialize, Serialize};
+
 use crate::bits::Bits;
 use crate::pace::Pace;
 use crate::scene::Scene;
@@ -15,7 +17,7 @@ const LEAST_S: f64 = 0.2;
 const PATIENCE_S: f64 = 0.1;
 
 /// A hand with its arm, a person.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Agent {
     /// Counts from 1.
     pub(crate) number: u32,
@@ -25,7 +27,7 @@ pub(crate) struct Agent {
 }
 
 /// All agents of a frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Agents {
     pub(crate) all: Vec<Agent>,
     /// The pixels of all of them, with what they carry.

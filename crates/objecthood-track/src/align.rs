@@ -4,12 +4,13 @@
 //! note: 8 iterations, of which the first two only translate. Serves camera and objects alike. O(points).
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::rigid::Rigid;
 use crate::view::View;
 
 /// A point of a surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct SurfacePoint {
     /// Where it was (m), in the frame of the camera.
     pub(crate) at: DVec3,
@@ -18,7 +19,7 @@ pub(crate) struct SurfacePoint {
 }
 
 /// How something moved.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Motion {
     /// Takes old places to new ones, in the frame of the camera.
     pub(crate) rigid: Rigid,

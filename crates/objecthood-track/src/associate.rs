@@ -54,39 +54,46 @@ impl Overlap {
     }
 }
 
-/// The track of each segment: first by overlap, then by looks, size and reach. Segments without one are `None`.
-/// One assignment each, O(s² t) for s segments and t tracks.
-pub(crate) fn associate(
+/// The track of each segment by overlap with where tracks should be seen. Segments without one are `None`. One assignment, O(s² t) for
+/// s segments and t tracks.
+pub(crate) fn by_overlap(
     segments: &[Segment],
     tracks: &BTreeMap<u32, Track>,
     overlap: &Overlap,
-    now_s: f64,
-    pace: Pace,
 ) -> Vec<Option<u32>> {
     let mut tracks_of = vec![None; segments.len()];
     let keys: Vec<u32> = tracks.keys().copied().collect();
-    let by_overlap = |k: usize, key: u32| {
+    let value = |k: usize, key: u32| {
         let iou = overlap.iou(k, segments[k].px, key);
         if iou > LEAST_IOU { iou } else { 0.0 }
     };
     let all: Vec<usize> = (0..segments.len()).collect();
-    pair(&all, &keys, by_overlap, &mut tracks_of);
+    pair(&all, &keys, value, &mut tracks_of);
+    tracks_of
+}
 
+/// Finds tracks again in what overlap leaves open, by looks, size and reach. One assignment, as [`by_overlap`].
+pub(crate) fn find_again(
+    segments: &[Segment],
+    tracks: &BTreeMap<u32, Track>,
+    overlap: &Overlap,
+    (now_s, pace): (f64, Pace),
+    tracks_of: &mut [Option<u32>],
+) {
     // What an agent carries may be a known thing that was hidden in it; what is new, a known thing that was hidden before.
     let is_part = |key: u32| tracks[&key].is_agent_part();
     let is_new = |key: u32| now_s - tracks[&key].first.stamp_s < NEW_S;
     let is_open = |key: u32| is_part(key) || is_new(key);
-    let free: Vec<usize> = all.into_iter().filter(|&k| tracks_of[k].is_none_or(is_open)).collect();
+    let free: Vec<usize> = (0..segments.len()).filter(|&k| tracks_of[k].is_none_or(is_open)).collect();
     let is_lost = |key: u32| !tracks_of.contains(&Some(key)) && !is_part(key) && !overlap.is_held(key);
-    let lost: Vec<u32> = keys.into_iter().filter(|&key| is_lost(key)).collect();
-    let by_overlap = tracks_of.clone();
+    let lost: Vec<u32> = tracks.keys().copied().filter(|&key| is_lost(key)).collect();
+    let by_overlap = tracks_of.to_vec();
     let again = |k: usize, key: u32| {
         let is_later = |known: u32| is_part(known) || tracks[&known].first.frame > tracks[&key].last.frame;
         let may_be = by_overlap[k].is_none_or(is_later);
         may_be.then(|| found_again(&segments[k], &tracks[&key], now_s, pace)).flatten().unwrap_or(0.0)
     };
-    pair(&free, &lost, again, &mut tracks_of);
-    tracks_of
+    pair(&free, &lost, again, tracks_of);
 }
 
 /// Pairs rows and columns so that the sum of values is greatest; pairs of value 0 are none.

@@ -1,7 +1,9 @@
 //! Sets of pixels, a bit each.
 
+use serde::{Deserialize, Serialize};
+
 /// A set of pixels of an image.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Bits {
     size: (usize, usize),
     words_per_row: usize,

@@ -1,6 +1,7 @@
 //! The camera's own motion, from what stands still.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::align::{Motion, SurfacePoint, align, fit, gain};
 use crate::rigid::Rigid;
@@ -50,7 +51,7 @@ impl Place {
 }
 
 /// Follows the camera.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct CameraMotion {
     key: Vec<SurfacePoint>,
     /// Takes points of the key frame's camera to the last one's.

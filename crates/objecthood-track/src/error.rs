@@ -35,6 +35,18 @@ pub enum Error {
         /// The label.
         label: u16,
     },
+    /// A tracker could not be written down.
+    #[error("the tracker's state cannot be saved: {reason}")]
+    Save {
+        /// Why.
+        reason: String,
+    },
+    /// Bytes that are no state of a tracker.
+    #[error("the saved state of the tracker cannot be used: {reason}; begin anew")]
+    State {
+        /// Why.
+        reason: String,
+    },
 }
 
 /// The tracker's result.

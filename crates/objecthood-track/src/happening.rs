@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::flight::{Flight, flights};
 use crate::pace::Pace;
 use crate::scene::Key;
 use crate::support::Parent;
-use crate::track::{Rest, Sample, Track};
+use crate::track::{Deed, Rest, Sample, Track};
 use crate::tracked::{EventKind, Relation};
 
 /// Lifted: its lowest point rose by this (m), and its mean point by half of that.
@@ -37,6 +38,8 @@ const CARRIED_M: f64 = 0.05;
 const UNTOUCHED_S: f64 = 0.6;
 /// In a hand: this share of its pixels or more belongs to an agent's region.
 const OF_AGENT: f64 = 0.5;
+/// What is under a lid is seen so soon (s) after the lid was lifted.
+const LID_S: f64 = 0.6;
 /// Flights with less between them (s) are bounces of one.
 const BOUNCE_S: f64 = 0.34;
 /// A fall goes down by more than this (m), and up by less.
@@ -45,7 +48,7 @@ const FALL_M: f64 = 0.03;
 const SEEN_BEFORE_S: f64 = 0.15;
 
 /// Who or what had part in an event.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Other {
     Nobody,
     /// The table, the floor, furniture.
@@ -55,7 +58,7 @@ pub(crate) enum Other {
 }
 
 /// An event, before tracks have their numbers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Happening {
     pub(crate) frame: u64,
     pub(crate) time_s: f64,
@@ -83,17 +86,19 @@ impl Happening {
 }
 
 /// A thing that an agent handles.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Handling {
     before: Rest,
     agent: u32,
     was_in: Option<Parent>,
     begun: u64,
     lifted: bool,
+    /// The lift, until it is sure that it is not that of a lid.
+    lift: Vec<Happening>,
 }
 
 /// Follows what happens to all tracks.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Happenings {
     handled: BTreeMap<Key, Handling>,
     told: Vec<Happening>,
@@ -127,7 +132,8 @@ impl Happenings {
         if track.is_agent_part() {
             return;
         }
-        if !is_carried {
+        // What was opened is neither lifted nor pushed.
+        if !is_carried && !track.told_opened {
             self.begin(key, track);
         }
         self.lift(key, track, up);
@@ -182,7 +188,9 @@ impl Happenings {
                 .winner()
                 .filter(|(_, relation)| *relation == Relation::In)
                 .map(|(parent, _)| parent);
-            self.handled.insert(key, Handling { before, agent, was_in, begun: last.frame, lifted: false });
+            let begun = last.frame;
+            self.handled
+                .insert(key, Handling { before, agent, was_in, begun, lifted: false, lift: Vec::new() });
         }
     }
 
@@ -214,20 +222,35 @@ impl Happenings {
         let other = Other::Agent(handling.agent);
         let rise_mm = 1000.0 * (track.last.bottom_m - before.bottom_m);
         let evidence = format!("its lowest point rose by {rise_mm:.0} mm in reach of the agent");
-        self.told.push(Happening::at(&first, key, EventKind::PickedUp, other, 0.9, evidence));
+        handling.lift.push(Happening::at(&first, key, EventKind::PickedUp, other, 0.9, evidence));
         if let Some(Some(vessel)) = handling.was_in {
             let evidence = "it lay in it before it was lifted".to_owned();
             let vessel = Other::Track(vessel);
-            self.told.push(Happening::at(&first, key, EventKind::TakenOut, vessel, 0.9, evidence));
+            handling.lift.push(Happening::at(&first, key, EventKind::TakenOut, vessel, 0.9, evidence));
         }
-        track.note("it was lifted and stayed whole");
+        track.note(Deed::Lifted);
         track.votes.clear();
+    }
+
+    /// Tells of lifts that are none of lids.
+    pub(crate) fn tell_lifts(&mut self, now_s: f64) {
+        for handling in self.handled.values_mut() {
+            if handling.lift.first().is_some_and(|lift| now_s - lift.time_s > LID_S) {
+                self.told.append(&mut handling.lift);
+            }
+        }
+    }
+
+    /// A thing was opened: what seemed to be its lift was that of its lid.
+    pub(crate) fn opens(&mut self, key: Key) {
+        self.handled.remove(&key);
     }
 
     /// Tells how a handled thing came to rest.
     fn end(&mut self, key: Key, track: &mut Track, pace: Pace, is_last_word: bool) {
         let Some(handling) = self.handled.get(&key).cloned() else { return };
         if handling.lifted {
+            self.told.extend(handling.lift);
             self.told.extend(put_down(key, track, handling.begun, pace));
             track.settle();
         } else {
@@ -305,13 +328,13 @@ impl Happenings {
             let evidence = "heights stay after the flight".to_owned();
             told.push(happening(last.last + 1, EventKind::Landed, None, evidence));
         }
-        track.note("it flew");
+        track.note(Deed::Flew);
         self.told.extend(told);
     }
 }
 
 /// Whether two sizes are those of a thing that is seen about as whole.
-fn are_alike(a: usize, b: usize) -> bool {
+pub(crate) fn are_alike(a: usize, b: usize) -> bool {
     let (a, b) = (a as f64, b as f64);
     a >= AS_WHOLE * b && b >= AS_WHOLE * a
 }
@@ -330,7 +353,7 @@ fn pushed(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Optio
     let is_there = |sample: &&Sample| (sample.center - before.center).length() < begun_m;
     let stayed = track.samples.iter().rev().find(is_there).map_or(before.frame, |sample| sample.frame);
     let first = track.since(stayed + 1).next().copied().unwrap_or(last);
-    track.note("it was pushed and stayed whole");
+    track.note(Deed::Pushed);
     let evidence = format!("displaced by {:.0} mm in reach of the agent, without rising", 1000.0 * net_m);
     let other = Other::Agent(handling.agent);
     Some(Happening::at(&first, key, EventKind::Pushed, other, 0.8, evidence))
@@ -373,7 +396,7 @@ fn put_down(key: Key, track: &mut Track, begun: u64, pace: Pace) -> Option<Happe
         Some((Some(below), _)) => (EventKind::PlacedOn, Other::Track(below)),
         _ => (EventKind::PlacedOn, Other::Ground),
     };
-    track.note("it was put down and stayed whole");
+    track.note(Deed::PutDown);
     Some(Happening::at(&at, key, kind, other, 0.85, "it rests again after it was lifted".to_owned()))
 }
 

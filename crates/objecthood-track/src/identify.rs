@@ -2,9 +2,10 @@
 
 use objecthood::Discovery;
 
-use crate::associate::{Overlap, associate};
+use crate::associate::{Overlap, by_overlap, find_again};
 use crate::bits::Bits;
 use crate::camera::Place;
+use crate::ingredient::Ingredient;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::segment::{Measure, Segment, labels, segments};
@@ -25,8 +26,14 @@ impl Memory {
         let (mut labels, count) = labels(found, view, &self.scene, &self.agents);
         let mut segments = segments(&labels, count, &measure);
         let overlap = self.overlap(&labels, view, predicted);
-        self.part_uncovered(&mut labels, &mut segments, &overlap, predicted, &measure);
-        let tracks_of = associate(&segments, &self.tracks, &overlap, self.stamp_s, self.pace);
+        let finds = self.has(Ingredient::Finding);
+        if finds {
+            self.part_uncovered(&mut labels, &mut segments, &overlap, predicted, &measure);
+        }
+        let mut tracks_of = by_overlap(&segments, &self.tracks, &overlap);
+        if finds {
+            find_again(&segments, &self.tracks, &overlap, (self.stamp_s, self.pace), &mut tracks_of);
+        }
         self.take_over(&segments, &tracks_of, &overlap);
         let mut keys = Vec::new();
         let mut fresh = Vec::new();

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::associate::{HOLDS, Overlap};
 use crate::scene::Key;
@@ -25,7 +26,7 @@ const AGAINST_M: f64 = 0.02;
 const WHOLE_FRAMES: u32 = 3;
 
 /// What motion has proved.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Knowledge {
     /// Pairs that moved apart; the smaller key first.
     apart: BTreeSet<(Key, Key)>,
@@ -36,7 +37,7 @@ pub(crate) struct Knowledge {
 }
 
 /// How two parts moved while both motions were known.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Together {
     frames: u32,
     /// Sums of what the point between them moved by: with both, and by the one against the other (m).

@@ -28,8 +28,10 @@
 //! | `seen.rs` | which track is seen at each pixel; known things that no segment shows are held |
 //! | `observe.rs`, `missing.rs` | tracks that are seen, and tracks that are not |
 //! | `parts.rs`, `knowledge.rs` | what motion proved: parts that are one, things that are not |
+//! | `rested.rs`, `opened.rs` | the surface of things as they last rested: what is hidden, what was opened |
 //! | `support.rs` | what holds what, over time |
 //! | `flight.rs`, `happening.rs` | free flight, and what happened: pure functions of where things were |
+//! | `state.rs`, `ingredient.rs` | a tracker in a file; a tracker without some of its ingredients |
 //! | `output.rs` | numbers, labels and states |
 
 mod agent;
@@ -43,19 +45,23 @@ mod flight;
 mod hand;
 mod happening;
 mod identify;
+mod ingredient;
 mod knowledge;
 mod look;
 mod memory;
 mod missing;
 mod observe;
+mod opened;
 mod output;
 mod pace;
 mod parts;
 mod predict;
+mod rested;
 mod rigid;
 mod scene;
 mod seen;
 mod segment;
+mod state;
 mod support;
 mod track;
 mod tracked;
@@ -64,6 +70,7 @@ mod uncover;
 mod view;
 
 pub use error::{Error, Result};
+pub use ingredient::Ingredient;
 pub use rigid::Rigid;
 pub use tracked::{
     Event, EventKind, LostTrack, MotionEstimate, Relation, SeenAgent, SupportRelation, TrackId, TrackNotice,

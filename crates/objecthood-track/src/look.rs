@@ -1,6 +1,7 @@
 //! What a thing looks like: its colours.
 
 use objecthood::color::lab;
+use serde::{Deserialize, Serialize};
 
 /// Lightness in 4 steps, a and b in 8 each.
 const BINS: usize = 4 * 8 * 8;
@@ -8,15 +9,15 @@ const BINS: usize = 4 * 8 * 8;
 const NEW_SHARE: f32 = 0.1;
 
 /// Shares of colours; they sum to 1, or to 0 without colour.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Look {
-    shares: Box<[f32; BINS]>,
+    shares: Vec<f32>,
     samples: u32,
 }
 
 impl Default for Look {
     fn default() -> Self {
-        Self { shares: Box::new([0.0; BINS]), samples: 0 }
+        Self { shares: vec![0.0; BINS], samples: 0 }
     }
 }
 

@@ -4,16 +4,19 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 use objecthood::Discovery;
+use serde::{Deserialize, Serialize};
 
 use crate::agent::Agents;
 use crate::associate::{MEMORY_S, YOUNG_MEMORY_FRAMES};
 use crate::bits::Bits;
 use crate::camera::{CameraMotion, Place};
 use crate::happening::Happenings;
+use crate::ingredient::Ingredient;
 use crate::knowledge::Knowledge;
 use crate::output::Numbers;
 use crate::pace::Pace;
 use crate::predict::predict;
+use crate::rested::Rested;
 use crate::rigid::{Rigid, wide};
 use crate::scene::{Key, Scene};
 use crate::segment::Segment;
@@ -25,13 +28,16 @@ use crate::view::View;
 const FORGET_S: f64 = 30.0;
 
 /// What is known after a frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Memory {
+    /// What of the method is left out.
+    pub(crate) without: BTreeSet<Ingredient>,
     pub(crate) frame: u64,
     pub(crate) stamp_s: f64,
     pub(crate) pace: Pace,
     pub(crate) camera: CameraMotion,
     pub(crate) scene: Scene,
+    pub(crate) rested: Rested,
     pub(crate) agents: Agents,
     pub(crate) tracks: BTreeMap<Key, Track>,
     pub(crate) next: Key,
@@ -56,13 +62,15 @@ pub(crate) struct Look<'a> {
 }
 
 impl Memory {
-    pub(crate) fn new(size: (usize, usize), stamp_s: f64) -> Self {
+    pub(crate) fn new(size: (usize, usize), stamp_s: f64, without: BTreeSet<Ingredient>) -> Self {
         Self {
+            without,
             frame: 0,
             stamp_s,
             pace: Pace::UNKNOWN,
             camera: CameraMotion::new(),
             scene: Scene::empty(size),
+            rested: Rested::empty(size),
             agents: Agents::none(size),
             tracks: BTreeMap::new(),
             next: 1,
@@ -90,25 +98,41 @@ impl Memory {
         }
         self.pace = self.pace.after(pause_s);
 
-        let place = self.camera.follow(view, pose, wide(found.up.direction));
+        let still = (!self.has(Ingredient::Camera)).then_some(Rigid::IDENTITY);
+        let place = self.camera.follow(view, pose.or(still), wide(found.up.direction));
         if place.is_lost {
             notices.push(TrackNotice::CameraLost);
         }
         if place.moves {
             self.scene.carry(&place.step, view);
+            self.rested.carry(&place.step, view);
         }
         let changed = self.scene.changed(view, place.moves);
-        self.agents.update(view, &self.scene, place.moves, self.pace);
-        let predicted = predict(&self.scene, view, &changed, &mut self.tracks, self.pace.frame_s);
+        if self.has(Ingredient::Agents) {
+            self.agents.update(view, &self.scene, place.moves, self.pace);
+        }
+        let predicted = match self.has(Ingredient::Motion) {
+            true => predict(&self.scene, view, &changed, &mut self.tracks, self.pace.frame_s),
+            false => self.scene.seen.clone(),
+        };
 
         let look = self.identify(found, view, &changed, place, &predicted);
         self.observe(&look);
-        self.scene.steady(view, &changed);
+        let rests = |key| self.tracks.get(&key).is_some_and(Track::rests) && !self.happenings.is_handled(key);
+        self.rested.learn(&self.scene.seen, view, &changed, rests);
+        match self.has(Ingredient::Steadying) {
+            true => self.scene.steady(view, &changed),
+            false => self.scene.shown.clone_from(&self.scene.seen),
+        }
         self.scene.learn(view, &changed, &self.agents.region, self.pace);
         self.forget();
         let tracked = self.describe(&look, notices);
         self.frame += 1;
         tracked
+    }
+
+    pub(crate) fn has(&self, ingredient: Ingredient) -> bool {
+        !self.without.contains(&ingredient)
     }
 
     /// Drops tracks that will not come back.

@@ -1,14 +1,19 @@
 //! Tracks that are not seen, and such that are new.
 
+use std::collections::BTreeMap;
+
 use crate::happening::{Happening, Other};
 use crate::memory::{Look, Memory};
+use crate::rested::Remains;
 use crate::scene::Key;
-use crate::track::Track;
+use crate::track::{Deed, Track};
 use crate::tracked::EventKind;
 
 /// What is nearer by this (m) than a thing stands before it.
 const BEFORE_M: f64 = 0.02;
-/// A thing is hidden once it was for so long (s).
+/// A thing is hidden when so much of where it rested is (share of its pixels),
+const HIDDEN: f64 = 0.9;
+/// for so long (s).
 const HIDDEN_S: f64 = 0.1;
 /// A thing is gone once it is not seen in so many frames.
 const GONE_FRAMES: u64 = 3;
@@ -27,22 +32,24 @@ struct Absence {
     /// Whether something stands before where it was, and what.
     is_covered: bool,
     by: Other,
+    /// Share of where it rested that something nearer hides.
+    hidden: f64,
 }
 
 impl Memory {
     /// Tracks that are not seen: what stands before them?
-    pub(crate) fn miss(&mut self, look: &Look<'_>) {
+    pub(crate) fn miss(&mut self, look: &Look<'_>, remains: &BTreeMap<Key, Remains>) {
         let is_missing =
             |(_, track): &(&Key, &Track)| track.last.frame != self.frame && track.part_of.is_none();
         let missing: Vec<Key> = self.tracks.iter().filter(is_missing).map(|(&key, _)| key).collect();
         for key in missing {
-            let absence = self.absence(key, look);
+            let absence = self.absence(key, look, remains.get(&key).copied().unwrap_or_default());
             self.tell_absence(key, &absence);
         }
     }
 
     /// Why a track is not seen.
-    fn absence(&self, key: Key, look: &Look<'_>) -> Absence {
+    fn absence(&self, key: Key, look: &Look<'_>, remains: Remains) -> Absence {
         let track = &self.tracks[&key];
         let since = track.hidden_since.unwrap_or(self.frame);
         // Where it was, as seen from here.
@@ -58,7 +65,8 @@ impl Memory {
             let thing = (other > 0 && other != key).then_some(Other::Track(other));
             agent.map(|agent| Other::Agent(agent.number)).or(thing)
         });
-        Absence { since, frames: self.frame - since + 1, is_covered, by: by.unwrap_or(Other::Nobody) }
+        let hidden = remains.hidden as f64 / remains.all.max(1) as f64;
+        Absence { since, frames: self.frame - since + 1, is_covered, by: by.unwrap_or(Other::Nobody), hidden }
     }
 
     /// Tells that a track went behind something or out of the image, once that is sure.
@@ -75,17 +83,21 @@ impl Memory {
             evidence: evidence.to_owned(),
         };
         let is_known = track.rest.is_some() && track.rest_s > 0.0 && !track.is_agent_part();
-        let is_hidden = absence.is_covered
-            && !track.told_hidden
-            && is_known
-            && absence.frames as usize >= self.pace.frames(HIDDEN_S)
-            && !self.happenings.is_handled(key);
-        if is_hidden {
+        let from = match track.covered_since {
+            _ if absence.hidden < HIDDEN => None,
+            None => Some((self.frame, self.stamp_s)),
+            known => known,
+        };
+        track.covered_since = from;
+        let covered =
+            from.filter(|&(frame, _)| (self.frame - frame + 1) as usize >= self.pace.frames(HIDDEN_S));
+        let is_hidden =
+            absence.is_covered && !track.told_hidden && is_known && !self.happenings.is_handled(key);
+        if let Some((frame, time_s)) = covered.filter(|_| is_hidden) {
             track.told_hidden = true;
-            let time_s = self.stamp_s - (absence.frames - 1) as f64 * self.pace.frame_s;
-            let evidence = "something nearer stands where it was";
+            let evidence = "something nearer hides nine tenths of where it rested";
             let kind = EventKind::Occluded;
-            self.happenings.tell(happening(absence.since, time_s, kind, absence.by, evidence));
+            self.happenings.tell(happening(frame, time_s, kind, absence.by, evidence));
         }
         let is_thing = track.told_appeared || track.rest.is_some();
         let went = track.last.moves || track.last.changed > LEAVING_CHANGED;
@@ -119,7 +131,7 @@ impl Memory {
                 && track.is_confirmed()
                 && !track.is_agent_part()
                 && track.part_of.is_none();
-            let has_settled = track.rest_s > 0.25 || track.seen_to.contains(&"it flew");
+            let has_settled = track.rest_s > 0.25 || track.seen_to.contains(&Deed::Flew);
             if is_new && has_settled {
                 track.told_appeared = true;
                 let came = track.samples.iter().take(6).any(|sample| sample.changed > 0.5);

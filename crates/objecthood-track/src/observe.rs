@@ -53,8 +53,11 @@ impl Memory {
                 self.happenings.look(key, track, carried.contains(&key), look.place.up, self.pace);
             }
         }
+        let remains = self.remains(look);
         self.tell_partings();
-        self.miss(look);
+        self.tell_openings(look, &remains);
+        self.happenings.tell_lifts(self.stamp_s);
+        self.miss(look, &remains);
         self.tell_appearances();
     }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use objecthood::{PixelBox, Raster};
+use serde::{Deserialize, Serialize};
 
 use crate::bits::Bits;
 use crate::happening::{Happening, Other};
@@ -18,7 +19,7 @@ use crate::tracked::{
 const SHOWN_PX: f64 = 100.0;
 
 /// Gives out numbers.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Numbers {
     given: u16,
     agents: BTreeMap<u32, TrackId>,
@@ -201,7 +202,7 @@ impl Memory {
                     box_px: pixel_box(area),
                     box_m: found.map(|found| found.box_m),
                     objectness: track.objectness + (1.0 - track.objectness) * proof,
-                    seen_to: track.seen_to.clone(),
+                    seen_to: track.seen_to.iter().map(|deed| deed.in_words()).collect(),
                 },
             ));
         }

@@ -1,7 +1,9 @@
 //! How long frames last.
 
+use serde::{Deserialize, Serialize};
+
 /// The time between frames.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Pace {
     /// Mean time between frames (s).
     pub(crate) frame_s: f64,

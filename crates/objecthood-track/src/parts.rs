@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use crate::happening::{Happening, Other, REACHED_S};
+use crate::ingredient::Ingredient;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
-use crate::track::Track;
+use crate::track::{Deed, Track};
 use crate::tracked::EventKind;
 
 /// Tracks touch when they are this close (px at VGA size).
@@ -35,8 +36,10 @@ impl Memory {
                 }
             }
         }
-        for (a, b) in self.knowledge.learn(&touching, &self.tracks) {
-            self.join(a, b, false);
+        if self.has(Ingredient::Knowledge) {
+            for (a, b) in self.knowledge.learn(&touching, &self.tracks) {
+                self.join(a, b, false);
+            }
         }
         self.touched = touching;
     }
@@ -63,7 +66,7 @@ impl Memory {
                 evidence: "what stood before it is gone, and both parts are one surface".to_owned(),
             });
         } else if let Some(track) = self.tracks.get_mut(&keeper) {
-            track.note("its parts moved as one");
+            track.note(Deed::PartsMovedAsOne);
         }
     }
 

@@ -1,9 +1,10 @@
 //! Rigid motions.
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// A rotation, then a translation (m).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rigid {
     rotation: DQuat,
     translation: DVec3,

@@ -1,5 +1,7 @@
 //! What the tracker remembers of every pixel.
 
+use serde::{Deserialize, Serialize};
+
 use crate::bits::Bits;
 use crate::pace::Pace;
 use crate::rigid::Rigid;
@@ -11,7 +13,7 @@ const CHANGED_PER_M: [f32; 2] = [0.0042, 0.009];
 /// A channel changed by more than this (levels); with a moving camera more, because edges were resampled.
 const CHANGED_LEVELS: [i16; 2] = [26, 60];
 /// Nearer or farther than the rested background by this inverse depth (1/m).
-const BESIDE_BACKGROUND_PER_M: f32 = 0.007;
+pub(crate) const BESIDE_BACKGROUND_PER_M: f32 = 0.007;
 /// A surface is there when the depth is within this (m).
 pub(crate) const THERE_M: f32 = 0.02;
 /// A surface is far behind another by this (m).
@@ -31,7 +33,7 @@ const NEAR_CHANGE_PX: f64 = 7.0;
 pub(crate) type Key = u32;
 
 /// The memory of pixels.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Scene {
     size: (usize, usize),
     /// Running mean of inverse depth (1/m), 0 = unknown, and over how many frames.
@@ -51,15 +53,15 @@ pub(crate) struct Scene {
 }
 
 /// Where a pixel is seen after a step of the camera, and its inverse depth (1/m) there.
-struct Placed {
-    from: usize,
+pub(crate) struct Placed {
+    pub(crate) from: usize,
     u: f32,
     v: f32,
-    inverse: f32,
+    pub(crate) inverse: f32,
 }
 
 /// The pixels of an image of inverse depths (1/m, 0 = unknown) that stay in view after a step. O(n).
-fn placed(inverse: &[f32], step: &Rigid, view: &View) -> Vec<Placed> {
+pub(crate) fn placed(inverse: &[f32], step: &Rigid, view: &View) -> Vec<Placed> {
     let (matrix, shift) = (step.matrix(), step.point(glam::DVec3::ZERO));
     let at = |from: usize, inverse: f32| {
         let (u, v) = ((from % view.size.0) as f64, (from / view.size.0) as f64);
@@ -78,13 +80,13 @@ fn placed(inverse: &[f32], step: &Rigid, view: &View) -> Vec<Placed> {
 /// Where a pixel that moves with the camera goes: first to the nearest pixel, then to those around it that are still empty. If the nearest
 /// surface won everywhere, all surfaces would creep towards the camera.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Reach {
+pub(crate) enum Reach {
     Nearest,
     Around,
 }
 
 impl Reach {
-    fn pixels(self, at: &Placed, size: (usize, usize)) -> impl Iterator<Item = usize> {
+    pub(crate) fn pixels(self, at: &Placed, size: (usize, usize)) -> impl Iterator<Item = usize> {
         let (width, height) = size;
         let (u, v, around) = match self {
             Self::Nearest => (at.u + 0.5, at.v + 0.5, &[(0, 0)][..]),
@@ -95,7 +97,7 @@ impl Reach {
     }
 
     /// Whether what a pixel has already (1/m, 0 = nothing) stays.
-    fn keeps(self, has: f32, inverse: f32) -> bool {
+    pub(crate) fn keeps(self, has: f32, inverse: f32) -> bool {
         match self {
             Self::Nearest => inverse <= has,
             Self::Around => has > 0.0,

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::associate::Overlap;
 use crate::hand::HandColors;
+use crate::ingredient::Ingredient;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::segment::{Measure, is_looked_at};
@@ -44,13 +45,18 @@ impl Memory {
             }
             self.scene.seen[pixel] = key;
         }
-        self.hold(look, predicted, overlap, &hand, &mut pieces);
+        if self.has(Ingredient::Holding) {
+            self.hold(look, predicted, overlap, &hand, &mut pieces);
+        }
         self.measure_pieces(look, pieces);
     }
 
     /// The tracks, beside its own, that each segment holds and that are to be kept apart; joins those that turn out to be one with it.
     fn parted(&mut self, keys: &[Key], overlap: &Overlap) -> BTreeMap<usize, BTreeSet<Key>> {
         let mut parted = BTreeMap::new();
+        if !self.has(Ingredient::Knowledge) {
+            return parted;
+        }
         for (k, &owner) in keys.iter().enumerate() {
             let is_seen = |key: Key| keys.contains(&key);
             let (apart, one) = self.knowledge.held(k, owner, overlap, &self.tracks, &self.touched, is_seen);

@@ -2,6 +2,7 @@
 
 use objecthood::discovery::{NodeKind, SupportKind};
 use objecthood::{Discovery, ObjectId};
+use serde::{Deserialize, Serialize};
 
 use crate::tracked::Relation;
 
@@ -12,7 +13,7 @@ const MEMORY: f32 = 0.9;
 pub(crate) type Parent = Option<u32>;
 
 /// Votes of frames for what holds a thing.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Votes {
     candidates: Vec<(Parent, Relation, f32)>,
 }

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::align::Motion;
 use crate::look::Look;
@@ -28,8 +29,30 @@ const AWAY_M: f64 = 0.02;
 /// It is known once it rested so long (s).
 pub(crate) const KNOWN_S: f64 = 0.2;
 
+/// What was seen of a thing that makes it an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Deed {
+    Lifted,
+    PutDown,
+    Pushed,
+    Flew,
+    PartsMovedAsOne,
+}
+
+impl Deed {
+    pub(crate) fn in_words(self) -> &'static str {
+        match self {
+            Self::Lifted => "it was lifted and stayed whole",
+            Self::PutDown => "it was put down and stayed whole",
+            Self::Pushed => "it was pushed and stayed whole",
+            Self::Flew => "it flew",
+            Self::PartsMovedAsOne => "its parts moved as one",
+        }
+    }
+}
+
 /// A frame of a track.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Sample {
     pub(crate) frame: u64,
     pub(crate) stamp_s: f64,
@@ -51,7 +74,7 @@ pub(crate) struct Sample {
 }
 
 /// How a thing was when it last rested.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Rest {
     pub(crate) frame: u64,
     pub(crate) center: DVec3,
@@ -61,7 +84,7 @@ pub(crate) struct Rest {
 }
 
 /// A thing that is followed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Track {
     pub(crate) id: Option<TrackId>,
     pub(crate) hits: u32,
@@ -93,11 +116,16 @@ pub(crate) struct Track {
     /// The track that it turned out to be part of.
     pub(crate) part_of: Option<u32>,
     /// What was seen of it that makes it an object.
-    pub(crate) seen_to: Vec<&'static str>,
+    pub(crate) seen_to: Vec<Deed>,
     /// Why it is not seen, if it is not.
     pub(crate) is_covered: bool,
     pub(crate) hidden_since: Option<u64>,
+    /// Frame and time (s) since when something hides where it rested.
+    pub(crate) covered_since: Option<(u64, f64)>,
     pub(crate) told_hidden: bool,
+    /// Frame and time (s) since when its inside is seen.
+    pub(crate) ajar_since: Option<(u64, f64)>,
+    pub(crate) told_opened: bool,
     pub(crate) was_there_first: bool,
     pub(crate) told_appeared: bool,
     pub(crate) told_left: bool,
@@ -136,7 +164,10 @@ impl Track {
             seen_to: Vec::new(),
             is_covered: false,
             hidden_since: None,
+            covered_since: None,
             told_hidden: false,
+            ajar_since: None,
+            told_opened: false,
             was_there_first,
             told_appeared: was_there_first,
             told_left: false,
@@ -167,7 +198,8 @@ impl Track {
             && segment.of_agent < RESTING_OF_AGENT
             && (step.length() < RESTING_STEP_M || !is_whole || sample.px < 200);
         self.rest_s = if rests { self.rest_s + pause_s.min(frame_s * 2.0) } else { 0.0 };
-        (self.is_covered, self.hidden_since, self.told_hidden, self.told_left) = (false, None, false, false);
+        (self.is_covered, self.hidden_since, self.covered_since) = (false, None, None);
+        (self.told_hidden, self.told_left) = (false, false);
         let sample = Sample { moves: self.is_moving, ..sample };
         self.last = sample;
         self.samples.push_back(sample);
@@ -255,7 +287,7 @@ impl Track {
         self.first_rest = self.first_rest.or(self.rest);
     }
 
-    pub(crate) fn note(&mut self, what: &'static str) {
+    pub(crate) fn note(&mut self, what: Deed) {
         if !self.seen_to.contains(&what) {
             self.seen_to.push(what);
         }

@@ -3,12 +3,12 @@
 use std::fmt;
 
 use objecthood::{OrientedBox, PixelBox, Raster};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::rigid::Rigid;
 
 /// The number of an object that lasts: its value in label images. Counts from 1 without gaps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct TrackId(pub u16);
 
@@ -105,7 +105,7 @@ pub struct SupportRelation {
 }
 
 /// How something is held.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Relation {
     /// It stands on it.
@@ -119,7 +119,7 @@ pub enum Relation {
 }
 
 /// What happened.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum EventKind {
@@ -182,7 +182,7 @@ impl fmt::Display for EventKind {
 }
 
 /// Something that happened.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Event {
     /// The frame it is about, counted from 0; it may be told some frames later.
     pub frame: u64,

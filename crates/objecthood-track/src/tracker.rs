@@ -1,8 +1,11 @@
 //! The tracker.
 
+use std::collections::BTreeSet;
+
 use objecthood::{Discovery, Estimates, Frame, Params, Pipeline};
 
 use crate::error::Result;
+use crate::ingredient::Ingredient;
 use crate::memory::Memory;
 use crate::rigid::Rigid;
 use crate::tracked::{Event, TrackNotice, Tracked};
@@ -10,19 +13,29 @@ use crate::view::View;
 
 /// Follows objects through a video. The only type that remembers earlier frames.
 ///
-/// Memory: about 30 bytes a pixel and 20 kB a track; tracks that are not seen for 30 s are forgotten.
+/// Memory: about 40 bytes a pixel and 20 kB a track; tracks that are not seen for 30 s are forgotten.
 #[derive(Debug)]
 pub struct Tracker {
     params: Params,
     pipeline: Pipeline,
-    estimates: Option<Estimates>,
-    memory: Option<Memory>,
+    pub(crate) without: BTreeSet<Ingredient>,
+    pub(crate) estimates: Option<Estimates>,
+    pub(crate) memory: Option<Memory>,
 }
 
 impl Tracker {
     /// A tracker that has seen nothing; `params` are those of the discovery.
     pub fn new(params: Params) -> Self {
-        Self { params, pipeline: Pipeline::default(), estimates: None, memory: None }
+        let (pipeline, without) = (Pipeline::default(), BTreeSet::new());
+        Self { params, pipeline, without, estimates: None, memory: None }
+    }
+
+    /// The same tracker without some of its ingredients, to measure what each gains. Without all of them tracks are paired with objects by
+    /// their overlap with the last frame alone.
+    #[must_use]
+    pub fn without(mut self, ingredients: impl IntoIterator<Item = Ingredient>) -> Self {
+        self.without.extend(ingredients);
+        self
     }
 
     /// Forgets everything. Numbers begin at 1 again.
@@ -68,7 +81,7 @@ impl Tracker {
             notices.push(TrackNotice::OtherSize);
             self.memory = None;
         }
-        let memory = self.memory.get_or_insert_with(|| Memory::new(view.size, stamp_s));
+        let memory = self.memory.get_or_insert_with(|| Memory::new(view.size, stamp_s, self.without.clone()));
         Ok(memory.update(&view, found, stamp_s, pose, notices))
     }
 

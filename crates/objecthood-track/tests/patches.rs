@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 
 use objecthood::discovery::{Object, OrientedBox, PixelBox};
-use objecthood::{Camera, Discovery, Frame, ObjectId, Raster};
+use objecthood::{Camera, Discovery, Frame, ObjectId, Params, Raster};
 use objecthood_track::{Tracked, Tracker};
 
 const SIZE: (usize, usize) = (160, 120);
@@ -149,5 +149,44 @@ fn what_a_hand_holds_keeps_its_number() {
         assert!(4 * own > 3 * all, "frame {number}: {own} of {all} pixels");
         let others = tracked.labels.as_slice().iter().filter(|&&label| label > 1).count();
         assert_eq!(others, 0, "frame {number}");
+    }
+}
+
+/// A thing that goes round, beside one that rests.
+fn round(number: u64) -> [Patch; 2] {
+    let left = 40 + (number % 60).min(60 - number % 60) as i32;
+    [Patch { left, ..THING }, Patch { left: 10, width: 20, color: [40, 90, 200], ..THING }]
+}
+
+#[test]
+fn what_is_remembered_does_not_grow() {
+    let mut tracker = Tracker::new(Params::default());
+    let mut sizes = Vec::new();
+    for number in 0..900 {
+        follow(&mut tracker, &round(number), number);
+        if number % 300 == 299 {
+            sizes.push(tracker.save().unwrap().len());
+        }
+    }
+    assert!(sizes[2] < sizes[0] + sizes[0] / 50, "{sizes:?}");
+}
+
+#[test]
+fn a_restored_tracker_goes_on_as_the_saved_one() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..40 {
+        follow(&mut tracker, &round(number), number);
+    }
+    let saved = tracker.save().unwrap();
+    let mut again = Tracker::restore(Params::default(), &saved).unwrap();
+    for number in 40..80 {
+        let (one, other) =
+            (follow(&mut tracker, &round(number), number), follow(&mut again, &round(number), number));
+        assert_eq!(format!("{one:?}"), format!("{other:?}"), "frame {number}");
+    }
+    assert!(tracker.save().unwrap() == again.save().unwrap());
+    for cut in [0, 10, 40, saved.len() - 1] {
+        let refused = Tracker::restore(Params::default(), &saved[..cut]).unwrap_err();
+        assert!(refused.to_string().contains("begin anew"), "{refused}");
     }
 }

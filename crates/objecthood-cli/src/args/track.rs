@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use objecthood_track::Ingredient;
 
 use super::settings::{MethodName, Settings};
 use super::{EXIT_CODES, FrameArgs};
@@ -39,16 +40,34 @@ pub(crate) struct TrackArgs {
     #[arg(long)]
     pub(crate) summary: bool,
 
-    /// Do nothing if an earlier run with --resume into DIR followed this video to its end, unless its files, the parameters or the
-    /// version have changed. What follows depends on what came before, so a video that was cut off begins anew.
+    /// Go on where an earlier run with --resume into DIR was stopped or ended, unless files that it followed, the parameters or the
+    /// version have changed. What the tracker knows is kept in DIR: tracker.state, and progress.json for how far it came.
     #[arg(long)]
     pub(crate) resume: bool,
+
+    /// Leave out ingredients of the method, to measure what each gains: camera, agents, motion, finding, holding, knowledge, steadying,
+    /// separated by commas, or all: overlap with the last frame alone.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = ingredients, hide_possible_values = true)]
+    pub(crate) without: Vec<Ingredients>,
 
     #[command(flatten)]
     pub(crate) frames: FrameArgs,
 
     #[command(flatten)]
     pub(crate) settings: Settings,
+}
+
+/// One ingredient, or all.
+#[derive(Clone, Debug)]
+pub(crate) struct Ingredients(pub(crate) Vec<Ingredient>);
+
+fn ingredients(name: &str) -> Result<Ingredients, String> {
+    let named = Ingredient::ALL.into_iter().find(|ingredient| ingredient.name() == name);
+    match (name, named) {
+        ("all", _) => Ok(Ingredients(Ingredient::ALL.to_vec())),
+        (_, Some(ingredient)) => Ok(Ingredients(vec![ingredient])),
+        _ => Err(format!("there is {} and all", Ingredient::ALL.map(Ingredient::name).join(", "))),
+    }
 }
 
 fn frames_per_second(text: &str) -> Result<f64, String> {

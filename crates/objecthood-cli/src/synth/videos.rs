@@ -33,8 +33,8 @@ pub(super) fn run(args: &SynthArgs, clips: &[Clip]) -> Result<Outcome> {
         videos.push(made);
         line
     };
-    let filmed =
-        crew::report_in_order(&kinds, args.threads.count(), &bar, scripted, told)?.sum_up("videos", 0)?;
+    let filmed = crew::report_in_order(&kinds, args.threads.count(), &bar, scripted, told)?
+        .sum_up("scripts of videos", 0)?;
 
     let frames: Vec<(&Made, usize)> =
         videos.iter().flat_map(|made| (0..made.video.frames()).map(move |frame| (made, frame))).collect();

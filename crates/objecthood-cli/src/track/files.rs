@@ -11,7 +11,7 @@ pub(super) struct Lines {
     pub(super) tracks: String,
     pub(super) events: String,
     pub(super) support: String,
-    seen: BTreeSet<TrackId>,
+    pub(super) seen: BTreeSet<TrackId>,
 }
 
 impl Lines {

@@ -1,0 +1,98 @@
+//! Lids, doors and drawers: a part of a thing is moved, the rest of it stays, and its inside is seen (ours).
+
+use std::collections::BTreeMap;
+
+use crate::happening::{Happening, Other, REACHED_S, are_alike};
+use crate::memory::{Look, Memory};
+use crate::rested::Remains;
+use crate::scene::Key;
+use crate::track::{Sample, Track};
+use crate::tracked::EventKind;
+
+/// A thing is open when this share of what is seen where it rested is its inside,
+const OPEN: f64 = 0.05;
+/// for so long (s);
+const OPEN_S: f64 = 0.1;
+/// and it begins to be when it is this share: gaps and noise show less.
+const AJAR: f64 = 0.03;
+/// The rest of it stays: this share of where it rested.
+const STAYS: f64 = 0.2;
+/// It is closed while this share of its pixels is in place, and its inside is seen so soon (s) after it was.
+const CLOSED: f64 = 0.95;
+const OPENING_S: f64 = 0.6;
+/// Of fewer pixels (at VGA size) nothing is said.
+const LEAST_PX: f64 = 400.0;
+
+impl Memory {
+    /// What is seen where things rested.
+    pub(crate) fn remains(&self, look: &Look<'_>) -> BTreeMap<Key, Remains> {
+        let may_open = |track: &Track| {
+            track.rest.is_some()
+                && track.reached_within(REACHED_S).is_some()
+                && !track.is_agent_part()
+                && track.part_of.is_none()
+        };
+        let openable = self.tracks.iter().filter(|(_, track)| may_open(track)).map(|(&key, _)| key).collect();
+        self.rested.remains(look, &self.agents.region, &openable)
+    }
+
+    /// Tells that a thing was opened, once its inside is seen.
+    pub(crate) fn tell_openings(&mut self, look: &Look<'_>, remains: &BTreeMap<Key, Remains>) {
+        for (&key, of) in remains {
+            let Some(track) = self.tracks.get_mut(&key) else { continue };
+            let seen = of.all - of.hidden;
+            let share = of.hollow as f64 / seen.max(1) as f64;
+            let stays = of.stays as f64 > STAYS * of.all as f64;
+            if share < AJAR
+                || !stays
+                || was_moved(track, self.frame)
+                || (seen as f64) < look.view.px(LEAST_PX) as f64
+            {
+                track.ajar_since = None;
+                track.told_opened &= !track.rests() || may_open(track);
+                continue;
+            }
+            let (frame, time_s) = *track.ajar_since.get_or_insert((self.frame, self.stamp_s));
+            if share < OPEN || track.told_opened || self.stamp_s - time_s < OPEN_S {
+                continue;
+            }
+            track.told_opened = true;
+            self.happenings.opens(key);
+            let (frame, time_s) = closed_at(track, time_s).unwrap_or((frame, time_s));
+            let percent = 100.0 * share;
+            self.happenings.tell(Happening {
+                frame,
+                time_s,
+                kind: EventKind::Opened,
+                object: key,
+                other: Other::Nobody,
+                span: None,
+                confidence: 0.7,
+                evidence: format!(
+                    "part of it was moved, and its inside is {percent:.0} % of what is seen there"
+                ),
+            });
+        }
+    }
+}
+
+/// The last frame and time (s) in which a thing was seen closed, shortly before a time (s).
+fn closed_at(track: &Track, before_s: f64) -> Option<(u64, f64)> {
+    let is_before = |sample: &&Sample| sample.stamp_s < before_s && sample.stamp_s > before_s - OPENING_S;
+    let closed = track.samples.iter().rev().filter(is_before).find(|sample| sample.in_place > CLOSED);
+    closed.map(|sample| (sample.frame, sample.stamp_s))
+}
+
+/// Whether a thing is seen as whole elsewhere than where it rested.
+fn was_moved(track: &Track, frame: u64) -> bool {
+    let is_whole = track.rest.is_some_and(|rest| are_alike(track.last.px, rest.px));
+    track.last.frame == frame && track.is_away() && is_whole
+}
+
+/// Whether an agent may be opening a thing.
+fn may_open(track: &Track) -> bool {
+    track.rest.is_some()
+        && track.reached_within(REACHED_S).is_some()
+        && !track.is_agent_part()
+        && track.part_of.is_none()
+}

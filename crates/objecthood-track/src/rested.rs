@@ -1,0 +1,157 @@
+//! The surface of every thing as it last rested: how much of it is hidden now, and whether it was opened.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::bits::Bits;
+use crate::memory::Look;
+use crate::rigid::Rigid;
+use crate::scene::{BESIDE_BACKGROUND_PER_M, Key, Reach, THERE_M, placed};
+use crate::view::View;
+
+/// What something nearer by this (m) stands before is hidden.
+const BEFORE_M: f32 = 0.02;
+
+/// The inside of a thing lies higher than the lowest of its surface, without this fraction of it, by this (m): a bottom is a board thick.
+const LOWEST: usize = 50;
+const FLOOR_M: f64 = 0.005;
+
+/// Which thing rested at every pixel, and where its surface was.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Rested {
+    size: (usize, usize),
+    owner: Vec<Key>,
+    /// Inverse depth (1/m), 0 = nothing rested there.
+    surface: Vec<f32>,
+}
+
+/// What is seen now where a thing rested, in pixels.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Remains {
+    pub(crate) all: usize,
+    /// Behind something nearer.
+    pub(crate) hidden: usize,
+    /// Its surface stayed.
+    pub(crate) stays: usize,
+    /// Its surface is gone, what is seen lies behind it, and its surface stayed on three of four sides of that.
+    pub(crate) hollow: usize,
+}
+
+/// First and last row or column in which the surface of a thing stayed, by row or column.
+#[derive(Default)]
+struct Extents(BTreeMap<(Key, usize), (usize, usize)>);
+
+impl Extents {
+    fn add(&mut self, key: Key, line: usize, at: usize) {
+        let extent = self.0.entry((key, line)).or_insert((at, at));
+        *extent = (extent.0.min(at), extent.1.max(at));
+    }
+
+    /// On how many sides of a place in a line the surface stayed.
+    fn sides(&self, key: Key, line: usize, at: usize) -> usize {
+        self.0.get(&(key, line)).map_or(0, |&(first, last)| usize::from(first < at) + usize::from(at < last))
+    }
+}
+
+impl Rested {
+    pub(crate) fn empty(size: (usize, usize)) -> Self {
+        let n = size.0 * size.1;
+        Self { size, owner: vec![0; n], surface: vec![0.0; n] }
+    }
+
+    /// Moves what is known with the camera: `step` takes points from the last frame's camera to this one's. O(n).
+    pub(crate) fn carry(&mut self, step: &Rigid, view: &View) {
+        let old = std::mem::replace(self, Self::empty(self.size));
+        let places = placed(&old.surface, step, view);
+        for reach in [Reach::Nearest, Reach::Around] {
+            for at in &places {
+                for to in reach.pixels(at, self.size) {
+                    if !reach.keeps(self.surface[to], at.inverse) {
+                        (self.owner[to], self.surface[to]) = (old.owner[at.from], at.inverse);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes in the frame: `seen` is the track at each pixel, `rests` whether one rests, and nobody handles it. O(n).
+    pub(crate) fn learn(&mut self, seen: &[Key], view: &View, changed: &Bits, rests: impl Fn(Key) -> bool) {
+        let mut last = (0, false);
+        let mut known = |key: Key| {
+            if key != last.0 {
+                last = (key, key > 0 && rests(key));
+            }
+            last.1
+        };
+        for (pixel, &key) in seen.iter().enumerate() {
+            let (is, was, owner) = (view.inverse[pixel], self.surface[pixel], self.owner[pixel]);
+            if is == 0.0 {
+                continue;
+            }
+            if key > 0 && known(key) && !changed.has(pixel) {
+                (self.owner[pixel], self.surface[pixel]) = (key, is);
+            } else if owner > 0 && owner != key && 1.0 / is - 1.0 / was > THERE_M && known(owner) {
+                (self.owner[pixel], self.surface[pixel]) = (0, 0.0);
+            }
+        }
+    }
+
+    /// What is seen now where things rested; what belongs to `agents` hides. `openable`: the things of which the inside is looked for. O(n).
+    pub(crate) fn remains(
+        &self,
+        look: &Look<'_>,
+        agents: &Bits,
+        openable: &BTreeSet<Key>,
+    ) -> BTreeMap<Key, Remains> {
+        let floors = self.floors(look, openable);
+        let mut remains: BTreeMap<Key, Remains> = BTreeMap::new();
+        let (mut rows, mut columns) = (Extents::default(), Extents::default());
+        let mut behind = Vec::new();
+        for (pixel, &key) in self.owner.iter().enumerate().filter(|&(_, &key)| key > 0) {
+            let of = remains.entry(key).or_default();
+            of.all += 1;
+            let is = look.view.inverse[pixel];
+            let depth = 1.0 / is - 1.0 / self.surface[pixel];
+            if agents.has(pixel) || is > 0.0 && depth < -BEFORE_M {
+                of.hidden += 1;
+            } else if let (Some(&floor), Some(point)) = (floors.get(&key), look.view.point(pixel))
+                && look.place.height_m(point) > floor
+            {
+                let (u, v) = (pixel % self.size.0, pixel / self.size.0);
+                let shift = is - self.surface[pixel];
+                let is_at_rest = !look.changed.has(pixel);
+                if is_at_rest && shift.abs() < BESIDE_BACKGROUND_PER_M * look.view.noise {
+                    of.stays += 1;
+                    rows.add(key, v, u);
+                    columns.add(key, u, v);
+                } else if is_at_rest && depth > THERE_M {
+                    // What is pushed away from the camera is behind where it was too, but moves.
+                    behind.push((key, u, v));
+                }
+            }
+        }
+        for (key, u, v) in behind {
+            let is_enclosed = rows.sides(key, v, u) + columns.sides(key, u, v) >= 3;
+            remains.entry(key).or_default().hollow += usize::from(is_enclosed);
+        }
+        remains
+    }
+
+    /// The height (m) above which the inside of each thing lies. O(n).
+    fn floors(&self, look: &Look<'_>, openable: &BTreeSet<Key>) -> BTreeMap<Key, f64> {
+        let mut heights: BTreeMap<Key, Vec<f64>> = BTreeMap::new();
+        for (pixel, &key) in self.owner.iter().enumerate().filter(|(_, key)| openable.contains(key)) {
+            let (u, v) = (pixel % self.size.0, pixel / self.size.0);
+            let point =
+                DVec3::from(look.view.camera.ray(u as f64, v as f64)) / f64::from(self.surface[pixel]);
+            heights.entry(key).or_default().push(look.place.height_m(point));
+        }
+        let floor = |heights: &mut Vec<f64>| {
+            let low = heights.len() / LOWEST;
+            *heights.select_nth_unstable_by(low, f64::total_cmp).1 + FLOOR_M
+        };
+        heights.iter_mut().map(|(&key, heights)| (key, floor(heights))).collect()
+    }
+}
