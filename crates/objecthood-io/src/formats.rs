@@ -6,6 +6,7 @@ mod bag;
 mod bop;
 mod db3;
 mod mcap;
+pub mod npy;
 pub mod npz;
 pub mod pcd;
 pub mod ply;
@@ -35,6 +36,7 @@ pub(crate) type ContentError = Box<dyn StdError + Send + Sync>;
 const FORMATS: &[Format] = &[
     pcd::FORMAT,
     ply::FORMAT,
+    npy::FORMAT,
     npz::FORMAT,
     mcap::FORMAT,
     db3::FORMAT,

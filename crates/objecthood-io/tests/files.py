@@ -38,6 +38,15 @@ np.savez(out / "no-depth.npz", K=K)
 np.save(out / "metres.npy", metres.astype(">f8"))
 np.save(out / "columns.npy", np.asfortranarray(depth))
 
+grid = np.stack([points[name].reshape(height, width) for name in "xyz"], axis=-1)
+colored = np.concatenate([grid, color / np.float32(255)], axis=-1)
+np.save(out / "grid.npy", grid)
+np.save(out / "colored.npy", colored.astype(np.float64))
+np.save(out / "list.npy", np.concatenate([grid, color.astype(np.float32)], axis=-1)[depth > 0])
+np.savez_compressed(out / "points.npz", points=colored)
+np.savez_compressed(out / "points-bomb.npz", points=np.zeros((1 << 25, 3), np.float64))
+np.save(out / "whole.npy", depth[depth > 0][:99].reshape(-1, 3))
+
 half = color.astype(np.float16) / 255
 for name, compression in (("zip", OpenEXR.ZIP_COMPRESSION), ("piz", OpenEXR.PIZ_COMPRESSION), ("rle", OpenEXR.RLE_COMPRESSION), ("none", OpenEXR.NO_COMPRESSION)):
     header = {"compression": compression, "type": OpenEXR.scanlineimage}

@@ -44,7 +44,7 @@ fn what_other_programs_wrote_is_read_and_what_is_broken_told() {
 }
 
 fn clouds(folder: &Path) {
-    for name in ["text.ply", "little.ply", "big.ply"] {
+    for name in ["text.ply", "little.ply", "big.ply", "list.npy"] {
         let capture = open_frame(&folder.join(name), &camera()).unwrap();
         assert_scene(&capture, true, name);
         // Without a camera: a virtual one, and an answer for every point.
@@ -52,6 +52,11 @@ fn clouds(folder: &Path) {
         let list = capture.list.unwrap();
         assert!(list.is_virtual && list.seen > list.points_m.len() * 9 / 10, "{name}: {}", list.seen);
         assert_eq!(list.points_m.len(), WIDTH * HEIGHT - 25);
+    }
+    for (name, has_color) in [("grid.npy", false), ("colored.npy", true), ("points.npz", true)] {
+        let capture = open_frame(&folder.join(name), &Given::default()).unwrap();
+        assert_scene(&capture, has_color, name);
+        assert!((capture.frame.camera().fx_px - 80.0).abs() < 1e-3 && capture.list.is_none(), "{name}");
     }
     let capture = open_frame(&folder.join("organized.ply"), &Given::default()).unwrap();
     assert_scene(&capture, true, "organized.ply");
@@ -71,7 +76,9 @@ fn arrays(folder: &Path) {
     for (said, error) in [
         ("unit of integer depth is not known", open_frame(&folder.join("compressed.npz"), &Given::default())),
         ("do not say which camera", open_frame(&folder.join("no-camera.npz"), &Given::default())),
-        ("no array `depth`", open_frame(&folder.join("no-depth.npz"), &Given::default())),
+        ("no array `depth` or `points`", open_frame(&folder.join("no-depth.npz"), &Given::default())),
+        ("give a depth image with --depth", open_frame(&folder.join("depth.npy"), &known)),
+        ("are whole numbers", open_frame(&folder.join("whole.npy"), &known)),
         ("column by column", image(folder, "columns.npy", &known)),
         ("an array of 3 sides", image(folder, "color.npy", &known)),
     ] {

@@ -35,6 +35,7 @@ fn every_container_and_encoding_gives_the_same_frames() {
         "lz4.mcap",
         "zstd.mcap",
         "unchunked.mcap",
+        "rvl.mcap",
         "floats.mcap",
         "plain.bag",
         "bz2.bag",

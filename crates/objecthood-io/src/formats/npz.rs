@@ -5,9 +5,10 @@
 //! | `depth` | H, W | metres if its numbers are real, else units of which a depth scale says how many make a metre |
 //! | `rgb` | H, W, 3 uint8 | colour |
 //! | `K` | 3, 3 | camera matrix (px) |
+//! | `points` | N, 3; N, 6; H, W, 3 or H, W, 6 | points (m) as in [`npy`](super::npy), where there is no `depth` |
 //! | `stamp_ns`; `position_m`, `rotation_xyzw` | 1; 3, 4 | when and where the camera was |
 //!
-//! Only `depth` is needed. These are the names that [`output::npz`](crate::output::npz) writes and grasp planners use; other arrays are not looked
+//! Only `depth` or `points` is needed; `K`, `rgb`, stamp and pose belong to `depth`. These are the names that [`output::npz`](crate::output::npz) writes and grasp planners use; other arrays are not looked
 //! at. Each array is unpacked number by number, so a small file takes no more memory than its frame.
 
 use std::io::{Cursor, Read};
@@ -19,7 +20,8 @@ use zip::result::ZipError;
 
 pub use crate::npy::NpyError;
 
-use super::{Format, FrameFormat};
+use super::npy::cloud_of;
+use super::{Format, FrameFormat, organized};
 use crate::capture::{Capture, Pose, Said};
 use crate::error::{Error, Result};
 use crate::given::Given;
@@ -45,8 +47,10 @@ pub enum NpzError {
         /// What is wrong.
         reason: String,
     },
-    /// An archive without depth.
-    #[error("the archive has no array `depth`: save it with numpy.savez(file, depth=.., rgb=.., K=..)")]
+    /// An archive without depth and points.
+    #[error(
+        "the archive has no array `depth` or `points`: save it with numpy.savez(file, depth=.., rgb=.., K=..)"
+    )]
     NoDepth,
     /// An array that cannot be read.
     #[error("the array `{name}`: {error}")]
@@ -80,9 +84,13 @@ impl From<NpzError> for Error {
 /// Reads the content of an NPZ file.
 ///
 /// # Errors
-/// [`Error::Content`] with [`NpzError`]; those of [`decode_images`](crate::images::decode_images).
+/// [`Error::Content`] with [`NpzError`] or [`PointsError`](super::npy::PointsError); those of
+/// [`decode_images`](crate::images::decode_images) and of [`organize`](crate::organize::organize).
 pub fn decode(bytes: &[u8], given: &Given) -> Result<Capture> {
     let mut archive = Archive(ZipArchive::new(Cursor::new(bytes)).map_err(broken)?);
+    if !archive.has("depth") && archive.has("points") {
+        return archive.cloud(given);
+    }
     let camera = archive.numbers::<9>("K", &[3, 3], "(3, 3)")?.map(|k| k.map(Number::as_f64));
     let camera = camera.map(|k| Camera::new(k[0], k[4], k[2], k[5])).transpose()?;
     let said = Said { camera: camera.map(|camera| GridCamera { camera, size: None }), ..Said::default() };
@@ -104,6 +112,16 @@ pub fn decode(bytes: &[u8], given: &Given) -> Result<Capture> {
 struct Archive<'a>(ZipArchive<Cursor<&'a [u8]>>);
 
 impl<'a> Archive<'a> {
+    fn has(&self, name: &str) -> bool {
+        self.0.index_for_name(&format!("{name}.npy")).is_some()
+    }
+
+    /// The frame of the array `points`.
+    fn cloud(mut self, given: &Given) -> Result<Capture> {
+        let cloud = self.array("points", |array| Ok(cloud_of(array, given.max_pixels)))?;
+        organized(cloud.ok_or(NpzError::NoDepth)?, given)
+    }
+
     /// What is read of an array, if it is there.
     fn array<T>(
         &mut self,
