@@ -2,7 +2,7 @@
 
 mod pairs;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
@@ -103,24 +103,25 @@ pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraF
     let given = args.given(camera);
     let selection = args.selection.selection();
     let mut inputs = Inputs::default();
+    let mut folders = Folders::default();
     let (frames, tops) = if args.images.depth.is_empty() {
         open_all(&args.inputs, &given, &selection, &mut inputs)
     } else {
         let pairs::Pairs { pairs, complaints } = pairs::find(&args.images.color, &args.images.depth)?;
         refuse_unknown_camera_or_unit(&given, &pairs)?;
         inputs.unreadable = complaints;
-        let tops = pairs.iter().map(|pair| folder_of(&pair.depth)).collect();
+        let tops: BTreeSet<PathBuf> = pairs.iter().map(|pair| folders.of(&pair.depth)).collect();
         let source = source_of(pairs, &given).select(&selection);
-        (inputs.readable(source), tops)
+        (inputs.readable(source), tops.into_iter().collect())
     };
     if args.images.depth_scale.is_some() && !frames.is_empty() && frames.iter().all(FrameRef::is_metric) {
         return Err(usage("--depth-scale is for depth images but only point clouds are named: leave it out"));
     }
 
     let root = common_folder(&tops);
-    let mut seen = BTreeSet::new();
+    let mut seen = HashSet::new();
     for frame in frames {
-        let (path, folder) = (frame.path().to_owned(), folder_of(frame.path()));
+        let (path, folder) = (frame.path().to_owned(), folders.of(frame.path()));
         let place = if keep_tree { below(&root, &folder) } else { PathBuf::new() };
         let name = place.join(frame.name());
         // The folder is absolute, so that one file is one file however it was named.
@@ -142,7 +143,7 @@ fn open_all(
     let mut frames = Vec::new();
     let mut tops = Vec::new();
     for argument in arguments {
-        tops.push(if argument.is_dir() { absolute(argument) } else { folder_of(argument) });
+        tops.push(absolute(if argument.is_dir() { argument } else { parent(argument) }));
         match Source::open(argument, given) {
             Ok(source) => {
                 inputs.notices.extend(source.notices().iter().map(ToString::to_string));
@@ -176,9 +177,24 @@ fn refuse_unknown_camera_or_unit(given: &Given, pairs: &[ImageFiles]) -> Result<
     Ok(())
 }
 
-/// The folder in which a file lies, in absolute form.
-fn folder_of(file: &Path) -> PathBuf {
-    absolute(file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")))
+/// Folders in absolute form. Each is looked up once: a million files lie in few.
+#[derive(Default)]
+struct Folders(HashMap<PathBuf, PathBuf>);
+
+impl Folders {
+    /// The folder in which a file lies.
+    fn of(&mut self, file: &Path) -> PathBuf {
+        let folder = parent(file);
+        if let Some(known) = self.0.get(folder) {
+            return known.clone();
+        }
+        self.0.entry(folder.to_owned()).or_insert_with(|| absolute(folder)).clone()
+    }
+}
+
+/// The folder in which a file lies, as the path names it.
+fn parent(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// The absolute form of a folder, without links and dots when it exists.
@@ -200,7 +216,7 @@ fn below(root: &Path, folder: &Path) -> PathBuf {
 }
 
 fn refuse_equal_names(frames: &[Input], keep_tree: bool) -> Result<()> {
-    let mut names = BTreeMap::new();
+    let mut names = HashMap::new();
     for frame in frames {
         if let Some(other) = names.insert(&frame.name, &frame.path) {
             let advice = if keep_tree || other.parent() == frame.path.parent() {

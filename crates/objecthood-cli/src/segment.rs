@@ -4,7 +4,8 @@ mod mailbox;
 mod stream;
 mod summary;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::ffi::OsStr;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -273,8 +274,11 @@ impl<'a> Plan<'a> {
         let of_frame =
             |input| self.kinds.iter().filter_map(move |kind| Some(with_suffix(&stem(input), kind.suffix()?)));
         let of_run = self.kinds.iter().filter_map(|&kind| run::path_of(self.out, kind));
-        // A new folder has none of them, and then a million frames need not be looked up.
-        let there = |path: PathBuf| Some((fs::canonicalize(&path).ok()?, path));
+        // Folders are listed once: a new one has nothing, and then a million frames need not be looked up.
+        let mut listed = Listed::default();
+        let there = |path: PathBuf| {
+            listed.has(&path).then(|| fs::canonicalize(&path).ok()).flatten().map(|real| (real, path))
+        };
         let written: BTreeMap<PathBuf, PathBuf> =
             frames.iter().flat_map(of_frame).chain(of_run).filter_map(there).collect();
         if written.is_empty() {
@@ -291,6 +295,23 @@ impl<'a> Plan<'a> {
             ))),
             None => Ok(()),
         }
+    }
+}
+
+/// The names in folders, in small letters: some file systems take them for equal.
+#[derive(Default)]
+struct Listed(HashMap<PathBuf, HashSet<String>>);
+
+impl Listed {
+    /// Whether a folder may have this path; not if it cannot be listed.
+    fn has(&mut self, path: &Path) -> bool {
+        let small = |name: &OsStr| name.to_string_lossy().to_lowercase();
+        let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return false };
+        if !self.0.contains_key(folder) {
+            let names = fs::read_dir(folder).into_iter().flatten().flatten();
+            self.0.insert(folder.to_owned(), names.map(|entry| small(&entry.file_name())).collect());
+        }
+        self.0.get(folder).is_some_and(|names| names.contains(&small(name)))
     }
 }
 

@@ -5,9 +5,10 @@
 
 mod pattern;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, HashSet};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use anyhow::{Result, anyhow};
 use clap::ValueEnum as _;
@@ -98,7 +99,7 @@ fn expand(role: Role, arguments: &[PathBuf], complaints: &mut Vec<anyhow::Error>
             Err(e) => complaints.push(e),
         }
     }
-    let mut seen = BTreeSet::new();
+    let mut seen = HashSet::new();
     files.retain(|file| seen.insert(file.clone()));
     files
 }
@@ -110,8 +111,9 @@ fn images_in(folder: &Path) -> Result<Vec<PathBuf>> {
 
 /// Whether a file is an image by its name, and not one that an earlier run wrote.
 fn is_image(path: &Path) -> bool {
-    let ours: Vec<&str> = OutputKind::value_variants().iter().filter_map(|kind| kind.suffix()).collect();
-    has_extension(path, Role::Color.extensions()) && !has_extension(path, &ours)
+    static OURS: LazyLock<Vec<&str>> =
+        LazyLock::new(|| OutputKind::value_variants().iter().filter_map(|kind| kind.suffix()).collect());
+    has_extension(path, Role::Color.extensions()) && !has_extension(path, &OURS)
 }
 
 /// The files of a folder and of those below it, at most `depth` names down, in natural order. Links to folders are not
@@ -125,8 +127,9 @@ fn walk(folder: &Path, depth: usize) -> Result<Vec<PathBuf>> {
         .sort_by(|a, b| natural::compare(a.file_name(), b.file_name()));
     let mut files = Vec::new();
     for entry in entries {
-        let path = entry.map_err(|e| cannot_list(&e, top))?.into_path();
-        if path.is_file() {
+        let entry = entry.map_err(|e| cannot_list(&e, top))?;
+        let (kind, path) = (entry.file_type(), entry.into_path());
+        if kind.is_file() || kind.is_symlink() && path.is_file() {
             files.push(if is_here { path.strip_prefix(".").unwrap_or(&path).to_owned() } else { path });
         }
     }
