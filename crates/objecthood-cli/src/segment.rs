@@ -92,8 +92,12 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     let record = report.finish()?;
     let outcome = reported.sum_up("frames", unreadable.len())?;
     match (outcome, record) {
-        (Outcome::Interrupted, Some(_)) if !plan.kinds.iter().any(|kind| kind.is_of_run()) => {
-            terminal::note("to go on, give the same command with --resume");
+        (Outcome::Interrupted, Some(_)) => {
+            terminal::note(if plan.kinds.iter().any(|kind| kind.is_of_run()) {
+                "what is written is whole and ends here; to go on, give the frames that are left (--frames) and another --out"
+            } else {
+                "to go on, give the same command with --resume"
+            })
         }
         (Outcome::AllDone | Outcome::SomeFailed, Some(record)) if !args.resume => record.remove()?,
         _ => {}

@@ -77,6 +77,7 @@ fn interrupted_recording(folder: &Folder, arguments: &str, first: &str) -> Strin
                 let text = String::from_utf8(bytes).unwrap();
                 assert!(text.lines().all(|line| serde_json::from_str::<Value>(line).is_ok()), "{name}");
             }
+            Some("mcap") => assert!(bytes.ends_with(b"\x89MCAP0\r\n"), "{name} is cut"),
             _ => panic!("{name}: no output of a run"),
         }
     }
@@ -94,6 +95,22 @@ fn an_interrupted_recording_leaves_whole_files_and_says_how_to_go_on() {
     assert!((1..100).contains(&before), "{before} frames");
     folder.run("segment long.mcap --out out --resume", 0);
     assert_eq!(folder.files("out").keys().filter(|name| name.ends_with(".json")).count(), 100);
+}
+
+/// There was no line that says how to go on.
+#[test]
+fn files_of_an_interrupted_run_are_whole_and_it_says_how_to_go_on() {
+    let folder = recording(100);
+    let arguments = "segment long.mcap --out out --threads 1 --write json,coco,bop,mcap";
+    let stderr = interrupted_recording(&folder, arguments, "out/long-000000.json");
+    assert!(
+        stderr.contains("to go on, give the frames that are left (--frames) and another --out"),
+        "{stderr}"
+    );
+    let files = folder.files("out");
+    for file in ["instances.coco.json", "objects.labels.mcap"] {
+        assert!(files.contains_key(file), "{file}: {:?}", files.keys());
+    }
 }
 
 #[test]

@@ -1,5 +1,7 @@
-//! Every format, damaged in every way: cut at 100 places, 1000 bytes or lengths changed, small files that unpack to much. What comes out is
+//! Every format of frames, damaged in every way: cut at 100 places, 1000 bytes or lengths changed, small files that unpack to much. What comes out is
 //! an error of one line or whole frames, and never more than 256 MB. Alone in its program, because the counter counts all threads.
+//!
+//! Files of cameras and lists of folders, which are text, are in `hostile.rs`.
 //!
 //! Files of other programs need a Python in `OBJECTHOOD_PYTHON`, with the packages of `xtask/requirements.txt`; without it, it says that it
 //! skips them.
@@ -41,7 +43,11 @@ const MILLIMETRES: Option<f64> = Some(1000.0);
 
 /// The files of `files.py` and `bombs.py`, one of each format and of each way in which it packs.
 const FILES: [(How, Option<f64>, &[&str]); 6] = [
-    (How::Frame, None, &["text.ply", "little.ply", "big.ply", "organized.ply", "stored.npz"]),
+    (
+        How::Frame,
+        None,
+        &["text.ply", "little.ply", "big.ply", "organized.ply", "colored.npy", "points.npz", "stored.npz"],
+    ),
     (How::Frame, MILLIMETRES, &["compressed.npz"]),
     (How::Depth, None, &["metres.npy", "zip.exr", "piz.exr", "rle.exr", "none.exr"]),
     (How::Depth, MILLIMETRES, &["depth.npy", "depth.png", "depth.tif", "packed.tif"]),
@@ -59,13 +65,15 @@ const FILES: [(How, Option<f64>, &[&str]); 6] = [
             "raw_db3/raw_db3.db3",
             "compressed_mcap/compressed_mcap.mcap",
             "points_mcap/points_mcap.mcap",
+            "rvl.mcap",
+            "bent.mcap",
         ],
     ),
 ];
 
 /// Small files that unpack to much.
 const BOMBS: [(How, &[&str]); 3] = [
-    (How::Frame, &["bomb.npz"]),
+    (How::Frame, &["bomb.npz", "points-bomb.npz"]),
     (How::Depth, &["bomb.exr", "bomb.png", "bomb.tif"]),
     (
         How::Recording,
