@@ -97,7 +97,7 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
                 "what is written is whole and ends here; to go on, give the frames that are left (--frames) and another --out"
             } else {
                 "to go on, give the same command with --resume"
-            })
+            });
         }
         (Outcome::AllDone | Outcome::SomeFailed, Some(record)) if !args.resume => record.remove()?,
         _ => {}
