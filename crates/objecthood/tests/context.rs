@@ -186,11 +186,16 @@ fn labels_are_the_same_on_any_number_of_threads() {
 }
 
 #[test]
-fn colour_decides_about_parts_behind_an_occluder_alone() {
+fn colour_decides_about_parts_behind_an_occluder_and_about_outlines() {
     let without_color = |frame: &Frame| Frame::new(frame.depth_m().clone(), None, frame.camera()).unwrap();
     for frame in [two_boxes(), stack(), cut_box()] {
         let (with, without) = (checked(&frame).0, checked(&without_color(&frame)).0);
-        assert!(with.labels == without.labels);
+        // Skirts (docs/CONTEXT.md 1.1) move outlines by pixels; what is an object stays.
+        let objects = without.labels.as_slice().iter().filter(|&&label| label > 0).count();
+        let pairs = with.labels.as_slice().iter().zip(without.labels.as_slice());
+        let moved = pairs.filter(|(with, without)| with != without).count();
+        assert_eq!(with.objects.len(), without.objects.len());
+        assert!(50 * moved < objects, "{moved} of {objects} pixels");
     }
     // What shows right of the pole, in another colour, is no part of the same box.
     let frame = cut_box();

@@ -19,7 +19,7 @@ pub(super) fn reason(reason: Reason) -> &'static str {
         Reason::OtherBorders => "other borders outvote their own",
         Reason::Size => "it has too few pixels",
         Reason::Structure => "it lies on a large plane that carries or encloses objects",
-        Reason::Skirt => "it looks like the plane beside it, and the depth at edges is smeared",
+        Reason::Skirt => "it looks like the plane beside it, and depth is not so exact at borders",
         Reason::Objectness => "its objectness is too low",
         Reason::Flat => "it lies flat on its support, and differs from what is around it",
         Reason::Passed => "nothing speaks against it",

@@ -20,21 +20,28 @@ pub struct LabImage {
 }
 
 impl LabImage {
-    /// Converts an sRGB image. The mean is taken in linear light; where the image ends within a cell, its last pixels count twice. Source:
-    /// ours, because the paper smooths RGB by its own eq. 1, and a comparison of colours needs a space of equal steps. O(pixels);
-    /// parallel over rows.
-    pub fn new(color: &Raster<[u8; 3]>) -> Self {
+    /// Converts an sRGB image. The mean is taken in linear light, over the pixels with depth; over all in a cell that has none. Where the
+    /// image ends within a cell, its last pixels count twice. Source: ours, because the paper smooths RGB by its own eq. 1, and a
+    /// comparison of colours needs a space of equal steps. O(pixels); parallel over rows.
+    pub fn new(color: &Raster<[u8; 3]>, depth_m: &Raster<f32>) -> Self {
         let (width, height) = color.size();
         let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
         let mut cells = Buffer::stale(columns * rows, [0.0; 3]);
         cells.par_chunks_mut(columns).enumerate().for_each(|(row, cells)| {
             let rows = [2 * row, (2 * row + 1).min(height - 1)];
-            let rows = rows.map(|v| &color.as_slice()[v * width..(v + 1) * width]);
+            let row = |v: usize| v * width..(v + 1) * width;
+            let (depths_m, rows) =
+                (rows.map(|v| &depth_m.as_slice()[row(v)]), rows.map(|v| &color.as_slice()[row(v)]));
             for (column, cell) in cells.iter_mut().enumerate() {
                 let (left, right) = (2 * column, (2 * column + 1).min(width - 1));
                 let light = rows.map(|row| [linear(row[left]), linear(row[right])]);
-                *cell =
-                    std::array::from_fn(|k| 0.25 * light.iter().flatten().map(|light| light[k]).sum::<f32>());
+                let is_seen = depths_m.map(|row| [left, right].map(|u| f32::from(!row[u].is_nan())));
+                let seen: f32 = is_seen.iter().flatten().sum();
+                let weigh = |is_seen: f32| if seen > 0.0 { is_seen / seen } else { 0.25 };
+                let weighed = light.iter().flatten().zip(is_seen.iter().flatten());
+                *cell = weighed.fold([0.0; 3], |sum, (light, &is_seen)| {
+                    std::array::from_fn(|k| sum[k] + weigh(is_seen) * light[k])
+                });
             }
             vectorized(
                 #[inline(always)]
@@ -74,12 +81,17 @@ mod tests {
     use super::*;
     use crate::color::lab;
 
+    fn seen(width: usize, height: usize) -> Raster<f32> {
+        Raster::filled(width, height, 1.0).unwrap()
+    }
+
     #[test]
     fn every_pixel_has_the_color_of_its_cell_also_at_odd_sizes() {
         let (left, right) = ([200, 30, 60], [20, 90, 160]);
         for (width, height) in [(8, 6), (7, 5), (1, 1)] {
             let pixels = (0..width * height).map(|i| if i % width < 4 { left } else { right }).collect();
-            let image = LabImage::new(&Raster::from_vec(width, height, pixels).unwrap());
+            let image =
+                LabImage::new(&Raster::from_vec(width, height, pixels).unwrap(), &seen(width, height));
             for i in 0..width * height {
                 let expected = lab(if i % width < 4 { left } else { right });
                 let distance: f32 = expected.iter().zip(image[i]).map(|(x, y)| (x - y).abs()).sum();
@@ -91,11 +103,20 @@ mod tests {
 
     #[test]
     fn a_cell_is_the_mean_in_linear_light() {
-        let image = LabImage::new(&Raster::from_vec(2, 1, vec![[255; 3], [0; 3]]).unwrap());
+        let image = LabImage::new(&Raster::from_vec(2, 1, vec![[255; 3], [0; 3]]).unwrap(), &seen(2, 1));
         assert!(
             (image[0][0] - 76.07).abs() < 0.1 && image[0] == image[1],
             "half the light of white: {:?}",
             image[0]
         );
+    }
+
+    #[test]
+    fn pixels_without_depth_do_not_count_beside_others() {
+        let color = Raster::from_vec(4, 1, vec![[255; 3], [0; 3], [255; 3], [0; 3]]).unwrap();
+        let depth_m = Raster::from_vec(4, 1, vec![1.0, f32::NAN, f32::NAN, f32::NAN]).unwrap();
+        let image = LabImage::new(&color, &depth_m);
+        assert!((image[0][0] - 100.0).abs() < 0.1, "white alone: {:?}", image[0]);
+        assert!((image[2][0] - 76.07).abs() < 0.1, "none has depth: {:?}", image[2]);
     }
 }

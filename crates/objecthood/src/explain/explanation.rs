@@ -181,7 +181,7 @@ pub enum Reason {
     Objectness,
     /// It lies on a large plane that carries or encloses things.
     Structure,
-    /// It looks like the large plane beside it, and the depth of the sensor is smeared.
+    /// It looks like the large plane beside it, nearer to its border than depth can tell.
     Skirt,
     /// It lies flat on a support, and rises above it or has other colours.
     Flat,

@@ -42,7 +42,7 @@ pub struct Structure {
     pub surfaces: Vec<StructureSurface>,
     /// The surface of every pixel; -1 = none.
     pub labels: Raster<i32>,
-    /// The pixels, in scan order, that belong to a surface because they look like it, where depth is smeared.
+    /// The pixels, in scan order, that belong to a surface because they look like it, not by their depth.
     pub skirts: Vec<u32>,
     /// The surfaces on which things stand.
     pub supports: Supports,
@@ -86,8 +86,10 @@ pub fn find_structure(
         renumber(&mut labels, &kept);
     }
     let planes = fit_planes(&surfaces, &labels, depth_m, &space.camera());
-    let lab = surfaces_at.lab_for_shapes().filter(|_| surfaces_at.sharpened_share > 0.0);
-    let skirts = lab.map_or_else(Vec::new, |lab| reclaim_skirts(&mut labels, disparity, lab, space));
+    let is_smeared = surfaces_at.sharpened_share > 0.0;
+    let skirts = surfaces_at
+        .lab_for_shapes()
+        .map_or_else(Vec::new, |lab| reclaim_skirts(&mut labels, disparity, lab, space, is_smeared));
     Structure { surfaces, labels, skirts, supports, planes }
 }
 

@@ -51,7 +51,7 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
     let is_matched = known.with(&measured).noise.is_matched();
     let color = frame.color().filter(|_| sensor.color != ColorFor::None);
     let sharp = sharpen(&disparity, color, is_matched, &space);
-    let lab = color.map(LabImage::new);
+    let lab = color.map(|color| LabImage::new(color, frame.depth_m()));
     let (frame, sharpened_share) = sharp
         .as_ref()
         .map_or_else(|| (frame.clone(), 0.0), |sharp| with_changes(frame, [&disparity, sharp], &space));

@@ -1,7 +1,7 @@
-//! Skirts: pixels of a surface that smeared depth draws up to what stands on it (docs/CONTEXT.md 1.1).
+//! Skirts: pixels of a surface that depth draws up to what stands on it (docs/CONTEXT.md 1.1).
 //!
-//! Stereo matches windows, and filled depth is smooth: around the foot of a thing the table rises towards it, and at its sides pixels of
-//! the background have its depth. Depth cannot tell them from the thing, but they look like the surface.
+//! Depth is measured over windows, and filled depth is smooth: around the foot of a thing the table rises towards it, and at its sides
+//! pixels of the background have its depth. Depth cannot tell them from the thing, but they look like the surface.
 
 mod cells;
 
@@ -13,10 +13,15 @@ use crate::color::image::LabImage;
 use crate::raster::Raster;
 use crate::surface::disparity::DisparitySpace;
 
-/// A skirt reaches at most this far from its surface (px at a focal length of 525 px): half of a large matching window.
-const REACH_PX: usize = 16;
+/// A skirt reaches at most this far from its surface (px at a focal length of 525 px): half of a matching window, and the error of registering
+/// colour with depth.
+const REACH_PX: usize = 10;
+/// The same where depth is smeared (docs/CONTEXT.md 0.7): half of a large matching window.
+const SMEARED_REACH_PX: usize = 20;
 /// A colour that differs by less looks like the surface (Lab, lightness weighted): print and light change even faces by less.
-const ALIKE: f32 = 12.0;
+const ALIKE: f32 = 11.0;
+/// Colours on both sides of an edge differ by more than this (Lab, lightness weighted).
+const EDGE: f32 = 16.0;
 /// How much of each step in colour the colour that is looked for follows: a shadow at a foot darkens slowly, a blurred edge fast.
 const FOLLOWED: f32 = 0.25;
 /// The colour of a surface is the mean within this distance (cells).
@@ -29,22 +34,24 @@ const ISLAND_SHARE: f32 = 0.01;
 
 /// Gives skirts back to the surfaces that they belong to.
 ///
-/// From the surfaces of the structure a flood takes the cells of 2 x 2 pixels that look like them, up to 16 px far. A cell that it took is
-/// a skirt if the nearest place where the flood ended is an edge of colour. Where it ended only because it had come far enough, the thing looks
+/// From the surfaces of the structure a flood takes the cells of 2 x 2 pixels that look like them, up to 10 px far; 20 px where depth
+/// `is_smeared`. A cell that it took is a skirt if the nearest place where the flood ended is an edge of colour. Where it ended only because it had come far enough, the thing looks
 /// like its surface, and depth decides. Source: ours, because colour is sharp where such depth is not. O(pixels).
 pub(super) fn reclaim_skirts(
     labels: &mut Raster<i32>,
     disparity: &Raster<f32>,
     lab: &LabImage,
     space: &DisparitySpace,
+    is_smeared: bool,
 ) -> Vec<u32> {
     let cells = Cells::of(labels, disparity);
-    let reach = (space.length_px(REACH_PX) / 2).max(1) as u32;
+    let reach_px = space.length_px(if is_smeared { SMEARED_REACH_PX } else { REACH_PX });
+    let reach = (reach_px / 2).max(1) as u32;
     let flood = Flood::from_surfaces(&cells, lab, reach);
     let mut skirts = Vec::new();
     for (cell, surface) in flood.skirts(lab) {
-        for i in cells.pixels(cell).filter(|&i| !disparity[i].is_nan()) {
-            if labels[i] < 0 {
+        for i in cells.pixels(cell) {
+            if labels[i] < 0 && !disparity[i].is_nan() {
                 labels.as_mut_slice()[i] = surface;
                 skirts.push(i as u32);
             }
@@ -93,8 +100,8 @@ impl<'a> Flood<'a> {
             let color = cells.mean_color(cell, AROUND, lab, |other| cells.of[other] == surface);
             color.map(|color| Reached { surface, steps: 0, color })
         };
-        for cell in (0..cells.count()).filter(|&cell| cells.of[cell] >= 0 && !is_island[cell]) {
-            if cells.around(cell).any(|next| cells.of[next] < 0) {
+        for cell in (0..cells.count()).filter(|&cell| cells.is_surface(cell) && !is_island[cell]) {
+            if cells.around(cell).into_iter().any(|next| cells.of[next] == BARE) {
                 flood.reached[cell] = start(cell);
                 open.push_back(cell);
             }
@@ -102,9 +109,12 @@ impl<'a> Flood<'a> {
         while let Some(cell) = open.pop_front() {
             let Some(from) = flood.reached[cell].filter(|from| from.steps < reach) else { continue };
             for next in cells.around(cell) {
+                let may_take = cells.of[next] == BARE || is_island[next];
+                if !may_take || flood.reached[next].is_some() {
+                    continue;
+                }
                 let own = cells.color(next, lab);
-                let may_take = (cells.of[next] < 0 || is_island[next]) && flood.reached[next].is_none();
-                if !may_take || difference(own, from.color) > ALIKE {
+                if difference(own, from.color) > ALIKE {
                     continue;
                 }
                 let color = std::array::from_fn(|k| from.color[k] + FOLLOWED * (own[k] - from.color[k]));
@@ -147,9 +157,9 @@ impl<'a> Flood<'a> {
     fn end(&self, cell: usize, lab: &LabImage) -> Option<End> {
         let reached = self.reached[cell]?;
         let mut end = None;
-        for beyond in self.cells.around(cell).filter(|&next| self.is_bare(next)) {
+        for beyond in self.cells.around(cell).into_iter().filter(|&next| self.is_bare(next)) {
             let color = self.cells.mean_color(beyond, BEYOND, lab, |other| self.is_bare(other))?;
-            let is_edge = reached.steps < self.reach && difference(color, reached.color) > ALIKE;
+            let is_edge = reached.steps < self.reach && difference(color, reached.color) > EDGE;
             if !is_edge {
                 return Some(End::Open);
             }
@@ -159,7 +169,7 @@ impl<'a> Flood<'a> {
     }
 
     fn is_taken(&self, cell: usize) -> bool {
-        self.cells.of[cell] < 0 && self.reached[cell].is_some()
+        self.cells.of[cell] == BARE && self.reached[cell].is_some()
     }
 
     /// Whether a cell is measured, and neither of a surface nor taken.
@@ -185,7 +195,7 @@ mod tests {
         let disparity = Raster::filled(SIZE.0, SIZE.1, 400.0_f32).unwrap();
         let label = |i: usize| if i % SIZE.0 < 40 { 0 } else { -1 };
         let mut labels = disparity.with_data((0..disparity.len()).map(label).collect());
-        reclaim_skirts(&mut labels, &disparity, &lab, &kinect());
+        reclaim_skirts(&mut labels, &disparity, &lab, &kinect(), true);
         let ends: Vec<usize> =
             labels.as_slice().chunks(SIZE.0).map(|row| row.iter().filter(|&&s| s == 0).count()).collect();
         assert!(ends.iter().all(|&end| end == ends[0]), "{ends:?}");
@@ -220,7 +230,7 @@ mod tests {
         };
         let before: Raster<i32> = disparity.with_data((0..disparity.len()).map(label).collect());
         let mut labels = before.clone();
-        reclaim_skirts(&mut labels, &disparity, &lab, &kinect());
+        reclaim_skirts(&mut labels, &disparity, &lab, &kinect(), true);
         assert_eq!(labels.as_slice(), before.as_slice());
     }
 }

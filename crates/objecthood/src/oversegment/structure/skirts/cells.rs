@@ -1,20 +1,21 @@
-//! The image in cells of 2 x 2 pixels, as colour has it.
+//! The image in cells of 2 x 2 pixels, as colour has it, within a frame of one cell that is outside.
 
 use crate::color::image::LabImage;
-use crate::neighbours::four_neighbours;
 use crate::raster::Raster;
 
 /// A cell with a measured pixel of no surface.
 pub(super) const BARE: i32 = -1;
-/// A cell without a measured pixel.
+/// A cell without a measured pixel: what colour it has must not count.
 const HOLE: i32 = -2;
+/// A cell beyond the border of the image.
+const OUTSIDE: i32 = -3;
 
 /// The surface of every cell.
 pub(super) struct Cells {
-    /// The surface of all its measured pixels, [`BARE`] or [`HOLE`].
+    /// The surface of all its measured pixels, [`BARE`], [`HOLE`] or [`OUTSIDE`].
     pub of: Vec<i32>,
+    /// Cells in a row, with the two outside.
     columns: usize,
-    rows: usize,
     /// Columns and rows of the image.
     size: (usize, usize),
 }
@@ -22,40 +23,51 @@ pub(super) struct Cells {
 impl Cells {
     /// The cells of the pixels' `labels`. O(pixels).
     pub(super) fn of(labels: &Raster<i32>, disparity: &Raster<f32>) -> Self {
-        let size = labels.size();
-        let (columns, rows) = (size.0.div_ceil(2), size.1.div_ceil(2));
-        let mut cells = Self { of: vec![HOLE; columns * rows], columns, rows, size };
-        for cell in 0..cells.count() {
-            let measured = cells.pixels(cell).filter(|&i| labels[i] >= 0 || !disparity[i].is_nan());
-            let (mut all, mut any) = (true, HOLE);
-            for i in measured {
-                all &= labels[i] >= 0;
-                any = any.max(labels[i]);
+        let (width, height) = labels.size();
+        let columns = width.div_ceil(2) + 2;
+        let mut of = vec![OUTSIDE; columns * (height.div_ceil(2) + 2)];
+        let row = |v: usize| v * width..(v + 1) * width;
+        for (cells, top) in of.chunks_exact_mut(columns).skip(1).zip((0..height).step_by(2)) {
+            cells[1..columns - 1].fill(HOLE);
+            for v in top..(top + 2).min(height) {
+                let (labels, disparity) = (&labels.as_slice()[row(v)], &disparity.as_slice()[row(v)]);
+                let pixels = labels.chunks(2).zip(disparity.chunks(2));
+                for (cell, (labels, disparity)) in cells[1..].iter_mut().zip(pixels) {
+                    for (&label, d) in labels.iter().zip(disparity) {
+                        let own = if label >= 0 { label } else { HOLE + i32::from(!d.is_nan()) };
+                        *cell = if own == BARE || *cell == BARE { BARE } else { own.max(*cell) };
+                    }
+                }
             }
-            cells.of[cell] = if all { any } else { BARE };
         }
-        cells
+        Self { of, columns, size: (width, height) }
     }
 
     pub(super) fn count(&self) -> usize {
-        self.columns * self.rows
+        self.of.len()
     }
 
-    /// The pixels of a cell.
+    /// Whether a cell is of a surface.
+    pub(super) fn is_surface(&self, cell: usize) -> bool {
+        self.of[cell] >= 0
+    }
+
+    /// The pixels of a cell of the image.
     pub(super) fn pixels(&self, cell: usize) -> impl Iterator<Item = usize> + use<> {
         let (width, height) = self.size;
-        let (left, top) = (cell % self.columns * 2, cell / self.columns * 2);
-        let rows = top..(top + 2).min(height);
-        rows.flat_map(move |v| (left..(left + 2).min(width)).map(move |u| v * width + u))
+        let [column, row] = self.place(cell);
+        let rows = 2 * row..(2 * row + 2).min(height);
+        rows.flat_map(move |v| (2 * column..(2 * column + 2).min(width)).map(move |u| v * width + u))
     }
 
-    /// The cells beside a cell.
-    pub(super) fn around(&self, cell: usize) -> impl Iterator<Item = usize> + use<> {
-        four_neighbours(cell, self.columns, self.rows).map(|(next, _)| next)
+    /// The cells beside a cell of the image.
+    pub(super) fn around(&self, cell: usize) -> [usize; 4] {
+        [cell + 1, cell - 1, cell + self.columns, cell - self.columns]
     }
 
     pub(super) fn color(&self, cell: usize, lab: &LabImage) -> [f32; 3] {
-        lab.cell(cell % self.columns, cell / self.columns)
+        let [column, row] = self.place(cell);
+        lab.cell(column, row)
     }
 
     /// The mean colour of some of the cells within a distance of a cell; `None` if there are none.
@@ -66,14 +78,18 @@ impl Cells {
         lab: &LabImage,
         counts: impl Fn(usize) -> bool,
     ) -> Option<[f32; 3]> {
-        let (column, row) = (cell % self.columns, cell / self.columns);
-        let columns = column.saturating_sub(distance)..(column + distance + 1).min(self.columns);
-        let rows = row.saturating_sub(distance)..(row + distance + 1).min(self.rows);
-        let cells = rows.flat_map(|row| columns.clone().map(move |column| row * self.columns + column));
+        let [column, row] = self.place(cell);
+        let [columns, rows] = [self.size.0.div_ceil(2), self.size.1.div_ceil(2)];
+        let near = |at: usize, all: usize| at.saturating_sub(distance)..(at + distance + 1).min(all);
         let (mut sum, mut count) = ([0.0_f32; 3], 0_u32);
-        for color in cells.filter(|&cell| counts(cell)).map(|cell| self.color(cell, lab)) {
-            sum = std::array::from_fn(|k| sum[k] + color[k]);
-            count += 1;
+        for row in near(row, rows) {
+            for column in near(column, columns) {
+                if counts((row + 1) * self.columns + column + 1) {
+                    let color = lab.cell(column, row);
+                    sum = std::array::from_fn(|k| sum[k] + color[k]);
+                    count += 1;
+                }
+            }
         }
         (count > 0).then(|| sum.map(|sum| sum / count as f32))
     }
@@ -84,24 +100,33 @@ impl Cells {
         let mut sizes = vec![0_usize; surfaces];
         self.of.iter().filter(|&&surface| surface >= 0).for_each(|&surface| sizes[surface as usize] += 1);
         let (mut is_met, mut is_island) = (vec![false; self.count()], vec![false; self.count()]);
-        for start in (0..self.count()).filter(|&cell| self.of[cell] >= 0) {
-            if std::mem::replace(&mut is_met[start], true) {
+        let mut piece = Vec::new();
+        for start in 0..self.count() {
+            if !self.is_surface(start) || is_met[start] {
                 continue;
             }
-            let mut piece = vec![start];
+            is_met[start] = true;
+            piece.clear();
+            piece.push(start);
             let mut next = 0;
             while let Some(&cell) = piece.get(next) {
                 next += 1;
-                for other in self.around(cell).filter(|&other| self.of[other] == self.of[start]) {
-                    if !std::mem::replace(&mut is_met[other], true) {
+                for other in self.around(cell) {
+                    if self.of[other] == self.of[start] && !is_met[other] {
+                        is_met[other] = true;
                         piece.push(other);
                     }
                 }
             }
             if (piece.len() as f32) < share * sizes[self.of[start] as usize] as f32 {
-                piece.into_iter().for_each(|cell| is_island[cell] = true);
+                piece.iter().for_each(|&cell| is_island[cell] = true);
             }
         }
         is_island
+    }
+
+    /// Column and row of a cell of the image, from 0.
+    fn place(&self, cell: usize) -> [usize; 2] {
+        [cell % self.columns - 1, cell / self.columns - 1]
     }
 }
