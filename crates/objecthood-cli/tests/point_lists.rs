@@ -11,9 +11,10 @@ use common::Folder;
 use objecthood_io::formats::pcd;
 use objecthood_io::label_image;
 
-/// A list of points and the label that the same points have as an image.
+/// A list of points with their colours, and the label that the same points have as an image.
 struct List {
     points_m: Vec<[f32; 3]>,
+    colors: Vec<[u8; 3]>,
     labels: Vec<u16>,
     /// VIEWPOINT of the file.
     viewpoint: &'static str,
@@ -22,7 +23,8 @@ struct List {
 impl List {
     /// The points of an organized cloud in no order, without the missing ones.
     fn of(cloud: &Path, labels: &[u8]) -> Self {
-        let points_m = pcd::parse(&std::fs::read(cloud).unwrap()).unwrap().points_m;
+        let cloud = pcd::parse(&std::fs::read(cloud).unwrap()).unwrap();
+        let (points_m, colors) = (cloud.points_m, cloud.color.unwrap());
         let labels = label_image::decode(labels).unwrap();
         let count = points_m.len();
         // A step that is no divisor of the count meets every point once.
@@ -31,20 +33,32 @@ impl List {
         let order: Vec<usize> = order.collect();
         Self {
             points_m: order.iter().map(|&k| points_m[k]).collect(),
+            colors: order.iter().map(|&k| colors[k]).collect(),
             labels: order.iter().map(|&k| labels[k]).collect(),
             viewpoint: "0 0 0 1 0 0 0",
         }
     }
 
+    /// Points that are all black, with no known label.
+    fn of_black(points_m: Vec<[f32; 3]>, viewpoint: &'static str) -> Self {
+        Self { colors: vec![[0; 3]; points_m.len()], points_m, labels: Vec::new(), viewpoint }
+    }
+
     fn map(&self, viewpoint: &'static str, change: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         let change = |point: &[f32; 3]| change(point.map(f64::from)).map(|part| part as f32);
-        Self { points_m: self.points_m.iter().map(change).collect(), labels: self.labels.clone(), viewpoint }
+        Self {
+            points_m: self.points_m.iter().map(change).collect(),
+            colors: self.colors.clone(),
+            labels: self.labels.clone(),
+            viewpoint,
+        }
     }
 
     /// Every third of the points, which are in no order.
     fn thinned(&self) -> Self {
         Self {
             points_m: self.points_m.iter().step_by(3).copied().collect(),
+            colors: self.colors.iter().step_by(3).copied().collect(),
             labels: self.labels.iter().step_by(3).copied().collect(),
             viewpoint: self.viewpoint,
         }
@@ -54,12 +68,15 @@ impl List {
     fn to_pcd(&self) -> Vec<u8> {
         let count = self.points_m.len() + 1;
         let mut bytes = format!(
-            "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH {count}\nHEIGHT 1\nVIEWPOINT {}\nPOINTS {count}\nDATA binary\n",
+            "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nWIDTH {count}\nHEIGHT 1\nVIEWPOINT {}\nPOINTS {count}\nDATA binary\n",
             self.viewpoint
         )
         .into_bytes();
-        let points = self.points_m.iter().chain([&[f32::NAN; 3]]);
-        points.flatten().for_each(|part| bytes.extend(part.to_le_bytes()));
+        let points = self.points_m.iter().zip(&self.colors).chain([(&[f32::NAN; 3], &[0; 3])]);
+        for (point_m, [r, g, b]) in points {
+            point_m.iter().for_each(|part| bytes.extend(part.to_le_bytes()));
+            bytes.extend([*b, *g, *r, 0]);
+        }
         bytes
     }
 
@@ -164,7 +181,7 @@ fn points_all_around_are_refused_with_advice() {
         [cos, (k % 37) as f32 / 37.0, sin]
     };
     let points_m = (0..628).map(around).collect();
-    let list = List { points_m, labels: Vec::new(), viewpoint: "0 0 0 1 0 0 0" };
+    let list = List::of_black(points_m, "0 0 0 1 0 0 0");
     folder.write("around.pcd", &list.to_pcd());
     let run = folder.run("segment around.pcd --out out", 1);
     assert!(run.stderr.contains("span more than 120 degrees"), "{}", run.stderr);
@@ -177,7 +194,7 @@ fn few_points_are_no_error() {
     let folder = Folder::new();
     for count in [2, 3, 10, 30] {
         let points_m = (0..count).map(|k| [k as f32 / 50.0, (k * k % 7) as f32 / 50.0, 1.0]).collect();
-        let list = List { points_m, labels: Vec::new(), viewpoint: "0 0 0 0 0 0 0" };
+        let list = List::of_black(points_m, "0 0 0 0 0 0 0");
         folder.write("few.pcd", &list.to_pcd());
         folder.run("segment few.pcd --out out", 0);
         let answer = pcd::parse(&folder.files("out")["few.labels.pcd"]).unwrap();
@@ -189,7 +206,7 @@ fn few_points_are_no_error() {
 fn answers_of_an_earlier_run_are_no_inputs() {
     let folder = Folder::new();
     let points_m = (0..100).map(|k| [(k % 10) as f32 / 50.0, (k / 10) as f32 / 50.0, 1.0]).collect();
-    let list = List { points_m, labels: Vec::new(), viewpoint: "0 0 0 1 0 0 0" };
+    let list = List::of_black(points_m, "0 0 0 1 0 0 0");
     folder.write("in/few.pcd", &list.to_pcd());
     for _ in 0..2 {
         folder.run("segment in --out in", 0);

@@ -122,6 +122,7 @@ fn context_gives_the_reference_label_maps_pixel_for_pixel() {
     // What we added to the reference is off: its run had nothing of it.
     let mut params = objecthood::Params { method: objecthood::Method::Context, ..Default::default() };
     params.structure.slope_quanta_per_px = 0.0;
+    params.structure.skirt_reach_px = 0;
     params.vessels.bottom_contact_share = 2.0;
     params.objectness.every_hypothesis = true;
     params.flat.enabled = false;

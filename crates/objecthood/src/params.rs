@@ -143,6 +143,8 @@ parameters! {
         /// A pixel also has the tilt of the surface when the slopes of their disparities differ by less than this; 0 = only the normals
         /// decide.
         slope_quanta_per_px: f64 = 0.4, 0.0..=1000.0, "quanta of disparity per px at a focal length of 525 px", "ours, because noise tilts a slope alike at any distance, a normal by more the farther it is; 30 degrees at 1 m";
+        /// A skirt of the surface reaches at most this far, twice as far where depth is smeared; 0 = skirts are not looked for.
+        skirt_reach_px: usize = 10, 0..=100, "px at a focal length of 525 px", "ours, because it is half of a matching window, and the error of registering colour with depth (docs/CONTEXT.md 1.1)";
     }
 
     /// Superpixels by watershed of the fit residual (`context`).

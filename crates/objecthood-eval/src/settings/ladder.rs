@@ -14,7 +14,7 @@ struct Step {
 }
 
 /// In the order in which they are switched on: that of the reference (PARITY.md), then what came later.
-const STEPS: [Step; 16] = [
+const STEPS: [Step; 17] = [
     Step { name: "occlusion evidence", switch_off: |p| p.contraction.occlusion_weight = 0.0 },
     Step { name: "straight borders", switch_off: |p| p.refinement.agreement_quanta = 0.0 },
     Step { name: "fragments", switch_off: |p| p.fragments.max_size_px = 0 },
@@ -30,6 +30,7 @@ const STEPS: [Step; 16] = [
     Step { name: "flat things", switch_off: |p| p.flat.enabled = false },
     Step { name: "seams", switch_off: |p| p.seams.enabled = false },
     Step { name: "necks", switch_off: |p| p.necks.enabled = false },
+    Step { name: "skirts", switch_off: |p| p.structure.skirt_reach_px = 0 },
     Step { name: "objectness", switch_off: |p| p.objectness.every_hypothesis = true },
 ];
 

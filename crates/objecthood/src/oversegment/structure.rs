@@ -60,6 +60,8 @@ const DOMINANT_SHARE: f64 = 0.2;
 const DOMINANT_M2: f64 = 0.03;
 /// A surface as long as structure with a larger area than this is a board: structure if things stand on it.
 const BOARD_M2: f64 = 0.06;
+/// Where depth is smeared (docs/CONTEXT.md 0.7) a skirt reaches farther by this factor: such depth comes of large matching windows.
+const SMEARED_REACH: usize = 2;
 
 /// Finds the structure of a scene.
 ///
@@ -86,10 +88,11 @@ pub fn find_structure(
         renumber(&mut labels, &kept);
     }
     let planes = fit_planes(&surfaces, &labels, depth_m, &space.camera());
-    let is_smeared = surfaces_at.sharpened_share > 0.0;
-    let skirts = surfaces_at
-        .lab_for_shapes()
-        .map_or_else(Vec::new, |lab| reclaim_skirts(&mut labels, disparity, lab, space, is_smeared));
+    let reach_px = params.skirt_reach_px * if surfaces_at.sharpened_share > 0.0 { SMEARED_REACH } else { 1 };
+    let skirts = match surfaces_at.lab_for_shapes() {
+        Some(lab) if reach_px > 0 => reclaim_skirts(&mut labels, disparity, lab, space.length_px(reach_px)),
+        _ => Vec::new(),
+    };
     Structure { surfaces, labels, skirts, supports, planes }
 }
 

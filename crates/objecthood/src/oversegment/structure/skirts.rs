@@ -11,13 +11,7 @@ use self::cells::{BARE, Cells};
 use crate::color::difference;
 use crate::color::image::LabImage;
 use crate::raster::Raster;
-use crate::surface::disparity::DisparitySpace;
 
-/// A skirt reaches at most this far from its surface (px at a focal length of 525 px): half of a matching window, and the error of registering
-/// colour with depth.
-const REACH_PX: usize = 10;
-/// The same where depth is smeared (docs/CONTEXT.md 0.7): half of a large matching window.
-const SMEARED_REACH_PX: usize = 20;
 /// A colour that differs by less looks like the surface (Lab, lightness weighted): print and light change even faces by less.
 const ALIKE: f32 = 11.0;
 /// Colours on both sides of an edge differ by more than this (Lab, lightness weighted).
@@ -34,20 +28,18 @@ const ISLAND_SHARE: f32 = 0.01;
 
 /// Gives skirts back to the surfaces that they belong to.
 ///
-/// From the surfaces of the structure a flood takes the cells of 2 x 2 pixels that look like them, up to 10 px far; 20 px where depth
-/// `is_smeared`. A cell that it took is a skirt if the nearest place where the flood ended is an edge of colour. Where it ended only because it had come far enough, the thing looks
-/// like its surface, and depth decides. Source: ours, because colour is sharp where such depth is not. O(pixels).
+/// From the surfaces of the structure a flood takes the cells of 2 x 2 pixels that look like them, up to `reach_px` far (px of this
+/// image). A cell that it took is a skirt if the nearest place where the flood ended is an edge of colour. Where it ended only because
+/// it had come far enough, the thing looks like its surface, and depth decides. Returns the pixels given back, in scan order. Source:
+/// ours, because colour is sharp where such depth is not. O(pixels).
 pub(super) fn reclaim_skirts(
     labels: &mut Raster<i32>,
     disparity: &Raster<f32>,
     lab: &LabImage,
-    space: &DisparitySpace,
-    is_smeared: bool,
+    reach_px: usize,
 ) -> Vec<u32> {
     let cells = Cells::of(labels, disparity);
-    let reach_px = space.length_px(if is_smeared { SMEARED_REACH_PX } else { REACH_PX });
-    let reach = (reach_px / 2).max(1) as u32;
-    let flood = Flood::from_surfaces(&cells, lab, reach);
+    let flood = Flood::from_surfaces(&cells, lab, (reach_px / 2).max(1) as u32);
     let mut skirts = Vec::new();
     for (cell, surface) in flood.skirts(lab) {
         for i in cells.pixels(cell) {
@@ -181,9 +173,9 @@ impl<'a> Flood<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::kinect;
 
     const SIZE: (usize, usize) = (120, 60);
+    const REACH_PX: usize = 20;
     const TABLE: [f32; 3] = [70.0, 10.0, 20.0];
     const THING: [f32; 3] = [40.0, 40.0, -30.0];
 
@@ -195,7 +187,7 @@ mod tests {
         let disparity = Raster::filled(SIZE.0, SIZE.1, 400.0_f32).unwrap();
         let label = |i: usize| if i % SIZE.0 < 40 { 0 } else { -1 };
         let mut labels = disparity.with_data((0..disparity.len()).map(label).collect());
-        reclaim_skirts(&mut labels, &disparity, &lab, &kinect(), true);
+        reclaim_skirts(&mut labels, &disparity, &lab, REACH_PX);
         let ends: Vec<usize> =
             labels.as_slice().chunks(SIZE.0).map(|row| row.iter().filter(|&&s| s == 0).count()).collect();
         assert!(ends.iter().all(|&end| end == ends[0]), "{ends:?}");
@@ -230,7 +222,7 @@ mod tests {
         };
         let before: Raster<i32> = disparity.with_data((0..disparity.len()).map(label).collect());
         let mut labels = before.clone();
-        reclaim_skirts(&mut labels, &disparity, &lab, &kinect(), true);
+        reclaim_skirts(&mut labels, &disparity, &lab, REACH_PX);
         assert_eq!(labels.as_slice(), before.as_slice());
     }
 }
