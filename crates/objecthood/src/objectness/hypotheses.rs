@@ -1,5 +1,6 @@
 //! Hypotheses: regions that may be objects, with their objectness.
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::clusters::clustering::Clustering;
@@ -11,7 +12,7 @@ use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::up::Up;
 use crate::objectness::compactness::measure_compactness;
 use crate::objectness::outline::{SeamsAt, measure_outlines};
-use crate::objectness::size::{rate_resolution, rate_size};
+use crate::objectness::size::{rate_resolution, rate_rise, rate_size};
 use crate::oriented_box::fit_oriented_box;
 use crate::params;
 use crate::raster::Raster;
@@ -153,7 +154,7 @@ pub fn find_cluster_hypotheses(
         points_m,
         normals,
         support: graph,
-        footing: Some(footing),
+        footing: Some(&footing.held),
         up,
         space,
         seams: scene.cuts.map(|cuts| SeamsAt { facets: &scene.facets.segments, cuts }),
@@ -161,7 +162,18 @@ pub fn find_cluster_hypotheses(
     // All candidates are large enough.
     let candidates_only = Judged { first: planes.len(), min_size_px: 1 };
     let mut hypotheses = judge_regions(&evidence, candidates_only, objectness, contraction);
+    let hidden = graph.hidden_carriers();
     for hypothesis in &mut hypotheses {
+        if let Some(edge) = hidden[hypothesis.region.index()]
+            && let Some(plane) = planes.get(edge.lower.0 as usize)
+        {
+            let [.., height_m] = hypothesis.box_m.extents_m;
+            let rise_m =
+                plane.height_m(Vec3::from(hypothesis.box_m.center_m).as_dvec3()) as f32 + height_m / 2.0;
+            let parts = &mut hypothesis.parts;
+            let cut = footing.cut[hypothesis.region.index()];
+            parts.size = parts.size.min(rate_rise(rise_m, cut, objectness));
+        }
         hypothesis.top_m = candidates.top_m(hypothesis.region, clusters);
         hypothesis.joins = candidates.joins(hypothesis.region, clusters);
         if let Some(flat) = candidates.flat(hypothesis.region, clusters, scene.facets) {
@@ -170,8 +182,6 @@ pub fn find_cluster_hypotheses(
             parts.separation = parts.separation.max(flat.separation());
         } else if scene.is_smeared {
             hypothesis.parts.size *= rate_resolution(hypothesis.pixels.len(), space);
-        } else {
-            continue;
         }
         hypothesis.objectness = hypothesis.parts.objectness(objectness);
     }

@@ -35,11 +35,24 @@ pub(crate) fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::O
     if longest_m == 0.0 {
         return 0.0;
     }
-    let within = |excess: f32| 0.5 - 0.5 * libm::log2f(excess).clamp(-1.0, 1.0);
     let thin = 1.0 - within(params.min_second_side_m / second_m);
     let within_largest =
         within(longest_m / params.max_side_m).min(within(second_m / params.max_second_side_m));
     (1.0 - visibility * thin).min(within_largest)
+}
+
+/// The rating of a length in multiples of its upper limit: 1/2 at the limit, 1 an octave below, 0 an octave above, linear in the logarithm
+/// between.
+fn within(excess: f32) -> f32 {
+    0.5 - 0.5 * libm::log2f(excess).clamp(-1.0, 1.0)
+}
+
+/// Rates the height of a thing that goes down, hidden, to the surface that carries it: `rise_m` is how high its top is above that surface.
+/// The doubt counts by the share of it that is `cut`: that goes on behind the edge of another surface or of the image.
+///
+/// Source: ours, because trunks and chairs behind a table come in pieces of a graspable size, and stand on the floor all the same.
+pub(crate) fn rate_rise(rise_m: f32, cut: f32, params: &params::Objectness) -> f32 {
+    1.0 - cut * (1.0 - within(rise_m / params.max_side_m))
 }
 
 /// Rates whether a thing is larger in the image than the waves of a sensor that smears edges (docs/CONTEXT.md 6.1): from 0.65 for a thing as
@@ -83,6 +96,18 @@ mod tests {
             let got = part(extents_m, visibility);
             assert!((got - expected).abs() < 1e-6, "{extents_m:?}, {visibility}: {got}");
         }
+    }
+
+    #[test]
+    fn what_stands_far_below_is_as_large_as_it_is_high() {
+        let params = params::Objectness::default();
+        let limit_m = params.max_side_m;
+        let rated = |rise_m, cut| rate_rise(rise_m, cut, &params);
+        assert_eq!(
+            [rated(limit_m / 2.0, 1.0), rated(limit_m, 1.0), rated(2.0 * limit_m, 1.0)],
+            [1.0, 0.5, 0.0]
+        );
+        assert_eq!([rated(2.0 * limit_m, 0.25), rated(2.0 * limit_m, 0.0)], [0.75, 1.0]);
     }
 
     #[test]

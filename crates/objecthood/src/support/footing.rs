@@ -1,10 +1,11 @@
-//! Footing: whether a thing goes down to the structure, is seen to hang in the air, or lies below all that could carry it
-//! (docs/CONTEXT.md 6.7).
+//! Footing: whether a thing goes down to the structure, is seen to hang in the air, lies below all that could carry it, or goes on behind
+//! the edge of a surface (docs/CONTEXT.md 6.7).
 
 use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::discovery::ids::NodeId;
 use crate::discovery::support_graph::SupportGraph;
 use crate::raster::Raster;
 use crate::regions::SegmentId;
@@ -25,11 +26,23 @@ enum End {
     Air,
     /// On a region, or behind it.
     Region(SegmentId),
-    /// It leaves the image, or ends in a hole.
+    /// It leaves the image.
+    Outside,
+    /// In a hole, or not within its greatest length.
     Unknown,
 }
 
-/// The footing of every region, in [0, 1]: 1 for the structure; for a thing, the share of its columns that go down to the structure, by
+/// What the columns below the regions tell.
+#[derive(Clone, Debug)]
+pub(crate) struct Footing {
+    /// The footing of every region, in [0, 1].
+    pub held: Vec<f32>,
+    /// The share of its columns, in [0, 1], that leave the image or end on a level surface that does not carry it: there it goes on
+    /// unseen. A column that ends on another thing counts by that thing's share.
+    pub cut: Vec<f32>,
+}
+
+/// Measures the footing of every region: 1 for the structure; for a thing, the share of its columns that go down to the structure, by
 /// themselves or through the footing of what they end on.
 ///
 /// A column goes down from a pixel along gravity. While the image shows the thing itself there, the column is hidden in it. It then ends in
@@ -38,10 +51,11 @@ enum End {
 /// that lies below every level surface that is seen has no footing. Without structure every footing is 1. O(regions · columns · steps).
 ///
 /// Source: ours, because people, arms and furniture come in pieces, most of which hang in the air or go on below a table's edge.
-pub(crate) fn measure_footing(scene: &SupportScene<'_>, graph: &SupportGraph) -> Vec<f32> {
+pub(crate) fn measure_footing(scene: &SupportScene<'_>, graph: &SupportGraph) -> Footing {
     let mut footing = vec![1.0_f32; scene.regions.count()];
+    let mut cut = vec![0.0_f32; scene.regions.count()];
     if scene.planes.is_empty() {
-        return footing;
+        return Footing { held: footing, cut };
     }
     let pixels: Vec<Vec<usize>> = scene.regions.runs_of_each().map(|region, runs| match region {
         structure if structure < scene.planes.len() => Vec::new(),
@@ -56,29 +70,43 @@ pub(crate) fn measure_footing(scene: &SupportScene<'_>, graph: &SupportGraph) ->
         .filter(|(mean_m, _)| !mean_m.is_nan())
         .collect();
     things.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let carriers = graph.parents();
+    let is_level = |region: SegmentId| {
+        scene.planes.get(region.index()).is_some_and(|plane| plane.normal().dot(up) > LEVEL)
+    };
     for &(_, thing) in &things {
-        let (mut held, mut followed) = (0.0, 0.0_f32);
+        let (mut held, mut followed, mut gone_on, mut outside) = (0.0, 0.0_f32, 0.0, 0.0_f32);
         for &i in &pixels[thing] {
             let share = match follow(scene, up, i, thing) {
                 End::Air => 0.0,
-                End::Region(region) => footing[region.index()],
+                End::Region(region) => {
+                    let carries = carriers[thing].contains(&NodeId(region.0));
+                    gone_on += if is_level(region) && !carries { 1.0 } else { cut[region.index()] };
+                    footing[region.index()]
+                }
+                End::Outside => {
+                    outside += 1.0;
+                    continue;
+                }
                 End::Unknown => continue,
             };
             (held, followed) = (held + share, followed + 1.0);
+        }
+        if followed + outside > 0.0 {
+            cut[thing] = (gone_on + outside) / (followed + outside);
         }
         if followed > 0.0 {
             footing[thing] = (held / followed / ENOUGH).min(1.0);
         }
         footing[thing] *= 1.0 - load(scene, up, &pixels[thing], thing);
     }
-    let carriers = graph.parents();
     // Last, because the board of a shelf may lie lowest, and what stands on it shall not share its doubt.
     for &(_, thing) in &things {
         if carriers[thing].is_empty() && lies_below_every_surface(scene, up, &pixels[thing]) {
             footing[thing] = 0.0;
         }
     }
-    footing
+    Footing { held: footing, cut }
 }
 
 /// About [`COLUMNS`] of the pixels with depth in these runs, evenly spread.
@@ -112,8 +140,9 @@ fn lies_below_every_surface(scene: &SupportScene<'_>, up: DVec3, pixels: &[usize
 
 /// Follows the column below pixel `i` of a thing.
 fn follow(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> End {
-    let mut air_m = 0.0;
+    let (mut air_m, mut length_m) = (0.0, 0.0);
     for Place { region, farther_m, behind_m } in places(scene, i, -up, DEEPEST_M) {
+        length_m += STEP_M;
         // Asked before the depth: a hole that was bridged is a part of the thing too.
         if region.is_some_and(|region| region.index() == thing) {
             continue;
@@ -129,13 +158,12 @@ fn follow(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> End {
             return End::Air;
         }
     }
-    End::Unknown
+    if length_m < DEEPEST_M - STEP_M { End::Outside } else { End::Unknown }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::discovery::ids::NodeId;
     use crate::discovery::support_graph::{NodeKind, SupportEdge, SupportNode};
     use crate::discovery::up::{Up, UpSource};
     use crate::planes::StructurePlane;
@@ -157,16 +185,16 @@ mod tests {
     /// The same of posts with a depth (m) by their number and row. The floor carries all of them.
     fn footing_at(posts: &[[Range<usize>; 2]], post_m: impl Fn(usize, usize) -> f64) -> Vec<f32> {
         let carried: Vec<usize> = (2..2 + posts.len()).collect();
-        footing_in(posts, post_m, &carried, FLOOR_M)
+        footing_in(posts, post_m, &carried, FLOOR_M).held
     }
 
-    /// The same where only these regions are carried, and the level surface is so far below the camera (m).
+    /// All that the columns tell where only these regions are carried, and the level surface is so far below the camera (m).
     fn footing_in(
         posts: &[[Range<usize>; 2]],
         post_m: impl Fn(usize, usize) -> f64,
         carried: &[usize],
         level_m: f64,
-    ) -> Vec<f32> {
+    ) -> Footing {
         let space = space([FOCAL_PX; 2], [159.5, 119.5]);
         let seen = |i: usize| {
             let [_, v] = position(i, SIZE.0);
@@ -212,7 +240,7 @@ mod tests {
     #[test]
     fn what_lies_below_every_surface_has_no_footing_and_what_it_carries_has() {
         let posts = [[100..120, 180..240], [100..120, 150..180], [200..220, 180..240]];
-        let of = |level_m| footing_in(&posts, |_, _| POST_M, &[3, 4], level_m);
+        let of = |level_m| footing_in(&posts, |_, _| POST_M, &[3, 4], level_m).held;
         assert_eq!(of(0.2)[2..], [0.0, 1.0, 1.0], "a table 20 cm below the camera, which carries the third");
         assert_eq!(of(FLOOR_M)[2..], [1.0, 1.0, 1.0], "above the floor it is only not known what carries it");
     }
@@ -236,6 +264,15 @@ mod tests {
     fn what_is_cut_by_the_image_is_not_seen_to_hang() {
         let cut = footing_of(&[[100..120, 225..240]]);
         assert_eq!(cut[2], 1.0);
+    }
+
+    #[test]
+    fn what_goes_on_unseen_is_cut() {
+        let posts = [[100..120, 200..240], [200..220, 180..240], [200..220, 150..180], [20..40, 180..240]];
+        let cut = footing_in(&posts, |post, _| if post == 0 { 0.9 } else { POST_M }, &[2, 5], FLOOR_M).cut;
+        assert_eq!(cut[2], 1.0, "by the image");
+        assert_eq!(cut[3..5], [1.0, 1.0], "by a surface that carries something else; and what stands on it");
+        assert_eq!([cut[0], cut[5]], [0.0, 0.0], "the floor, and what it carries");
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::frame::Frame;
 use crate::params::{self, Params};
 use crate::planes::StructurePlane;
 use crate::regions::Segments;
-use crate::support::footing::measure_footing;
+use crate::support::footing::{Footing, measure_footing};
 use crate::support::forest::build_forest;
 use crate::support::gravity::find_up;
 use crate::support::scene::SupportScene;
@@ -26,8 +26,8 @@ pub struct Standing {
     pub(crate) up: Up,
     /// Node k is region k.
     pub(crate) graph: SupportGraph,
-    /// The footing of every region, in [0, 1].
-    pub(crate) footing: Vec<f32>,
+    /// What the columns below the regions tell.
+    pub(crate) footing: Footing,
 }
 
 /// The parameters of [`find_standing`].
