@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::planes::StructurePlane;
 use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
 use crate::support::scene::SupportScene;
 
@@ -19,17 +20,23 @@ const HIGHEST_M: f64 = 2.0;
 ///
 /// The column goes up along gravity. It may pass through the thing itself, through up to 8 cm of other things, and behind whatever is
 /// nearer to the camera. It ends in air if the image shows 4 cm of something farther. A surface less than 4 cm above the pixel, or 40 cm
-/// where a part of the column is hidden, does not count. O(steps).
+/// where a part of the column is hidden, does not count. A column that leaves the image less than 8 cm below the surface that hides it ends on
+/// that surface. O(steps).
 pub(super) fn carries_structure(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> Option<bool> {
     let point = DVec3::from(scene.points_m[i].map(f64::from));
+    let level = |region: Option<usize>| {
+        region.and_then(|region| scene.planes.get(region)).filter(|plane| plane.normal().dot(up) > LEVEL)
+    };
     let (mut air_m, mut between_m, mut is_hidden) = (0.0, 0.0, false);
+    let (mut height_m, mut hidden_by) = (0.0, None);
     for Place { region, farther_m, behind_m } in places(scene, i, up, HIGHEST_M) {
+        height_m += STEP_M;
         let region = region.map(|region| region.index());
         if region == Some(thing) {
             continue;
         }
         if farther_m.is_nan() || farther_m < -behind_m {
-            is_hidden = true;
+            (is_hidden, hidden_by) = (true, level(region));
         } else if farther_m > behind_m {
             air_m += STEP_M;
             if air_m >= LEAST_AIR_M {
@@ -37,8 +44,7 @@ pub(super) fn carries_structure(scene: &SupportScene<'_>, up: DVec3, i: usize, t
             }
         } else {
             let least_m = if is_hidden { HIDDEN_M } else { LEAST_AIR_M };
-            let plane = region.and_then(|region| scene.planes.get(region));
-            if plane.is_some_and(|plane| plane.normal().dot(up) > LEVEL && plane.height_m(point) < -least_m) {
+            if level(region).is_some_and(|plane| plane.height_m(point) < -least_m) {
                 return Some(true);
             }
             between_m += STEP_M;
@@ -47,14 +53,17 @@ pub(super) fn carries_structure(scene: &SupportScene<'_>, up: DVec3, i: usize, t
             }
         }
     }
-    None
+    let end_m = point + up * height_m;
+    let ends_on = |plane: &StructurePlane| {
+        plane.height_m(point) < -HIDDEN_M && plane.height_m(end_m).abs() < THICKEST_M
+    };
+    hidden_by.is_some_and(ends_on).then_some(true)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::discovery::up::{Up, UpSource};
-    use crate::planes::StructurePlane;
     use crate::raster::Raster;
     use crate::regions::Segments;
     use crate::testing::space;
@@ -84,14 +93,15 @@ mod tests {
         hits.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((-1, f64::NAN))
     }
 
-    #[test]
-    fn legs_carry_the_table_and_what_stands_free_or_on_it_carries_nothing() {
-        let space = space([160.0; 2], [159.5, 60.0]);
-        let rays: Vec<[f64; 3]> = (0..SIZE.0 * SIZE.1)
+    /// What the columns above the pixels of a thing end on, in an image that begins at this row of the scene.
+    fn carried_by(thing: usize, first_row: usize) -> Vec<bool> {
+        let rows = SIZE.1 - first_row;
+        let space = space([160.0; 2], [159.5, 60.0 - first_row as f64]);
+        let rays: Vec<[f64; 3]> = (0..SIZE.0 * rows)
             .map(|i| space.camera().ray((i % SIZE.0) as f64, (i / SIZE.0) as f64))
             .collect();
         let seen: Vec<(i32, f64)> = rays.iter().map(|&ray| seen(ray)).collect();
-        let labels = Raster::from_vec(SIZE.0, SIZE.1, seen.iter().map(|hit| hit.0).collect()).unwrap();
+        let labels = Raster::from_vec(SIZE.0, rows, seen.iter().map(|hit| hit.0).collect()).unwrap();
         let points = rays.iter().zip(&seen).map(|(ray, hit)| ray.map(|part| (part * hit.1) as f32));
         let points_m = labels.with_data(points.collect());
         let normals = points_m.map(|_| [0.0; 3]);
@@ -110,15 +120,28 @@ mod tests {
             up: &up,
             space: &space,
         };
+        let pixels = (0..seen.len()).filter(|&i| seen[i].0 == thing as i32);
+        pixels.filter_map(|i| carries_structure(&scene, DVec3::NEG_Y, i, thing)).collect()
+    }
+
+    #[test]
+    fn legs_carry_the_table_and_what_stands_free_or_on_it_carries_nothing() {
         let load = |thing: usize| {
-            let pixels = (0..seen.len()).filter(|&i| seen[i].0 == thing as i32);
-            let carries: Vec<bool> =
-                pixels.filter_map(|i| carries_structure(&scene, DVec3::NEG_Y, i, thing)).collect();
+            let carries = carried_by(thing, 0);
             assert!(carries.len() > 10, "{thing}: {}", carries.len());
             carries.iter().filter(|&&carries| carries).count() as f64 / carries.len() as f64
         };
         assert!(load(2) > 0.9 && load(3) > 0.7, "legs: {} {}", load(2), load(3));
         assert_eq!([load(4), load(5)], [0.0; 2], "a box on the table, a post that stands free");
+    }
+
+    /// A leg at the edge of the image was an object, because its upper end is outside.
+    #[test]
+    fn a_leg_whose_upper_end_is_just_outside_carries_the_table() {
+        // The table ends in row 120 before the back leg: 2 rows are 2 cm there, 12 rows are 12 cm.
+        let just_outside = carried_by(3, 122);
+        assert!(just_outside.len() > 10 && just_outside.iter().all(|&carries| carries), "{just_outside:?}");
+        assert_eq!(carried_by(3, 132), [], "the table might end outside");
     }
 
     /// The column had no end: its places come ever nearer to one pixel.
