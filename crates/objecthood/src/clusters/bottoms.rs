@@ -5,52 +5,22 @@
 //! ring, again across a step.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
-use crate::clusters::scene::Scene;
-use crate::discovery::join::{Join, JoinEvidence, JoinedPart};
-use crate::facets::Facets;
+use crate::clusters::patches::{find_owners, find_patches};
+use crate::discovery::join::{Join, JoinEvidence};
 use crate::params;
-use crate::raster::PixelBox;
-use crate::regions::{SegmentId, Segments};
-use crate::union_find::UnionFind;
+use crate::regions::SegmentId;
 
-/// The owner of a facet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Owner {
-    /// Structure other than the support: a wall.
-    Nobody,
-    Background,
-    Cluster(SegmentId),
-}
-
-/// Adjacent background pixels of a row.
-type Run = Range<usize>;
-
-/// A connected piece of background.
-#[derive(Default)]
-struct Patch {
-    /// In scan order.
-    runs: Vec<Run>,
-    /// Length of its border: sides of its pixels beyond which it ends.
-    border: u32,
-    /// For each cluster, the sides of the border that touch it without a step in depth.
-    touch: BTreeMap<SegmentId, u32>,
-}
-
-/// Depths that differ by more than this (m) are a step: the edge of the thinnest thing that is distinguished from the table.
-const STEP_M: f64 = 0.01;
 /// Smaller patches (px at a focal length of 525 px) are holes in a surface: they are filled but not recorded.
 const BOTTOM_PX: usize = 100;
 /// The vessel touches more than this share of the border: more than all other clusters together.
 const MAJORITY: f64 = 0.5;
 
-/// Gives patches of background to the cluster that encloses them. The background is the support, and the clusters that earlier rules
-/// gave to it. Pixels touch unless there is a step between them or their depths differ by more than 1 cm. Does nothing without a
-/// support surface. O(pixels log pixels).
+/// Gives [patches](crate::clusters::patches) of background to the cluster that encloses them. Does nothing without a support surface.
+/// O(pixels log pixels).
 pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let scene = clusters.scene;
     if scene.supports.is_empty() {
@@ -61,14 +31,15 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels
     let mut gains: BTreeMap<SegmentId, Vec<u32>> = BTreeMap::new();
     for patch in find_patches(scene, &find_owners(clusters)) {
         // On ties the cluster with the smallest number wins.
-        let Some((&id, &most)) = patch.touch.iter().rev().max_by_key(|(_, touch)| **touch) else { continue };
-        let mut join = Proposal::new(Rule::VesselBottom, Source::Patch(patch.runs[0].start as u32), Some(id));
-        let contact_share = patch.share_of_border(patch.touch.values().sum());
+        let touching = patch.shared.iter().filter(|(_, shared)| shared.touch > 0);
+        let Some((&id, most)) = touching.rev().max_by_key(|(_, shared)| shared.touch) else { continue };
+        let mut join = Proposal::new(Rule::VesselBottom, Source::Patch(patch.first()), Some(id));
+        let contact_share = patch.share_of_border(patch.shared.values().map(|shared| shared.touch).sum());
         let is_bottom = join.check(check_enclosed(contact_share, params))
             && join.check(Check::new(
                 "share of its border with the vessel",
                 "",
-                patch.share_of_border(most),
+                patch.share_of_border(most.touch),
                 Bound::Above,
                 MAJORITY,
             ));
@@ -96,161 +67,11 @@ fn check_enclosed(contact_share: f64, params: &params::Vessels) -> Check {
         .set_by("vessels.bottom_contact_share")
 }
 
-impl Patch {
-    fn size_px(&self) -> usize {
-        self.runs.iter().map(Run::len).sum()
-    }
-
-    fn share_of_border(&self, sides: u32) -> f64 {
-        f64::from(sides) / f64::from(self.border)
-    }
-
-    fn part(&self, width: usize) -> JoinedPart {
-        let box_px = PixelBox::around(self.runs.iter().cloned().flatten(), width);
-        JoinedPart { size_px: self.size_px(), box_px }
-    }
-}
-
-/// The owner of every facet.
-fn find_owners(clusters: &Clusters<'_>) -> Vec<Owner> {
-    let Scene { facets: Facets { segments, structure, .. }, supports, .. } = clusters.scene;
-    let owner = |facet: usize| match facet.checked_sub(*structure) {
-        None if supports.contains(&facet) => Owner::Background,
-        None => Owner::Nobody,
-        Some(free) => clusters.of_facet(free).map_or(Owner::Background, Owner::Cluster),
-    };
-    (0..segments.count()).map(owner).collect()
-}
-
-/// Whether there is no step between two pixels side by side, neither in quanta nor in metres.
-fn touches(scene: &Scene<'_>, i: usize, j: usize) -> bool {
-    let depth_m = |i: usize| scene.space.depth_m(scene.disparity[i].into());
-    scene.steps.touch(scene.disparity, i, j) && (depth_m(i) - depth_m(j)).abs() <= STEP_M
-}
-
-/// The patches of background, in the order of their first pixels. Runs above each other belong to one patch. Where a run has no
-/// other run above or below, its patch ends. O(pixels + border pixels).
-fn find_patches(scene: &Scene<'_>, owners: &[Owner]) -> Vec<Patch> {
-    let (width, height) = scene.disparity.size();
-    let mut sides = Sides::of(scene, owners);
-    for v in 0..height {
-        for run in sides.row(v) {
-            let Run { start, end } = sides.runs[run];
-            sides.end(run, start, (start % width > 0).then(|| start - 1));
-            sides.end(run, end - 1, (end % width > 0).then_some(end));
-            let (step, above) = (width as isize, v.checked_sub(1).map(|above| sides.row(above)));
-            sides.meet(run, above, -step);
-            sides.meet(run, (v + 1 < height).then(|| sides.row(v + 1)), step);
-        }
-    }
-    sides.into_patches()
-}
-
-/// Runs of background, and the sides of their pixels where patches end.
-struct Sides<'a> {
-    scene: &'a Scene<'a>,
-    owners: &'a [Owner],
-    runs: Vec<Run>,
-    /// The runs of row v are `first_of[v]..first_of[v + 1]`.
-    first_of: Vec<usize>,
-    /// One set of runs for each patch.
-    sets: UnionFind,
-    /// For each run the number of sides where its patch ends.
-    borders: Vec<u32>,
-    /// The sides that touch a cluster: the run, and the cluster.
-    touches: Vec<(usize, SegmentId)>,
-}
-
-impl<'a> Sides<'a> {
-    fn of(scene: &'a Scene<'a>, owners: &'a [Owner]) -> Self {
-        let (width, height) = scene.disparity.size();
-        let runs = find_background(&scene.facets.segments, owners);
-        let first_of = (0..=height).map(|v| runs.partition_point(|run| run.start < v * width)).collect();
-        let (sets, borders) = (UnionFind::new(runs.len()), vec![0; runs.len()]);
-        Self { scene, owners, runs, first_of, sets, borders, touches: Vec::new() }
-    }
-
-    /// The runs of a row.
-    fn row(&self, v: usize) -> Range<usize> {
-        self.first_of[v]..self.first_of[v + 1]
-    }
-
-    /// Counts a side of pixel `i` where its patch ends. `beyond`: the pixel on the other side; `None` at the border of the image.
-    fn end(&mut self, run: usize, i: usize, beyond: Option<usize>) {
-        self.borders[run] += 1;
-        let Some((j, facet)) = beyond.and_then(|j| Some((j, self.scene.facets.segments.at(j)?))) else {
-            return;
-        };
-        if let Owner::Cluster(id) = self.owners[facet.index()]
-            && touches(self.scene, i, j)
-        {
-            self.touches.push((run, id));
-        }
-    }
-
-    /// Joins a run with the runs beside it among the `others`, the runs of the row `step` pixels farther, and counts its sides without a
-    /// run beside them. `None`: there is no such row in the image.
-    fn meet(&mut self, run: usize, others: Option<Range<usize>>, step: isize) {
-        let Run { start, end } = self.runs[run];
-        let Some(others) = others else {
-            (start..end).for_each(|i| self.end(run, i, None));
-            return;
-        };
-        let beyond = |i: usize| i.wrapping_add_signed(step);
-        let mut i = start;
-        let first = self.runs[others.clone()].partition_point(|other| other.end <= beyond(start));
-        for other in others.start + first..others.end {
-            let Run { start: other_start, end: other_end } = self.runs[other];
-            if other_start >= beyond(end) {
-                break;
-            }
-            while beyond(i) < other_start {
-                self.end(run, i, Some(beyond(i)));
-                i += 1;
-            }
-            i = end.min(other_end.wrapping_add_signed(-step));
-            let [a, b] = [run, other].map(|run| self.sets.find(run));
-            self.sets.link(a.min(b), a.max(b));
-        }
-        (i..end).for_each(|i| self.end(run, i, Some(beyond(i))));
-    }
-
-    fn into_patches(self) -> Vec<Patch> {
-        let (patch_of, count) = self.sets.groups();
-        let mut patches: Vec<Patch> = (0..count).map(|_| Patch::default()).collect();
-        for ((run, border), &patch) in self.runs.into_iter().zip(self.borders).zip(&patch_of) {
-            let patch = &mut patches[patch as usize];
-            patch.runs.push(run);
-            patch.border += border;
-        }
-        for (run, id) in self.touches {
-            *patches[patch_of[run] as usize].touch.entry(id).or_default() += 1;
-        }
-        patches
-    }
-}
-
-/// The longest runs of background along the rows, in scan order. O(pixels).
-fn find_background(segments: &Segments, owners: &[Owner]) -> Vec<Run> {
-    let width = segments.labels().width();
-    let mut background: Vec<Run> = Vec::new();
-    for (run, _) in segments.runs().filter(|&(_, facet)| owners[facet] == Owner::Background) {
-        match background.last_mut() {
-            Some(last) if last.end == run.start && run.start % width > 0 => last.end = run.end,
-            _ => background.push(run),
-        }
-    }
-    background
-}
-
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
+    use crate::clusters::scene::Scene;
     use crate::clusters::testing::{Table, single};
-    use crate::neighbours::four_neighbours;
-    use crate::testing::{raster, small_size};
 
     /// The number of table pixels given to each of the facets a, b, ..
     fn gained(rows: &[&str], heights_m: &[f64]) -> Vec<usize> {
@@ -269,56 +90,6 @@ mod tests {
             );
         }
         sizes(&clusters).iter().zip(before).map(|(after, before)| after - before).collect()
-    }
-
-    proptest! {
-        /// The patches pixel by pixel, each from the first pixel that belongs to no patch yet.
-        #[test]
-        fn patches_are_those_of_a_flood(
-            pixels in small_size().prop_flat_map(|size| raster(size, prop_oneof![
-                1 => Just(None), 4 => Just(Some((0, 0.0))), 1 => Just(Some((1, 0.005))), 1 => Just(Some((2, 0.03))),
-                1 => Just(Some((3, 0.004))),
-            ])),
-        ) {
-            let (width, height) = pixels.size();
-            let table = Table::new((width, height), |u, v| pixels[v * width + u]);
-            let scene = table.scene();
-            let segments = &scene.facets.segments;
-            // Facet 3 was given to the table.
-            let all = [Owner::Background, Owner::Cluster(SegmentId(0)), Owner::Cluster(SegmentId(1)), Owner::Background];
-            let owners = &all[..segments.count()];
-            let owner = |i: usize| segments.at(i).map(|facet| owners[facet.index()]);
-            let mut is_taken = vec![false; pixels.len()];
-            let mut expected = Vec::new();
-            for start in 0..pixels.len() {
-                if is_taken[start] || owner(start) != Some(Owner::Background) {
-                    continue;
-                }
-                let (mut open, mut flood, mut border, mut touch) = (vec![start], Vec::new(), 0, BTreeMap::new());
-                is_taken[start] = true;
-                while let Some(i) = open.pop() {
-                    flood.push(i);
-                    border += 4;
-                    for (j, _) in four_neighbours(i, width, height) {
-                        match owner(j) {
-                            Some(Owner::Background) => {
-                                border -= 1;
-                                if !std::mem::replace(&mut is_taken[j], true) {
-                                    open.push(j);
-                                }
-                            }
-                            Some(Owner::Cluster(id)) if touches(&scene, i, j) => *touch.entry(id).or_insert(0) += 1,
-                            _ => {}
-                        }
-                    }
-                }
-                flood.sort_unstable();
-                expected.push((flood, border, touch));
-            }
-            let patches = find_patches(&scene, owners).into_iter();
-            let got: Vec<_> = patches.map(|p| (p.runs.into_iter().flatten().collect::<Vec<_>>(), p.border, p.touch)).collect();
-            prop_assert_eq!(got, expected);
-        }
     }
 
     #[test]

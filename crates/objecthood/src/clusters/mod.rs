@@ -53,6 +53,7 @@ pub mod history;
 pub(crate) mod necks;
 pub(crate) mod occlusion;
 mod own_support;
+mod patches;
 mod rim;
 pub mod rules;
 pub mod scene;
