@@ -221,9 +221,9 @@ class Structure:
     it is; 30 degrees at 1 m)."""
 
     skirt_reach_px: int = 10
-    """A skirt of the surface reaches at most this far, twice as far where depth is smeared; 0 = skirts are not
-    looked for. Unit: px at a focal length of 525 px. Range: 0 ..= 100. Default: 10 (ours, because it is half of
-    a matching window, and the error of registering colour with depth (docs/CONTEXT.md 1.1))."""
+    """A skirt of the surface reaches at most this far, twice as far where depth is smeared; 0 = skirts are
+    not looked for. Unit: px at a focal length of 525 px. Range: 0 ..= 100. Default: 10 (ours, because it is
+    half of a matching window, and the error of registering colour with depth (docs/CONTEXT.md 1.1))."""
 
 
 @dataclass(slots=True)

@@ -205,9 +205,9 @@ fn the_ladder_ends_with_the_method_itself() {
     let figures = json(&folder, "figures.json");
     let settings: Vec<&str> =
         figures.as_array().unwrap().iter().map(|r| r["setting"].as_str().unwrap()).collect();
-    assert_eq!((settings[0], settings[16]), ("plane facets, convexity", "+ objectness"));
-    assert_eq!((settings[17], settings.len()), ("without occlusion evidence", 32));
-    assert_eq!(run.stdout.lines().count(), 34, "{}", run.stdout);
+    assert_eq!((settings[0], settings[17]), ("plane facets, convexity", "+ objectness"));
+    assert_eq!((settings[18], settings.len()), ("without occlusion evidence", 34));
+    assert_eq!(run.stdout.lines().count(), 36, "{}", run.stdout);
     folder.run("eval root --split left --method context --composites 1 --json method.json", 0);
     let without_stages = |mut report: serde_json::Value| {
         report["scenes"]
@@ -217,7 +217,7 @@ fn the_ladder_ends_with_the_method_itself() {
             .for_each(|s| _ = s.as_object_mut().unwrap().remove("stages"));
         report["scenes"].clone()
     };
-    assert_eq!(figures[13]["scenes"], without_stages(json(&folder, "method.json")));
+    assert_eq!(figures[17]["scenes"], without_stages(json(&folder, "method.json")));
 }
 
 #[test]

@@ -149,6 +149,12 @@ pub enum JoinEvidence {
         #[schemars(range(min = 0, max = 1))]
         contact_share: f64,
     },
+    /// The walls of an open box, or its bottom.
+    OpenBox {
+        /// Share of the bottom's border that the walls bound.
+        #[schemars(range(min = 0, max = 1))]
+        enclosed_share: f64,
+    },
     /// A small part that touches hardly anything but a vessel.
     VesselRemainder {
         /// Share of its contacts that are with the vessel.
@@ -248,6 +254,7 @@ impl From<discovery::JoinEvidence> for JoinEvidence {
                 Self::VesselRim { rim_radius_m: rim.radius_m, rim_residual_m: rim.residual_m }
             }
             discovery::JoinEvidence::VesselBottom { contact_share } => Self::VesselBottom { contact_share },
+            discovery::JoinEvidence::OpenBox { enclosed_share } => Self::OpenBox { enclosed_share },
             discovery::JoinEvidence::VesselRemainder { contact_share } => {
                 Self::VesselRemainder { contact_share }
             }

@@ -24,6 +24,8 @@ pub enum Rule {
     VesselRim,
     /// A small cluster that touches hardly anything but a vessel is a part of it (docs/CONTEXT.md 4.4.3).
     VesselRemainder,
+    /// Upright walls around a patch of background are an open box (docs/CONTEXT.md 4.4.4).
+    OpenBox,
     /// Background that a vessel encloses is its bottom (ours).
     VesselBottom,
     /// A surface goes on behind something nearer (docs/CONTEXT.md 4.6).
@@ -99,6 +101,11 @@ impl Proposal {
     pub(crate) fn check(&mut self, check: Check) -> bool {
         self.checks.push(check);
         check.holds()
+    }
+
+    /// The same proposal for something else.
+    pub(crate) fn of(self, from: Source) -> Self {
+        Self { from, ..self }
     }
 
     /// Records checks that were made elsewhere.

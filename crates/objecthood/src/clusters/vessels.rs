@@ -1,12 +1,14 @@
 //! Vessels: joins the inside and the wall of a cup or bowl to one cluster (docs/CONTEXT.md 4.4).
 //!
 //! A camera sees the far part of a vessel's inside and the near part of its wall. Between them is a step in depth at the rim, so no
-//! convex border joins the two. Three rules join them:
+//! convex border joins the two. Four rules join them:
 //!
 //! 1. [`insides`]: concave pieces that touch are one inside.
 //! 2. [`walls`]: an inside and the wall in front of it, equally high, are one vessel.
 //! 3. [`remainders`]: a small cluster that touches hardly anything but a vessel belongs to it.
+//! 4. [`boxes`]: upright walls of equal height around a patch of the support are an open box.
 
+mod boxes;
 mod insides;
 mod limits;
 mod remainders;
@@ -14,6 +16,7 @@ mod walls;
 
 use std::collections::BTreeSet;
 
+use self::boxes::join_box;
 use self::insides::join_insides;
 use self::limits::Limits;
 use self::remainders::join_remainder;
@@ -24,7 +27,7 @@ use crate::params;
 
 /// Most joins of the first rule in one frame.
 const INSIDE_MERGES: usize = 6;
-/// Most joins of the second rule in one frame, and most of the third.
+/// Most joins of the second rule in one frame, most of the third, and most of the fourth.
 const MERGES: usize = 12;
 
 /// Joins the parts of vessels. Does nothing without a support surface or with `concavity` 0.
@@ -36,6 +39,7 @@ pub(crate) fn join_vessels(clusters: &mut Clusters<'_>, params: &params::Vessels
     repeat(clusters, INSIDE_MERGES, |clusters, misses| join_insides(clusters, limits, misses));
     repeat(clusters, MERGES, |clusters, misses| join_wall(clusters, limits, &mut vessels, misses));
     repeat(clusters, MERGES, |clusters, misses| join_remainder(clusters, limits, &vessels, misses));
+    repeat(clusters, MERGES, |clusters, misses| join_box(clusters, limits, misses));
 }
 
 /// Applies a rule until it joins nothing more, at most `times` times. Records its refusals of the last round.

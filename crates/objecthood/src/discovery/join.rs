@@ -52,6 +52,11 @@ pub enum JoinEvidence {
         /// Share of its border that touches clusters without a step.
         contact_share: f64,
     },
+    /// The walls of an open box, or its bottom (docs/CONTEXT.md 4.4.4).
+    OpenBox {
+        /// Share of the bottom's border that the walls bound.
+        enclosed_share: f64,
+    },
     /// A small part that touches hardly anything but a vessel (docs/CONTEXT.md 4.4.3).
     VesselRemainder {
         /// Share of its contacts that are with the vessel.

@@ -153,6 +153,7 @@ impl Explainer {
                         | Rule::VesselWall
                         | Rule::VesselRim
                         | Rule::VesselRemainder
+                        | Rule::OpenBox
                         | Rule::VesselBottom
                 )
             },
