@@ -41,6 +41,12 @@ pub(crate) fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::O
     (1.0 - visibility * thin).min(within_largest)
 }
 
+/// Whether a thing with this box is rather furniture: one of its sides is above its upper limit.
+pub(crate) fn is_too_large(box_m: &OrientedBox, params: &params::Objectness) -> bool {
+    let [_, second_m, longest_m] = sorted(box_m);
+    longest_m > params.max_side_m || second_m > params.max_second_side_m
+}
+
 /// The rating of a length in multiples of its upper limit: 1/2 at the limit, 1 an octave below, 0 an octave above, linear in the logarithm
 /// between.
 fn within(excess: f32) -> f32 {

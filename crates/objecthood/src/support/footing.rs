@@ -7,10 +7,13 @@ use glam::DVec3;
 
 use crate::discovery::ids::NodeId;
 use crate::discovery::support_graph::SupportGraph;
+use crate::objectness::size::is_too_large;
+use crate::oriented_box::fit_oriented_box;
+use crate::params;
 use crate::raster::Raster;
 use crate::regions::SegmentId;
 use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
-use crate::support::load::{LEVEL, carries_structure};
+use crate::support::load::{LEVEL, Load, what_is_carried};
 use crate::support::scene::SupportScene;
 
 /// About this many pixels of a thing are looked at.
@@ -51,7 +54,11 @@ pub(crate) struct Footing {
 /// that lies below every level surface that is seen has no footing. Without structure every footing is 1. O(regions · columns · steps).
 ///
 /// Source: ours, because people, arms and furniture come in pieces, most of which hang in the air or go on below a table's edge.
-pub(crate) fn measure_footing(scene: &SupportScene<'_>, graph: &SupportGraph) -> Footing {
+pub(crate) fn measure_footing(
+    scene: &SupportScene<'_>,
+    graph: &SupportGraph,
+    objectness: &params::Objectness,
+) -> Footing {
     let mut footing = vec![1.0_f32; scene.regions.count()];
     let mut cut = vec![0.0_f32; scene.regions.count()];
     if scene.planes.is_empty() {
@@ -70,10 +77,20 @@ pub(crate) fn measure_footing(scene: &SupportScene<'_>, graph: &SupportGraph) ->
         .filter(|(mean_m, _)| !mean_m.is_nan())
         .collect();
     things.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let is_furniture: Vec<bool> = pixels
+        .iter()
+        .map(|pixels| {
+            let points: Vec<[f32; 3]> = pixels.iter().map(|&i| scene.points_m[i]).collect();
+            !points.is_empty() && is_too_large(&fit_oriented_box(&points, scene.up.direction), objectness)
+        })
+        .collect();
     let carriers = graph.parents();
     let is_level = |region: SegmentId| {
         scene.planes.get(region.index()).is_some_and(|plane| plane.normal().dot(up) > LEVEL)
     };
+    let mut mean_m = vec![f64::NEG_INFINITY; pixels.len()];
+    things.iter().for_each(|&(height_m, thing)| mean_m[thing] = height_m);
+    let mut free = vec![1.0_f32; pixels.len()];
     for &(_, thing) in &things {
         let (mut held, mut followed, mut gone_on, mut outside) = (0.0, 0.0_f32, 0.0, 0.0_f32);
         for &i in &pixels[thing] {
@@ -98,10 +115,15 @@ pub(crate) fn measure_footing(scene: &SupportScene<'_>, graph: &SupportGraph) ->
         if followed > 0.0 {
             footing[thing] = (held / followed / ENOUGH).min(1.0);
         }
-        footing[thing] *= 1.0 - load(scene, up, &pixels[thing], thing);
+        // Furniture on which it stands is below it.
+        let is_above = |region: usize| is_furniture[region] && mean_m[region] > mean_m[thing];
+        let [structure, furniture] = loads(scene, up, &pixels[thing], thing, is_above);
+        footing[thing] *= 1.0 - structure;
+        free[thing] = 1.0 - furniture;
     }
-    // Last, because the board of a shelf may lie lowest, and what stands on it shall not share its doubt.
+    // Last, because the board of a shelf may lie lowest, or seem to carry another, and what stands on it shall not share its doubt.
     for &(_, thing) in &things {
+        footing[thing] *= free[thing];
         if carriers[thing].is_empty() && lies_below_every_surface(scene, up, &pixels[thing]) {
             footing[thing] = 0.0;
         }
@@ -116,13 +138,19 @@ fn sample(runs: &[Range<usize>], points_m: &Raster<[f32; 3]>) -> Vec<usize> {
     measured().step_by(step).collect()
 }
 
-/// The share of the columns above these pixels of a thing that end on structure which it carries, among those that can be followed.
-fn load(scene: &SupportScene<'_>, up: DVec3, pixels: &[usize], thing: usize) -> f32 {
-    let (mut carrying, mut followed) = (0, 0);
-    for carries in pixels.iter().filter_map(|&i| carries_structure(scene, up, i, thing)) {
-        (carrying, followed) = (carrying + usize::from(carries), followed + 1);
-    }
-    if followed > 0 { carrying as f32 / followed as f32 } else { 0.0 }
+/// The shares of the columns above these pixels of a thing that end on structure and on furniture which it carries, among those that can be
+/// followed.
+fn loads(
+    scene: &SupportScene<'_>,
+    up: DVec3,
+    pixels: &[usize],
+    thing: usize,
+    is_furniture: impl Fn(usize) -> bool,
+) -> [f32; 2] {
+    let ends: Vec<Load> =
+        pixels.iter().filter_map(|&i| what_is_carried(scene, up, i, thing, &is_furniture)).collect();
+    let share = |load| ends.iter().filter(|&&end| end == load).count() as f32 / ends.len().max(1) as f32;
+    [Load::Structure, Load::Furniture].map(share)
 }
 
 /// Whether level surfaces are seen and these pixels of a thing lie below each of them, on average.
@@ -234,7 +262,11 @@ mod tests {
         let node = SupportNode { kind: NodeKind::Surface, p_s: 0.0, p_o: 0.0, height_m: 0.0, size_px: 1 };
         let edge = |&upper: &usize| SupportEdge::seen(NodeId(0), NodeId(upper as u32), 1);
         let edges = carried.iter().map(edge).collect();
-        measure_footing(&scene, &SupportGraph { nodes: vec![node; regions.count()], edges })
+        measure_footing(
+            &scene,
+            &SupportGraph { nodes: vec![node; regions.count()], edges },
+            &params::Objectness::default(),
+        )
     }
 
     #[test]

@@ -16,13 +16,30 @@ const HIDDEN_M: f64 = 0.4;
 /// A column is followed up for at most this length (m): higher surfaces are carried by no thing that might be grasped.
 const HIGHEST_M: f64 = 2.0;
 
-/// Whether the column above pixel `i` of a thing ends on a level surface of the structure. `None` when the image does not show it.
+/// What the column above a pixel of a thing ends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Load {
+    /// Air: something farther is seen there.
+    Nothing,
+    /// A level surface of the structure.
+    Structure,
+    /// A thing that is too large to be grasped.
+    Furniture,
+}
+
+/// What the column above pixel `i` of a thing ends on. `None` when the image does not show it.
 ///
 /// The column goes up along gravity. It may pass through the thing itself, through up to 8 cm of other things, and behind whatever is
 /// nearer to the camera. It ends in air if the image shows 4 cm of something farther. A surface less than 4 cm above the pixel, or 40 cm
 /// where a part of the column is hidden, does not count. A column that leaves the image less than 8 cm below the surface that hides it ends on
-/// that surface. O(steps).
-pub(super) fn carries_structure(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> Option<bool> {
+/// that surface. It also ends on a region that `is_furniture`, 4 cm above the pixel or more. O(steps).
+pub(super) fn what_is_carried(
+    scene: &SupportScene<'_>,
+    up: DVec3,
+    i: usize,
+    thing: usize,
+    is_furniture: impl Fn(usize) -> bool,
+) -> Option<Load> {
     let point = DVec3::from(scene.points_m[i].map(f64::from));
     let level = |region: Option<usize>| {
         region.and_then(|region| scene.planes.get(region)).filter(|plane| plane.normal().dot(up) > LEVEL)
@@ -40,12 +57,15 @@ pub(super) fn carries_structure(scene: &SupportScene<'_>, up: DVec3, i: usize, t
         } else if farther_m > behind_m {
             air_m += STEP_M;
             if air_m >= LEAST_AIR_M {
-                return Some(false);
+                return Some(Load::Nothing);
             }
         } else {
             let least_m = if is_hidden { HIDDEN_M } else { LEAST_AIR_M };
             if level(region).is_some_and(|plane| plane.height_m(point) < -least_m) {
-                return Some(true);
+                return Some(Load::Structure);
+            }
+            if height_m > LEAST_AIR_M && region.is_some_and(&is_furniture) {
+                return Some(Load::Furniture);
             }
             between_m += STEP_M;
             if between_m > THICKEST_M {
@@ -57,7 +77,7 @@ pub(super) fn carries_structure(scene: &SupportScene<'_>, up: DVec3, i: usize, t
     let ends_on = |plane: &StructurePlane| {
         plane.height_m(point) < -HIDDEN_M && plane.height_m(end_m).abs() < THICKEST_M
     };
-    hidden_by.is_some_and(ends_on).then_some(true)
+    hidden_by.is_some_and(ends_on).then_some(Load::Structure)
 }
 
 #[cfg(test)]
@@ -93,8 +113,9 @@ mod tests {
         hits.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((-1, f64::NAN))
     }
 
-    /// What the columns above the pixels of a thing end on, in an image that begins at this row of the scene.
-    fn carried_by(thing: usize, first_row: usize) -> Vec<bool> {
+    /// What the columns above the pixels of a thing end on, in an image that begins at this row of the scene. The table is of the structure or
+    /// furniture.
+    fn carried_by(thing: usize, first_row: usize, table: Load) -> Vec<Load> {
         let rows = SIZE.1 - first_row;
         let space = space([160.0; 2], [159.5, 60.0 - first_row as f64]);
         let rays: Vec<[f64; 3]> = (0..SIZE.0 * rows)
@@ -116,32 +137,38 @@ mod tests {
             regions: &regions,
             points_m: &points_m,
             normals: &normals,
-            planes: &[level(FLOOR_M), level(TABLE_M)],
+            planes: &[level(FLOOR_M), level(TABLE_M)][..if table == Load::Structure { 2 } else { 1 }],
             up: &up,
             space: &space,
         };
+        let is_furniture = |region| table == Load::Furniture && region == 1;
         let pixels = (0..seen.len()).filter(|&i| seen[i].0 == thing as i32);
-        pixels.filter_map(|i| carries_structure(&scene, DVec3::NEG_Y, i, thing)).collect()
+        pixels.filter_map(|i| what_is_carried(&scene, DVec3::NEG_Y, i, thing, is_furniture)).collect()
     }
 
     #[test]
     fn legs_carry_the_table_and_what_stands_free_or_on_it_carries_nothing() {
-        let load = |thing: usize| {
-            let carries = carried_by(thing, 0);
-            assert!(carries.len() > 10, "{thing}: {}", carries.len());
-            carries.iter().filter(|&&carries| carries).count() as f64 / carries.len() as f64
-        };
-        assert!(load(2) > 0.9 && load(3) > 0.7, "legs: {} {}", load(2), load(3));
-        assert_eq!([load(4), load(5)], [0.0; 2], "a box on the table, a post that stands free");
+        for table in [Load::Structure, Load::Furniture] {
+            let load = |thing: usize| {
+                let carries = carried_by(thing, 0, table);
+                assert!(carries.len() > 10, "{thing}: {}", carries.len());
+                carries.iter().filter(|&&load| load == table).count() as f64 / carries.len() as f64
+            };
+            assert!(load(2) > 0.9 && load(3) > 0.7, "legs of {table:?}: {} {}", load(2), load(3));
+            assert_eq!([load(4), load(5)], [0.0; 2], "a box on {table:?}, a post that stands free");
+        }
     }
 
     /// A leg at the edge of the image was an object, because its upper end is outside.
     #[test]
     fn a_leg_whose_upper_end_is_just_outside_carries_the_table() {
         // The table ends in row 120 before the back leg: 2 rows are 2 cm there, 12 rows are 12 cm.
-        let just_outside = carried_by(3, 122);
-        assert!(just_outside.len() > 10 && just_outside.iter().all(|&carries| carries), "{just_outside:?}");
-        assert_eq!(carried_by(3, 132), [], "the table might end outside");
+        let just_outside = carried_by(3, 122, Load::Structure);
+        assert!(
+            just_outside.len() > 10 && just_outside.iter().all(|&load| load == Load::Structure),
+            "{just_outside:?}"
+        );
+        assert_eq!(carried_by(3, 132, Load::Structure), [], "the table might end outside");
     }
 
     /// The column had no end: its places come ever nearer to one pixel.
@@ -159,6 +186,6 @@ mod tests {
             up: &Up { direction: [0.0, 0.0, 1.0], source: UpSource::Camera },
             space: &space,
         };
-        assert_eq!(carries_structure(&scene, DVec3::Z, 120 * SIZE.0 + 160, 1), None);
+        assert_eq!(what_is_carried(&scene, DVec3::Z, 120 * SIZE.0 + 160, 1, |_| false), None);
     }
 }

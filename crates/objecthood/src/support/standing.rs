@@ -65,7 +65,7 @@ pub fn find_standing(
     let support_scene =
         SupportScene { regions: &candidates.regions, points_m, normals, planes: &planes, up: &up, space };
     let graph = build_forest(&support_scene, params.contact, params.objectness);
-    let footing = measure_footing(&support_scene, &graph);
+    let footing = measure_footing(&support_scene, &graph, params.objectness);
     Standing { candidates, planes, up, graph, footing }
 }
 
