@@ -46,6 +46,15 @@ impl Input {
         self.frame.fingerprint(settings, shared.iter().map(PathBuf::as_path))
     }
 
+    /// How it is called beside others: its file, and its own name where a file holds many frames.
+    pub(crate) fn title(&self) -> String {
+        let path = self.path.display();
+        match self.name.file_name() {
+            Some(name) if self.path.file_stem() != Some(name) => format!("{path}: {}", name.display()),
+            _ => path.to_string(),
+        }
+    }
+
     /// When it was measured (ns), as far as is known before it is read.
     pub(crate) fn stamp_ns(&self) -> Option<i64> {
         self.frame.stamp_ns()

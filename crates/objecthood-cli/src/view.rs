@@ -45,7 +45,7 @@ fn session(args: &ViewArgs) -> Result<Session> {
     let asked = Arc::new(args.frames.clone());
     let of_frame = |input: Input| {
         let (asked, scope) = (Arc::clone(&asked), Arc::clone(&scope));
-        let name = input.path.display().to_string();
+        let name = input.title();
         FrameSource::new(name, move || {
             asked.read(&input, &scope).map_err(|e| format!("{e:#}{}", advice::of(&e)))
         })

@@ -1,0 +1,80 @@
+//! `objecthood view` on a recording: every frame has a name, and is looked at.
+
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, reason = "in a test, an unwrap that fails is the failure report")]
+
+mod common;
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+
+use common::Folder;
+use common::scene::Cloud;
+use serde_json::{Value, json};
+
+/// A server that is ended when the test ends.
+struct Server {
+    child: Child,
+    host: String,
+    place: String,
+}
+
+impl Server {
+    fn view(folder: &Folder, arguments: &str) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_objecthood"));
+        command.current_dir(folder.path()).arg("view").args(arguments.split_whitespace());
+        let mut child = command.args(["--port", "0"]).stdout(Stdio::piped()).spawn().unwrap();
+        let mut address = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut address).unwrap();
+        let (host, place) = address.trim().strip_prefix("http://").unwrap().split_once('/').unwrap();
+        Self { host: host.to_owned(), place: place.to_owned(), child }
+    }
+
+    /// The body of the answer to a request, which must succeed.
+    fn ask(&self, method: &str, path: &str, body: &str) -> Vec<u8> {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        let Self { host, place, .. } = self;
+        let length = body.len();
+        write!(
+            stream,
+            "{method} /{place}{path} HTTP/1.1\r\nHost: {host}\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n{body}"
+        )
+        .unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        let head = answer.windows(4).position(|end| end == b"\r\n\r\n").unwrap();
+        assert!(answer.starts_with(b"HTTP/1.1 200"), "{}", String::from_utf8_lossy(&answer[..head]));
+        answer.split_off(head + 4)
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+}
+
+#[test]
+fn the_frames_of_a_recording_have_names_of_their_own() {
+    let folder = Folder::new();
+    for (k, shift_m) in [0.0, 0.05, 0.1].into_iter().enumerate() {
+        folder.write(&format!("in/{k}.pcd"), &Cloud::two_boxes(shift_m).to_binary_pcd());
+    }
+    folder.run("convert in --to mcap --out long.mcap", 0);
+    let server = Server::view(&folder, "long.mcap in/0.pcd");
+    let session: Value = serde_json::from_slice(&server.ask("GET", "session", "")).unwrap();
+    let names = [0, 1, 2].map(|k| format!("long.mcap: long-{k:06}"));
+    assert_eq!(session["frames"], json!([names[0], names[1], names[2], "in/0.pcd"]));
+    for (frame, name) in names.iter().enumerate() {
+        let look = json!({"tab": 1, "frame": frame, "settings": {"method": "context", "set": {}}, "maps": ["objects"]});
+        let answer = server.ask("POST", "look", &look.to_string());
+        let text = String::from_utf8_lossy(&answer);
+        assert!(
+            text.contains(name.as_str()) && text.contains("objectness"),
+            "{}",
+            &text[..text.len().min(400)]
+        );
+    }
+}
