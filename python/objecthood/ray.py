@@ -206,22 +206,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m objecthood.ray", description=segment.__doc__)
     parser.add_argument("inputs", nargs="+", help="paths or URIs of files and folders")
     parser.add_argument("--out", required=True, help="folder or URI of the Parquet data set")
-    parser.add_argument("--method", choices=["context", "paper"])
-    parser.add_argument("--config", help="TOML file of parameters")
+    parser.add_argument("--params", type=Params.from_json, help="JSON of parameters, as Params.to_json gives it")
     parser.add_argument("--camera", help="camera file, or fx,fy,cx,cy")
     parser.add_argument("--depth-scale", type=float)
     parser.add_argument("--topic", action="append", default=[])
     parser.add_argument("--workers", type=int, help="number of workers; one a CPU of the cluster, unless given")
     given = parser.parse_args(arguments)
     try:
-        params = Params.from_toml(open(given.config, encoding="utf-8").read()) if given.config else None
         numbers = (given.camera or "").split(",")
         camera = [float(number) for number in numbers] if len(numbers) == 4 else given.camera
         summary = segment(
             given.inputs,
             given.out,
-            method=given.method,
-            params=params,
+            params=given.params,
             camera=camera,
             depth_scale=given.depth_scale,
             topics=given.topic,

@@ -202,7 +202,7 @@ def test_the_command_line_calls_it(cluster: str, archive: Path, tmp_path: Path) 
         (tmp_path / "in" / name).write_bytes((archive / name).read_bytes())
     cameras = json.loads((tmp_path / "in/scene_camera.json").read_text())
     (tmp_path / "in/scene_camera.json").write_text(json.dumps({"0": cameras["0"]}))
-    command = [program, "batch", "in", "--out", "out", "--method", "paper", "--workers", "1"]
+    command = [program, "batch", "in", "--out", "out", "--method", "paper", "--set", "graph.min_size_px=300", "--workers", "1"]
     run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert run.returncode == 0 and "1 of 1 frames done, 0 failed" in run.stdout, run.stderr
     example = Path(__file__).parents[1] / "examples/06_archive.py"
@@ -211,7 +211,9 @@ def test_the_command_line_calls_it(cluster: str, archive: Path, tmp_path: Path) 
     )
     assert shown.returncode == 0 and "1 of 1 frames" in shown.stdout, shown.stderr
     source = objecthood.open(tmp_path / "in")
-    labels = objecthood.discover(source[0], method="paper")._found.label_png()
+    params = objecthood.Params(method="paper")
+    params.graph.min_size_px = 300
+    labels = objecthood.discover(source[0], params=params)._found.label_png()
     assert [row["labels_png"] for row in rows(str(tmp_path / "out"))] == [labels]
 
 

@@ -21,7 +21,7 @@ pub(crate) use gravity::GravityArg;
 pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
 pub(crate) use output::{OutputKind, Printed};
 pub(crate) use selection::SelectionArgs;
-pub(crate) use settings::{MethodName, Settings, Threads};
+pub(crate) use settings::{MethodName, Parameters, Settings, Threads};
 pub(crate) use stream::StreamArgs;
 pub(crate) use synthetic::{DemoArgs, SynthArgs};
 pub(crate) use track::TrackArgs;

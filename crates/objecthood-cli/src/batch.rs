@@ -4,9 +4,9 @@ use std::ffi::OsString;
 use std::process::Command;
 
 use anyhow::{Result, anyhow};
-use clap::ValueEnum;
 
 use crate::args::{BatchArgs, Engine};
+use crate::config;
 use crate::failure::{Outcome, usage};
 
 /// The module of the engine, and what installs it.
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<Outcome> {
         let said = String::from_utf8_lossy(&tried.stderr);
         return Err(absent(said.trim_end().lines().next_back().unwrap_or("it ended")));
     }
-    let status = Command::new(&python).args(["-m", module]).args(options(args)).status()?;
+    let status = Command::new(&python).args(["-m", module]).args(options(args)?).status()?;
     match status.code() {
         Some(0) => Ok(Outcome::AllDone),
         Some(1) => Ok(Outcome::SomeFailed),
@@ -47,22 +47,24 @@ pub(crate) fn run(args: &BatchArgs) -> Result<Outcome> {
 }
 
 /// The options as the module takes them.
-fn options(args: &BatchArgs) -> Vec<OsString> {
-    let BatchArgs { inputs, out, method, config, camera, depth_scale, topics, workers, .. } = args;
-    let method = method.and_then(|method| Some(method.to_possible_value()?.get_name().to_owned()));
+///
+/// # Errors
+/// Of usage, when the parameters are wrong.
+fn options(args: &BatchArgs) -> Result<Vec<OsString>> {
+    let BatchArgs { inputs, out, method, parameters, camera, depth_scale, topics, workers, .. } = args;
+    let params = serde_json::to_string(&config::params(parameters, *method)?)?;
     let mut options: Vec<OsString> = vec![format!("--out={out}").into()];
     let mut add = |name: &str, value: OsString| {
         let mut option = OsString::from(format!("--{name}="));
         option.push(value);
         options.push(option);
     };
-    let named = [("method", method), ("camera", camera.clone())];
-    named.into_iter().for_each(|(name, value)| value.into_iter().for_each(|value| add(name, value.into())));
-    config.iter().for_each(|path| add("config", path.into()));
+    add("params", params.into());
+    camera.iter().for_each(|camera| add("camera", camera.into()));
     depth_scale.iter().for_each(|scale| add("depth-scale", scale.to_string().into()));
     topics.iter().for_each(|topic| add("topic", topic.into()));
     workers.iter().for_each(|count| add("workers", count.to_string().into()));
     options.push("--".into());
     options.extend(inputs.iter().map(OsString::from));
-    options
+    Ok(options)
 }

@@ -10,7 +10,7 @@ use objecthood::params::Sensor;
 use objecthood::{Method, ParameterInfo, Params};
 use toml::{Table, Value};
 
-use crate::args::{MethodName, Settings};
+use crate::args::{MethodName, Parameters};
 use crate::failure::usage;
 use crate::terminal;
 use likely::no_such_parameter;
@@ -20,8 +20,8 @@ use likely::no_such_parameter;
 ///
 /// # Errors
 /// As [`values`].
-pub(crate) fn params(settings: &Settings, method: Option<MethodName>) -> Result<Params> {
-    let params = values(settings, method)?;
+pub(crate) fn params(parameters: &Parameters, method: Option<MethodName>) -> Result<Params> {
+    let params = values(parameters, method)?;
     if let Some(note) = unread(&params)? {
         terminal::note(&note);
     }
@@ -32,12 +32,12 @@ pub(crate) fn params(settings: &Settings, method: Option<MethodName>) -> Result<
 ///
 /// # Errors
 /// Of usage: a file that cannot be read, a parameter, value or method that does not exist.
-pub(crate) fn values(settings: &Settings, method: Option<MethodName>) -> Result<Params> {
+pub(crate) fn values(parameters: &Parameters, method: Option<MethodName>) -> Result<Params> {
     let mut given = Given { known: Params::table(), method: None, groups: Table::new() };
-    if let Some(path) = &settings.config {
+    if let Some(path) = &parameters.config {
         given.read_file(path).map_err(|why| usage(format!("{}: {why}", path.display())))?;
     }
-    for assignment in &settings.set {
+    for assignment in &parameters.set {
         given.assign(assignment).map_err(|why| usage(format!("--set {assignment}: {why}")))?;
     }
     let is_lateral_given = given.has("sensor", "lateral_noise_px");
@@ -47,13 +47,13 @@ pub(crate) fn values(settings: &Settings, method: Option<MethodName>) -> Result<
         Some(MethodName::Paper) => Method::Paper,
         Some(MethodName::Context) => Method::Context,
     };
-    if let Some(profile) = settings.profile {
+    if let Some(profile) = parameters.profile {
         params.sensor.profile = profile.into();
     }
     if !is_lateral_given {
         params.sensor.lateral_noise_px = Sensor::of(params.sensor.profile).lateral_noise_px;
     }
-    params.objectness.every_hypothesis |= settings.all;
+    params.objectness.every_hypothesis |= parameters.all;
     params.validate().map_err(|e| usage(e.to_string()))?;
     Ok(params)
 }

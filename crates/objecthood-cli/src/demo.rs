@@ -34,7 +34,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Outcome> {
     if let Some(clip) = args.video {
         return video::run(args, clip);
     }
-    let params = config::params(&args.settings, args.method)?;
+    let params = config::params(&args.settings.parameters, args.method)?;
     refuse_file("--out", &args.out)?;
     let recipe = Recipe::new(FAMILY, args.seed.into(), SENSOR);
     let text = crew::pool(args.settings.threads())?.install(|| show(recipe, &params, &args.out))?;

@@ -21,7 +21,7 @@ const MOST_FRAMES: usize = 8;
 /// # Errors
 /// Of usage; when stdout cannot be written. What is wrong with the input is no error.
 pub(crate) fn run(args: &DoctorArgs) -> Result<Outcome> {
-    let params = config::params(&args.settings, None)?;
+    let params = config::params(&args.settings.parameters, None)?;
     let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
     let inputs = inputs::collect(&args.frames, true, camera.as_ref())?;
     let Inputs { frames, unreadable, notices, .. } = &inputs;

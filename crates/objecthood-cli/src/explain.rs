@@ -40,7 +40,7 @@ pub(crate) fn run(args: &ExplainArgs) -> Result<Outcome> {
 
 impl<'a> Plan<'a> {
     fn new(args: &'a ExplainArgs) -> Result<Self> {
-        let params = config::params(&args.settings, args.method)?;
+        let params = config::params(&args.settings.parameters, args.method)?;
         let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
         args.frames.scale_note(camera.as_ref()).iter().for_each(|note| terminal::note(note));
         let Inputs { mut frames, unreadable, .. } = inputs::collect(&args.frames, false, camera.as_ref())?;

@@ -31,7 +31,7 @@ impl Row {
 /// # Errors
 /// Of usage, when the settings are wrong; when stdout cannot be written.
 pub(crate) fn run(args: &ParamsArgs) -> Result<Outcome> {
-    let params = config::values(&args.settings, None)?;
+    let params = config::values(&args.settings.parameters, None)?;
     let rows = rows(&params)?;
     let text = if args.json {
         let table = serde_json::json!({ "method": params.method, "parameters": rows });

@@ -174,7 +174,7 @@ impl Report<'_> {
 
 impl<'a> Plan<'a> {
     fn new(args: &'a SegmentArgs, out: &'a Path) -> Result<Self> {
-        let params = config::params(&args.settings, args.method)?;
+        let params = config::params(&args.settings.parameters, args.method)?;
         let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
         args.frames.scale_note(camera.as_ref()).iter().for_each(|note| terminal::note(note));
         let inputs = inputs::collect(&args.frames, args.keep_tree, camera.as_ref())?;
@@ -289,7 +289,7 @@ impl<'a> Plan<'a> {
             return Ok(());
         }
         let camera = self.args.frames.camera.as_ref().and_then(CameraArg::file);
-        let given = [camera, self.args.frames.scope.mask(), self.args.settings.config.as_deref()];
+        let given = [camera, self.args.frames.scope.mask(), self.args.settings.parameters.config.as_deref()];
         let beside = cameras.iter().map(PathBuf::as_path).chain(given.into_iter().flatten());
         let mut read = frames.iter().flat_map(Input::files).chain(beside);
         match read.find_map(|path| written.get(&fs::canonicalize(path).ok()?)) {

@@ -97,7 +97,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
 
 impl<'a> Plan<'a> {
     fn new(args: &'a TrackArgs) -> Result<Self> {
-        let params = config::params(&args.settings, args.method)?;
+        let params = config::params(&args.settings.parameters, args.method)?;
         let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
         args.frames.scale_note(camera.as_ref()).iter().for_each(|note| terminal::note(note));
         let inputs = inputs::collect(&args.frames, false, camera.as_ref())?;

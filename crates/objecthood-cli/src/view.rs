@@ -32,7 +32,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<Outcome> {
 }
 
 fn session(args: &ViewArgs) -> Result<Session> {
-    let params = config::params(&args.settings, args.method)?;
+    let params = config::params(&args.settings.parameters, args.method)?;
     let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
     args.frames.scale_note(camera.as_ref()).iter().for_each(|note| terminal::note(note));
     let Inputs { frames, unreadable, notices, .. } = inputs::collect(&args.frames, true, camera.as_ref())?;

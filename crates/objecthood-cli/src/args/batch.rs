@@ -1,12 +1,10 @@
 //! The options of `objecthood batch`.
 
-use std::path::PathBuf;
-
 use clap::{Args, ValueEnum};
 
 use super::EXIT_CODES;
 use super::number::whole;
-use super::settings::MethodName;
+use super::settings::{MethodName, Parameters};
 
 /// Find the objects in an archive of frames on a cluster; write Parquet, a row a frame.
 ///
@@ -31,10 +29,6 @@ pub(crate) struct BatchArgs {
     #[arg(long)]
     pub(crate) method: Option<MethodName>,
 
-    /// Read parameters from a TOML file.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) config: Option<PathBuf>,
-
     /// Camera of the frames, as for `segment`: fx,fy,cx,cy or a file.
     #[arg(long, value_name = "FX,FY,CX,CY|FILE")]
     pub(crate) camera: Option<String>,
@@ -50,6 +44,9 @@ pub(crate) struct BatchArgs {
     /// Number of workers [default: one per CPU of the cluster].
     #[arg(long, value_name = "N", value_parser = whole(1_usize, 100_000))]
     pub(crate) workers: Option<usize>,
+
+    #[command(flatten)]
+    pub(crate) parameters: Parameters,
 }
 
 /// What spreads the work.

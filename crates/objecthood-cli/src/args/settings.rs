@@ -7,10 +7,10 @@ use objecthood::params::Profile;
 
 use super::number::whole;
 
-/// Parameters, and how the method runs.
+/// Parameters of a method.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Settings")]
-pub(crate) struct Settings {
+pub(crate) struct Parameters {
     /// Read parameters from a TOML file, such as the one that `objecthood params --toml` prints.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
@@ -28,6 +28,14 @@ pub(crate) struct Settings {
     /// Keep every hypothesis with its objectness, even where it is too low for an object.
     #[arg(long)]
     pub(crate) all: bool,
+}
+
+/// Parameters, and how the method runs.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Settings")]
+pub(crate) struct Settings {
+    #[command(flatten)]
+    pub(crate) parameters: Parameters,
 
     #[command(flatten)]
     pub(crate) threads: Threads,

@@ -27,7 +27,7 @@ struct Line<'a> {
 /// # Errors
 /// Of usage; when a scene cannot be scored; when the figures cannot be written.
 pub(super) fn run(args: &EvalArgs, families: &[Family]) -> Result<Outcome> {
-    let params = config::params(&args.settings, args.method)?;
+    let params = config::params(&args.settings.parameters, args.method)?;
     let SyntheticArgs { sensor: sensors, scenes, holes, .. } = &args.synthetic;
     let (first, scenes) = (u64::from(args.seed), u64::from(*scenes));
     let recipes: Vec<Recipe> = families

@@ -30,7 +30,10 @@ impl Subject {
     pub(crate) fn new(args: &EvalArgs) -> Result<Self> {
         let settings = &args.settings;
         if let Some(path) = &args.labels {
-            if args.method.is_some() || settings.config.is_some() || !settings.set.is_empty() || settings.all
+            if args.method.is_some()
+                || settings.parameters.config.is_some()
+                || !settings.parameters.set.is_empty()
+                || settings.parameters.all
             {
                 return Err(usage(
                     "--labels scores images that are there already, so no method runs that --method, --config, --set \
@@ -39,11 +42,11 @@ impl Subject {
             }
             return Ok(Self::Labels(LabelFolder { path: path.clone(), suffix: args.suffix.clone() }));
         }
-        let base = config::params(settings, args.method)?;
+        let base = config::params(&settings.parameters, args.method)?;
         Ok(match Comparison::asked(args.comparison) {
             None => Self::Method(base),
             Some(comparison) => {
-                let settings = comparison.settings(&base, &settings.set)?;
+                let settings = comparison.settings(&base, &settings.parameters.set)?;
                 Self::Comparison { base, comparison, settings }
             }
         })

@@ -18,7 +18,7 @@ use crate::{config, crew, terminal};
 /// # Errors
 /// Of usage; when a scene cannot be scored; when the figures cannot be written.
 pub(super) fn run(args: &EvalArgs) -> Result<Outcome> {
-    let params = config::params(&args.settings, args.method)?;
+    let params = config::params(&args.settings.parameters, args.method)?;
     if params.method != Method::Context {
         return Err(usage(
             "--support is about the forest of the method context: leave out --method, or see the support graph of \

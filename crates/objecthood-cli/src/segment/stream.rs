@@ -36,7 +36,7 @@ pub(super) fn run(args: &SegmentArgs) -> Result<Outcome> {
     let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
     let plan = Plan {
         args,
-        params: config::params(&args.settings, args.method)?,
+        params: config::params(&args.settings.parameters, args.method)?,
         given: args.frames.given(camera.as_ref()),
         scope: args.frames.scope.read(args.frames.images.max_pixels)?,
     };
