@@ -77,3 +77,12 @@ pub struct OrientedBox {
     /// Full length of each side (m), along the box's own x, y and z axes.
     pub extents_m: [f32; 3],
 }
+
+impl OrientedBox {
+    /// Its sides (m), the shortest first.
+    pub(crate) fn sides_m(&self) -> [f32; 3] {
+        let mut sides_m = self.extents_m;
+        sides_m.sort_by(f32::total_cmp);
+        sides_m
+    }
+}

@@ -13,14 +13,7 @@ const WAVE_DOUBT: f32 = 0.35;
 
 /// The longest side of the box (m).
 pub fn longest_side_m(box_m: &OrientedBox) -> f32 {
-    sorted(box_m)[2]
-}
-
-/// The sides of the box (m), the shortest first.
-fn sorted(box_m: &OrientedBox) -> [f32; 3] {
-    let mut sides_m = box_m.extents_m;
-    sides_m.sort_by(f32::total_cmp);
-    sides_m
+    box_m.sides_m()[2]
 }
 
 /// Rates how well a thing with this box can be grasped and moved, in [0, 1] (ours, because the hard limits of the paper leave no
@@ -31,7 +24,7 @@ fn sorted(box_m: &OrientedBox) -> [f32; 3] {
 /// be larger than its visible part, so the lower limit counts by the share of the outline that is its own (`visibility`). A single
 /// point has no size: 0.
 pub(crate) fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
-    let [_, second_m, longest_m] = sorted(box_m);
+    let [_, second_m, longest_m] = box_m.sides_m();
     if longest_m == 0.0 {
         return 0.0;
     }
@@ -39,12 +32,6 @@ pub(crate) fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::O
     let within_largest =
         within(longest_m / params.max_side_m).min(within(second_m / params.max_second_side_m));
     (1.0 - visibility * thin).min(within_largest)
-}
-
-/// Whether a thing with this box is rather furniture: one of its sides is above its upper limit.
-pub(crate) fn is_too_large(box_m: &OrientedBox, params: &params::Objectness) -> bool {
-    let [_, second_m, longest_m] = sorted(box_m);
-    longest_m > params.max_side_m || second_m > params.max_second_side_m
 }
 
 /// The rating of a length in multiples of its upper limit: 1/2 at the limit, 1 an octave below, 0 an octave above, linear in the logarithm

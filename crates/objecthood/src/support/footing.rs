@@ -7,7 +7,6 @@ use glam::DVec3;
 
 use crate::discovery::ids::NodeId;
 use crate::discovery::support_graph::SupportGraph;
-use crate::objectness::size::is_too_large;
 use crate::oriented_box::fit_oriented_box;
 use crate::params;
 use crate::raster::Raster;
@@ -50,8 +49,9 @@ pub(crate) struct Footing {
 ///
 /// A column goes down from a pixel along gravity. While the image shows the thing itself there, the column is hidden in it. It then ends in
 /// air if what is seen lies behind it for 4 cm. Columns that cannot be followed do not count. Things are rated from the lowest to the
-/// highest; something higher than a thing counts as structure for it. A thing that nothing carries in `graph` and
-/// that lies below every level surface that is seen has no footing. Without structure every footing is 1. O(regions · columns · steps).
+/// highest; something higher than a thing counts as structure for it. Doubt that is not handed on comes last: a thing that seems to carry
+/// furniture, or that nothing carries in `graph` and that lies below every level surface that is seen. Without structure every footing is 1.
+/// O(regions · columns · steps).
 ///
 /// Source: ours, because people, arms and furniture come in pieces, most of which hang in the air or go on below a table's edge.
 pub(crate) fn measure_footing(
@@ -59,76 +59,112 @@ pub(crate) fn measure_footing(
     graph: &SupportGraph,
     objectness: &params::Objectness,
 ) -> Footing {
-    let mut footing = vec![1.0_f32; scene.regions.count()];
-    let mut cut = vec![0.0_f32; scene.regions.count()];
+    let regions = scene.regions.count();
+    let mut found = Footing { held: vec![1.0; regions], cut: vec![0.0; regions] };
     if scene.planes.is_empty() {
-        return Footing { held: footing, cut };
+        return found;
     }
-    let pixels: Vec<Vec<usize>> = scene.regions.runs_of_each().map(|region, runs| match region {
-        structure if structure < scene.planes.len() => Vec::new(),
-        _ => sample(runs, scene.points_m),
-    });
-    let up = DVec3::from(scene.up.direction.map(f64::from));
-    let height_m = |i: usize| DVec3::from(scene.points_m[i].map(f64::from)).dot(up);
-    let mut things: Vec<(f64, usize)> = (scene.planes.len()..pixels.len())
-        .map(|thing| {
-            (pixels[thing].iter().map(|&i| height_m(i)).sum::<f64>() / pixels[thing].len() as f64, thing)
-        })
-        .filter(|(mean_m, _)| !mean_m.is_nan())
-        .collect();
-    things.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let is_furniture: Vec<bool> = pixels
-        .iter()
-        .map(|pixels| {
-            let points: Vec<[f32; 3]> = pixels.iter().map(|&i| scene.points_m[i]).collect();
-            !points.is_empty() && is_too_large(&fit_oriented_box(&points, scene.up.direction), objectness)
-        })
-        .collect();
+    let things = Things::of(scene, objectness);
     let carriers = graph.parents();
-    let is_level = |region: SegmentId| {
-        scene.planes.get(region.index()).is_some_and(|plane| plane.normal().dot(up) > LEVEL)
-    };
-    let mut mean_m = vec![f64::NEG_INFINITY; pixels.len()];
-    things.iter().for_each(|&(height_m, thing)| mean_m[thing] = height_m);
-    let mut free = vec![1.0_f32; pixels.len()];
-    for &(_, thing) in &things {
-        let (mut held, mut followed, mut gone_on, mut outside) = (0.0, 0.0_f32, 0.0, 0.0_f32);
-        for &i in &pixels[thing] {
-            let share = match follow(scene, up, i, thing) {
-                End::Air => 0.0,
-                End::Region(region) => {
-                    let carries = carriers[thing].contains(&NodeId(region.0));
-                    gone_on += if is_level(region) && !carries { 1.0 } else { cut[region.index()] };
-                    footing[region.index()]
-                }
-                End::Outside => {
-                    outside += 1.0;
-                    continue;
-                }
-                End::Unknown => continue,
-            };
-            (held, followed) = (held + share, followed + 1.0);
-        }
-        if followed + outside > 0.0 {
-            cut[thing] = (gone_on + outside) / (followed + outside);
-        }
-        if followed > 0.0 {
-            footing[thing] = (held / followed / ENOUGH).min(1.0);
-        }
-        // Furniture on which it stands is below it.
-        let is_above = |region: usize| is_furniture[region] && mean_m[region] > mean_m[thing];
-        let [structure, furniture] = loads(scene, up, &pixels[thing], thing, is_above);
-        footing[thing] *= 1.0 - structure;
+    let mut free = vec![1.0_f32; regions];
+    for &thing in &things.rising {
+        let [held, cut] = things.follow_down(thing, &carriers[thing], &found);
+        let [structure, furniture] = things.follow_up(thing);
+        found.held[thing] = held * (1.0 - structure);
+        found.cut[thing] = cut;
         free[thing] = 1.0 - furniture;
     }
-    // Last, because the board of a shelf may lie lowest, or seem to carry another, and what stands on it shall not share its doubt.
-    for &(_, thing) in &things {
-        footing[thing] *= free[thing];
-        if carriers[thing].is_empty() && lies_below_every_surface(scene, up, &pixels[thing]) {
-            footing[thing] = 0.0;
+    // The board of a shelf may lie lowest, or seem to carry another: what stands on it shall not share its doubt.
+    for &thing in &things.rising {
+        found.held[thing] *= free[thing];
+        if carriers[thing].is_empty() && things.lies_below_every_surface(thing) {
+            found.held[thing] = 0.0;
         }
     }
-    Footing { held: footing, cut }
+    found
+}
+
+/// The things of a scene, and the pixels of which columns are followed.
+struct Things<'a> {
+    scene: &'a SupportScene<'a>,
+    up: DVec3,
+    /// The pixels by region; none for the structure.
+    pixels: Vec<Vec<usize>>,
+    /// The mean height (m) by region; `NaN` for the structure.
+    mean_m: Vec<f64>,
+    /// Whether each region is too large to be grasped.
+    is_furniture: Vec<bool>,
+    /// The things from the lowest to the highest.
+    rising: Vec<usize>,
+}
+
+impl<'a> Things<'a> {
+    fn of(scene: &'a SupportScene<'a>, objectness: &params::Objectness) -> Self {
+        let pixels: Vec<Vec<usize>> = scene.regions.runs_of_each().map(|region, runs| match region {
+            structure if structure < scene.planes.len() => Vec::new(),
+            _ => sample(runs, scene.points_m),
+        });
+        let up = DVec3::from(scene.up.direction.map(f64::from));
+        let height_m = |&i: &usize| DVec3::from(scene.points_m[i].map(f64::from)).dot(up);
+        let mean_m = |pixels: &Vec<usize>| pixels.iter().map(height_m).sum::<f64>() / pixels.len() as f64;
+        let mean_m: Vec<f64> = pixels.iter().map(mean_m).collect();
+        let is_furniture = |pixels: &Vec<usize>| {
+            let points: Vec<[f32; 3]> = pixels.iter().map(|&i| scene.points_m[i]).collect();
+            let [_, second_m, longest_m] = fit_oriented_box(&points, scene.up.direction).sides_m();
+            longest_m > objectness.max_side_m || second_m > objectness.max_second_side_m
+        };
+        let is_furniture = pixels.iter().map(is_furniture).collect();
+        let mut rising: Vec<usize> = (0..pixels.len()).filter(|&thing| !mean_m[thing].is_nan()).collect();
+        rising.sort_by(|&a, &b| mean_m[a].total_cmp(&mean_m[b]));
+        Self { scene, up, pixels, mean_m, is_furniture, rising }
+    }
+
+    /// Whether a region is a level surface of the structure.
+    fn is_level(&self, region: SegmentId) -> bool {
+        self.scene.planes.get(region.index()).is_some_and(|plane| plane.normal().dot(self.up) > LEVEL)
+    }
+
+    /// How much the columns below a thing say that it is held, and that it is cut; `found`: the same of what is lower.
+    fn follow_down(&self, thing: usize, carriers: &[NodeId], found: &Footing) -> [f32; 2] {
+        let (mut held, mut gone_on, mut outside, mut followed) = (0.0, 0.0, 0.0_f32, 0.0_f32);
+        for &i in &self.pixels[thing] {
+            match follow(self.scene, self.up, i, thing) {
+                End::Air => followed += 1.0,
+                End::Region(region) => {
+                    let goes_on = self.is_level(region) && !carriers.contains(&NodeId(region.0));
+                    gone_on += if goes_on { 1.0 } else { found.cut[region.index()] };
+                    held += found.held[region.index()];
+                    followed += 1.0;
+                }
+                End::Outside => outside += 1.0,
+                End::Unknown => {}
+            }
+        }
+        let held = if followed > 0.0 { (held / followed / ENOUGH).min(1.0) } else { 1.0 };
+        let known = followed + outside;
+        [held, if known > 0.0 { (gone_on + outside) / known } else { 0.0 }]
+    }
+
+    /// The shares of the columns above a thing that end on structure and on furniture which it carries, among those that can be followed.
+    fn follow_up(&self, thing: usize) -> [f32; 2] {
+        // Furniture on which it stands is below it.
+        let is_above = |region: usize| self.is_furniture[region] && self.mean_m[region] > self.mean_m[thing];
+        let pixels = self.pixels[thing].iter();
+        let ends: Vec<Load> =
+            pixels.filter_map(|&i| what_is_carried(self.scene, self.up, i, thing, is_above)).collect();
+        let share = |load| ends.iter().filter(|&&end| end == load).count() as f32 / ends.len().max(1) as f32;
+        [Load::Structure, Load::Furniture].map(share)
+    }
+
+    /// Whether level surfaces are seen and a thing lies below each of them, on average.
+    fn lies_below_every_surface(&self, thing: usize) -> bool {
+        let Self { scene, up, pixels, .. } = self;
+        let points = pixels[thing].iter().map(|&i| DVec3::from(scene.points_m[i].map(f64::from)));
+        let center_m = points.sum::<DVec3>() / pixels[thing].len() as f64;
+        let level = scene.planes.iter().filter(|plane| plane.normal().dot(*up) > LEVEL);
+        let mut heights_m = level.map(|plane| plane.height_m(center_m)).peekable();
+        heights_m.peek().is_some() && heights_m.all(|height_m| height_m < 0.0)
+    }
 }
 
 /// About [`COLUMNS`] of the pixels with depth in these runs, evenly spread.
@@ -136,34 +172,6 @@ fn sample(runs: &[Range<usize>], points_m: &Raster<[f32; 3]>) -> Vec<usize> {
     let measured = || runs.iter().cloned().flatten().filter(|&i| !points_m[i][2].is_nan());
     let step = (runs.iter().map(Range::len).sum::<usize>() / COLUMNS).max(1);
     measured().step_by(step).collect()
-}
-
-/// The shares of the columns above these pixels of a thing that end on structure and on furniture which it carries, among those that can be
-/// followed.
-fn loads(
-    scene: &SupportScene<'_>,
-    up: DVec3,
-    pixels: &[usize],
-    thing: usize,
-    is_furniture: impl Fn(usize) -> bool,
-) -> [f32; 2] {
-    let ends: Vec<Load> =
-        pixels.iter().filter_map(|&i| what_is_carried(scene, up, i, thing, &is_furniture)).collect();
-    let share = |load| ends.iter().filter(|&&end| end == load).count() as f32 / ends.len().max(1) as f32;
-    [Load::Structure, Load::Furniture].map(share)
-}
-
-/// Whether level surfaces are seen and these pixels of a thing lie below each of them, on average.
-fn lies_below_every_surface(scene: &SupportScene<'_>, up: DVec3, pixels: &[usize]) -> bool {
-    let center_m = pixels.iter().map(|&i| DVec3::from(scene.points_m[i].map(f64::from))).sum::<DVec3>()
-        / pixels.len() as f64;
-    let mut heights_m = scene
-        .planes
-        .iter()
-        .filter(|plane| plane.normal().dot(up) > LEVEL)
-        .map(|plane| plane.height_m(center_m))
-        .peekable();
-    heights_m.peek().is_some() && heights_m.all(|height_m| height_m < 0.0)
 }
 
 /// Follows the column below pixel `i` of a thing.
