@@ -139,7 +139,7 @@ impl Explainer {
         self.subject.run.bottom_at(pixel).and_then(|step| self.joined(step)).into_iter().collect()
     }
 
-    /// The joins to the thing of a facet that rules nearly made: at most one of the occlusion rule and one of the vessel rules. Of each,
+    /// The joins to the thing of a facet that rules nearly made, and no rule made: at most one of the occlusion rule and one of the vessel rules. Of each,
     /// the join that failed the fewest checks, then by the least.
     pub(super) fn near_misses(&self, facet: SegmentId) -> Vec<Decision> {
         let Some(cluster) = self.subject.run.cluster(facet) else { return Vec::new() };
@@ -159,10 +159,13 @@ impl Explainer {
             },
         ] {
             let own = self.subject.run.near_steps.iter().filter(
-                |NearStep { miss, owners: [into, from], .. }| {
+                |NearStep { miss, owners: [into, from], facets, .. }| {
+                    // A bottom that one rule refuses may be the bottom by another.
+                    let question = self.question(miss.from, *facets);
+                    let is_joined = question.is_some_and(|question| self.subject.run.answer(question));
                     let is_own = into != from && into.is_some() && [*into, *from].contains(&Some(cluster));
                     let is_near = |check: &Check| check.holds() || check.distance() <= NEAR;
-                    is_kind(miss.rule) && is_own && miss.checks.iter().all(is_near)
+                    is_kind(miss.rule) && is_own && !is_joined && miss.checks.iter().all(is_near)
                 },
             );
             let nearest = own.min_by(|a, b| {
