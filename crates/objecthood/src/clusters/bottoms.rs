@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
-use crate::clusters::patches::{find_owners, find_patches};
+use crate::clusters::patches::find_patches;
 use crate::discovery::join::{Join, JoinEvidence};
 use crate::params;
 use crate::regions::SegmentId;
@@ -29,7 +29,7 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels
     let least_px = scene.space.area_px(BOTTOM_PX);
     let mut misses = Vec::new();
     let mut gains: BTreeMap<SegmentId, Vec<u32>> = BTreeMap::new();
-    for patch in find_patches(scene, &find_owners(clusters)) {
+    for patch in find_patches(clusters) {
         // On ties the cluster with the smallest number wins.
         let touching = patch.shared.iter().filter(|(_, shared)| shared.touch > 0);
         let Some((&id, most)) = touching.rev().max_by_key(|(_, shared)| shared.touch) else { continue };

@@ -19,7 +19,7 @@ const STEP_M: f64 = 0.01;
 
 /// The owner of a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Owner {
+enum Owner {
     /// Structure other than the support: a wall.
     Nobody,
     Background,
@@ -70,7 +70,7 @@ impl Patch {
 }
 
 /// The owner of every facet.
-pub(super) fn find_owners(clusters: &Clusters<'_>) -> Vec<Owner> {
+fn find_owners(clusters: &Clusters<'_>) -> Vec<Owner> {
     let Scene { facets: Facets { segments, structure, .. }, supports, .. } = clusters.scene;
     let owner = |facet: usize| match facet.checked_sub(*structure) {
         None if supports.contains(&facet) => Owner::Background,
@@ -86,9 +86,14 @@ fn touches(scene: &Scene<'_>, i: usize, j: usize) -> bool {
     scene.steps.touch(scene.disparity, i, j) && (depth_m(i) - depth_m(j)).abs() <= STEP_M
 }
 
-/// The patches of background, in the order of their first pixels. Runs above each other belong to one patch. Where a run has no
-/// other run above or below, its patch ends. O(pixels + border pixels).
-pub(super) fn find_patches(scene: &Scene<'_>, owners: &[Owner]) -> Vec<Patch> {
+/// The patches of background, in the order of their first pixels. O(pixels + border pixels).
+pub(super) fn find_patches(clusters: &Clusters<'_>) -> Vec<Patch> {
+    patches_of(clusters.scene, &find_owners(clusters))
+}
+
+/// The same for owners of the facets. Runs above each other belong to one patch. Where a run has no
+/// other run above or below, its patch ends.
+fn patches_of(scene: &Scene<'_>, owners: &[Owner]) -> Vec<Patch> {
     let (width, height) = scene.disparity.size();
     let mut sides = Sides::of(scene, owners);
     for v in 0..height {
@@ -262,7 +267,7 @@ mod tests {
                 flood.sort_unstable();
                 expected.push((flood, border, shared));
             }
-            let patches = find_patches(&scene, owners).into_iter();
+            let patches = patches_of(&scene, owners).into_iter();
             let got: Vec<_> = patches.map(|p| (p.runs.into_iter().flatten().collect::<Vec<_>>(), p.border, p.shared)).collect();
             prop_assert_eq!(got, expected);
         }

@@ -99,14 +99,15 @@ impl SupportGraph {
         self.nodes.iter().zip(surest).map(|(node, surest)| node.p_o * (1.0 + surest) / 2.0).collect()
     }
 
-    /// The edge to the carrier of each node whose foot is hidden; `None` where a contact is seen, or nothing carries it. O(nodes + edges).
-    pub(crate) fn hidden_carriers(&self) -> Vec<Option<&SupportEdge>> {
+    /// The carrier of each node whose foot is hidden; `None` where a contact is seen, or nothing carries it. O(nodes + edges).
+    pub(crate) fn hidden_carriers(&self) -> Vec<Option<NodeId>> {
         let mut carriers = vec![None; self.nodes.len()];
-        self.edges
-            .iter()
-            .filter(|edge| edge.hidden)
-            .for_each(|edge| carriers[edge.upper.0 as usize] = Some(edge));
-        self.edges.iter().filter(|edge| !edge.hidden).for_each(|edge| carriers[edge.upper.0 as usize] = None);
+        for edge in self.edges.iter().filter(|edge| edge.hidden) {
+            carriers[edge.upper.0 as usize] = Some(edge.lower);
+        }
+        for edge in self.edges.iter().filter(|edge| !edge.hidden) {
+            carriers[edge.upper.0 as usize] = None;
+        }
         carriers
     }
 }

@@ -15,6 +15,7 @@ use crate::objectness::outline::{SeamsAt, measure_outlines};
 use crate::objectness::size::{rate_resolution, rate_rise, rate_size};
 use crate::oriented_box::fit_oriented_box;
 use crate::params;
+use crate::planes::StructurePlane;
 use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
 use crate::support::standing::Standing;
@@ -164,15 +165,11 @@ pub fn find_cluster_hypotheses(
     let mut hypotheses = judge_regions(&evidence, candidates_only, objectness, contraction);
     let hidden = graph.hidden_carriers();
     for hypothesis in &mut hypotheses {
-        if let Some(edge) = hidden[hypothesis.region.index()]
-            && let Some(plane) = planes.get(edge.lower.0 as usize)
-        {
-            let [.., height_m] = hypothesis.box_m.extents_m;
-            let rise_m =
-                plane.height_m(Vec3::from(hypothesis.box_m.center_m).as_dvec3()) as f32 + height_m / 2.0;
+        let region = hypothesis.region.index();
+        if let Some(plane) = hidden[region].and_then(|carrier| planes.get(carrier.0 as usize)) {
+            let rise_m = top_above_m(&hypothesis.box_m, plane);
             let parts = &mut hypothesis.parts;
-            let cut = footing.cut[hypothesis.region.index()];
-            parts.size = parts.size.min(rate_rise(rise_m, cut, objectness));
+            parts.size = parts.size.min(rate_rise(rise_m, footing.cut[region], objectness));
         }
         hypothesis.top_m = candidates.top_m(hypothesis.region, clusters);
         hypothesis.joins = candidates.joins(hypothesis.region, clusters);
@@ -186,4 +183,10 @@ pub fn find_cluster_hypotheses(
         hypothesis.objectness = hypothesis.parts.objectness(objectness);
     }
     hypotheses
+}
+
+/// Height (m) of the top of a box, whose z is along up, above a plane.
+fn top_above_m(box_m: &OrientedBox, plane: &StructurePlane) -> f32 {
+    let [.., height_m] = box_m.extents_m;
+    plane.height_m(Vec3::from(box_m.center_m).as_dvec3()) as f32 + height_m / 2.0
 }

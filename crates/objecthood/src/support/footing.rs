@@ -12,7 +12,7 @@ use crate::params;
 use crate::raster::Raster;
 use crate::regions::SegmentId;
 use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
-use crate::support::load::{LEVEL, Load, what_is_carried};
+use crate::support::load::{Load, is_level, what_is_carried};
 use crate::support::scene::SupportScene;
 
 /// About this many pixels of a thing are looked at.
@@ -119,11 +119,6 @@ impl<'a> Things<'a> {
         Self { scene, up, pixels, mean_m, is_furniture, rising }
     }
 
-    /// Whether a region is a level surface of the structure.
-    fn is_level(&self, region: SegmentId) -> bool {
-        self.scene.planes.get(region.index()).is_some_and(|plane| plane.normal().dot(self.up) > LEVEL)
-    }
-
     /// How much the columns below a thing say that it is held, and that it is cut; `found`: the same of what is lower.
     fn follow_down(&self, thing: usize, carriers: &[NodeId], found: &Footing) -> [f32; 2] {
         let (mut held, mut gone_on, mut outside, mut followed) = (0.0, 0.0, 0.0_f32, 0.0_f32);
@@ -131,7 +126,9 @@ impl<'a> Things<'a> {
             match follow(self.scene, self.up, i, thing) {
                 End::Air => followed += 1.0,
                 End::Region(region) => {
-                    let goes_on = self.is_level(region) && !carriers.contains(&NodeId(region.0));
+                    let plane = self.scene.planes.get(region.index());
+                    let goes_on = plane.is_some_and(|plane| is_level(plane, self.up))
+                        && !carriers.contains(&NodeId(region.0));
                     gone_on += if goes_on { 1.0 } else { found.cut[region.index()] };
                     held += found.held[region.index()];
                     followed += 1.0;
@@ -161,7 +158,7 @@ impl<'a> Things<'a> {
         let Self { scene, up, pixels, .. } = self;
         let points = pixels[thing].iter().map(|&i| DVec3::from(scene.points_m[i].map(f64::from)));
         let center_m = points.sum::<DVec3>() / pixels[thing].len() as f64;
-        let level = scene.planes.iter().filter(|plane| plane.normal().dot(*up) > LEVEL);
+        let level = scene.planes.iter().filter(|plane| is_level(plane, *up));
         let mut heights_m = level.map(|plane| plane.height_m(center_m)).peekable();
         heights_m.peek().is_some() && heights_m.all(|height_m| height_m < 0.0)
     }

@@ -7,7 +7,7 @@ use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
 use crate::support::scene::SupportScene;
 
 /// A surface whose normal has this component along up, within 26 degrees, can be carried.
-pub(super) const LEVEL: f64 = 0.9;
+const LEVEL: f64 = 0.9;
 /// Most height (m) of what lies between a thing and the surface that it carries: the thickness of a table-top.
 const THICKEST_M: f64 = 0.08;
 /// A surface that hides the upper end of a thing is carried by it if it is this high (m) above the place: boards of a shelf are closer.
@@ -15,6 +15,11 @@ const HIDDEN_M: f64 = 0.4;
 
 /// A column is followed up for at most this length (m): higher surfaces are carried by no thing that might be grasped.
 const HIGHEST_M: f64 = 2.0;
+
+/// Whether a plane of the structure is level, so that it can be carried, or carry.
+pub(super) fn is_level(plane: &StructurePlane, up: DVec3) -> bool {
+    plane.normal().dot(up) > LEVEL
+}
 
 /// What the column above a pixel of a thing ends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +47,7 @@ pub(super) fn what_is_carried(
 ) -> Option<Load> {
     let point = DVec3::from(scene.points_m[i].map(f64::from));
     let level = |region: Option<usize>| {
-        region.and_then(|region| scene.planes.get(region)).filter(|plane| plane.normal().dot(up) > LEVEL)
+        region.and_then(|region| scene.planes.get(region)).filter(|plane| is_level(plane, up))
     };
     let (mut air_m, mut between_m, mut is_hidden) = (0.0, 0.0, false);
     let (mut height_m, mut hidden_by) = (0.0, None);

@@ -8,7 +8,7 @@ use super::limits::{Limits, RIM_HEIGHT};
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
-use crate::clusters::patches::{Patch, Shared, find_owners, find_patches};
+use crate::clusters::patches::{Patch, Shared, find_patches};
 use crate::clusters::scene::sampled;
 use crate::discovery::join::{Join, JoinEvidence};
 use crate::regions::SegmentId;
@@ -31,7 +31,7 @@ const UP_COSINE: f64 = 0.7;
 pub(super) fn join_box(clusters: &mut Clusters<'_>, limits: Limits<'_>, misses: &mut Vec<Miss>) -> bool {
     let scene = clusters.scene;
     let least_px = scene.space.area_px(BOTTOM_PX);
-    for patch in find_patches(scene, &find_owners(clusters)) {
+    for patch in find_patches(clusters) {
         let is_wall = |shared: &Shared| patch.share_of_border(shared.touch + shared.hidden) >= WALL_SHARE;
         let walls: Vec<SegmentId> =
             patch.shared.iter().filter(|(_, shared)| is_wall(shared)).map(|(&id, _)| id).collect();
