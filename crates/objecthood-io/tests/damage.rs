@@ -1,5 +1,6 @@
 //! Every format of frames, damaged in every way: cut at 100 places, 1000 bytes or lengths changed, small files that unpack to much. What comes out is
 //! an error of one line or whole frames, and never more than 256 MB. Alone in its program, because the counter counts all threads.
+//! The recordings of the RealSense library lie in the data folder; they are large, so that fewer of their bytes are changed.
 //!
 //! Files of cameras and lists of folders, which are text, are in `hostile.rs`.
 //!
@@ -12,7 +13,7 @@ mod common;
 use std::path::Path;
 
 use common::written::{Damage, written};
-use common::{ENCODINGS, small_binary_ply, small_file, small_ply};
+use common::{ENCODINGS, data_folder, small_binary_ply, small_file, small_ply};
 use objecthood_io::images::decode_images;
 use objecthood_io::{Capture, Given, Result, Source};
 use peak_alloc::PeakAlloc;
@@ -24,6 +25,10 @@ static PEAK: PeakAlloc = PeakAlloc;
 const MOST_BYTES: usize = 256 << 20;
 /// The longest message, with the names of some topics.
 const MOST_LETTERS: usize = 700;
+/// Bytes or lengths changed in a small file.
+const PLACES: usize = 1000;
+/// The same in a recording of eight VGA frames, of which each reading takes some hundredths of a second.
+const PLACES_OF_LARGE: usize = 200;
 
 /// How a file is read.
 #[derive(Clone, Copy, Debug)]
@@ -117,10 +122,10 @@ impl Reader<'_> {
         (messages, PEAK.peak_usage() - before)
     }
 
-    fn assert_survives(&self, how: How, name: &str, good: &[u8]) {
+    fn assert_survives(&self, how: How, name: &str, good: &[u8], places: usize) {
         let (messages, _) = self.read(how, good);
         assert!(messages.is_empty(), "{name}: {messages:?}");
-        Damage { places: 1000, seed: 7 }.of(good, |bytes, what| {
+        Damage { places, seed: 7 }.of(good, |bytes, what| {
             let (messages, peak) = self.read(how, bytes);
             assert!(peak <= MOST_BYTES, "{name} {what}: {peak} bytes");
             for message in messages {
@@ -137,10 +142,16 @@ fn damaged_files_are_told_and_take_no_memory() {
     let place = elsewhere.path().join("damaged");
     let mut reader = Reader { known: Given::default(), depth: Vec::new(), place: &place };
     for encoding in ENCODINGS {
-        reader.assert_survives(How::Frame, &format!("{encoding:?}.pcd"), &small_file(encoding));
+        reader.assert_survives(How::Frame, &format!("{encoding:?}.pcd"), &small_file(encoding), PLACES);
     }
-    reader.assert_survives(How::Frame, "small.ply", &small_ply());
-    reader.assert_survives(How::Frame, "binary.ply", &small_binary_ply());
+    reader.assert_survives(How::Frame, "small.ply", &small_ply(), PLACES);
+    reader.assert_survives(How::Frame, "binary.ply", &small_binary_ply(), PLACES);
+    if let Some(data) = data_folder() {
+        for name in ["realsense-softdevice.bag", "realsense-softdevice.db3"] {
+            let good = std::fs::read(data.join("containers").join(name)).unwrap();
+            reader.assert_survives(How::Recording, name, &good, PLACES_OF_LARGE);
+        }
+    }
 
     let Some((files, recordings)) = written("files.py").zip(written("bombs.py")) else { return };
     let content = |how: How, name: &str| {
@@ -151,7 +162,7 @@ fn damaged_files_are_told_and_take_no_memory() {
     reader.depth = content(How::Depth, "depth.png");
     for (how, depth_scale, names) in FILES {
         reader.known.depth_scale = depth_scale;
-        names.iter().for_each(|name| reader.assert_survives(how, name, &content(how, name)));
+        names.iter().for_each(|name| reader.assert_survives(how, name, &content(how, name), PLACES));
     }
     for (how, names) in BOMBS {
         for name in names {
