@@ -54,8 +54,8 @@ const FILES: [(How, Option<f64>, &[&str]); 6] = [
         &["text.ply", "little.ply", "big.ply", "organized.ply", "colored.npy", "points.npz", "stored.npz"],
     ),
     (How::Frame, MILLIMETRES, &["compressed.npz"]),
-    (How::Depth, None, &["metres.npy", "zip.exr", "piz.exr", "rle.exr", "none.exr"]),
-    (How::Depth, MILLIMETRES, &["depth.npy", "depth.png", "depth.tif", "packed.tif"]),
+    (How::Depth, None, &["metres.npy", "zip.exr", "piz.exr", "rle.exr", "none.exr", "strips.tif"]),
+    (How::Depth, MILLIMETRES, &["depth.npy", "depth.png", "depth.tif", "packed.tif", "tiles.tif"]),
     (How::Color, MILLIMETRES, &["color.png", "color.jpg", "color.tif"]),
     (
         How::Recording,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import OpenEXR
+import tifffile
 from PIL import Image
 from plyfile import PlyData, PlyElement
 
@@ -58,8 +59,12 @@ bomb = np.zeros((4096, 8192), np.float32)
 OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}, {"Z": bomb}).write(str(out / "bomb.exr"))
 
 Image.fromarray(depth).save(out / "depth.png")
-Image.fromarray(depth).save(out / "depth.tif")
 Image.fromarray(depth).save(out / "packed.tif", compression="tiff_adobe_deflate")
+tifffile.imwrite(out / "depth.tif", depth)
+tifffile.imwrite(out / "tiles.tif", depth, tile=(16, 16), compression="zlib")
+tifffile.imwrite(out / "big-endian.tif", depth, byteorder=">", bigtiff=True)
+tifffile.imwrite(out / "metres.tif", metres)
+tifffile.imwrite(out / "strips.tif", np.where(depth == 0, np.nan, metres).astype(np.float32), rowsperstrip=7, compression="zlib")
 Image.fromarray(color).save(out / "color.png")
 Image.fromarray(color).save(out / "color.jpg")
 Image.fromarray(color).save(out / "color.tif", compression="tiff_lzw")

@@ -1,4 +1,4 @@
-//! Clouds, arrays and images of other programs are read to the depth that went in: plyfile, NumPy, `OpenEXR`. Needs a Python in
+//! Clouds, arrays and images of other programs are read to the depth that went in: plyfile, NumPy, `OpenEXR`, tifffile, Pillow. Needs a Python in
 //! `OBJECTHOOD_PYTHON`, with the packages of `xtask/requirements.txt`; without it, it says that it skips.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "what fails or is skipped is reported so")]
 
@@ -88,8 +88,16 @@ fn arrays(folder: &Path) {
 }
 
 fn images(folder: &Path) {
-    for name in ["zip.exr", "piz.exr", "rle.exr", "none.exr", "grey.exr"] {
+    for name in ["zip.exr", "piz.exr", "rle.exr", "none.exr", "grey.exr", "metres.tif", "strips.tif"] {
         assert_scene(&image(folder, name, &camera()).unwrap(), false, name);
+    }
+    let known = Given { depth_scale: Some(1000.0), ..camera() };
+    for name in ["depth.png", "packed.tif", "depth.tif", "tiles.tif", "big-endian.tif"] {
+        assert_scene(&image(folder, name, &known).unwrap(), false, name);
+    }
+    for name in ["color.png", "color.tif"] {
+        let [color, depth] = [name, "depth.png"].map(|name| std::fs::read(folder.join(name)).unwrap());
+        assert_scene(&decode_images(Some(&color), &depth, &known).unwrap(), true, name);
     }
     let message = image(folder, "color.exr", &camera()).unwrap_err().to_string();
     assert!(message.contains("a depth image has one channel but this one has 3"), "{message}");
