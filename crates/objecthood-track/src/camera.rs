@@ -1,6 +1,7 @@
 //! The camera's own motion, from what stands still.
 
 use glam::DVec3;
+use objecthood::Camera;
 use serde::{Deserialize, Serialize};
 
 use crate::align::{Motion, SurfacePoint, align, fit, gain};
@@ -22,6 +23,9 @@ const STANDS_FIT: f64 = 0.85;
 /// shadow hide much of the key frame. A slow motion is found once it has summed up to this: about a millimetre at a metre.
 const LEAST_GAIN: f64 = 0.1;
 
+/// Other intrinsics count when they move a pixel by more than this (px): those of organized clouds are fitted, and scatter a little.
+const OTHER_CAMERA_PX: f64 = 0.5;
+
 /// Where the camera is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
@@ -29,9 +33,11 @@ pub(crate) struct Place {
     pub(crate) world_from_camera: Rigid,
     /// Takes points of the last frame's camera to this one's.
     pub(crate) step: Rigid,
+    /// The intrinsics with which the pixels of the memory were seen.
+    pub(crate) remembered: Camera,
     /// Against gravity, in the world.
     pub(crate) up: DVec3,
-    /// Whether it is moving.
+    /// Whether it is moving, or zooming.
     pub(crate) moves: bool,
     /// Whether the motion could not be found.
     pub(crate) is_lost: bool,
@@ -58,11 +64,19 @@ pub(crate) struct CameraMotion {
     from_key: Rigid,
     world_from_camera: Rigid,
     up: Option<DVec3>,
+    /// Intrinsics of the frame whose pixels the memory has.
+    intrinsics: Option<Camera>,
 }
 
 impl CameraMotion {
     pub(crate) fn new() -> Self {
-        Self { key: Vec::new(), from_key: Rigid::IDENTITY, world_from_camera: Rigid::IDENTITY, up: None }
+        Self {
+            key: Vec::new(),
+            from_key: Rigid::IDENTITY,
+            world_from_camera: Rigid::IDENTITY,
+            up: None,
+            intrinsics: None,
+        }
     }
 
     /// Where the camera is in a frame; `up` is what the frame tells, in its camera. O(n / grid).
@@ -93,8 +107,13 @@ impl CameraMotion {
                 }
             }
         };
-        let moves = step != Rigid::IDENTITY && !is_still(&step);
-        let step = if moves { step } else { Rigid::IDENTITY };
+        let is_still = step == Rigid::IDENTITY || is_still(&step);
+        let step = if is_still { Rigid::IDENTITY } else { step };
+        let remembered = self.intrinsics.unwrap_or(view.camera);
+        let moves = !is_still || shift_px(&remembered, view) > OTHER_CAMERA_PX;
+        if moves || is_first {
+            self.intrinsics = Some(view.camera);
+        }
         self.world_from_camera = given.unwrap_or_else(|| self.world_from_camera.after(&step.inverse()));
         self.from_key = step.after(&self.from_key);
         let (fits, seen) = fit(&self.key, view, &self.from_key);
@@ -105,7 +124,7 @@ impl CameraMotion {
         let told = self.world_from_camera.direction(up);
         let up = self.up.map_or(told, |mean| (mean + 0.1 * (told - mean)).normalize_or(told));
         self.up = Some(up);
-        Place { world_from_camera: self.world_from_camera, step, up, moves, is_lost, covariance }
+        Place { world_from_camera: self.world_from_camera, step, remembered, up, moves, is_lost, covariance }
     }
 
     fn settle(&self, motion: &Motion) -> Rigid {
@@ -116,6 +135,16 @@ impl CameraMotion {
 /// Whether a step is within what noise does. It is measured at 1 m before the camera.
 fn is_still(step: &Rigid) -> bool {
     step.displacement_m(DVec3::Z) < STILL.0 && step.angle_rad() < STILL.1
+}
+
+/// How far other intrinsics move what is seen at the corners of the image (px).
+fn shift_px(before: &Camera, view: &View) -> f64 {
+    let (right, bottom) = (view.size.0 as f64 - 1.0, view.size.1 as f64 - 1.0);
+    let shift = |(u, v): (f64, f64)| {
+        let now = view.camera.project(before.ray(u, v).map(|part| part as f32));
+        (now.0 - u).abs().max((now.1 - v).abs())
+    };
+    [(0.0, 0.0), (right, bottom)].map(shift).into_iter().fold(0.0, f64::max)
 }
 
 /// Points of a frame on a grid.

@@ -104,8 +104,8 @@ impl Memory {
             notices.push(TrackNotice::CameraLost);
         }
         if place.moves {
-            self.scene.carry(&place.step, view);
-            self.rested.carry(&place.step, view);
+            self.scene.carry(&place, view);
+            self.rested.carry(&place, view);
         }
         let changed = self.scene.changed(view, place.moves);
         if self.has(Ingredient::Agents) {

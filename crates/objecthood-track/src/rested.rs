@@ -6,8 +6,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::bits::Bits;
+use crate::camera::Place;
 use crate::memory::Look;
-use crate::rigid::Rigid;
 use crate::scene::{BESIDE_BACKGROUND_PER_M, Key, Reach, THERE_M, placed};
 use crate::view::View;
 
@@ -61,10 +61,10 @@ impl Rested {
         Self { size, owner: vec![0; n], surface: vec![0.0; n] }
     }
 
-    /// Moves what is known with the camera: `step` takes points from the last frame's camera to this one's. O(n).
-    pub(crate) fn carry(&mut self, step: &Rigid, view: &View) {
+    /// Moves what is known with the camera. O(n).
+    pub(crate) fn carry(&mut self, place: &Place, view: &View) {
         let old = std::mem::replace(self, Self::empty(self.size));
-        let places = placed(&old.surface, step, view);
+        let places = placed(&old.surface, place, view);
         for reach in [Reach::Nearest, Reach::Around] {
             for at in &places {
                 for to in reach.pixels(at, self.size) {

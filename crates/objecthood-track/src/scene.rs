@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::bits::Bits;
+use crate::camera::Place;
 use crate::pace::Pace;
-use crate::rigid::Rigid;
 use crate::view::View;
 
 /// Inverse depth changed by more than this (1/m): four standard deviations of a Kinect's disparity; with a moving camera
@@ -60,13 +60,13 @@ pub(crate) struct Placed {
     pub(crate) inverse: f32,
 }
 
-/// The pixels of an image of inverse depths (1/m, 0 = unknown) that stay in view after a step. O(n).
-pub(crate) fn placed(inverse: &[f32], step: &Rigid, view: &View) -> Vec<Placed> {
-    let (matrix, shift) = (step.matrix(), step.point(glam::DVec3::ZERO));
+/// The pixels of a remembered image of inverse depths (1/m, 0 = unknown) that stay in view after a step. O(n).
+pub(crate) fn placed(inverse: &[f32], place: &Place, view: &View) -> Vec<Placed> {
+    let (matrix, shift) = (place.step.matrix(), place.step.point(glam::DVec3::ZERO));
     let at = |from: usize, inverse: f32| {
         let (u, v) = ((from % view.size.0) as f64, (from / view.size.0) as f64);
         // The point times its inverse depth: its direction is what counts.
-        let ray = matrix * glam::DVec3::from(view.camera.ray(u, v)) + shift * f64::from(inverse);
+        let ray = matrix * glam::DVec3::from(place.remembered.ray(u, v)) + shift * f64::from(inverse);
         let z_m = ray.z / f64::from(inverse);
         let (u, v) = view.project(ray * (z_m / ray.z))?;
         Some(Placed { from, u: u as f32, v: v as f32, inverse: (1.0 / z_m) as f32 })
@@ -126,10 +126,10 @@ impl Scene {
         self.size
     }
 
-    /// Moves what is known with the camera: `step` takes points from the last frame's camera to this one's. O(n).
-    pub(crate) fn carry(&mut self, step: &Rigid, view: &View) {
+    /// Moves what is known with the camera. O(n).
+    pub(crate) fn carry(&mut self, place: &Place, view: &View) {
         let old = std::mem::replace(self, Self::empty(self.size));
-        let (surface, rested) = (placed(&old.depth, step, view), placed(&old.background, step, view));
+        let (surface, rested) = (placed(&old.depth, place, view), placed(&old.background, place, view));
         for reach in [Reach::Nearest, Reach::Around] {
             for at in &surface {
                 for to in reach.pixels(at, self.size) {

@@ -101,6 +101,24 @@ fn noise_moves_nothing() {
     assert!(tracker.finish().is_empty());
 }
 
+/// A crop slides over a still image of twins: its principal point moves with it, and nothing else does. Each twin is now where the other was.
+#[test]
+fn other_intrinsics_move_nothing() {
+    let mut tracker = Tracker::new(objecthood::Params::default());
+    for number in 0..40_i32 {
+        let slid = if number < 20 { 0 } else { 40 };
+        let twins = [20, 60, 100].map(|left| Patch { left: left - slid, ..THING });
+        let (frame, found) = frame(&twins, &[0, 1, 2], number as u64);
+        let camera = Camera::new(131.0, 131.0, 79.5 - f64::from(slid), 59.5).unwrap();
+        let frame = Frame::new(frame.depth_m().clone(), frame.color().cloned(), camera).unwrap();
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        let numbers: Vec<_> =
+            tracked.objects.iter().filter_map(|object| object.track).map(|track| track.0).collect();
+        assert_eq!(numbers, [1, 2, 3], "frame {number}");
+        assert!(tracked.events.is_empty(), "frame {number}: {:?}", tracked.events);
+    }
+}
+
 /// A screen slides over the thing and, a second later, off it: what comes out first is a narrow strip.
 #[test]
 fn what_comes_out_in_pieces_keeps_its_number() {
