@@ -42,6 +42,21 @@ def pandas(found: Discovery) -> Any:
     return _package("pandas").DataFrame(columns)
 
 
+def open3d(found: Discovery) -> tuple[Any, list[Any]]:
+    package = _package("open3d")
+    depth, color = found.capture.depth, found.capture.color
+    fx, fy, cx, cy = found.capture.camera
+    rows, columns = np.nonzero(np.isfinite(depth))
+    z = depth[rows, columns]
+    positions = np.stack([(columns - cx) / fx * z, (rows - cy) / fy * z, z], axis=1)
+    cloud = package.t.geometry.PointCloud(positions.astype(np.float32))
+    cloud.point["label"] = found.labels[rows, columns, None].astype(np.int32)
+    if color is not None:
+        cloud.point["colors"] = color[rows, columns]
+    boxes = zip(found.boxes3d.center, found.boxes3d.rotation, found.boxes3d.size, strict=True)
+    return cloud, [package.geometry.OrientedBoundingBox(*box) for box in boxes]
+
+
 def plot(found: Discovery, ax: Any) -> Any:
     if ax is None:
         ax = _package("matplotlib.pyplot").figure().add_subplot()

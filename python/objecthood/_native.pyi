@@ -47,26 +47,47 @@ class Capture:
         color: NDArray[np.uint8] | None,
         depth_scale: float,
     ) -> Capture: ...
-    def with_gravity(self, gravity: tuple[float, float, float]) -> Capture: ...
-    def with_gravity_of_pose(self) -> Capture: ...
+    def with_gravity(self, gravity: tuple[float, float, float]) -> Capture:
+        """The same frame with the direction in which things fall, in the frame of the file's points."""
+
+    def with_gravity_of_pose(self) -> Capture:
+        """The same frame with gravity along -z of the world of its pose."""
+
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Name of the frame: of files the name without its ending; empty for arrays."""
+
     @property
-    def path(self) -> str: ...
+    def path(self) -> str:
+        """The file it is from; empty for arrays."""
+
     @property
-    def stamp_ns(self) -> int | None: ...
+    def stamp_ns(self) -> int | None:
+        """When the depth was measured (ns by the clock of the source), if that is known."""
+
     @property
-    def shape(self) -> tuple[int, int]: ...
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+
     @property
-    def camera(self) -> tuple[float, float, float, float]: ...
+    def camera(self) -> tuple[float, float, float, float]:
+        """Focal lengths and principal point: fx, fy, cx, cy (px)."""
+
     @property
-    def depth(self) -> NDArray[np.float32]: ...
+    def depth(self) -> NDArray[np.float32]:
+        """Depth along the optical axis, HxW (m), NaN = none. A copy."""
+
     @property
-    def color(self) -> NDArray[np.uint8] | None: ...
+    def color(self) -> NDArray[np.uint8] | None:
+        """Colour, HxWx3 RGB, if there is any. A copy."""
+
     @property
-    def truth(self) -> NDArray[np.uint32] | None: ...
+    def truth(self) -> NDArray[np.uint32] | None:
+        """The true label of every pixel, HxW as the file has it, if there is a truth. A copy."""
+
     @property
-    def pose(self) -> tuple[list[float], list[float]] | None: ...
+    def pose(self) -> tuple[list[float], list[float]] | None:
+        """Where the camera was, if that is known: position (m) and unit quaternion x, y, z, w that take its points to the world."""
 
 @final
 class Found:

@@ -247,6 +247,13 @@ class Discovery:
 
         return supervision(self)
 
+    def to_open3d(self) -> tuple[Any, list[Any]]:
+        """The points and a box for each object: an `open3d.t.geometry.PointCloud` with `positions` (m), `label` and `colors`, and a list of
+        `open3d.geometry.OrientedBoundingBox`. Needs the package open3d."""
+        from objecthood._exports import open3d
+
+        return open3d(self)
+
     def to_pandas(self) -> Any:
         """A `pandas.DataFrame` with a row for each object. Needs the package pandas."""
         from objecthood._exports import pandas

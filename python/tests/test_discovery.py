@@ -131,6 +131,17 @@ def test_supervision_has_the_same_boxes_and_masks(found: oh.Discovery) -> None:
     assert all(np.array_equal(mask, thing.mask()) for mask, thing in zip(detections.mask, found, strict=True))
 
 
+def test_open3d_has_the_points_of_each_object_in_its_box(found: oh.Discovery) -> None:
+    pytest.importorskip("open3d")
+    cloud, boxes = found.to_open3d()
+    positions, labels = cloud.point["positions"].numpy(), cloud.point["label"].numpy().ravel()
+    for thing, box in zip(found, boxes, strict=True):
+        points = positions[labels == thing.id]
+        assert np.allclose(points, thing.points(), atol=1e-5)
+        sides = (points - box.center) @ box.R
+        assert (np.abs(sides) <= box.extent / 2 + 1e-4).mean() > 0.95
+
+
 def test_a_plot_and_a_notebook_show_the_overlay(found: oh.Discovery) -> None:
     html = found._repr_html_()
     assert html.startswith('<img src="data:image/png;base64,') and html.count("<tr>") == len(found) + 1
