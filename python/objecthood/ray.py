@@ -204,7 +204,9 @@ class _Worker:
 def main(arguments: Sequence[str] | None = None) -> int:
     """`python -m objecthood.ray`: 0 when every frame is done, 1 when some failed, 2 when nothing could be done."""
     parser = argparse.ArgumentParser(prog="python -m objecthood.ray", description=segment.__doc__)
-    parser.add_argument("inputs", nargs="+", help="paths or URIs of files and folders")
+    named = parser.add_mutually_exclusive_group(required=True)
+    named.add_argument("inputs", nargs="*", default=[], help="paths or URIs of files and folders")
+    named.add_argument("--pairs", action="store_true", help="read pairs of images from stdin: JSON, a list of [colour or null, depth]")
     parser.add_argument("--out", required=True, help="folder or URI of the Parquet data set")
     parser.add_argument("--params", type=Params.from_json, help="JSON of parameters, as Params.to_json gives it")
     parser.add_argument("--camera", help="camera file, or fx,fy,cx,cy")
@@ -216,7 +218,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         numbers = (given.camera or "").split(",")
         camera = [float(number) for number in numbers] if len(numbers) == 4 else given.camera
         summary = segment(
-            given.inputs,
+            [tuple(pair) for pair in json.load(sys.stdin)] if given.pairs else given.inputs,
             given.out,
             params=given.params,
             camera=camera,

@@ -217,6 +217,30 @@ def test_the_command_line_calls_it(cluster: str, archive: Path, tmp_path: Path) 
     assert [row["labels_png"] for row in rows(str(tmp_path / "out"))] == [labels]
 
 
+def test_the_command_line_takes_pairs(cluster: str, archive: Path, expected: list[Any], tmp_path: Path) -> None:
+    program = os.environ.get("OBJECTHOOD_PROGRAM")
+    if program is None:
+        pytest.skip("OBJECTHOOD_PROGRAM names no program")
+    environment = os.environ | {"RAY_ADDRESS": cluster, "OBJECTHOOD_PYTHON": sys.executable}
+    camera = ",".join(map(str, objecthood.open(archive)[0].camera))
+    command = [program, "batch", "--depth", "depth/00000[0-2].png", "--camera", camera, "--depth-scale", "10000", "--out", str(tmp_path / "out")]
+    run = subprocess.run(command, cwd=archive, env=environment, capture_output=True, text=True)
+    assert run.returncode == 0 and "3 of 3 frames done" in run.stdout, run.stderr
+    assert [row["labels_png"] for row in rows(str(tmp_path / "out"))] == [frame[0] for frame in expected[:3]]
+
+
+def test_recordings_are_read_in_parts(cluster: str, tmp_path: Path) -> None:
+    data = Path(os.environ.get("OBJECTHOOD_DATA", Path(__file__).parents[3] / "shared/data"))
+    recordings = [data / "containers" / name for name in ("ros2_mcap/ros2_mcap.mcap", "realsense-softdevice.bag")]
+    if not recordings[0].is_file():
+        pytest.skip("no real data here, set OBJECTHOOD_DATA to the folder that holds containers")
+    summary = segment([str(path) for path in recordings], str(tmp_path / "out"), concurrency=2)
+    assert (summary["frames"], summary["failed"]) == (38, 0)
+    pipeline = objecthood.Pipeline(threads=1)
+    labels = [pipeline.discover(capture)._found.label_png() for path in recordings for capture in objecthood.open(path)]
+    assert sorted(row["labels_png"] for row in rows(str(tmp_path / "out"))) == sorted(labels)
+
+
 def test_what_cannot_be_used_is_said(cluster: str, tmp_path: Path) -> None:
     with pytest.raises(objecthood.FileError, match="there is nothing"):
         segment(tmp_path / "missing", str(tmp_path / "out"))

@@ -18,7 +18,7 @@ pub(crate) use batch::{BatchArgs, Engine};
 pub(crate) use doctor::{ConvertArgs, DoctorArgs, InfoArgs, Target};
 pub(crate) use eval::{ComparisonArgs, EvalArgs, SyntheticArgs};
 pub(crate) use gravity::GravityArg;
-pub(crate) use images::{CameraArg, ImageArgs, ScopeArgs};
+pub(crate) use images::{CameraArg, ImageArgs, PairArgs, ScopeArgs};
 pub(crate) use output::{OutputKind, Printed};
 pub(crate) use selection::SelectionArgs;
 pub(crate) use settings::{MethodName, Parameters, Settings, Threads};

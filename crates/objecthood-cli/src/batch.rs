@@ -1,13 +1,16 @@
 //! `objecthood batch`: hands an archive to the engine, which is a package of Python.
 
 use std::ffi::OsString;
-use std::process::Command;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::{Command, ExitStatus, Stdio};
 
 use anyhow::{Result, anyhow};
 
-use crate::args::{BatchArgs, Engine};
+use crate::args::{BatchArgs, Engine, PairArgs};
 use crate::config;
 use crate::failure::{Outcome, usage};
+use crate::inputs::pairs;
 
 /// The module of the engine, and what installs it.
 fn package(engine: Engine) -> (&'static str, &'static str) {
@@ -36,7 +39,10 @@ pub(crate) fn run(args: &BatchArgs) -> Result<Outcome> {
         let said = String::from_utf8_lossy(&tried.stderr);
         return Err(absent(said.trim_end().lines().next_back().unwrap_or("it ended")));
     }
-    let status = Command::new(&python).args(["-m", module]).args(options(args)?).status()?;
+    let pairs = pairs_of(&args.pairs)?;
+    let mut command = Command::new(&python);
+    command.args(["-m", module]).args(options(args)?);
+    let status = run_engine(command, pairs.as_deref())?;
     match status.code() {
         Some(0) => Ok(Outcome::AllDone),
         Some(1) => Ok(Outcome::SomeFailed),
@@ -44,6 +50,44 @@ pub(crate) fn run(args: &BatchArgs) -> Result<Outcome> {
         Some(130) => Ok(Outcome::Interrupted),
         _ => Err(anyhow!("the engine ended early ({status}): give the same command to go on")),
     }
+}
+
+/// The pairs of images that are named, as JSON; `None` if inputs are named instead.
+///
+/// # Errors
+/// Of usage, when an image has no partner, and when a path is not Unicode, which JSON has to be.
+fn pairs_of(named: &PairArgs) -> Result<Option<String>> {
+    if named.depth.is_empty() {
+        return Ok(None);
+    }
+    let found = pairs::find(named)?;
+    if let Some(complaint) = found.complaints.into_iter().next() {
+        return Err(usage(complaint.to_string()));
+    }
+    let text = |path: PathBuf| {
+        path.into_os_string()
+            .into_string()
+            .map_err(|path| usage(format!("{}: rename it, its name is no Unicode", path.display())))
+    };
+    let pairs: Result<Vec<_>> = found
+        .pairs
+        .into_iter()
+        .map(|files| Ok((files.color.map(text).transpose()?, text(files.depth)?)))
+        .collect();
+    Ok(Some(serde_json::to_string(&pairs?)?))
+}
+
+/// Runs the engine to its end; it reads `input` from stdin.
+///
+/// # Errors
+/// When it cannot be started, or does not read.
+fn run_engine(mut command: Command, input: Option<&str>) -> Result<ExitStatus> {
+    let Some(input) = input else { return Ok(command.status()?) };
+    let mut engine = command.arg("--pairs").stdin(Stdio::piped()).spawn()?;
+    if let Some(mut stdin) = engine.stdin.take() {
+        stdin.write_all(input.as_bytes())?;
+    }
+    Ok(engine.wait()?)
 }
 
 /// The options as the module takes them.
@@ -64,7 +108,9 @@ fn options(args: &BatchArgs) -> Result<Vec<OsString>> {
     depth_scale.iter().for_each(|scale| add("depth-scale", scale.to_string().into()));
     topics.iter().for_each(|topic| add("topic", topic.into()));
     workers.iter().for_each(|count| add("workers", count.to_string().into()));
-    options.push("--".into());
-    options.extend(inputs.iter().map(OsString::from));
+    if !inputs.is_empty() {
+        options.push("--".into());
+        options.extend(inputs.iter().map(OsString::from));
+    }
     Ok(options)
 }

@@ -1,6 +1,6 @@
 //! Files and folders on the command line -> the list of frames, each with a name of its own for its outputs.
 
-mod pairs;
+pub(crate) mod pairs;
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ffi::OsStr;
@@ -113,10 +113,10 @@ pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraF
     let selection = args.selection.selection();
     let mut inputs = Inputs::default();
     let mut folders = Folders::default();
-    let (frames, tops) = if args.images.depth.is_empty() {
+    let (frames, tops) = if args.images.pairs.depth.is_empty() {
         open_all(&args.inputs, &given, &selection, &mut inputs)
     } else {
-        let pairs::Pairs { pairs, complaints } = pairs::find(&args.images.color, &args.images.depth)?;
+        let pairs::Pairs { pairs, complaints } = pairs::find(&args.images.pairs)?;
         refuse_unknown_camera_or_unit(&given, &pairs)?;
         inputs.unreadable = complaints;
         let tops: BTreeSet<PathBuf> = pairs.iter().map(|pair| folders.of(&pair.depth)).collect();

@@ -3,6 +3,7 @@
 use clap::{Args, ValueEnum};
 
 use super::EXIT_CODES;
+use super::images::PairArgs;
 use super::number::whole;
 use super::settings::{MethodName, Parameters};
 
@@ -14,8 +15,11 @@ use super::settings::{MethodName, Parameters};
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct BatchArgs {
     /// Files, folders in the layout of TUM, BOP or ROS 2, and folders of files.
-    #[arg(required = true, value_name = "INPUT")]
+    #[arg(required_unless_present = "depth", conflicts_with = "depth", value_name = "INPUT")]
     pub(crate) inputs: Vec<String>,
+
+    #[command(flatten)]
+    pub(crate) pairs: PairArgs,
 
     /// Folder or URI for the output.
     #[arg(long, value_name = "OUT")]

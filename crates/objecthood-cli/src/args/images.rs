@@ -12,10 +12,10 @@ use objecthood_io::{DEFAULT_MAX_PIXELS, Error, GridCamera, extensions};
 use super::number::whole;
 use crate::failure::usage;
 
-/// Frames in image files.
+/// Image files that make frames.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Images")]
-pub(crate) struct ImageArgs {
+pub(crate) struct PairArgs {
     /// Colour images (PNG, JPEG, TIFF), registered to the depth: files, a folder, or a pattern such as '*-color.png';
     /// joined with the depth images by what is left of their names without `color`, `rgb` and `depth`.
     #[arg(long, value_name = "PATH", num_args = 1.., requires = "depth")]
@@ -24,6 +24,14 @@ pub(crate) struct ImageArgs {
     /// Depth images (16-bit PNG, 16-bit or float TIFF, EXR, NPY): files, a folder, or a pattern such as '*-depth.png'.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub(crate) depth: Vec<PathBuf>,
+}
+
+/// Frames in image files.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Images")]
+pub(crate) struct ImageArgs {
+    #[command(flatten)]
+    pub(crate) pairs: PairArgs,
 
     /// Units of the depth images that are a metre: 1000 for millimetres, 5000 for TUM, 10000 for YCB-Video. Needed for
     /// integer depth, unless the camera file says it.

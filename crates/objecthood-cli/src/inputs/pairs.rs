@@ -16,7 +16,7 @@ use objecthood_io::images::ImageFiles;
 use objecthood_io::natural;
 use walkdir::WalkDir;
 
-use crate::args::OutputKind;
+use crate::args::{OutputKind, PairArgs};
 use crate::failure::usage;
 
 /// What an image shows.
@@ -28,11 +28,11 @@ pub(super) enum Role {
 
 /// What was found.
 #[derive(Debug, Default)]
-pub(super) struct Pairs {
+pub(crate) struct Pairs {
     /// In the order in which the depth images were given; those of a folder or pattern in natural order.
-    pub(super) pairs: Vec<ImageFiles>,
+    pub(crate) pairs: Vec<ImageFiles>,
     /// Images without a partner, arguments without images.
-    pub(super) complaints: Vec<anyhow::Error>,
+    pub(crate) complaints: Vec<anyhow::Error>,
 }
 
 /// Joins colour with depth images. Without colour every depth image is a frame; one file each is a pair whatever the
@@ -40,7 +40,7 @@ pub(super) struct Pairs {
 ///
 /// # Errors
 /// Of usage, when two images of a kind have the same key.
-pub(super) fn find(color: &[PathBuf], depth: &[PathBuf]) -> Result<Pairs> {
+pub(crate) fn find(PairArgs { color, depth }: &PairArgs) -> Result<Pairs> {
     let mut complaints = Vec::new();
     let depth_files = expand(Role::Depth, depth, &mut complaints);
     let color_files = expand(Role::Color, color, &mut complaints);
