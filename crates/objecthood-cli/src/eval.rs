@@ -4,6 +4,7 @@ mod comparison;
 mod families;
 mod pictures;
 mod plots;
+mod report;
 mod stock;
 mod subject;
 mod support;
@@ -39,8 +40,8 @@ struct Named<'a> {
 /// Of usage; when a scene or label image cannot be read, because figures of the other scenes would not compare with
 /// those of all; when the figures cannot be written. A file without truth is no scene: it is reported and left out.
 pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
-    if let Some(path) = &args.json {
-        refuse_unusable_file(path)?;
+    for (option, path) in [("--json", &args.json), ("--report", &args.report)] {
+        path.iter().try_for_each(|path| refuse_unusable_file(option, path))?;
     }
     if let Some(families) = &args.synthetic.family {
         return families::run(args, &families.0);
@@ -62,15 +63,17 @@ pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
 
     let seeds = u64::from(args.seed)..u64::from(args.seed) + u64::from(args.composites);
     let sensor = subject.params().map_or_else(params::Sensor::default, |params| params.sensor.clone());
-    let reports = crew::pool(args.settings.threads())?.install(|| -> Result<_> {
+    let (stock, scored) = crew::pool(args.settings.threads())?.install(|| -> Result<_> {
         let stock = Stock::new(scenes, args.camera, seeds, &sensor)?;
-        let reports = subject.score(&stock, args.settings.verbose)?;
-        if let (Some(folder), Some(params), [(_, report)]) = (&args.pictures, subject.params(), &reports[..])
+        let scored = subject.score(&stock, args.settings.verbose)?;
+        if let (Some(folder), Some(params), [(_, report)]) =
+            (&args.pictures, subject.params(), &scored.reports[..])
         {
             pictures::draw(folder, &stock, report, params)?;
         }
-        Ok(reports)
+        Ok((stock, scored))
     })?;
+    let reports = &scored.reports;
     let json = match &reports[..] {
         [(_, report)] => to_json(report)?,
         _ => {
@@ -78,22 +81,28 @@ pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
             to_json(&named)?
         }
     };
-    // The file first: whatever becomes of stdout, the figures are safe.
+    // The files first: whatever becomes of stdout, the figures are safe.
     if let Some(path) = &args.json {
         output::write_atomically(path, json.as_bytes())?;
     }
+    let plots = plots::of(&scored, subject.comparison());
     if let Some(folder) = &args.plots {
-        plots::draw(folder, &reports, subject.comparison())?;
+        plots::write(folder, &plots)?;
     }
-    terminal::print(&text::of(&reports, subject.comparison(), args.per_scene))?;
+    let text = text::of(reports, subject.comparison(), args.per_scene);
+    if let Some(path) = &args.report {
+        let params = subject.params().cloned().unwrap_or_default();
+        report::write(path, &text, &plots, &params, (&stock, &scored))?;
+    }
+    terminal::print(&text)?;
     Ok(if unlabelled.is_empty() { Outcome::AllDone } else { Outcome::SomeFailed })
 }
 
-fn refuse_unusable_file(file: &Path) -> Result<()> {
+fn refuse_unusable_file(option: &str, file: &Path) -> Result<()> {
     match file.parent() {
-        _ if file.is_dir() => Err(usage(format!("--json {} is a folder: name a file", file.display()))),
+        _ if file.is_dir() => Err(usage(format!("{option} {} is a folder: name a file", file.display()))),
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(usage(format!(
-            "--json {}: the folder {} is not there: make it",
+            "{option} {}: the folder {} is not there: make it",
             file.display(),
             folder.display()
         ))),

@@ -16,7 +16,7 @@ use objecthood_io::output::bop::{self, ImageId};
 use objecthood_io::scene::notices;
 use objecthood_io::scope::Scope;
 use objecthood_io::{Capture, output};
-use objecthood_page::Page;
+use objecthood_page::{Page, Shown};
 use objecthood_view::Recording;
 
 use crate::args::{CameraArg, OutputKind, SegmentArgs};
@@ -265,8 +265,15 @@ impl<'a> Plan<'a> {
         }
         let objects = discovery.objects.clone();
         if let (Some(share), true) = (&mut share, self.args.report) {
-            let (name, place) = (input.path.display().to_string(), (place.number, self.inputs.frames.len()));
-            share.page = Some(Page::new(pipeline, &name, capture, &self.params, place, &laps.ended_ms())?);
+            let shown = Shown {
+                name: &input.path.display().to_string(),
+                capture,
+                number: place.number,
+                frames: self.inputs.frames.len(),
+                laps: &laps.ended_ms(),
+                followed: None,
+            };
+            share.page = Some(Page::new(pipeline, &self.params, &shown)?);
         }
         Ok(Done { fingerprint: String::new(), notices, objects, files, share })
     }

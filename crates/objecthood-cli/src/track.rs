@@ -2,6 +2,7 @@
 
 mod files;
 mod progress;
+mod report;
 mod summary;
 
 use std::path::PathBuf;
@@ -20,6 +21,7 @@ use crate::outputs::{make_folder, make_folders_of, refuse_file};
 use crate::{config, crew, inputs, interrupt, terminal};
 use files::Lines;
 use progress::Going;
+use report::Filming;
 
 /// What to do; nothing is in doubt any more.
 struct Plan<'a> {
@@ -61,13 +63,15 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     }
     interrupt::catch()?;
 
+    let begin = || Filming::begin(&args.out.join("report.html"), &plan.params, frames.len());
+    let mut filming = args.report.then(begin).transpose()?;
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
     told.failed += unreadable.len();
     bar.inc(done as u64);
     let pool = crew::pool(args.settings.threads())?;
     pool.install(|| -> Result<()> {
         for (k, input) in frames.iter().enumerate().skip(done).take_while(|_| !interrupt::is_asked()) {
-            match plan.follow(&mut tracker, input, k, &mut told) {
+            match plan.follow(&mut tracker, input, k, &mut told, filming.as_mut()) {
                 Ok(()) => told.done += 1,
                 Err(e) => {
                     told.failed += 1;
@@ -87,6 +91,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
         told.events.push(event);
     }
     plan.write_lists(&told)?;
+    filming.map(|filming| filming.finish(&told.events)).transpose()?;
     let outcome = plan.sum_up(&told, frames.len() + unreadable.len())?;
     if outcome == Outcome::Interrupted {
         let next = if args.resume { "goes on from here" } else { "follows the video from its beginning" };
@@ -109,7 +114,14 @@ impl<'a> Plan<'a> {
     }
 
     /// Follows the objects into a frame and writes its images.
-    fn follow(&self, tracker: &mut Tracker, input: &Input, number: usize, told: &mut Told) -> Result<()> {
+    fn follow(
+        &self,
+        tracker: &mut Tracker,
+        input: &Input,
+        number: usize,
+        told: &mut Told,
+        filming: Option<&mut Filming>,
+    ) -> Result<()> {
         let capture = self.args.frames.read(input, &self.scope)?;
         let named = || input.path.display().to_string();
         let stamp_s = self.stamp_s(&capture, number, told.last_stamp_s);
@@ -133,6 +145,10 @@ impl<'a> Plan<'a> {
         }
         make_folders_of(&files)?;
         output::write_together(&files)?;
+        if let Some(filming) = filming {
+            let place = (number, self.inputs.frames.len());
+            filming.frame(place, &input.title(), &self.params, &capture, &tracked)?;
+        }
         told.lines.frame(&tracked);
         told.events.extend(tracked.events);
         Ok(())

@@ -95,6 +95,20 @@ pub fn truth_of(raw: &Raster<u32>) -> Result<Truth> {
     Truth::new(renumbered(raw, |label| label / 10 * 10), renumbered(raw, |label| label), ROLES)
 }
 
+/// Raw labels with this truth: [`truth_of`] reads it back, without the parts of objects.
+pub fn labels_of(truth: &Truth) -> Raster<u32> {
+    let mut labels = truth.labels().clone();
+    for (i, label) in labels.as_mut_slice().iter_mut().enumerate() {
+        *label = match (truth.label_at(i), truth.object_at(i)) {
+            (None, _) => 0,
+            (Some(_), None) => 1,
+            // Objects may be numbered from 0.
+            (Some(_), Some(object)) => 10 * (object + 1),
+        };
+    }
+    labels
+}
+
 /// Table labels as 1, object labels as 2.. by ascending `object_of` label.
 fn renumbered(raw: &Raster<u32>, object_of: impl Fn(u32) -> u32) -> Raster<u32> {
     let mut objects: Vec<u32> = raw.as_slice().iter().filter(|&&l| l >= 10).map(|&l| object_of(l)).collect();

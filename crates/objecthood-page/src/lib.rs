@@ -12,6 +12,7 @@
 mod assets;
 mod error;
 mod explain;
+mod findings;
 mod guard;
 mod label_map;
 mod layers;
@@ -27,8 +28,9 @@ mod settings;
 mod votes;
 
 pub use error::{Error, Result};
+pub use findings::{Film, Happening, Life};
 pub use look::{Look, look};
-pub use report::{Page, Report};
+pub use report::{Followed, Page, Report, Shown};
 pub use serve::{Address, serve};
 pub use session::{FrameSource, Session};
 pub use settings::Settings;

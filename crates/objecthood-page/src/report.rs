@@ -11,7 +11,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ExtendedColorType};
-use objecthood::{Params, Pipeline};
+use objecthood::{Params, Pipeline, Raster};
 use objecthood_io::Capture;
 use objecthood_io::output::Growing;
 use objecthood_view::overlay;
@@ -20,23 +20,54 @@ use serde_json::{Value, json};
 
 use crate::assets::{LICENCES, SCRIPT, STYLE};
 use crate::error::Result;
+use crate::findings::{Film, Findings};
 use crate::look::{Look, seen};
-use crate::maps::NAMES;
+use crate::maps::{NAMES, labels};
 use crate::pack::{Kind, Map, pack};
 use crate::session::Greeting;
 use crate::settings::Settings;
 
 /// Reports of more frames have layers of half the size.
 const MOST_WHOLE: usize = 20;
+/// Of those the steps of depth are so many times as large.
+const COARSE: u16 = 16;
 /// Columns of a thumbnail (px).
 const THUMBNAIL_PX: u32 = 160;
 /// Quality of JPEG for colour and normals, of 100: its noise stays below that of a camera.
 const QUALITY: u8 = 85;
+/// The same in reports of many frames, where the noise of normals would take a third of the file.
+const QUALITY_OF_MANY: u8 = 60;
 /// What the file may load, run and be asked: nothing but itself.
 const POLICY: &str =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
 
-/// A frame of a report.
+/// A frame that is to be in a report.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    /// What the frame is called.
+    pub name: &'a str,
+    /// The frame.
+    pub capture: &'a Capture,
+    /// Its number among the frames of the report, from 0.
+    pub number: usize,
+    /// How many frames the report has.
+    pub frames: usize,
+    /// How long each step took (ms).
+    pub laps: &'a [(&'a str, f64)],
+    /// Of a video, what was followed into the frame.
+    pub followed: Option<&'a Followed>,
+}
+
+/// What was followed through a video into a frame.
+#[derive(Clone, Debug)]
+pub struct Followed {
+    /// The track at every pixel, 0 = none.
+    pub labels: Raster<u16>,
+    /// Where each track was until now: its number, and points (m) in this frame's camera.
+    pub paths: Vec<(u32, Vec<[f32; 3]>)>,
+}
+
+/// A frame of a report, drawn.
 pub struct Page {
     /// The picture, in base64.
     picture: String,
@@ -62,40 +93,41 @@ pub struct Report {
     params: Params,
     words: Vec<String>,
     rows: Vec<Value>,
+    findings: Findings,
 }
 
 impl Page {
-    /// A frame called `name`, the `number`th of `frames`; `laps` says how long each step took (ms).
+    /// Looks at a frame with every stage, and packs what the report shows of it.
     ///
     /// # Errors
     /// As [`look`](crate::look()).
-    pub fn new(
-        pipeline: &mut Pipeline,
-        name: &str,
-        capture: &Capture,
-        params: &Params,
-        (number, frames): (usize, usize),
-        laps: &[(&str, f64)],
-    ) -> Result<Self> {
+    pub fn new(pipeline: &mut Pipeline, params: &Params, shown: &Shown<'_>) -> Result<Self> {
+        let Shown { name, capture, number, frames, laps, followed } = *shown;
         let maps = NAMES.iter().filter(|name| **name != "filled").map(|name| (*name).to_owned()).collect();
         let asked = Look { frame: number, settings: Settings::of(params)?, maps };
         let (mut header, mut maps) = seen(pipeline, name, capture, &asked)?;
         let together_ms = laps.iter().map(|lap| lap.1).sum();
         header["stages_ms"] = json!(laps);
         header["together_ms"] = json!(together_ms);
+        if let Some(Followed { labels: tracks, paths }) = followed {
+            header["paths"] = json!(paths);
+            maps.push(labels("tracks", tracks));
+        }
         if frames > MOST_WHOLE {
             maps.iter_mut().filter(|map| !map.name.ends_with(".colors")).for_each(halve);
+            maps.iter_mut().filter(|map| map.name == "depth").for_each(coarsen);
         }
         let is_image = |map: &&mut Map| map.kind == Kind::Rgb && !map.name.ends_with(".colors");
-        maps.iter_mut().filter(is_image).try_for_each(to_jpeg)?;
+        let quality = if frames > MOST_WHOLE { QUALITY_OF_MANY } else { QUALITY };
+        maps.iter_mut().filter(is_image).try_for_each(|map| to_jpeg(map, quality))?;
         let correct = header["truth"]["correct"].as_u64().zip(header["truth"]["objects"].as_array());
         let correct = correct.map(|(correct, all)| [correct, all.len() as u64]);
         let discovery = pipeline.discover(&capture.frame, params)?;
-        let small = overlay(&capture.frame, &discovery.labels);
+        let small = overlay(&capture.frame, followed.map_or(&discovery.labels, |followed| &followed.labels));
         let small = DynamicImage::from(small).thumbnail(THUMBNAIL_PX, THUMBNAIL_PX).to_rgb8();
-        let thumbnail = STANDARD.encode(jpeg(small.as_raw(), small.width(), small.height())?);
-        let row =
-            Row { name: name.to_owned(), objects: discovery.objects.len(), correct, together_ms, thumbnail };
+        let thumbnail = STANDARD.encode(jpeg(small.as_raw(), small.width(), small.height(), QUALITY)?);
+        let objects = followed.map_or(discovery.objects.len(), |followed| followed.paths.len());
+        let row = Row { name: name.to_owned(), objects, correct, together_ms, thumbnail };
         Ok(Self { picture: STANDARD.encode(deflated(&pack(header, &maps)?)?), row })
     }
 }
@@ -113,7 +145,22 @@ impl Report {
              <div id=\"page\"><noscript>This report needs JavaScript.</noscript></div>\n<!--\n{LICENCES}-->\n"
         );
         file.append(head.as_bytes())?;
-        Ok(Self { file, params: params.clone(), words, rows: Vec::new() })
+        Ok(Self { file, params: params.clone(), words, rows: Vec::new(), findings: Findings::default() })
+    }
+
+    /// Says figures beside the frames: Markdown, in which every line stays a line.
+    pub fn tell(&mut self, markdown: &str) {
+        self.findings.tell(markdown);
+    }
+
+    /// Shows a plot beside the frames: an SVG file.
+    pub fn plot(&mut self, svg: &str) {
+        self.findings.plot(svg);
+    }
+
+    /// Says that the frames are those of a video, and what happens in it.
+    pub fn film(&mut self, film: Film) {
+        self.findings.film = Some(film);
     }
 
     /// Adds a frame.
@@ -133,10 +180,10 @@ impl Report {
     /// # Errors
     /// When the file cannot be written.
     pub fn finish(self) -> Result<()> {
-        let Self { mut file, params, words, rows } = self;
+        let Self { mut file, params, words, rows, findings } = self;
         let names = rows.iter().map(|row| row["name"].as_str().unwrap_or_default()).collect();
         let title = words.join(" ");
-        let all = json!({ "greeting": Greeting::new(&title, &words, names, &params)?, "rows": rows });
+        let all = json!({ "greeting": Greeting::new(&title, &words, names, &params)?, "rows": rows, "findings": findings });
         // Nothing in it can end the element.
         let all = all.to_string().replace('<', "\\u003c");
         let tail = format!(
@@ -153,6 +200,16 @@ fn deflated(bytes: &[u8]) -> Result<Vec<u8>> {
     Ok(encoder.finish()?)
 }
 
+/// Depth in steps of a 4096th of the farthest one, which no eye tells from finer ones, and which pack well; what has depth keeps some.
+fn coarsen(map: &mut Map) {
+    for step in map.bytes.chunks_exact_mut(2) {
+        let fine = u16::from_le_bytes([step[0], step[1]]);
+        let coarse = if fine == 0 { 0 } else { (fine / COARSE).max(1) };
+        step.copy_from_slice(&coarse.to_le_bytes());
+    }
+    map.unit_m = map.unit_m.map(|unit_m| unit_m * f32::from(COARSE));
+}
+
 /// Every second pixel of every second row.
 fn halve(map: &mut Map) {
     let bytes_a_pixel = map.bytes.len() / (map.width * map.height).max(1);
@@ -166,21 +223,33 @@ fn halve(map: &mut Map) {
     (map.width, map.height) = (map.width.div_ceil(2), map.height.div_ceil(2));
 }
 
-fn to_jpeg(map: &mut Map) -> Result<()> {
-    map.bytes = jpeg(&map.bytes, map.width as u32, map.height as u32)?;
+fn to_jpeg(map: &mut Map, quality: u8) -> Result<()> {
+    map.bytes = jpeg(&map.bytes, map.width as u32, map.height as u32, quality)?;
     map.kind = Kind::Jpeg;
     Ok(())
 }
 
-fn jpeg(rgb: &[u8], width: u32, height: u32) -> Result<Vec<u8>> {
+fn jpeg(rgb: &[u8], width: u32, height: u32, quality: u8) -> Result<Vec<u8>> {
     let mut file = Vec::new();
-    JpegEncoder::new_with_quality(&mut file, QUALITY).encode(rgb, width, height, ExtendedColorType::Rgb8)?;
+    JpegEncoder::new_with_quality(&mut file, quality).encode(rgb, width, height, ExtendedColorType::Rgb8)?;
     Ok(file)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn coarse_depth_is_as_far_and_never_none() {
+        let fine = [0_u16, 1, 160, 65535];
+        let bytes = fine.iter().flat_map(|p| p.to_le_bytes()).collect();
+        let mut map =
+            Map { name: String::new(), kind: Kind::U16, width: 4, height: 1, bytes, unit_m: Some(0.001) };
+        coarsen(&mut map);
+        let steps: Vec<u16> = map.bytes.chunks(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect();
+        assert_eq!(steps, [0, 1, 10, 4095]);
+        assert!((map.unit_m.unwrap() - 0.016).abs() < 1e-6);
+    }
 
     #[test]
     fn half_a_map_has_every_second_pixel() {

@@ -50,6 +50,29 @@ pub fn dots(title: &str, series: &[&str], rows: &[DotsRow]) -> String {
     svg + "</svg>\n"
 }
 
+/// Amounts, a bar each, on a scale that begins at 0; `unit` names it.
+pub fn bars(title: &str, unit: &str, rows: &[(String, f64)]) -> String {
+    let longest = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    let left = 20.0 + LETTER_PX * longest as f64;
+    let bottom = HEAD_PX + ROW_PX * rows.len() as f64;
+    let mut svg = begun(title, left + FIELD_PX + 70.0, bottom + FOOT_PX);
+    let most = rows.iter().map(|&(_, amount)| amount).fold(f64::MIN_POSITIVE, f64::max);
+    for (k, (name, amount)) in rows.iter().enumerate() {
+        let (y, width) = (HEAD_PX + ROW_PX * k as f64, FIELD_PX * amount / most);
+        text(&mut svg, [left - 10.0, y + 15.0], "end", name);
+        let _ = writeln!(
+            svg,
+            "<rect x=\"{left:.1}\" y=\"{:.1}\" width=\"{width:.1}\" height=\"{:.1}\" fill=\"{}\"/>",
+            y + 3.0,
+            ROW_PX - 6.0,
+            COLORS[0]
+        );
+        text(&mut svg, [left + width + 6.0, y + 15.0], "start", &format!("{amount:.2}"));
+    }
+    text(&mut svg, [left, bottom + 22.0], "start", unit);
+    svg + "</svg>\n"
+}
+
 /// A curve in the unit square; the names are those of its axes, in percent.
 pub fn curve(title: &str, [across, up]: [&str; 2], points: &[[f64; 2]]) -> String {
     let (left, top) = (70.0, 50.0);

@@ -98,11 +98,16 @@ pub(crate) struct EvalArgs {
     #[arg(long, value_name = "DIR", conflicts_with_all = ["labels", "ComparisonArgs"])]
     pub(crate) pictures: Option<PathBuf>,
 
-    /// Draw the figures as SVG: precision over recall, or with --ladder, --ablation or --sensitivity the settings beside each other.
+    /// Draw the figures as SVG: precision over recall and the time of each stage, or with --ladder, --ablation or --sensitivity the
+    /// settings beside each other.
     ///
     /// Of a sensitivity the 30 settings are drawn that change most. DIR is created if needed.
     #[arg(long, value_name = "DIR", conflicts_with = "labels")]
     pub(crate) plots: Option<PathBuf>,
+
+    /// Write a report: one HTML file with the figures and plots, and of a method the 12 hardest scenes with all layers.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
 
     /// Print a line for every scene.
     #[arg(long)]

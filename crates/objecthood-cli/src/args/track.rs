@@ -36,6 +36,10 @@ pub(crate) struct TrackArgs {
     #[arg(long, value_name = "KINDS", value_parser = ["pictures"])]
     pub(crate) write: Option<String>,
 
+    /// Also write DIR/report.html: one file that shows the video with its tracks, at most 100 frames of it, and all that happened.
+    #[arg(long, conflicts_with = "resume")]
+    pub(crate) report: bool,
+
     /// Tell what happened, in sentences.
     #[arg(long)]
     pub(crate) summary: bool,

@@ -7,6 +7,7 @@ use objecthood_io::output;
 use objecthood_scene::{Exposure, Family, Sensor};
 use serde::Serialize;
 
+use super::report;
 use crate::args::{EvalArgs, SyntheticArgs};
 use crate::failure::Outcome;
 use crate::synthetic::{Made, Recipe, Shot};
@@ -56,9 +57,11 @@ pub(super) fn run(args: &EvalArgs, families: &[Family]) -> Result<Outcome> {
         output::write_atomically(path, super::to_json(&lines)?.as_bytes())?;
     }
     let (method, last, table) = (params.method, first + scenes - 1, FamiliesTable(&rows));
-    terminal::print(&format!(
-        "method {method}, synthetic scenes {first} to {last}, holes {holes}\n\n{table}\n"
-    ))?;
+    let text = format!("method {method}, synthetic scenes {first} to {last}, holes {holes}\n\n{table}\n");
+    if let Some(path) = &args.report {
+        report::write_figures(path, &text, &[], &params)?;
+    }
+    terminal::print(&text)?;
     Ok(Outcome::AllDone)
 }
 

@@ -31,7 +31,7 @@ pub(crate) fn draw(folder: &Path, stock: &Stock, report: &Report, params: &Param
 }
 
 /// The indices of the scenes with most objects that are not correct; of two equal ones, the one with more objects first.
-fn hardest(report: &Report) -> Vec<usize> {
+pub(crate) fn hardest(report: &Report) -> Vec<usize> {
     let mut places: Vec<usize> = (0..report.scenes.len()).collect();
     places.sort_by_key(|&k| {
         let counts = report.scenes[k].counts();

@@ -5,39 +5,58 @@ use std::path::Path;
 use anyhow::Result;
 use objecthood_eval::{Ranked, Report};
 use objecthood_io::output;
-use objecthood_view::plot::{DotsRow, curve, dots};
+use objecthood_view::plot::{DotsRow, bars, curve, dots};
 
 use super::comparison::Comparison;
+use super::subject::Scored;
 use crate::outputs::make_folder;
 
 /// Of the settings of a sensitivity those are drawn that change most.
 const MOST_CHANGES: usize = 30;
 
-/// Draws what there is of the reports: the settings of a comparison, or precision over recall of a single one.
+/// A plot as a file: its name, and SVG.
+pub(crate) type Plot = (&'static str, String);
+
+/// Writes plots into a folder, which is made if it is not there.
 ///
 /// # Errors
-/// When a plot cannot be written.
-pub(crate) fn draw(
-    folder: &Path,
-    reports: &[(String, Report)],
-    comparison: Option<Comparison>,
-) -> Result<()> {
+/// When one cannot be written.
+pub(crate) fn write(folder: &Path, plots: &[Plot]) -> Result<()> {
     make_folder(folder)?;
-    let rows: Vec<DotsRow> = reports.iter().map(row).collect();
-    let plot = match (comparison, reports) {
-        (Some(Comparison::Ablation), _) => ("ablation.svg", settings("Ablation", &rows)),
-        (Some(Comparison::Ladder), _) => ("ladder.svg", settings("Steps of the method", &rows)),
+    let files: Vec<_> =
+        plots.iter().map(|(name, svg)| (folder.join(name), svg.clone().into_bytes())).collect();
+    Ok(output::write_together(&files)?)
+}
+
+/// What there is to draw: the settings of a comparison; or precision over recall, and the time of each stage, of a single one.
+pub(crate) fn of(scored: &Scored, comparison: Option<Comparison>) -> Vec<Plot> {
+    let rows: Vec<DotsRow> = scored.reports.iter().map(row).collect();
+    match (comparison, &scored.reports[..]) {
+        (Some(Comparison::Ablation), _) => vec![("ablation.svg", settings("Ablation", &rows))],
+        (Some(Comparison::Ladder), _) => vec![("ladder.svg", settings("Steps of the method", &rows))],
         (Some(Comparison::Sensitivity), _) => {
-            ("sensitivity.svg", settings("Changes of one parameter", &most_changed(rows)))
+            vec![("sensitivity.svg", settings("Changes of one parameter", &most_changed(rows)))]
         }
         (None, [(_, report)]) => {
             let points = precision_over_recall(report);
-            ("precision-recall.svg", curve("Objects found by objectness", ["recall", "precision"], &points))
+            let found = curve("Objects found by objectness", ["recall", "precision"], &points);
+            let times = bars("Time of each stage", "ms, median of the scenes", &median_laps(&scored.laps));
+            let times = (!scored.laps.is_empty()).then_some(("times.svg", times));
+            [Some(("precision-recall.svg", found)), times].into_iter().flatten().collect()
         }
-        (None, _) => return Ok(()),
+        (None, _) => Vec::new(),
+    }
+}
+
+/// The median time (ms) of each stage, in the order of the stages.
+fn median_laps(scenes: &[Vec<(&'static str, f64)>]) -> Vec<(String, f64)> {
+    let Some(first) = scenes.first() else { return Vec::new() };
+    let median = |k: usize| {
+        let mut times: Vec<f64> = scenes.iter().filter_map(|laps| laps.get(k)).map(|lap| lap.1).collect();
+        times.sort_by(f64::total_cmp);
+        times.get(times.len() / 2).copied().unwrap_or(0.0)
     };
-    let (name, svg) = plot;
-    Ok(output::write_atomically(&folder.join(name), svg.as_bytes())?)
+    first.iter().enumerate().map(|(k, (stage, _))| ((*stage).to_owned(), median(k))).collect()
 }
 
 fn settings(title: &str, rows: &[DotsRow]) -> String {
@@ -81,6 +100,14 @@ fn precision_over_recall(report: &Report) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stage_has_its_median() {
+        let scene = |a, b| vec![("normals", a), ("facets", b)];
+        let laps = median_laps(&[scene(3.0, 10.0), scene(1.0, 30.0), scene(2.0, 20.0)]);
+        assert_eq!(laps, [("normals".to_owned(), 2.0), ("facets".to_owned(), 20.0)]);
+        assert!(median_laps(&[]).is_empty());
+    }
 
     #[test]
     fn the_first_setting_and_those_that_change_most_are_drawn() {

@@ -1,7 +1,8 @@
 //! What is scored.
 
+use std::sync::{Mutex, PoisonError};
+
 use anyhow::{Context, Result};
-use indicatif::ProgressBar;
 use objecthood::{Observer, Params};
 use objecthood_eval::{LabelFolder, Prediction, Report, Scene, Setting, StageObserver};
 
@@ -20,6 +21,14 @@ pub(crate) enum Subject {
     Method(Params),
     /// A method with several settings of its parameters.
     Comparison { base: Params, comparison: Comparison, settings: Vec<Setting> },
+}
+
+/// What the scores are.
+pub(crate) struct Scored {
+    /// A report for every setting, by name.
+    pub(crate) reports: Vec<(String, Report)>,
+    /// How long the stages of a method took (ms), a list for each scene; empty of label images and comparisons.
+    pub(crate) laps: Vec<Vec<(&'static str, f64)>>,
 }
 
 impl Subject {
@@ -68,11 +77,11 @@ impl Subject {
         }
     }
 
-    /// One report for every setting, by name.
+    /// Scores every scene.
     ///
     /// # Errors
     /// Of the scenes that fail, what the first one fails with.
-    pub(crate) fn score(&self, stock: &Stock, verbose: bool) -> Result<Vec<(String, Report)>> {
+    pub(crate) fn score(&self, stock: &Stock, verbose: bool) -> Result<Scored> {
         let with_stages = !matches!(self.comparison(), Some(Comparison::Ladder | Comparison::Sensitivity));
         let alone;
         let settings: &[Setting] = match self {
@@ -83,7 +92,8 @@ impl Subject {
                     folder.read(reference)
                 })?;
                 bar.finish_and_clear();
-                return Ok(vec![(folder.path.display().to_string(), report)]);
+                let reports = vec![(folder.path.display().to_string(), report)];
+                return Ok(Scored { reports, laps: Vec::new() });
             }
             Self::Method(params) => {
                 alone = [Setting { name: params.method.to_string(), params: params.clone() }];
@@ -92,33 +102,39 @@ impl Subject {
             Self::Comparison { settings, .. } => settings,
         };
         let bar = terminal::progress_bar(settings.len() * stock.len(), verbose);
+        let laps = Mutex::new(Vec::new());
         // The stages take time, and only the paper's comparison is about them.
         let reports = stock.evaluate(settings, |setting, scene, source| {
-            predict(setting, scene, source, with_stages, &bar)
+            let (prediction, took) = predict(setting, scene, source, with_stages)?;
+            bar.inc(1);
+            if self.comparison().is_none() {
+                laps.lock().unwrap_or_else(PoisonError::into_inner).push(took);
+            }
+            Ok(prediction)
         })?;
         bar.finish_and_clear();
-        Ok(settings.iter().map(|setting| setting.name.clone()).zip(reports).collect())
+        let reports = settings.iter().map(|setting| setting.name.clone()).zip(reports).collect();
+        Ok(Scored { reports, laps: laps.into_inner().unwrap_or_else(PoisonError::into_inner) })
     }
 }
 
-/// Runs a method on one scene, which is `source` to the user.
+/// Runs a method on one scene, which is `source` to the user; how long its stages took (ms).
 fn predict(
     setting: &Setting,
     scene: &Scene,
     source: &str,
     with_stages: bool,
-    bar: &ProgressBar,
-) -> Result<Prediction> {
+) -> Result<(Prediction, Vec<(&'static str, f64)>)> {
     let (mut laps, mut stages) = (Laps::start(), StageObserver::new(&scene.truth));
     let next: &mut dyn Observer = if with_stages { &mut stages } else { &mut () };
     let mut watch = Watch { laps: &mut laps, next };
     let discovery = objecthood::discover_observed(&scene.frame, &setting.params, &mut watch)
         .with_context(|| source.to_owned())?;
     tracing::info!("{source}, {}: {laps}", setting.name);
-    bar.inc(1);
-    Ok(Prediction {
+    let prediction = Prediction {
         labels: discovery.labels,
         objects: Some(discovery.objects),
         stages: if with_stages { Some(stages.into_stages()?) } else { None },
-    })
+    };
+    Ok((prediction, laps.ended_ms()))
 }

@@ -58,6 +58,10 @@ pub(super) fn run(args: &EvalArgs) -> Result<Outcome> {
     if let Some(path) = &args.json {
         output::write_atomically(path, super::to_json(&report)?.as_bytes())?;
     }
-    terminal::print(&format!("{report}\n"))?;
+    let text = format!("{report}\n");
+    if let Some(path) = &args.report {
+        super::report::write_figures(path, &text, &[], &params)?;
+    }
+    terminal::print(&text)?;
     Ok(Outcome::AllDone)
 }

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use objecthood::Params;
 use objecthood_eval::video::{ClipScore, TrueClip, VideoReport};
 use objecthood_io::{natural, output};
 
@@ -46,7 +47,11 @@ pub(super) fn run(args: &EvalArgs, tracks: &Path, truth: &Path) -> Result<Outcom
     if let Some(path) = &args.json {
         output::write_atomically(path, super::to_json(&report)?.as_bytes())?;
     }
-    terminal::print(&format!("{report}\n"))?;
+    let text = format!("{report}\n");
+    if let Some(path) = &args.report {
+        super::report::write_figures(path, &text, &[], &Params::default())?;
+    }
+    terminal::print(&text)?;
     Ok(Outcome::AllDone)
 }
 

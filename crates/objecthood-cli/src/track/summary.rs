@@ -13,13 +13,13 @@ pub(super) fn of(events: &[Event], objects: usize) -> String {
         return format!("Nothing happens: there are {count}{things} where they are.\n");
     }
     for event in sorted {
-        text.push_str(&sentence(event));
-        text.push('\n');
+        text.push_str(&format!("{:8.2} s  {}\n", event.time, sentence(event)));
     }
     text
 }
 
-fn sentence(event: &Event) -> String {
+/// An event as a person would tell it.
+pub(super) fn sentence(event: &Event) -> String {
     let object = format!("object {}", event.object.0);
     let thing = |nobody: &str| match event.other {
         None => nobody.to_owned(),
@@ -49,7 +49,7 @@ fn sentence(event: &Event) -> String {
     };
     let mut letters = said.chars();
     let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
-    format!("{:8.2} s  {first}{}.", event.time, letters.as_str())
+    format!("{first}{}.", letters.as_str())
 }
 
 /// An event in a few words, for pictures.

@@ -12,7 +12,8 @@ export function Layers() {
     <div class="layers" role="group" aria-label="Layers">
       {LAYERS.map(({ name, title, meaning }, k) => {
         const hasTruth = name !== "truth" || pictures[0].value?.header.truth;
-        if ((known && !known.has(name)) || !hasTruth) return null;
+        const isHeld = known ? known.has(name) : name !== "tracks";
+        if (!isHeld || !hasTruth) return null;
         const share = opacity.value.get(name) ?? 0;
         return (
           <div key={name} class={share > 0 ? "layer on" : "layer"}>
@@ -35,9 +36,11 @@ export function Layers() {
   );
 }
 
-/** 1 to 9, then 0 and -, as on the keyboard. */
+/** 1 to 9, then 0, - and =, as on the keyboard. */
+const KEYS = "1234567890-=";
+
 function key(k: number): string {
-  return "1234567890-"[k];
+  return KEYS[k];
 }
 
 export function toggle(name: string): void {
@@ -46,5 +49,5 @@ export function toggle(name: string): void {
 
 /** The layer behind a key. */
 export function layerOf(pressed: string): string | undefined {
-  return LAYERS["1234567890-".indexOf(pressed)]?.name;
+  return LAYERS[KEYS.indexOf(pressed)]?.name;
 }

@@ -22,6 +22,7 @@ export function Objects() {
   return (
     <section aria-label="Objects">
       <Score picture={picture} />
+      {picture.header.paths && <p class="note">Found in this frame alone: these numbers are not those of the tracks.</p>}
       {notices.map((notice) => <p key={notice} class="note">{notice}</p>)}
       <table class="objects">
         <thead>
@@ -83,7 +84,7 @@ function Row({ object, picture }: { object: SceneObject; picture: Picture }) {
   );
 }
 
-function Swatch({ id }: { id: number }) {
+export function Swatch({ id }: { id: number }) {
   const [r, g, b] = objectColor(id);
   return <i class="swatch" style={{ background: `rgb(${r}, ${g}, ${b})` }} />;
 }

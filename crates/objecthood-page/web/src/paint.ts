@@ -21,6 +21,7 @@ export const LAYERS: Layer[] = [
   { name: "objectness", title: "objectness", meaning: "dark is unlikely, bright is likely" },
   { name: "objects", title: "objects", meaning: "what was found" },
   { name: "truth", title: "truth", meaning: "what should be found, where that is known" },
+  { name: "tracks", title: "tracks", meaning: "of a video: objects, whose numbers last" },
 ];
 
 /** Okabe and Ito's colours, which colour-blind eyes tell apart, then the same ones darker and lighter. */
@@ -118,7 +119,7 @@ function blend(out: Uint8ClampedArray, name: string, picture: Picture, map: Pixe
     return;
   }
   const entries = name === "depth" ? depthTable(map) : table(name, picture, map);
-  const outlined = name === "objects" || name === "truth";
+  const outlined = ["objects", "truth", "tracks"].includes(name);
   for (let i = 0, o = 0; i < data.length; i++, o += 4) {
     const k = data[i] < 0 ? data[i] + 256 : data[i];
     const e = 4 * k;

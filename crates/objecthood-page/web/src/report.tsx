@@ -6,18 +6,32 @@ import { render } from "preact";
 import { onKeys } from "./keys";
 import { Layers } from "./layers";
 import { turnLight } from "./light";
+import { Story, Timeline } from "./film";
 import { Frames, play } from "./frames";
 import { Objects } from "./objects";
 import { PictureView, zoomBy, zoomOut } from "./picture";
 import { SpaceView } from "./space";
-import { available, frame, goTo, greeting, isLive, pictures, problem, selected, settings, view } from "./state";
-import { all, Row, stored } from "./stored";
+import { available, frame, goTo, greeting, isLive, opacity, pictures, problem, selected, settings, view } from "./state";
+import { all, Findings, Row, stored } from "./stored";
 import { next, Tabs } from "./tabs";
 
 const VIEWS = { picture: "Picture", space: "In space" } as const;
-const LEFT = { frames: "Frames", parameters: "Parameters", times: "Times" } as const;
-const left = signal<keyof typeof LEFT>("frames");
+const LEFT = { figures: "Figures", story: "Story", frames: "Frames", parameters: "Parameters", times: "Times" } as const;
+type Left = keyof typeof LEFT;
+const left = signal<Left>("frames");
 const rows = signal<Row[]>([]);
+const findings = signal<Findings>({ html: "", plots: [], film: null });
+
+/** The tabs that have something to show. */
+function leftTabs(): Partial<Record<Left, string>> {
+  const { figures, story, frames, parameters, times } = LEFT;
+  const { html, film } = findings.value;
+  return {
+    ...(html && { figures }),
+    ...(film && { story }),
+    ...(rows.value.length > 0 && { frames, parameters, times }),
+  };
+}
 
 type Column = "place" | "objects" | "correct" | "together_ms";
 const order = signal<{ by: Column; falls: boolean }>({ by: "place", falls: false });
@@ -95,6 +109,26 @@ function Parameters() {
   );
 }
 
+function Figures() {
+  const { html, plots } = findings.value;
+  return (
+    <>
+      <div class="figures" dangerouslySetInnerHTML={{ __html: html }} />
+      {plots.map((address, k) => <img key={k} class="plot" src={address} alt="Plot of the figures" />)}
+    </>
+  );
+}
+
+function Left() {
+  switch (left.value) {
+    case "figures": return <Figures />;
+    case "story": return <Story film={findings.value.film!} />;
+    case "frames": return <FrameList />;
+    case "parameters": return <Parameters />;
+    case "times": return <Times />;
+  }
+}
+
 function Times() {
   const laps = pictures[0].value?.header.stages_ms ?? [];
   const longest = Math.max(...laps.map(([, ms]) => ms), 1e-9);
@@ -111,6 +145,15 @@ function Times() {
 
 function ReportPage() {
   const name = greeting.value?.frames[frame.value] ?? "";
+  const { film } = findings.value;
+  if (rows.value.length === 0) {
+    return (
+      <div class="sheet-of-figures">
+        <h1>objecthood</h1>
+        <Figures />
+      </div>
+    );
+  }
   return (
     <div class="page">
       <header class="top">
@@ -125,11 +168,12 @@ function ReportPage() {
         {view.value === "space" ? <SpaceView /> : <PictureView />}
         <Layers />
         <Frames />
+        {film && <Timeline film={film} />}
       </main>
       <section class="parameters" aria-label="Frames">
-        <Tabs of={left} names={LEFT} label="Left" />
+        <Tabs of={left} names={leftTabs()} label="Left" />
         <Summary />
-        <div class="groups">{left.value === "frames" ? <FrameList /> : left.value === "parameters" ? <Parameters /> : <Times />}</div>
+        <div class="groups"><Left /></div>
       </section>
       <aside class="side"><Objects /></aside>
     </div>
@@ -154,6 +198,9 @@ export function startReport(): void {
   greeting.value = held.greeting;
   settings.value = held.greeting.settings;
   rows.value = held.rows;
+  findings.value = held.findings;
+  left.value = (Object.keys(leftTabs()) as Left[])[0] ?? "frames";
+  if (held.findings.film) opacity.value = new Map([["tracks", 0.45]]);
   onKeys({
     ",": () => goTo(frame.value - 1),
     ".": () => goTo(frame.value + 1),

@@ -2,7 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import {
-  ArrowHelper, BoxGeometry, BufferAttribute, BufferGeometry, Color, EdgesGeometry, Group, LineBasicMaterial, LineSegments,
+  ArrowHelper, BoxGeometry, BufferAttribute, BufferGeometry, Color, EdgesGeometry, Group, Line, LineBasicMaterial, LineSegments,
   PerspectiveCamera, Points, PointsMaterial, Quaternion, Scene as Space, SRGBColorSpace, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
@@ -10,7 +10,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { objectColor } from "./paint";
 import { painted } from "./picture";
 import { pictures, selected } from "./state";
-import { PixelMap, Scene } from "./wire";
+import { Header, PixelMap, Scene } from "./wire";
 
 /** More points than these make old graphics slow, and no picture better. */
 const MOST_POINTS = 320_000;
@@ -98,10 +98,16 @@ class Stage {
     colors.needsUpdate = true;
   }
 
-  /** The boxes of the objects, and the arrow upwards. */
-  frame(scene: Scene, chosen: number | null): void {
+  /** The boxes of the objects, the paths of tracks, and the arrow upwards. */
+  frame({ scene, paths }: Header, chosen: number | null): void {
     this.boxes.children.forEach((child) => (child as LineSegments).geometry?.dispose());
     this.boxes.clear();
+    for (const [track, points] of paths ?? []) {
+      const [r, g, b] = objectColor(track);
+      const places = points.map(([x, y, z]) => new Vector3(x, -y, -z));
+      const material = new LineBasicMaterial({ color: new Color(`rgb(${r | 0}, ${g | 0}, ${b | 0})`) });
+      this.boxes.add(new Line(new BufferGeometry().setFromPoints(places), material));
+    }
     for (const { id, box_m } of scene.objects) {
       const [r, g, b] = objectColor(id);
       const lines = new LineSegments(
@@ -154,7 +160,7 @@ export function SpaceView() {
     stage.current.background(getComputedStyle(canvas.current!).backgroundColor);
     stage.current.place(depth, picture.header.scene);
     stage.current.paint(image);
-    stage.current.frame(picture.header.scene, chosen);
+    stage.current.frame(picture.header, chosen);
     stage.current.redraw();
   }, [picture, image, chosen]);
   return (

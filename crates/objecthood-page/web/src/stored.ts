@@ -11,9 +11,25 @@ export interface Row {
   thumbnail: string;
 }
 
+/** What happens in a video. */
+export interface Film {
+  /** When each frame was taken (s). */
+  stamps_s: number[];
+  happenings: { time_s: number; track: number; text: string }[];
+  lives: { track: number; first_s: number; last_s: number }[];
+}
+
+/** What a report says beside its frames. */
+export interface Findings {
+  html: string;
+  plots: string[];
+  film: Film | null;
+}
+
 interface All {
   greeting: Greeting;
   rows: Row[];
+  findings: Findings;
 }
 
 /** Whether this document is a report. */

@@ -1,6 +1,6 @@
 // Tabs: one of several things is shown.
 
-export function Tabs<T extends string>({ of, names, label }: { of: { value: string }; names: Record<T, string>; label: string }) {
+export function Tabs<T extends string>({ of, names, label }: { of: { value: string }; names: Partial<Record<T, string>>; label: string }) {
   return (
     <div class="tabs" role="tablist" aria-label={label}>
       {(Object.keys(names) as T[]).map((name) => (

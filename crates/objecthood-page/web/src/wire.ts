@@ -102,6 +102,8 @@ export interface Header {
   truth: Score | null;
   stages_ms: [Stage, number][];
   together_ms: number;
+  /** Of a video: where each track was until now (m, in this frame's camera). */
+  paths?: [number, [number, number, number][]][];
   maps: Place[];
 }
 

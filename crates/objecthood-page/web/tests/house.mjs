@@ -7,7 +7,9 @@ import { join } from "node:path";
 import { promisify } from "node:util";
 import { chromium } from "playwright-core";
 
-const { OBJECTHOOD_PROGRAM: program, OBJECTHOOD_CHROMIUM: browserPath = "/usr/bin/chromium", OBJECTHOOD_PICTURES: pictures, OBJECTHOOD_DATA: data } = process.env;
+const { OBJECTHOOD_PROGRAM: program, OBJECTHOOD_CHROMIUM: browserPath = "/usr/bin/chromium", OBJECTHOOD_PICTURES: pictures } = process.env;
+/** The folder of real data, if it is there. */
+export const data = process.env.OBJECTHOOD_DATA;
 if (!program) throw new Error("run me by `cargo xtask test`");
 
 const run = promisify(execFile);

@@ -4,7 +4,7 @@ import { stat } from "node:fs/promises";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 
-import { colorsOf, finish, inFolder, keep, launch, objecthood, scenes, tab, test } from "./house.mjs";
+import { colorsOf, data, finish, inFolder, keep, launch, objecthood, scenes, skip, tab, test } from "./house.mjs";
 
 const browser = await launch();
 const { input, first } = await scenes();
@@ -13,7 +13,7 @@ async function opened(folder, name) {
   const { page, requests, complaints } = await tab(browser);
   const file = join(folder, name);
   await page.goto(String(pathToFileURL(file)));
-  await page.locator(".side-0").waitFor();
+  await page.locator(".side-0, .sheet-of-figures").first().waitFor();
   return { page, requests: () => requests.filter((url) => !/^(data|blob):/.test(url)), complaints, bytes: (await stat(file)).size };
 }
 
@@ -52,6 +52,52 @@ test("a_report_of_many_frames_is_small_and_shows_each", () => inFolder(async (fo
   await keep(page, "report-frames-1280");
   assert.deepEqual(complaints, []);
 }));
+
+test("a_report_of_figures_alone_opens", () => inFolder(async (folder) => {
+  await objecthood("eval", "--family", "tabletop", "--scenes", "1", "--report", join(folder, "figures.html"));
+  const { page, requests, complaints } = await opened(folder, "figures.html");
+  assert.equal(await page.locator(".figures tbody tr").count(), 1);
+  assert.equal(requests().length, 1);
+  assert.deepEqual(complaints, []);
+}));
+
+if (data) {
+  test("the_report_of_an_evaluation_has_its_figures_plots_and_hardest_scenes", () => inFolder(async (folder) => {
+    await objecthood("eval", join(data, "mosd"), "--split", "learn", "--report", join(folder, "eval.html"));
+    const { page, complaints } = await opened(folder, "eval.html");
+    assert.match(await page.locator(".figures").innerText(), /overlap/);
+    assert.ok((await page.locator(".figures tbody tr").count()) > 5, "tables");
+    const widths = await page.locator(".plot").evaluateAll((plots) => plots.map(({ naturalWidth }) => naturalWidth));
+    assert.ok(widths.length === 2 && widths.every((width) => width > 100), `plots ${widths}`);
+    await keep(page, "report-eval-1280");
+    await page.getByRole("tab", { name: "Frames" }).click();
+    assert.equal(await page.locator(".list tbody tr").count(), 12);
+    assert.match(await page.locator(".side .score").innerText(), /correct/);
+    assert.deepEqual(complaints, []);
+  }));
+
+  test("the_report_of_a_video_has_tracks_and_what_happened", () => inFolder(async (folder) => {
+    await objecthood("track", join(data, "video/hand-plush"), "--frames", "0..40", "--out", folder, "--report");
+    const { page, complaints } = await opened(folder, "report.html");
+    const events = page.locator(".timeline button");
+    assert.ok((await events.count()) > 0, "events");
+    const picture = () => page.locator(".side-0").evaluate((canvas) => canvas.toDataURL());
+    const before = await picture();
+    await events.last().click();
+    for (let k = 0; k < 50 && (await picture()) === before; k++) await page.waitForTimeout(200);
+    assert.notEqual(await picture(), before, "an event leads to its frame");
+    assert.ok((await page.locator(".lives tbody tr").count()) > 1, "tracks");
+    await keep(page, "report-video-1280");
+    await page.keyboard.press("=");
+    await page.keyboard.press("v");
+    await page.waitForTimeout(1500);
+    assert.ok((await colorsOf(page, ".space canvas")) > 100, "the points are not blank");
+    await keep(page, "report-video-space-1280");
+    assert.deepEqual(complaints, []);
+  }));
+} else {
+  skip("reports of real scenes and videos: there is no data");
+}
 
 await finish();
 await browser.close();
