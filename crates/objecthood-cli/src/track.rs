@@ -86,12 +86,11 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     if args.resume {
         plan.keep(&tracker, &told, unreadable.len(), &fingerprints)?;
     }
-    for event in tracker.finish() {
-        told.lines.event(&event);
-        told.events.push(event);
-    }
+    let late = tracker.finish();
+    late.iter().for_each(|event| told.lines.event(event));
+    filming.map(|filming| filming.finish(&late)).transpose()?;
+    told.events.extend(late);
     plan.write_lists(&told)?;
-    filming.map(|filming| filming.finish(&told.events)).transpose()?;
     let outcome = plan.sum_up(&told, frames.len() + unreadable.len())?;
     if outcome == Outcome::Interrupted {
         let next = if args.resume { "goes on from here" } else { "follows the video from its beginning" };
@@ -146,8 +145,7 @@ impl<'a> Plan<'a> {
         make_folders_of(&files)?;
         output::write_together(&files)?;
         if let Some(filming) = filming {
-            let place = (number, self.inputs.frames.len());
-            filming.frame(place, &input.title(), &self.params, &capture, &tracked)?;
+            filming.frame(number, &input.title(), &self.params, &capture, &tracked)?;
         }
         told.lines.frame(&tracked);
         told.events.extend(tracked.events);

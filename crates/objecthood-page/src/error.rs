@@ -43,6 +43,15 @@ pub enum Error {
     /// The method fails.
     #[error(transparent)]
     Method(#[from] objecthood::Error),
+    /// Objects cannot be followed into the frame.
+    #[error(transparent)]
+    Track(#[from] objecthood_track::Error),
+    /// A frame of a video that is too long for the page.
+    #[error("the page follows objects through the first {most} frames: `objecthood track` takes any number")]
+    TooLong {
+        /// Frames that are followed.
+        most: usize,
+    },
     /// The truth cannot be compared.
     #[error(transparent)]
     Truth(#[from] objecthood_eval::Error),

@@ -5,6 +5,8 @@ use base64::engine::general_purpose::STANDARD;
 use pulldown_cmark::{Event, Options, Parser, html};
 use serde::Serialize;
 
+use crate::film::Film;
+
 /// Figures, plots and a film, as the page takes them.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Findings {
@@ -12,39 +14,6 @@ pub(crate) struct Findings {
     /// Addresses of the images, which hold them.
     plots: Vec<String>,
     pub(crate) film: Option<Film>,
-}
-
-/// What happens in a video.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Film {
-    /// When each frame of the report was taken (s).
-    pub stamps_s: Vec<f64>,
-    /// What happened, in the order of time.
-    pub happenings: Vec<Happening>,
-    /// How long each track is known.
-    pub lives: Vec<Life>,
-}
-
-/// Something that happened to a track.
-#[derive(Clone, Debug, Serialize)]
-pub struct Happening {
-    /// When (s).
-    pub time_s: f64,
-    /// To which track.
-    pub track: u32,
-    /// A sentence.
-    pub text: String,
-}
-
-/// When a track was seen for the first and for the last time (s).
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Life {
-    /// Its number.
-    pub track: u32,
-    /// The first time.
-    pub first_s: f64,
-    /// The last time.
-    pub last_s: f64,
 }
 
 impl Findings {

@@ -4,7 +4,7 @@
 //! * [`serve()`] shows it to a browser on this machine, and to nobody else.
 //! * [`look()`] runs the method and packs what the page draws. The wire form is documented in docs/PAGE.md.
 //!
-//! * [`Report`] is a file that shows frames in the same way, without a server.
+//! * [`Report`] is a file that shows frames in the same way, without a server; [`Film`] is what it says of a video.
 //!
 //! The page itself is TypeScript in `web/`. `cargo xtask page` bundles it into `assets/page.js`, which is a part of this crate's source,
 //! so that building the crate needs no Node.
@@ -12,7 +12,9 @@
 mod assets;
 mod error;
 mod explain;
+mod film;
 mod findings;
+mod follow;
 mod guard;
 mod label_map;
 mod layers;
@@ -28,9 +30,9 @@ mod settings;
 mod votes;
 
 pub use error::{Error, Result};
-pub use findings::{Film, Happening, Life};
+pub use film::Film;
 pub use look::{Look, look};
-pub use report::{Followed, Page, Report, Shown};
+pub use report::{Page, Report, Shown};
 pub use serve::{Address, serve};
 pub use session::{FrameSource, Session};
 pub use settings::Settings;

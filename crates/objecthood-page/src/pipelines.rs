@@ -7,9 +7,10 @@ use objecthood::Pipeline;
 use objecthood_io::Capture;
 
 use crate::error::Result;
+use crate::follow::Following;
 use crate::session::Session;
 
-/// Pipelines at a time: both sides of a comparison and the contact sheet of two tabs, and a few more.
+/// Pipelines at a time: both sides of a comparison, the contact sheet and the tracker of two tabs.
 const MOST: usize = 8;
 /// One that was not used for this long is forgotten: its browser is gone without a word.
 const IDLE: Duration = Duration::from_secs(600);
@@ -22,6 +23,8 @@ pub(crate) type Key = (u64, u8);
 pub(crate) struct Bench {
     pub(crate) pipeline: Pipeline,
     frame: Option<(usize, Arc<Capture>)>,
+    /// Objects that are followed through the frames.
+    pub(crate) following: Option<Following>,
 }
 
 impl Bench {

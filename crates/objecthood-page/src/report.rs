@@ -20,7 +20,8 @@ use serde_json::{Value, json};
 
 use crate::assets::{LICENCES, SCRIPT, STYLE};
 use crate::error::Result;
-use crate::findings::{Film, Findings};
+use crate::film::Film;
+use crate::findings::Findings;
 use crate::look::{Look, seen};
 use crate::maps::{NAMES, labels};
 use crate::pack::{Kind, Map, pack};
@@ -54,17 +55,8 @@ pub struct Shown<'a> {
     pub frames: usize,
     /// How long each step took (ms).
     pub laps: &'a [(&'a str, f64)],
-    /// Of a video, what was followed into the frame.
-    pub followed: Option<&'a Followed>,
-}
-
-/// What was followed through a video into a frame.
-#[derive(Clone, Debug)]
-pub struct Followed {
-    /// The track at every pixel, 0 = none.
-    pub labels: Raster<u16>,
-    /// Where each track was until now: its number, and points (m) in this frame's camera.
-    pub paths: Vec<(u32, Vec<[f32; 3]>)>,
+    /// Of a video, the track at every pixel (0 = none), and the film, whose frame `number` this is.
+    pub followed: Option<(&'a Raster<u16>, &'a Film)>,
 }
 
 /// A frame of a report, drawn.
@@ -109,7 +101,8 @@ impl Page {
         let together_ms = laps.iter().map(|lap| lap.1).sum();
         header["stages_ms"] = json!(laps);
         header["together_ms"] = json!(together_ms);
-        if let Some(Followed { labels: tracks, paths }) = followed {
+        let tracks = followed.map(|(tracks, film)| (tracks, film.paths(number)));
+        if let Some((tracks, paths)) = &tracks {
             header["paths"] = json!(paths);
             maps.push(labels("tracks", tracks));
         }
@@ -123,10 +116,10 @@ impl Page {
         let correct = header["truth"]["correct"].as_u64().zip(header["truth"]["objects"].as_array());
         let correct = correct.map(|(correct, all)| [correct, all.len() as u64]);
         let discovery = pipeline.discover(&capture.frame, params)?;
-        let small = overlay(&capture.frame, followed.map_or(&discovery.labels, |followed| &followed.labels));
+        let small = overlay(&capture.frame, tracks.as_ref().map_or(&discovery.labels, |(tracks, _)| tracks));
         let small = DynamicImage::from(small).thumbnail(THUMBNAIL_PX, THUMBNAIL_PX).to_rgb8();
         let thumbnail = STANDARD.encode(jpeg(small.as_raw(), small.width(), small.height(), QUALITY)?);
-        let objects = followed.map_or(discovery.objects.len(), |followed| followed.paths.len());
+        let objects = tracks.as_ref().map_or(discovery.objects.len(), |(_, paths)| paths.len());
         let row = Row { name: name.to_owned(), objects, correct, together_ms, thumbnail };
         Ok(Self { picture: STANDARD.encode(deflated(&pack(header, &maps)?)?), row })
     }

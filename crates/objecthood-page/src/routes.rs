@@ -17,6 +17,7 @@ use tokio::sync::Semaphore;
 use crate::assets::{LICENCES, PAGE, SCRIPT, STYLE};
 use crate::error::{Error, Result};
 use crate::explain::{Asked, Question};
+use crate::follow::{self, follow};
 use crate::guard::{self, Guard};
 use crate::look::{Look, look};
 use crate::pipelines::{Bench, Key, Pipelines, lock};
@@ -49,6 +50,7 @@ pub(crate) fn routes(shared: Arc<Shared>, guard: Guard) -> Router {
         .route("/session", get(greet))
         .route("/look", post(answer_look))
         .route("/explain", post(answer_explain))
+        .route("/follow", post(answer_follow))
         .route("/close", post(close))
         .with_state(shared);
     Router::new()
@@ -91,7 +93,7 @@ async fn greet(State(shared): State<Arc<Shared>>) -> Result<Response, Refusal> {
 #[derive(Deserialize)]
 struct OfTab<T> {
     tab: u64,
-    /// Which of its pictures: 0 and 1 are compared, 2 is the contact sheet.
+    /// Which of its pictures: 0 and 1 are compared, 2 is the contact sheet, 3 follows objects.
     #[serde(default)]
     side: u8,
     #[serde(flatten)]
@@ -99,9 +101,9 @@ struct OfTab<T> {
 }
 
 impl<T> OfTab<T> {
-    /// A tab has three pictures.
+    /// A tab has four pictures.
     fn key(&self) -> Key {
-        (self.tab, self.side.min(2))
+        (self.tab, self.side.min(3))
     }
 }
 
@@ -131,6 +133,14 @@ async fn answer_look(State(shared): State<Arc<Shared>>, body: Bytes) -> Result<R
         look(&mut bench.pipeline, name, &capture, &asked.asked)
     });
     Ok(typed("application/octet-stream", looked.await?))
+}
+
+async fn answer_follow(State(shared): State<Arc<Shared>>, body: Bytes) -> Result<Response, Refusal> {
+    let asked: OfTab<follow::Asked> = read(&body)?;
+    let followed = at_bench(shared, asked.key(), move |session, bench| {
+        follow(&mut bench.following, session, &asked.asked)
+    });
+    Ok(typed("application/octet-stream", followed.await?))
 }
 
 /// A question, and whether what would change the answer is to be searched.

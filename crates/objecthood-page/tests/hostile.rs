@@ -133,7 +133,7 @@ fn a_thousand_malformed_requests_leave_it_working() {
                 let place = dice.roll() as usize % body.len();
                 body[place] = b"\"{}[],:0-9e.xnull"[dice.roll() as usize % 17];
             }
-            server.post(["look", "explain", "close"][k / 2 % 3], &body)
+            server.post(["look", "explain", "follow", "close"][k / 2 % 4], &body)
         };
         assert!(status < 500, "request {k} was answered by {status}");
         refused += u32::from(status == 0 || status >= 400);

@@ -205,6 +205,42 @@ pub struct Event {
     pub evidence: String,
 }
 
+/// As a person would tell it, in a sentence.
+impl fmt::Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let object = self.object.0;
+        let other = |nobody: &str| match self.other {
+            None => nobody.to_owned(),
+            Some(0) => "the table".to_owned(),
+            Some(other) => format!("object {other}"),
+        };
+        let agent = self.other.map_or_else(|| "Someone".to_owned(), |agent| format!("Agent {agent}"));
+        match self.kind {
+            EventKind::Appeared => write!(f, "Object {object} appears."),
+            EventKind::Left => write!(f, "Object {object} leaves the view."),
+            EventKind::PickedUp => write!(f, "{agent} picks up object {object}."),
+            EventKind::PlacedOn => write!(f, "Object {object} is put down on {}.", other("something")),
+            EventKind::PutIn => write!(f, "Object {object} is put into {}.", other("something")),
+            EventKind::TakenOut => write!(f, "Object {object} is taken out of {}.", other("something")),
+            EventKind::Pushed => write!(f, "{agent} pushes object {object}."),
+            EventKind::Airborne => {
+                let frames = self.start.zip(self.end).map_or(0, |(start, end)| end + 1 - start);
+                write!(f, "Object {object} flies for {frames} frames.")
+            }
+            EventKind::Landed => write!(f, "Object {object} lands."),
+            EventKind::Fell => write!(f, "Object {object} falls."),
+            EventKind::Occluded => write!(f, "Object {object} goes behind {}.", other("something")),
+            EventKind::Split => {
+                write!(f, "Object {object} comes apart from {}.", other("what it was one with"))
+            }
+            EventKind::Merged => {
+                write!(f, "Object {object} and {} turn out to be one.", other("another part"))
+            }
+            EventKind::Opened => write!(f, "Object {object} opens {}.", other("something")),
+        }
+    }
+}
+
 /// Something that the user should know of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

@@ -2,7 +2,7 @@
 
 import { Swatch } from "./objects";
 import { frame, goTo } from "./state";
-import { Film } from "./stored";
+import { Film } from "./wire";
 
 /** The frame that shows a moment: the last one until then. */
 function frameAt({ stamps_s }: Film, time_s: number): number {
@@ -11,7 +11,8 @@ function frameAt({ stamps_s }: Film, time_s: number): number {
 }
 
 function span({ stamps_s, lives, happenings }: Film): [number, number] {
-  const times = [...stamps_s, ...lives.flatMap(({ first_s, last_s }) => [first_s, last_s]), ...happenings.map(({ time_s }) => time_s)];
+  const seen = Object.values(lives).flatMap(({ first_s, last_s }) => [first_s, last_s]);
+  const times = [...stamps_s, ...seen, ...happenings.map(({ time_s }) => time_s)];
   const [first, last] = [Math.min(...times), Math.max(...times)];
   return [first, Math.max(last - first, 1e-6)];
 }
@@ -50,9 +51,9 @@ export function Story({ film }: { film: Film }) {
       <h3>Tracks</h3>
       <table class="objects lives">
         <tbody>
-          {film.lives.map(({ track, first_s, last_s }) => (
+          {Object.entries(film.lives).map(([track, { first_s, last_s }]) => (
             <tr key={track} onClick={() => goTo(frameAt(film, first_s))}>
-              <td><button class="quiet" onClick={() => goTo(frameAt(film, first_s))}><Swatch id={track} />{track}</button></td>
+              <td><button class="quiet" onClick={() => goTo(frameAt(film, first_s))}><Swatch id={Number(track)} />{track}</button></td>
               <td class="life">
                 <i style={{ left: `${(100 * (first_s - first)) / length}%`, width: `${(100 * (last_s - first_s)) / length}%` }} />
                 <b style={{ left: `${(100 * (now - first)) / length}%` }} />

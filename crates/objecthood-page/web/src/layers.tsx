@@ -1,7 +1,7 @@
 // Which layers lie over the picture, and how opaque they are.
 
 import { LAYERS } from "./paint";
-import { available, opacity, pictures, show, solo } from "./state";
+import { available, greeting, opacity, pictures, show, solo } from "./state";
 
 /** What a layer shows with when it is switched on. */
 const SWITCHED_ON = 0.6;
@@ -12,7 +12,7 @@ export function Layers() {
     <div class="layers" role="group" aria-label="Layers">
       {LAYERS.map(({ name, title, meaning }, k) => {
         const hasTruth = name !== "truth" || pictures[0].value?.header.truth;
-        const isHeld = known ? known.has(name) : name !== "tracks";
+        const isHeld = known ? known.has(name) : name !== "tracks" || (greeting.value?.frames.length ?? 0) > 1;
         if (!isHeld || !hasTruth) return null;
         const share = opacity.value.get(name) ?? 0;
         return (

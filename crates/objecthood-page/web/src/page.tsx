@@ -5,6 +5,7 @@ import { render } from "preact";
 
 import { Elsewhere, isOpen } from "./elsewhere";
 import { Explain } from "./explain";
+import { Story, Timeline } from "./film";
 import { Frames, play } from "./frames";
 import { onKeys } from "./keys";
 import { Layers } from "./layers";
@@ -16,10 +17,12 @@ import { Sheet } from "./sheet";
 import { SpaceView } from "./space";
 import { next, Tabs } from "./tabs";
 import { bye } from "./wire";
-import { frame, goTo, greeting, other, panel, problem, settings, start, status, stopAsking, view } from "./state";
+import { film, frame, goTo, greeting, other, panel, problem, settings, start, status, stopAsking, view } from "./state";
 
 const VIEWS = { picture: "Picture", space: "In space", sheet: "Many frames" } as const;
 const PANELS = { objects: "Objects", explain: "Why?" } as const;
+/** Those of a video. */
+const PANELS_OF_FILM = { ...PANELS, story: "Story" } as const;
 const isHelping = signal(false);
 
 function compare(): void {
@@ -48,7 +51,7 @@ function Header() {
 }
 
 const KEYS = [
-  ["1 … 9 0 -", "layers; with Shift one alone"], ["/", "find a parameter"], [", .", "frame before, next"], ["P", "play"],
+  ["1 … 9 0 - =", "layers; with Shift one alone"], ["/", "find a parameter"], [", .", "frame before, next"], ["P", "play"],
   ["V", "picture, space, many frames"], ["O", "objects, why"], ["B X", "compare with B, exchange"], ["C", "copy settings"], ["L", "dark or light"],
   ["+ Z", "enlarge, fit"], ["arrows, Enter on the picture", "move the cross, explain"], ["Escape", "end an explanation"],
 ];
@@ -83,11 +86,12 @@ function Page() {
         {view.value === "picture" ? <PictureView /> : view.value === "space" ? <SpaceView /> : <Sheet />}
         <Layers />
         <Frames />
+        {film.value && <Timeline film={film.value} />}
       </main>
       <Parameters />
       <aside class="side">
-        <Tabs of={panel} names={PANELS} label="Side" />
-        {panel.value === "objects" ? <Objects /> : <Explain />}
+        <Tabs of={panel} names={film.value ? PANELS_OF_FILM : PANELS} label="Side" />
+        {panel.value === "explain" ? <Explain /> : panel.value === "story" && film.value ? <Story film={film.value} /> : <Objects />}
       </aside>
       <Elsewhere />
     </div>
@@ -99,7 +103,7 @@ const DOES: Record<string, () => void> = {
   ".": () => goTo(frame.value + 1),
   p: play,
   v: () => next(view, VIEWS),
-  o: () => next(panel, PANELS),
+  o: () => next(panel, film.value ? PANELS_OF_FILM : PANELS),
   b: compare,
   x: swap,
   l: turnLight,

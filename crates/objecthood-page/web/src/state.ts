@@ -3,7 +3,7 @@
 import { batch, effect, signal } from "@preact/signals";
 
 import { cameAndWent } from "./paint";
-import { Explained, explain, Greeting, greet, look, Picture, Settings, Value } from "./wire";
+import { Explained, explain, Film, follow, Followed, Greeting, greet, look, Picture, Settings, Value } from "./wire";
 
 export const greeting = signal<Greeting | null>(null);
 export const frame = signal(0);
@@ -21,7 +21,9 @@ export const searching = signal(false);
 export const swipe = signal(0.5);
 /** What the middle of the page shows, and what its right side. */
 export const view = signal<"picture" | "space" | "sheet">("picture");
-export const panel = signal<"objects" | "explain">("objects");
+export const panel = signal<"objects" | "explain" | "story">("objects");
+/** What is known of the video. */
+export const film = signal<Film | null>(null);
 /** Whether there is a server that can look again; a report has none. */
 export const isLive = signal(true);
 /** The layers that can be shown; null = all. A report holds some. */
@@ -30,9 +32,15 @@ export const available = signal<Set<string> | null>(null);
 /** The maps that no parameter changes: they are asked for once a frame. */
 const STILL = ["color", "depth", "truth"];
 
-/** The maps that the page needs now. */
+/** Whether objects are to be followed through the frames. */
+export function isFollowing(): boolean {
+  return (opacity.value.get("tracks") ?? 0) > 0;
+}
+
+/** The maps that the page needs now. Tracks come by themselves. */
 function wanted(): string[] {
-  const maps = new Set(["color", "depth", "objects", ...[...opacity.value].filter(([, share]) => share > 0).map(([name]) => name)]);
+  const shown = [...opacity.value].filter(([name, share]) => share > 0 && name !== "tracks").map(([name]) => name);
+  const maps = new Set(["color", "depth", "objects", ...shown]);
   if (explained.value) maps.add("filled");
   return [...maps].sort();
 }
@@ -80,7 +88,7 @@ class Side {
     const before = pictures[this.side].peek();
     batch(() => {
       problem.value = "";
-      pictures[this.side].value = picture;
+      pictures[this.side].value = this.side === 0 ? withTracks(picture) : picture;
     });
     // A task after the next frame begins when the picture is on the screen.
     requestAnimationFrame(() => setTimeout(() => {
@@ -102,6 +110,38 @@ function said(before: Picture | null, after: Picture, job: Job, took: number): s
 
 const sides = [new Side(0), new Side(1)];
 
+/** What was followed last. */
+let followed: Followed | null = null;
+
+/** A picture with the tracks of its frame, if they are known. */
+function withTracks(picture: Picture): Picture {
+  if (!followed?.tracks || followed.frame !== picture.header.frame) return picture;
+  const maps = new Map(picture.maps).set("tracks", followed.tracks);
+  return { header: { ...picture.header, paths: followed.paths }, maps };
+}
+
+let pursuits = 0;
+
+/** Follows objects to a frame, turn by turn; a newer frame or other settings end it. */
+async function pursue(to: number, by: Settings): Promise<void> {
+  const pursuit = ++pursuits;
+  try {
+    for (let next = -1; next <= to; ) {
+      const seen = await follow(to, by);
+      if (pursuit !== pursuits) return;
+      followed = seen;
+      next = seen.next;
+      film.value = seen.film;
+      if (next <= to) status.value = `following objects: ${next} of ${to + 1} frames`;
+    }
+    status.value = `${followed?.paths?.length ?? 0} objects followed to this frame`;
+    const shown = pictures[0].peek();
+    if (shown) pictures[0].value = withTracks(shown);
+  } catch (error) {
+    if (pursuit === pursuits) problem.value = error instanceof Error ? error.message : String(error);
+  }
+}
+
 export async function start(): Promise<void> {
   try {
     const said = await greet();
@@ -117,6 +157,10 @@ export async function start(): Promise<void> {
   effect(() => {
     const compared = other.value;
     sides[1].want(compared ? { frame: frame.value, settings: compared, maps: wanted() } : null);
+  });
+  effect(() => {
+    if (isFollowing()) void pursue(frame.value, settings.value);
+    else film.value = null;
   });
   effect(() => {
     const pixel = asked.value;

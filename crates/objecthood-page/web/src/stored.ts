@@ -1,6 +1,6 @@
 // The frames that a report holds.
 
-import { Greeting, Picture, PixelMap, unpack } from "./wire";
+import { Film, Greeting, Picture, PixelMap, unpack } from "./wire";
 
 /** What the list of frames says of one. */
 export interface Row {
@@ -9,14 +9,6 @@ export interface Row {
   correct: [number, number] | null;
   together_ms: number;
   thumbnail: string;
-}
-
-/** What happens in a video. */
-export interface Film {
-  /** When each frame was taken (s). */
-  stamps_s: number[];
-  happenings: { time_s: number; track: number; text: string }[];
-  lives: { track: number; first_s: number; last_s: number }[];
 }
 
 /** What a report says beside its frames. */

@@ -165,6 +165,26 @@ export interface Explained {
   explanation: Explanation;
 }
 
+/** What happens in a video. */
+export interface Film {
+  /** When each frame was taken (s). */
+  stamps_s: number[];
+  happenings: { time_s: number; track: number; text: string }[];
+  /** When each track was seen for the first and for the last time, by its number. */
+  lives: Record<string, { first_s: number; last_s: number }>;
+}
+
+/** Objects as they were followed to a frame. */
+export interface Followed {
+  frame: number;
+  /** The first frame that was not followed yet. */
+  next: number;
+  film: Film;
+  /** Once the frame was followed. */
+  paths?: Header["paths"];
+  tracks?: PixelMap;
+}
+
 /** What the server refuses, in its words. */
 export class Refusal extends Error {}
 
@@ -188,6 +208,12 @@ export async function greet(): Promise<Greeting> {
 /** Looks at a frame. `side`: 0 and 1 are compared, 2 is the contact sheet. */
 export async function look(side: number, frame: number, settings: Settings, maps: string[]): Promise<Picture> {
   return unpack(await (await post("look", { side, frame, settings, maps })).arrayBuffer());
+}
+
+/** Follows objects towards a frame, as far as the server gets in a moment. */
+export async function follow(frame: number, settings: Settings): Promise<Followed> {
+  const { header, maps } = unpack(await (await post("follow", { side: 3, frame, settings })).arrayBuffer());
+  return { ...(header as unknown as Followed), tracks: maps.get("tracks") };
 }
 
 export async function explain(

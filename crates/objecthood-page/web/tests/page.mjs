@@ -10,16 +10,22 @@ import { labelsOf } from "./png.mjs";
 
 const { OBJECTHOOD_DATA: data } = process.env;
 
+/** The header of an answer, and the labels in one of its maps, if it is there. */
+async function unpacked(response, map) {
+  const body = await response.body();
+  const length = body.readUInt32LE(0);
+  const header = JSON.parse(body.toString("utf8", 4, 4 + length));
+  const place = header.maps.find(({ name }) => name === map);
+  if (!place) return { header, labels: null };
+  const start = 4 + length + place.offset;
+  return { header, labels: new Uint16Array(Uint8Array.from(body.subarray(start, start + place.length)).buffer) };
+}
+
 /** Does something, and waits for the next picture of a side; the labels in it. */
 async function looked(page, act, side = 0) {
   const answered = page.waitForResponse((response) => response.url().endsWith("/look") && response.request().postDataJSON().side === side);
   await act();
-  const body = await (await answered).body();
-  const length = body.readUInt32LE(0);
-  const header = JSON.parse(body.toString("utf8", 4, 4 + length));
-  const { offset, length: bytes } = header.maps.find(({ name }) => name === "objects");
-  const start = 4 + length + offset;
-  return { header, labels: new Uint16Array(Uint8Array.from(body.subarray(start, start + bytes)).buffer) };
+  return unpacked(await answered, "objects");
 }
 
 const type = (page, name, value) => async () => {
@@ -185,6 +191,38 @@ if (video && existsSync(video)) {
       assert.equal(hash(labels), hash(found), `labels of frame ${number}`);
     }
     await keep(page, "video-1280");
+    assert.deepEqual(complaints, []);
+    end();
+  });
+
+  test("objects_are_followed_as_the_command_line_follows_them", async () => {
+    const [plush, to] = [join(data, "video/hand-plush"), 30];
+    const { page, complaints, end } = await open([plush, "--frames", "0..40"]);
+    await page.locator("#scrubber").fill(String(to));
+    let last = null;
+    const ended = page.waitForResponse(async (response) => {
+      if (!response.url().endsWith("/follow")) return false;
+      last = await unpacked(response, "tracks");
+      return last.labels !== null;
+    });
+    await page.keyboard.press("=");
+    await ended;
+    const tracks = await inFolder(async (folder) => {
+      await objecthood("track", plush, "--frames", "0..40", "--out", folder);
+      const file = last.header.film.stamps_s.length === to + 1 && `${(to / 15).toFixed(6)}`;
+      return labelsOf(join(folder, `labels/${file}.png`));
+    });
+    assert.equal(hash(last.labels), hash(tracks), `tracks of frame ${to}`);
+    await page.getByRole("tab", { name: "Story" }).click();
+    await page.locator(".timeline button").first().waitFor();
+    await page.locator(".lives tbody tr").first().waitFor();
+    await keep(page, "video-tracks-1280");
+    // Another parameter follows anew.
+    await type(page, ...CHANGES.objects)();
+    await page.waitForResponse(async (response) => response.url().endsWith("/follow") && (await unpacked(response, "tracks")).labels !== null);
+    await page.keyboard.press("v");
+    await page.waitForTimeout(1500);
+    await keep(page, "video-tracks-space-1280");
     assert.deepEqual(complaints, []);
     end();
   });
