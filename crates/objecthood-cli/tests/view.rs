@@ -1,4 +1,4 @@
-//! `objecthood view` on a recording: every frame has a name, and is looked at.
+//! `objecthood view` on a recording and on a stream: every frame has a name, and is looked at.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "in a test, an unwrap that fails is the failure report")]
@@ -10,6 +10,7 @@ use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 
 use common::Folder;
+use common::pipe::good;
 use common::scene::Cloud;
 use serde_json::{Value, json};
 
@@ -21,10 +22,13 @@ struct Server {
 }
 
 impl Server {
-    fn view(folder: &Folder, arguments: &str) -> Self {
+    /// A server, which gets `first` by stdin.
+    fn view(folder: &Folder, arguments: &str, first: &[u8]) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_objecthood"));
         command.current_dir(folder.path()).arg("view").args(arguments.split_whitespace());
-        let mut child = command.args(["--port", "0"]).stdout(Stdio::piped()).spawn().unwrap();
+        let command = command.args(["--port", "0"]).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        child.stdin.as_mut().unwrap().write_all(first).unwrap();
         let mut address = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut address).unwrap();
         let (host, place) = address.trim().strip_prefix("http://").unwrap().split_once('/').unwrap();
@@ -49,6 +53,16 @@ impl Server {
     }
 }
 
+impl Server {
+    /// A frame has its name, and objects are found in it.
+    fn assert_shows(&self, frame: usize, name: &str) {
+        let look = json!({"tab": 1, "frame": frame, "settings": {"method": "context", "set": {}}, "maps": ["objects"]});
+        let answer = self.ask("POST", "look", &look.to_string());
+        let text = String::from_utf8_lossy(&answer);
+        assert!(text.contains(name) && text.contains("objectness"), "{}", &text[..text.len().min(400)]);
+    }
+}
+
 impl Drop for Server {
     fn drop(&mut self) {
         self.child.kill().unwrap();
@@ -63,18 +77,29 @@ fn the_frames_of_a_recording_have_names_of_their_own() {
         folder.write(&format!("in/{k}.pcd"), &Cloud::two_boxes(shift_m).to_binary_pcd());
     }
     folder.run("convert in --to mcap --out long.mcap", 0);
-    let server = Server::view(&folder, "long.mcap in/0.pcd");
+    let server = Server::view(&folder, "long.mcap in/0.pcd", &[]);
     let session: Value = serde_json::from_slice(&server.ask("GET", "session", "")).unwrap();
     let names = [0, 1, 2].map(|k| format!("long.mcap: long-{k:06}"));
     assert_eq!(session["frames"], json!([names[0], names[1], names[2], "in/0.pcd"]));
-    for (frame, name) in names.iter().enumerate() {
-        let look = json!({"tab": 1, "frame": frame, "settings": {"method": "context", "set": {}}, "maps": ["objects"]});
-        let answer = server.ask("POST", "look", &look.to_string());
-        let text = String::from_utf8_lossy(&answer);
-        assert!(
-            text.contains(name.as_str()) && text.contains("objectness"),
-            "{}",
-            &text[..text.len().min(400)]
-        );
+    names.iter().enumerate().for_each(|(frame, name)| server.assert_shows(frame, name));
+}
+
+#[test]
+fn the_frames_of_a_stream_are_shown_as_they_come() {
+    let mut server = Server::view(&Folder::new(), "-", &good("first", 0.0));
+    let names = |server: &Server| -> Value {
+        let session: Value = serde_json::from_slice(&server.ask("GET", "session", "")).unwrap();
+        assert_eq!(session["grows"], true);
+        session["frames"].clone()
+    };
+    assert_eq!(names(&server), json!(["first"]));
+    server.assert_shows(0, "first");
+    server.child.stdin.as_mut().unwrap().write_all(&good("second", 0.05)).unwrap();
+    while names(&server) == json!(["first"]) {
+        std::thread::sleep(std::time::Duration::from_millis(10));
     }
+    assert_eq!(names(&server), json!(["first", "second"]));
+    server.assert_shows(1, "second");
+    drop(server.child.stdin.take());
+    server.assert_shows(0, "first");
 }

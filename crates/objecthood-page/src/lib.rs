@@ -34,5 +34,5 @@ pub use film::Film;
 pub use look::{Look, look};
 pub use report::{Page, Report, Shown};
 pub use serve::{Address, serve};
-pub use session::{FrameSource, Session};
+pub use session::{FrameList, FrameSource, Session};
 pub use settings::Settings;

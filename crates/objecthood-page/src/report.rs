@@ -174,9 +174,9 @@ impl Report {
     /// When the file cannot be written.
     pub fn finish(self) -> Result<()> {
         let Self { mut file, params, words, rows, findings } = self;
-        let names = rows.iter().map(|row| row["name"].as_str().unwrap_or_default()).collect();
+        let names = rows.iter().map(|row| row["name"].as_str().unwrap_or_default().to_owned()).collect();
         let title = words.join(" ");
-        let all = json!({ "greeting": Greeting::new(&title, &words, names, &params)?, "rows": rows, "findings": findings });
+        let all = json!({ "greeting": Greeting::new(&title, &words, (names, false), &params)?, "rows": rows, "findings": findings });
         // Nothing in it can end the element.
         let all = all.to_string().replace('<', "\\u003c");
         let tail = format!(

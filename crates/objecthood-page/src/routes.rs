@@ -129,7 +129,7 @@ async fn answer_look(State(shared): State<Arc<Shared>>, body: Bytes) -> Result<R
     let asked: OfTab<Look> = read(&body)?;
     let looked = at_bench(shared, asked.key(), move |session, bench| {
         let capture = bench.capture(session, asked.asked.frame)?;
-        let name = &session.frames[asked.asked.frame].name;
+        let name = &session.frames.get(asked.asked.frame)?.name;
         look(&mut bench.pipeline, name, &capture, &asked.asked)
     });
     Ok(typed("application/octet-stream", looked.await?))
@@ -157,7 +157,8 @@ async fn answer_explain(State(shared): State<Arc<Shared>>, body: Bytes) -> Resul
     let explained = at_bench(shared, asked.key(), move |session, bench| {
         let Search { in_full, question } = asked.asked;
         let capture = bench.capture(session, question.frame)?;
-        let asked = Asked::new(&bench.pipeline, &session.frames[question.frame].name, &capture, &question)?;
+        let name = &session.frames.get(question.frame)?.name;
+        let asked = Asked::new(&bench.pipeline, name, &capture, &question)?;
         if in_full { asked.in_full() } else { asked.at_once() }
     });
     Ok(typed(JSON, explained.await?.to_string()))

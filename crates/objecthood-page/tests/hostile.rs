@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use objecthood::{Camera, Frame, Params, Raster};
 use objecthood_io::Capture;
-use objecthood_page::{Address, FrameSource, Session, serve};
+use objecthood_page::{Address, FrameList, FrameSource, Session, serve};
 
 /// A server over one frame without any depth but a wall, until it is dropped.
 struct Server {
@@ -84,7 +84,7 @@ fn session() -> Session {
     Session {
         title: "a wall".to_owned(),
         words: vec!["wall.pcd".to_owned()],
-        frames,
+        frames: Arc::new(FrameList::of(frames)),
         params: Params::default(),
     }
 }

@@ -7,7 +7,8 @@ use super::{EXIT_CODES, FrameArgs, MethodName, Settings};
 /// Show frames on a page in the browser, stage by stage, while parameters are changed.
 ///
 /// The page is served on this machine only, at an address that holds a secret: whoever is to see it needs the whole address that is
-/// printed. Ctrl-C ends it.
+/// printed. Ctrl-C ends it. Where INPUT is `-`, frames come by stdin as docs/PIPE.md describes them: the page shows the newest until you
+/// choose another, and keeps the last 100.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct ViewArgs {

@@ -4,6 +4,7 @@
 #![allow(clippy::print_stdout, reason = "a test says that it skips itself")]
 
 pub(crate) mod photo;
+pub(crate) mod pipe;
 pub(crate) mod scene;
 
 use std::collections::BTreeMap;

@@ -19,7 +19,9 @@ export function asToml({ method, set }: Settings): string {
 
 export function asCommand({ method, set }: Settings, { words }: Greeting): string {
   const changes = Object.keys(set).sort().map((name) => ` --set ${name}=${set[name]}`).join("");
-  return `objecthood segment ${words.join(" ")} --out found --method ${method}${changes}`;
+  // Frames that come by stdin are answered on stdout.
+  const out = words[0] === "-" ? "" : " --out found";
+  return `objecthood segment ${words.join(" ")}${out} --method ${method}${changes}`;
 }
 
 export function asJson(settings: Settings): string {

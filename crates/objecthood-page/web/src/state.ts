@@ -142,6 +142,19 @@ async function pursue(to: number, by: Settings): Promise<void> {
   }
 }
 
+/** How often the page asks whether more frames came. */
+const LISTENS_MS = 500;
+
+/** Takes in the frames that came; who looks at the newest one goes on to the newest. */
+async function grow(): Promise<void> {
+  const before = greeting.value?.frames.length ?? 0;
+  const said = await greet().catch(() => null);
+  if (!said || said.frames.length <= before) return;
+  const isNewest = frame.value === before - 1;
+  greeting.value = { ...greeting.value!, frames: said.frames };
+  if (isNewest) goTo(said.frames.length - 1);
+}
+
 export async function start(): Promise<void> {
   try {
     const said = await greet();
@@ -153,6 +166,7 @@ export async function start(): Promise<void> {
     problem.value = error instanceof Error ? error.message : String(error);
     return;
   }
+  if (greeting.value?.grows) setInterval(() => void grow(), LISTENS_MS);
   effect(() => sides[0].want({ frame: frame.value, settings: settings.value, maps: wanted() }));
   effect(() => {
     const compared = other.value;

@@ -27,6 +27,8 @@ export interface Greeting {
   title: string;
   words: string[];
   frames: string[];
+  /** Whether more frames come. */
+  grows: boolean;
   settings: Settings;
   parameters: Parameter[];
 }
