@@ -73,6 +73,12 @@ impl Film {
         self.views.push((Pose::of(&tracked.world_from_camera), seen.collect()));
     }
 
+    /// Says that a frame that cannot be read stands behind the others: it shows nothing.
+    pub(crate) fn skip(&mut self) {
+        self.stamps_s.push(self.stamps_s.last().copied().unwrap_or(0.0));
+        self.views.push((Pose { turn: DQuat::IDENTITY, shift_m: DVec3::ZERO }, Vec::new()));
+    }
+
     /// Where each track that a shown frame sees was until then, in its camera; nothing of a frame that is not there.
     pub(crate) fn paths(&self, frame: usize) -> Vec<Path> {
         let Some((pose, seen)) = self.views.get(frame) else { return Vec::new() };

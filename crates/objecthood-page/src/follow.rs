@@ -37,8 +37,8 @@ pub(crate) struct Following {
     tracker: Tracker,
     film: Film,
     last_stamp_s: Option<f64>,
-    /// The label image of each frame, as PNG.
-    frames: Vec<Vec<u8>>,
+    /// The label image of each frame, as PNG; none of a frame that cannot be read.
+    frames: Vec<Option<Vec<u8>>>,
 }
 
 impl Following {
@@ -56,13 +56,20 @@ impl Following {
         })
     }
 
-    /// Follows the objects into the next frame.
+    /// Follows the objects into the next frame, or past it if it cannot be read: the first frames of a stream are gone.
     ///
     /// # Errors
-    /// As [`Session::read`] and the tracker.
+    /// [`Error::NoFrame`], and those of the tracker.
     fn step(&mut self, session: &Session) -> Result<()> {
         let number = self.frames.len();
-        let capture = session.read(number)?;
+        let capture = match session.read(number) {
+            Err(Error::Unreadable(_)) => {
+                self.film.skip();
+                self.frames.push(None);
+                return Ok(());
+            }
+            read => read?,
+        };
         let said_s = capture.stamp_ns.map(|stamp_ns| stamp_ns as f64 * 1e-9);
         let counted_s = || self.last_stamp_s.map_or(number as f64 / RATE_HZ, |last_s| last_s + 1.0 / RATE_HZ);
         let stamp_s = said_s.unwrap_or_else(counted_s);
@@ -70,7 +77,7 @@ impl Following {
         self.last_stamp_s = Some(stamp_s);
         self.film.take(&tracked);
         self.film.show(&tracked);
-        self.frames.push(label_image::encode(&tracked.labels)?);
+        self.frames.push(Some(label_image::encode(&tracked.labels)?));
         Ok(())
     }
 }
@@ -79,7 +86,7 @@ impl Following {
 /// a look is: what is known of the video, `next`, the first frame that was not followed yet, and the tracks of the frame once it was.
 ///
 /// # Errors
-/// [`Error::TooLong`] behind the frames that are kept; as [`Session::read`] and the tracker.
+/// [`Error::TooLong`] behind the frames that are kept; [`Error::NoFrame`], and those of the tracker.
 pub(crate) fn follow(kept: &mut Option<Following>, session: &Session, asked: &Asked) -> Result<Vec<u8>> {
     if asked.frame >= MOST_FRAMES {
         return Err(Error::TooLong { most: MOST_FRAMES });
@@ -94,9 +101,50 @@ pub(crate) fn follow(kept: &mut Option<Following>, session: &Session, asked: &As
     }
     let mut header = json!({ "frame": asked.frame, "next": following.frames.len(), "film": following.film });
     let mut maps = Vec::new();
-    if let Some(png) = following.frames.get(asked.frame) {
+    if let Some(Some(png)) = following.frames.get(asked.frame) {
         header["paths"] = json!(following.film.paths(asked.frame));
         maps.push(labels("tracks", &label_image::decode(png)?));
     }
     pack(header, &maps)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use objecthood::{Camera, Frame, Params, Raster};
+    use objecthood_io::Capture;
+
+    use super::*;
+    use crate::session::{FrameList, FrameSource};
+
+    #[test]
+    fn a_frame_that_cannot_be_read_is_passed() {
+        let flat = || {
+            let depth_m = Raster::from_vec(64, 48, vec![1.0; 64 * 48]).unwrap();
+            Ok(Capture::new(Frame::new(depth_m, None, Camera::new(60.0, 60.0, 31.5, 23.5).unwrap()).unwrap()))
+        };
+        let gone = || Err("gone".to_owned());
+        let frames = FrameList::of(vec![
+            FrameSource::new("0".to_owned(), gone),
+            FrameSource::new("1".to_owned(), flat),
+            FrameSource::new("2".to_owned(), flat),
+        ]);
+        let session = Session {
+            title: String::new(),
+            words: Vec::new(),
+            frames: Arc::new(frames),
+            params: Params::default(),
+        };
+        let mut kept = None;
+        let asked = Asked { frame: 2, settings: Settings::default() };
+        while kept.as_ref().is_none_or(|following: &Following| following.frames.len() < 3) {
+            follow(&mut kept, &session, &asked).unwrap();
+        }
+        let following = kept.as_ref().unwrap();
+        assert_eq!(following.frames.iter().map(Option::is_some).collect::<Vec<_>>(), [false, true, true]);
+        assert_eq!(following.film.frames(), 3);
+        let behind = Asked { frame: 3, settings: Settings::default() };
+        assert!(matches!(follow(&mut kept, &session, &behind), Err(Error::NoFrame { frame: 3, last: 2 })));
+    }
 }
