@@ -33,6 +33,8 @@ use crate::surface::surfaces::Surfaces;
 const MOST_SEAMS: usize = 8;
 /// A seam of this clearness parts nothing, whatever the colours beside it: print and shading are as clear.
 const FAINT: f64 = 0.25;
+/// A narrow side that shares so many colours with what lies beyond it, twice what two things share, is no thing.
+const GOES_ON: f64 = 0.25;
 
 /// The plane along which a body of facets was parted.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,7 +138,8 @@ pub fn find_seams(
 ) -> Option<Seams> {
     let (space, up) = (&surfaces.space, structure.ground_normal());
     let lab = surfaces.lab_for_shapes().filter(|_| params.seams.enabled)?;
-    let partings = Search { lab, space, params: &params.seams, up }.part_all(facets, shapes);
+    let size = facets.segments.labels().size();
+    let partings = Search { lab, space, params: &params.seams, up, size }.part_all(facets, shapes);
     if partings.is_empty() {
         return None;
     }
@@ -164,6 +167,8 @@ struct Search<'a> {
     space: &'a DisparitySpace,
     params: &'a params::Seams,
     up: Option<DVec3>,
+    /// Columns and rows of the image.
+    size: (usize, usize),
 }
 
 impl Search<'_> {
@@ -207,6 +212,7 @@ impl Search<'_> {
     /// The checks of a seam. The clearer it is, the more colours its sides may share.
     fn checks(&self, body: &Body, trace: &Trace) -> Vec<Check> {
         let overlap = body.overlap_across(trace, self.lab);
+        let beyond = body.overlap_beyond(trace, self.lab, self.space, self.size);
         let clear = (trace.clearness - FAINT) / (1.0 - FAINT);
         let (share, most) = (self.params.cross_share, clear * self.params.color_overlap);
         vec![
@@ -214,6 +220,13 @@ impl Search<'_> {
                 .set_by("seams.cross_share"),
             Check::new("overlap of the colours of both sides", "", overlap, Bound::AtMost, most)
                 .set_by("seams.color_overlap"),
+            Check::new(
+                "overlap of the colours of a narrow side and beyond it",
+                "",
+                beyond,
+                Bound::AtMost,
+                GOES_ON,
+            ),
         ]
     }
 }

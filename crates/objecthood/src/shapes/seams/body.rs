@@ -20,6 +20,8 @@ const FLAT_SHARE: f64 = 0.7;
 const NORMALS: usize = 32;
 /// About this many pixels of a body tell its colours.
 const COLORS: usize = 4096;
+/// Depth that is measured over windows of an image goes so far over the edge of a near thing (px at 525 px).
+const FATTENED_PX: f64 = 16.0;
 
 /// A pixel of a body.
 #[derive(Clone, Copy, Debug)]
@@ -120,6 +122,35 @@ impl Body {
             ColorHistogram::of(beyond.map(|p| lab[p.i as usize]))
         };
         side(-1.0).overlap(&side(1.0))
+    }
+
+    /// The overlap of the colours of a narrow side of a trace and of what the image shows beyond that side, in an image of this size: where
+    /// they are alike, the side is depth that was measured too far over the edge. 0 where both sides are wider than that can be.
+    pub(super) fn overlap_beyond(
+        &self,
+        trace: &Trace,
+        lab: &LabImage,
+        space: &DisparitySpace,
+        size: (usize, usize),
+    ) -> f64 {
+        let of_side = |sign: f64| {
+            let height_m = |p: &BodyPixel| sign * trace.height_m(p.point);
+            let side: Vec<&BodyPixel> = self.pixels().filter(|p| height_m(p) > 0.0).collect();
+            let mean =
+                |of: &dyn Fn(&BodyPixel) -> f64| side.iter().map(|p| of(p)).sum::<f64>() / side.len() as f64;
+            // A band is twice as wide as it is high on the mean.
+            let (width_m, depth_m) = (2.0 * mean(&height_m), mean(&|p| p.point.z));
+            let width_px = space.length_at_525_px(space.camera().fx_px * width_m / depth_m);
+            if side.is_empty() || width_px > FATTENED_PX {
+                return 0.0;
+            }
+            let outer = || side.iter().filter(|p| height_m(p) > width_m / 2.0);
+            let beyond =
+                |p: &&BodyPixel| space.camera().pixel_at(p.point + trace.axis * (sign * width_m), size);
+            let beyond = ColorHistogram::of(outer().filter_map(beyond).map(|i| lab[i]));
+            ColorHistogram::of(outer().map(|p| lab[p.i as usize])).overlap(&beyond)
+        };
+        of_side(-1.0).max(of_side(1.0))
     }
 }
 

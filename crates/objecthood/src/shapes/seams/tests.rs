@@ -22,11 +22,20 @@ fn board() -> (Facets, Raster<f32>) {
     (Facets { segments, models: vec![model], structure: 0, flats: Vec::new() }, disparity)
 }
 
-/// The seams of the board when it is painted so, and its facets.
+/// The seams of the board when the image is painted so, and its facets.
 fn seams(paint: impl Fn(usize, usize) -> [f32; 3], params: &params::Seams) -> Option<(Cuts, Facets)> {
+    seams_of(board().0, paint, params)
+}
+
+/// The same of another board.
+fn seams_of(
+    facets: Facets,
+    paint: impl Fn(usize, usize) -> [f32; 3],
+    params: &params::Seams,
+) -> Option<(Cuts, Facets)> {
     let lab = &LabImage::drawn(SIZE, paint);
-    let (shapes, facets) = (Shapes { of_facet: vec![0], count: 1 }, board().0);
-    let search = Search { lab, space: &kinect(), params, up: Some(DVec3::NEG_Y) };
+    let shapes = Shapes { of_facet: vec![0], count: 1 };
+    let search = Search { lab, space: &kinect(), params, up: Some(DVec3::NEG_Y), size: SIZE };
     let partings = search.part_all(&facets, &shapes);
     (!partings.is_empty()).then(|| Cuts::make(partings, &facets))
 }
@@ -72,6 +81,23 @@ fn shading_and_the_same_color_are_no_joint() {
 #[test]
 fn what_is_too_narrow_for_a_thing_is_not_cut_off() {
     assert_eq!(count(|u, _| if u < 4 { RED } else { BLUE }), 1, "8 mm from the end");
+}
+
+/// Depth that is measured over windows reaches over the edge of a near thing: the band there has the colour of what lies behind.
+#[test]
+fn depth_that_reaches_over_the_edge_is_not_cut_off() {
+    let pieces = |paint: fn(usize) -> [f32; 3]| {
+        let Facets { segments, models, .. } = board().0;
+        let labels = segments.labels().clone();
+        let ends = (0..labels.len()).map(|i| if i % SIZE.0 < 78 { 0 } else { -1 }).collect();
+        let segments = Segments::from_numbered(labels.with_data(ends), 1);
+        let facets = Facets { segments, models, structure: 0, flats: Vec::new() };
+        let cut = seams_of(facets, |u, _| paint(u), &params::Seams::default());
+        cut.map_or(1, |(_, facets)| facets.segments.count())
+    };
+    assert_eq!(pieces(|u| if u < 66 { RED } else { BLUE }), 1, "the band goes on behind the board");
+    assert_eq!(pieces(|u| if (66..78).contains(&u) { BLUE } else { RED }), 2, "it ends with the board");
+    assert_eq!(pieces(|u| if u < 40 { RED } else { BLUE }), 2, "it is wider than depth reaches");
 }
 
 #[test]
