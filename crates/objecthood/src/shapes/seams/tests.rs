@@ -24,20 +24,20 @@ fn board() -> (Facets, Raster<f32>) {
 
 /// The seams of the board when the image is painted so, and its facets.
 fn seams(paint: impl Fn(usize, usize) -> [f32; 3], params: &params::Seams) -> Option<(Cuts, Facets)> {
-    seams_of(board().0, paint, params)
+    seams_of(&board().0, paint, params)
 }
 
 /// The same of another board.
 fn seams_of(
-    facets: Facets,
+    facets: &Facets,
     paint: impl Fn(usize, usize) -> [f32; 3],
     params: &params::Seams,
 ) -> Option<(Cuts, Facets)> {
     let lab = &LabImage::drawn(SIZE, paint);
     let shapes = Shapes { of_facet: vec![0], count: 1 };
     let search = Search { lab, space: &kinect(), params, up: Some(DVec3::NEG_Y), size: SIZE };
-    let partings = search.part_all(&facets, &shapes);
-    (!partings.is_empty()).then(|| Cuts::make(partings, &facets))
+    let partings = search.part_all(facets, &shapes);
+    (!partings.is_empty()).then(|| Cuts::make(partings, facets))
 }
 
 fn count(paint: impl Fn(usize, usize) -> [f32; 3]) -> usize {
@@ -92,7 +92,7 @@ fn depth_that_reaches_over_the_edge_is_not_cut_off() {
         let ends = (0..labels.len()).map(|i| if i % SIZE.0 < 78 { 0 } else { -1 }).collect();
         let segments = Segments::from_numbered(labels.with_data(ends), 1);
         let facets = Facets { segments, models, structure: 0, flats: Vec::new() };
-        let cut = seams_of(facets, |u, _| paint(u), &params::Seams::default());
+        let cut = seams_of(&facets, |u, _| paint(u), &params::Seams::default());
         cut.map_or(1, |(_, facets)| facets.segments.count())
     };
     assert_eq!(pieces(|u| if u < 66 { RED } else { BLUE }), 1, "the band goes on behind the board");
