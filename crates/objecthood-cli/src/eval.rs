@@ -14,7 +14,7 @@ mod videos;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use objecthood::params;
+use objecthood::{Params, params};
 use objecthood_eval::{Report, SceneRef, Split, mosd, scenes};
 use objecthood_io::output;
 use serde::Serialize;
@@ -96,6 +96,20 @@ pub(crate) fn run(args: &EvalArgs) -> Result<Outcome> {
     }
     terminal::print(&text)?;
     Ok(if unlabelled.is_empty() { Outcome::AllDone } else { Outcome::SomeFailed })
+}
+
+/// Writes figures of which no scenes are shown to the files that were asked for, then prints them. `text` says them in words.
+///
+/// # Errors
+/// When a file or stdout cannot be written.
+fn publish(args: &EvalArgs, figures: &impl Serialize, text: &str, params: &Params) -> Result<()> {
+    if let Some(path) = &args.json {
+        output::write_atomically(path, to_json(figures)?.as_bytes())?;
+    }
+    if let Some(path) = &args.report {
+        report::write_figures(path, text, params)?;
+    }
+    terminal::print(text)
 }
 
 fn refuse_unusable_file(option: &str, file: &Path) -> Result<()> {

@@ -270,7 +270,7 @@ impl<'a> Plan<'a> {
                 capture,
                 number: place.number,
                 frames: self.inputs.frames.len(),
-                laps: &laps.ended_ms(),
+                laps: Some(&laps.ended_ms()),
                 followed: None,
             };
             share.page = Some(Page::new(pipeline, &self.params, &shown)?);

@@ -123,7 +123,7 @@ impl<'a> Plan<'a> {
     ) -> Result<()> {
         let capture = self.args.frames.read(input, &self.scope)?;
         let named = || input.path.display().to_string();
-        let stamp_s = self.stamp_s(&capture, number, told.last_stamp_s);
+        let stamp_s = capture.stamp_s(number, told.last_stamp_s, self.args.fps);
         let pose = pose_of(&capture).filter(|_| self.args.poses);
         let tracked = tracker.update(&capture.frame, stamp_s, pose).with_context(named)?;
         told.last_stamp_s = Some(stamp_s);
@@ -150,14 +150,6 @@ impl<'a> Plan<'a> {
         told.lines.frame(&tracked);
         told.events.extend(tracked.events);
         Ok(())
-    }
-
-    /// When a frame was taken (s): as the source says, else by the frame rate.
-    fn stamp_s(&self, capture: &Capture, number: usize, last_s: Option<f64>) -> f64 {
-        let said = capture.stamp_ns.map(|stamp_ns| stamp_ns as f64 * 1e-9);
-        said.unwrap_or_else(|| {
-            last_s.map_or(number as f64 / self.args.fps, |last_s| last_s + 1.0 / self.args.fps)
-        })
     }
 
     /// Writes the lists.

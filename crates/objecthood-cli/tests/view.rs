@@ -51,9 +51,7 @@ impl Server {
         assert!(answer.starts_with(b"HTTP/1.1 200"), "{}", String::from_utf8_lossy(&answer[..head]));
         answer.split_off(head + 4)
     }
-}
 
-impl Server {
     /// A frame has its name, and objects are found in it.
     fn assert_shows(&self, frame: usize, name: &str) {
         let look = json!({"tab": 1, "frame": frame, "settings": {"method": "context", "set": {}}, "maps": ["objects"]});

@@ -50,6 +50,13 @@ impl Capture {
             turned: false,
         }
     }
+
+    /// When the depth was measured (s). A frame without a stamp follows the one at `last_s` at the rate `rate_hz`; without such a frame it is
+    /// the `number`th of the source, from 0.
+    pub fn stamp_s(&self, number: usize, last_s: Option<f64>, rate_hz: f64) -> f64 {
+        let counted_s = || last_s.map_or(number as f64 / rate_hz, |last_s| last_s + 1.0 / rate_hz);
+        self.stamp_ns.map_or_else(counted_s, |stamp_ns| stamp_ns as f64 * 1e-9)
+    }
 }
 
 impl Capture {

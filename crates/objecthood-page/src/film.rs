@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use objecthood_track::{Event, Rigid, Tracked};
 use serde::Serialize;
 
@@ -22,7 +22,7 @@ pub struct Film {
     paths: BTreeMap<u16, Vec<(usize, DVec3)>>,
     /// The camera of each frame that can be shown, and the tracks that it sees.
     #[serde(skip)]
-    views: Vec<(Pose, Vec<u16>)>,
+    views: Vec<(Rigid, Vec<u16>)>,
 }
 
 /// Something that happened to a track.
@@ -47,11 +47,11 @@ pub(crate) type Path = (u16, Vec<[f32; 3]>);
 impl Film {
     /// Takes in what is said of the next frame. O(tracks).
     pub fn take(&mut self, tracked: &Tracked) {
-        let pose = Pose::of(&tracked.world_from_camera);
         for object in &tracked.objects {
             let Some(track) = object.track.map(|track| track.0) else { continue };
             let path = self.paths.entry(track).or_default();
-            path.push((self.views.len(), pose.to_world(object.center_m)));
+            let center_m = Vec3::from(object.center_m).as_dvec3();
+            path.push((self.views.len(), tracked.world_from_camera.point(center_m)));
             path.drain(..path.len().saturating_sub(KEPT_POINTS));
             let seen = Life { first_s: tracked.stamp_s, last_s: tracked.stamp_s };
             self.lives.entry(track).or_insert(seen).last_s = tracked.stamp_s;
@@ -59,34 +59,40 @@ impl Film {
         tracked.events.iter().for_each(|event| self.tell(event));
     }
 
-    /// Takes in something that became certain when the video ended.
+    /// Takes in an event: one that became certain when the video ended.
     pub fn tell(&mut self, event: &Event) {
         let happening = Happening { time_s: event.time, track: event.object.0, text: event.to_string() };
         let place = self.happenings.partition_point(|other| other.time_s <= happening.time_s);
         self.happenings.insert(place, happening);
     }
 
-    /// Says that the frame that was taken in last is to be shown.
+    /// Adds the frame that was taken in last to those that can be shown.
     pub fn show(&mut self, tracked: &Tracked) {
         self.stamps_s.push(tracked.stamp_s);
         let seen = tracked.objects.iter().filter_map(|object| object.track).map(|track| track.0);
-        self.views.push((Pose::of(&tracked.world_from_camera), seen.collect()));
+        self.views.push((tracked.world_from_camera, seen.collect()));
     }
 
-    /// Says that a frame that cannot be read stands behind the others: it shows nothing.
+    /// Adds a frame that cannot be read: it shows no track.
     pub(crate) fn skip(&mut self) {
         self.stamps_s.push(self.stamps_s.last().copied().unwrap_or(0.0));
-        self.views.push((Pose { turn: DQuat::IDENTITY, shift_m: DVec3::ZERO }, Vec::new()));
+        self.views.push((Rigid::IDENTITY, Vec::new()));
     }
 
     /// Where each track that a shown frame sees was until then, in its camera; nothing of a frame that is not there.
     pub(crate) fn paths(&self, frame: usize) -> Vec<Path> {
-        let Some((pose, seen)) = self.views.get(frame) else { return Vec::new() };
+        let Some((world_from_camera, seen)) = self.views.get(frame) else { return Vec::new() };
+        let camera_from_world = world_from_camera.inverse();
         let path = |&track: &u16| {
             let known = self.paths.get(&track)?;
             let known = &known[..known.partition_point(|&(number, _)| number <= frame)];
             let last = &known[known.len().saturating_sub(SHOWN_POINTS)..];
-            Some((track, last.iter().map(|&(_, point_m)| pose.to_camera(point_m)).collect()))
+            Some((
+                track,
+                last.iter()
+                    .map(|&(_, point_m)| camera_from_world.point(point_m).as_vec3().to_array())
+                    .collect(),
+            ))
         };
         seen.iter().filter_map(path).collect()
     }
@@ -97,41 +103,9 @@ impl Film {
     }
 }
 
-/// Where the camera is in the world.
-#[derive(Clone, Debug)]
-struct Pose {
-    turn: DQuat,
-    shift_m: DVec3,
-}
-
-impl Pose {
-    fn of(world_from_camera: &Rigid) -> Self {
-        Self {
-            turn: DQuat::from_array(world_from_camera.rotation_xyzw()),
-            shift_m: DVec3::from(world_from_camera.translation_m()),
-        }
-    }
-
-    fn to_world(&self, point_m: [f32; 3]) -> DVec3 {
-        self.turn * Vec3::from(point_m).as_dvec3() + self.shift_m
-    }
-
-    fn to_camera(&self, point_m: DVec3) -> [f32; 3] {
-        (self.turn.inverse() * (point_m - self.shift_m)).as_vec3().to_array()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_point_comes_back_from_the_world() {
-        let turned = Rigid::new([0.0, 0.0, 0.6, 0.8], [1.0, -2.0, 0.5]).unwrap();
-        let pose = Pose::of(&turned);
-        let back = pose.to_camera(pose.to_world([0.1, 0.2, 1.5]));
-        assert!((Vec3::from(back) - Vec3::new(0.1, 0.2, 1.5)).length() < 1e-6, "{back:?}");
-    }
 
     #[test]
     fn what_happened_is_in_the_order_of_time() {

@@ -70,9 +70,7 @@ impl Following {
             }
             read => read?,
         };
-        let said_s = capture.stamp_ns.map(|stamp_ns| stamp_ns as f64 * 1e-9);
-        let counted_s = || self.last_stamp_s.map_or(number as f64 / RATE_HZ, |last_s| last_s + 1.0 / RATE_HZ);
-        let stamp_s = said_s.unwrap_or_else(counted_s);
+        let stamp_s = capture.stamp_s(number, self.last_stamp_s, RATE_HZ);
         let tracked = self.tracker.update(&capture.frame, stamp_s, None)?;
         self.last_stamp_s = Some(stamp_s);
         self.film.take(&tracked);

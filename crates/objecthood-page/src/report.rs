@@ -53,8 +53,8 @@ pub struct Shown<'a> {
     pub number: usize,
     /// How many frames the report has.
     pub frames: usize,
-    /// How long each step took (ms).
-    pub laps: &'a [(&'a str, f64)],
+    /// How long each step took (ms), if the frame was looked at before; else the stages are timed when the page is made.
+    pub laps: Option<&'a [(&'a str, f64)]>,
     /// Of a video, the track at every pixel (0 = none), and the film, whose frame `number` this is.
     pub followed: Option<(&'a Raster<u16>, &'a Film)>,
 }
@@ -98,8 +98,11 @@ impl Page {
         let maps = NAMES.iter().filter(|name| **name != "filled").map(|name| (*name).to_owned()).collect();
         let asked = Look { frame: number, settings: Settings::of(params)?, maps };
         let (mut header, mut maps) = seen(pipeline, name, capture, &asked)?;
-        let together_ms = laps.iter().map(|lap| lap.1).sum();
-        header["stages_ms"] = json!(laps);
+        if let Some(laps) = laps {
+            header["stages_ms"] = json!(laps);
+        }
+        let laps = header["stages_ms"].as_array().into_iter().flatten();
+        let together_ms = laps.filter_map(|lap| lap[1].as_f64()).sum();
         header["together_ms"] = json!(together_ms);
         let tracks = followed.map(|(tracks, film)| (tracks, film.paths(number)));
         if let Some((tracks, paths)) = &tracks {

@@ -38,7 +38,8 @@ impl Rigid {
         2.0 * libm::atan2((x * x + y * y + z * z).sqrt(), w.abs())
     }
 
-    pub(crate) fn point(&self, p: DVec3) -> DVec3 {
+    /// Where it takes a point (m).
+    pub fn point(&self, p: DVec3) -> DVec3 {
         self.rotation * p + self.translation
     }
 
@@ -52,7 +53,8 @@ impl Rigid {
         Self { rotation, translation: self.rotation * first.translation + self.translation }
     }
 
-    pub(crate) fn inverse(&self) -> Self {
+    /// What undoes it.
+    pub fn inverse(&self) -> Self {
         let rotation = self.rotation.inverse();
         Self { rotation, translation: -(rotation * self.translation) }
     }

@@ -3,11 +3,9 @@
 use anyhow::{Context, Result};
 use objecthood::{Params, Pipeline};
 use objecthood_eval::{FamiliesTable, FamilyFigures, Prediction, SceneReport};
-use objecthood_io::output;
 use objecthood_scene::{Exposure, Family, Sensor};
 use serde::Serialize;
 
-use super::report;
 use crate::args::{EvalArgs, SyntheticArgs};
 use crate::failure::Outcome;
 use crate::synthetic::{Made, Recipe, Shot};
@@ -51,17 +49,11 @@ pub(super) fn run(args: &EvalArgs, families: &[Family]) -> Result<Outcome> {
     let reports = reports.into_iter().collect::<Result<Vec<_>>>()?;
 
     let rows = rows(families, &sensors.0, &reports);
-    if let Some(path) = &args.json {
-        let lines: Vec<Line<'_>> =
-            rows.iter().map(|(family, sensor, figures)| Line { family, sensor, figures: *figures }).collect();
-        output::write_atomically(path, super::to_json(&lines)?.as_bytes())?;
-    }
+    let lines: Vec<Line<'_>> =
+        rows.iter().map(|(family, sensor, figures)| Line { family, sensor, figures: *figures }).collect();
     let (method, last, table) = (params.method, first + scenes - 1, FamiliesTable(&rows));
     let text = format!("method {method}, synthetic scenes {first} to {last}, holes {holes}\n\n{table}\n");
-    if let Some(path) = &args.report {
-        report::write_figures(path, &text, &[], &params)?;
-    }
-    terminal::print(&text)?;
+    super::publish(args, &lines, &text, &params)?;
     Ok(Outcome::AllDone)
 }
 

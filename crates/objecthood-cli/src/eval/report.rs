@@ -14,14 +14,13 @@ use super::plots::Plot;
 use super::stock::Stock;
 use super::subject::Scored;
 use crate::shell::words_of_frames;
-use crate::watch::{Laps, Watch};
 
-/// Writes figures and plots alone.
+/// Writes figures alone.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub(crate) fn write_figures(path: &Path, figures: &str, plots: &[Plot], params: &Params) -> Result<()> {
-    Ok(begun(path, figures, plots, params)?.finish()?)
+pub(crate) fn write_figures(path: &Path, figures: &str, params: &Params) -> Result<()> {
+    Ok(begun(path, figures, &[], params)?.finish()?)
 }
 
 /// Writes figures, plots and, of a single setting, the hardest scenes.
@@ -66,9 +65,6 @@ fn page(
     let scene = stock.scene(place)?;
     let mut capture = Capture::new(scene.frame);
     capture.truth = Some(mosd::labels_of(&scene.truth));
-    let mut laps = Laps::start();
-    pipeline.discover_observed(&capture.frame, params, &mut Watch { laps: &mut laps, next: &mut () })?;
-    let laps = laps.ended_ms();
-    let shown = Shown { name, capture: &capture, number, frames, laps: &laps, followed: None };
+    let shown = Shown { name, capture: &capture, number, frames, laps: None, followed: None };
     Ok(Page::new(pipeline, params, &shown)?)
 }

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result};
 use objecthood::Method;
 use objecthood_eval::support::{FAMILIES, SceneSupport, SupportReport};
-use objecthood_io::output;
 use objecthood_scene::Sensor;
 
 use crate::args::EvalArgs;
@@ -55,13 +54,6 @@ pub(super) fn run(args: &EvalArgs) -> Result<Outcome> {
         return Err(e);
     }
     let report = SupportReport::new(first, scenes, by_family);
-    if let Some(path) = &args.json {
-        output::write_atomically(path, super::to_json(&report)?.as_bytes())?;
-    }
-    let text = format!("{report}\n");
-    if let Some(path) = &args.report {
-        super::report::write_figures(path, &text, &[], &params)?;
-    }
-    terminal::print(&text)?;
+    super::publish(args, &report, &format!("{report}\n"), &params)?;
     Ok(Outcome::AllDone)
 }

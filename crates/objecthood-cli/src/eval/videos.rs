@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use objecthood::Params;
 use objecthood_eval::video::{ClipScore, TrueClip, VideoReport};
-use objecthood_io::{natural, output};
+use objecthood_io::natural;
 
 use crate::args::EvalArgs;
 use crate::failure::{Outcome, usage};
@@ -44,14 +44,7 @@ pub(super) fn run(args: &EvalArgs, tracks: &Path, truth: &Path) -> Result<Outcom
         return Err(e);
     }
     let report = VideoReport::new(&scores);
-    if let Some(path) = &args.json {
-        output::write_atomically(path, super::to_json(&report)?.as_bytes())?;
-    }
-    let text = format!("{report}\n");
-    if let Some(path) = &args.report {
-        super::report::write_figures(path, &text, &[], &Params::default())?;
-    }
-    terminal::print(&text)?;
+    super::publish(args, &report, &format!("{report}\n"), &Params::default())?;
     Ok(Outcome::AllDone)
 }
 

@@ -10,7 +10,6 @@ use objecthood_page::{Film, Page, Report, Shown};
 use objecthood_track::{Event, Tracked};
 
 use crate::shell::words_of_frames;
-use crate::watch::{Laps, Watch};
 
 /// A report has at most so many frames of a video, evenly spread; all events are in it.
 const MOST_FRAMES: usize = 100;
@@ -57,14 +56,10 @@ impl Filming {
         if !number.is_multiple_of(self.step) {
             return Ok(());
         }
-        let mut laps = Laps::start();
-        let mut watch = Watch { laps: &mut laps, next: &mut () };
-        self.pipeline.discover_observed(&capture.frame, params, &mut watch)?;
-        let laps = laps.ended_ms();
         let (number, frames) = (self.film.frames(), self.frames.div_ceil(self.step));
         self.film.show(tracked);
         let followed = Some((&tracked.labels, &self.film));
-        let shown = Shown { name, capture, number, frames, laps: &laps, followed };
+        let shown = Shown { name, capture, number, frames, laps: None, followed };
         Ok(self.report.add(&Page::new(&mut self.pipeline, params, &shown)?)?)
     }
 

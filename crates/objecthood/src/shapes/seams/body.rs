@@ -20,7 +20,7 @@ const FLAT_SHARE: f64 = 0.7;
 const NORMALS: usize = 32;
 /// About this many pixels of a body tell its colours.
 const COLORS: usize = 4096;
-/// Depth that is measured over windows of an image goes so far over the edge of a near thing (px at 525 px).
+/// Depth that is measured over windows of an image reaches at most so far over the edge of a near thing (px at 525 px).
 const FATTENED_PX: f64 = 16.0;
 
 /// A pixel of a body.
@@ -136,12 +136,15 @@ impl Body {
         let of_side = |sign: f64| {
             let height_m = |p: &BodyPixel| sign * trace.height_m(p.point);
             let side: Vec<&BodyPixel> = self.pixels().filter(|p| height_m(p) > 0.0).collect();
+            if side.is_empty() {
+                return 0.0;
+            }
             let mean =
                 |of: &dyn Fn(&BodyPixel) -> f64| side.iter().map(|p| of(p)).sum::<f64>() / side.len() as f64;
             // A band is twice as wide as it is high on the mean.
             let (width_m, depth_m) = (2.0 * mean(&height_m), mean(&|p| p.point.z));
             let width_px = space.length_at_525_px(space.camera().fx_px * width_m / depth_m);
-            if side.is_empty() || width_px > FATTENED_PX {
+            if width_px > FATTENED_PX {
                 return 0.0;
             }
             let outer = || side.iter().filter(|p| height_m(p) > width_m / 2.0);
