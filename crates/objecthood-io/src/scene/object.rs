@@ -145,13 +145,13 @@ pub enum JoinEvidence {
     },
     /// The bottom of a plate or bowl, which lies as low as the table.
     VesselBottom {
-        /// Share of its border that touches, without a step in depth.
+        /// Share of its border that touches the vessel without a step, but for what stands on it.
         #[schemars(range(min = 0, max = 1))]
         contact_share: f64,
     },
     /// The walls of an open box, or its bottom.
     OpenBox {
-        /// Share of the bottom's border that the walls bound.
+        /// Share of the bottom's border that the walls bound, but for what lies in the box.
         #[schemars(range(min = 0, max = 1))]
         enclosed_share: f64,
     },

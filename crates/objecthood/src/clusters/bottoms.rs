@@ -34,15 +34,11 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels
         let touching = patch.shared.iter().filter(|(_, shared)| shared.touch > 0);
         let Some((&id, most)) = touching.rev().max_by_key(|(_, shared)| shared.touch) else { continue };
         let mut join = Proposal::new(Rule::VesselBottom, Source::Patch(patch.first()), Some(id));
-        let contact_share = patch.share_of_border(patch.shared.values().map(|shared| shared.touch).sum());
-        let is_bottom = join.check(check_enclosed(contact_share, params))
-            && join.check(Check::new(
-                "share of its border with the vessel",
-                "",
-                patch.share_of_border(most.touch),
-                Bound::Above,
-                MAJORITY,
-            ));
+        let others = patch.shared.iter().filter(|&(&other, _)| other != id);
+        let free = patch.border - others.map(|(_, shared)| shared.touch + shared.hidden).sum::<u32>();
+        let contact_share = f64::from(most.touch) / f64::from(free);
+        let is_bottom = join.check(check_contact(contact_share, params))
+            && join.check(check_majority(patch.share_of_border(most.touch)));
         let is_noted = patch.size_px() >= least_px;
         if !is_bottom {
             misses.extend(is_noted.then(|| join.refuse()));
@@ -61,10 +57,14 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels
     clusters.history.note_misses(misses);
 }
 
-fn check_enclosed(contact_share: f64, params: &params::Vessels) -> Check {
-    let what = "share of its border without a step";
+fn check_contact(contact_share: f64, params: &params::Vessels) -> Check {
+    let what = "share of its border without a step, but for what stands on it";
     Check::new(what, "", contact_share, Bound::AtLeast, params.bottom_contact_share)
         .set_by("vessels.bottom_contact_share")
+}
+
+fn check_majority(share: f64) -> Check {
+    Check::new("share of its border with the vessel", "", share, Bound::Above, MAJORITY)
 }
 
 #[cfg(test)]
@@ -114,6 +114,9 @@ mod tests {
         // A ball on a plate covers a part of its bottom.
         let rows = ["aaaaaaaa", "aa____aa", "aa_bb_aa", "aa____aa", "aaaaaaaa"];
         assert_eq!(gained(&rows, &[0.005, 0.005]), [10, 0]);
+        // Things that stand on the bottom hide a part of it.
+        let rows = ["aaaaaaaa", "aa____aa", "aa_bb_aa", "aa_bb_aa", "aa____aa", "aaaaaaaa"];
+        assert_eq!(gained(&rows, &[0.005, 0.04]), [12, 0]);
         // A patch between two books of equal height belongs to neither.
         let rows = ["aaabbb", "aa__bb", "aaabbb"];
         assert_eq!(gained(&rows, &[0.005, 0.005]), [0, 0]);

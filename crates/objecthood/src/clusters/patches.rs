@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use crate::clusters::borders::REACH_PX;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::scene::Scene;
 use crate::discovery::join::JoinedPart;
@@ -34,7 +35,7 @@ type Run = Range<usize>;
 pub(super) struct Shared {
     /// Those without a step in depth.
     pub touch: u32,
-    /// Those where the cluster is in front, across a step.
+    /// Those where the cluster is in front, across a step, or across pixels without depth that are not too many to be neighbours.
     pub hidden: u32,
 }
 
@@ -44,7 +45,7 @@ pub(super) struct Patch {
     /// In scan order.
     pub runs: Vec<Run>,
     /// Length of its border: sides of its pixels beyond which it ends.
-    border: u32,
+    pub border: u32,
     /// What it shares with each cluster beside it.
     pub shared: BTreeMap<SegmentId, Shared>,
 }
@@ -86,9 +87,13 @@ fn touches(scene: &Scene<'_>, i: usize, j: usize) -> bool {
     scene.steps.touch(scene.disparity, i, j) && (depth_m(i) - depth_m(j)).abs() <= STEP_M
 }
 
-/// The patches of background, in the order of their first pixels. O(pixels + border pixels).
+/// The patches of background that no cluster was given, in the order of their first pixels. O(pixels + border pixels).
 pub(super) fn find_patches(clusters: &Clusters<'_>) -> Vec<Patch> {
-    patches_of(clusters.scene, &find_owners(clusters))
+    let mut patches = patches_of(clusters.scene, &find_owners(clusters));
+    let is_given =
+        |patch: &Patch, id: SegmentId| clusters.get(id).pixels.binary_search(&patch.first()).is_ok();
+    patches.retain(|patch| !patch.shared.keys().any(|&id| is_given(patch, id)));
+    patches
 }
 
 /// The same for owners of the facets. Runs above each other belong to one patch. Where a run has no
@@ -99,8 +104,9 @@ fn patches_of(scene: &Scene<'_>, owners: &[Owner]) -> Vec<Patch> {
     for v in 0..height {
         for run in sides.row(v) {
             let Run { start, end } = sides.runs[run];
-            sides.end(run, start, (start % width > 0).then(|| start - 1));
-            sides.end(run, end - 1, (end % width > 0).then_some(end));
+            let row = v * width;
+            sides.end(run, start, (row..start).rev());
+            sides.end(run, end - 1, end..row + width);
             let (step, above) = (width as isize, v.checked_sub(1).map(|above| sides.row(above)));
             sides.meet(run, above, -step);
             sides.meet(run, (v + 1 < height).then(|| sides.row(v + 1)), step);
@@ -113,6 +119,8 @@ fn patches_of(scene: &Scene<'_>, owners: &[Owner]) -> Vec<Patch> {
 struct Sides<'a> {
     scene: &'a Scene<'a>,
     owners: &'a [Owner],
+    /// Pixels farther apart in a row or column are no neighbours.
+    reach: usize,
     runs: Vec<Run>,
     /// The runs of row v are `first_of[v]..first_of[v + 1]`.
     first_of: Vec<usize>,
@@ -130,7 +138,8 @@ impl<'a> Sides<'a> {
         let runs = find_background(&scene.facets.segments, owners);
         let first_of = (0..=height).map(|v| runs.partition_point(|run| run.start < v * width)).collect();
         let (sets, borders) = (UnionFind::new(runs.len()), vec![0; runs.len()]);
-        Self { scene, owners, runs, first_of, sets, borders, shared: Vec::new() }
+        let reach = scene.space.length_px(REACH_PX);
+        Self { scene, owners, reach, runs, first_of, sets, borders, shared: Vec::new() }
     }
 
     /// The runs of a row.
@@ -138,15 +147,18 @@ impl<'a> Sides<'a> {
         self.first_of[v]..self.first_of[v + 1]
     }
 
-    /// Counts a side of pixel `i` where its patch ends. `beyond`: the pixel on the other side; `None` at the border of the image.
-    fn end(&mut self, run: usize, i: usize, beyond: Option<usize>) {
+    /// Counts a side of pixel `i` where its patch ends. `beyond`: the pixels on the other side up to the border of the image, the nearest
+    /// first.
+    fn end(&mut self, run: usize, i: usize, beyond: impl Iterator<Item = usize>) {
         self.borders[run] += 1;
-        let Some((j, facet)) = beyond.and_then(|j| Some((j, self.scene.facets.segments.at(j)?))) else {
-            return;
-        };
+        let segments = &self.scene.facets.segments;
+        let mut seen =
+            beyond.take(self.reach).enumerate().filter_map(|(gap, j)| Some((gap, j, segments.at(j)?)));
+        let Some((gap, j, facet)) = seen.next() else { return };
         if let Owner::Cluster(id) = self.owners[facet.index()] {
-            let touch = touches(self.scene, i, j);
-            let hidden = !touch && self.scene.disparity[j] > self.scene.disparity[i];
+            let (steps, rise) = (&self.scene.steps, self.scene.disparity[j] - self.scene.disparity[i]);
+            let touch = gap == 0 && touches(self.scene, i, j);
+            let hidden = !touch && rise > if gap == 0 { 0.0 } else { steps.level_quanta };
             self.shared.push((run, id, Shared { touch: touch.into(), hidden: hidden.into() }));
         }
     }
@@ -156,10 +168,15 @@ impl<'a> Sides<'a> {
     fn meet(&mut self, run: usize, others: Option<Range<usize>>, step: isize) {
         let Run { start, end } = self.runs[run];
         let Some(others) = others else {
-            (start..end).for_each(|i| self.end(run, i, None));
+            (start..end).for_each(|i| self.end(run, i, std::iter::empty()));
             return;
         };
         let beyond = |i: usize| i.wrapping_add_signed(step);
+        let count = self.scene.disparity.len();
+        let column = |i: usize| {
+            std::iter::successors(i.checked_add_signed(step), move |j| j.checked_add_signed(step))
+                .take_while(move |&j| j < count)
+        };
         let mut i = start;
         let first = self.runs[others.clone()].partition_point(|other| other.end <= beyond(start));
         for other in others.start + first..others.end {
@@ -168,14 +185,14 @@ impl<'a> Sides<'a> {
                 break;
             }
             while beyond(i) < other_start {
-                self.end(run, i, Some(beyond(i)));
+                self.end(run, i, column(i));
                 i += 1;
             }
             i = end.min(other_end.wrapping_add_signed(-step));
             let [a, b] = [run, other].map(|run| self.sets.find(run));
             self.sets.link(a.min(b), a.max(b));
         }
-        (i..end).for_each(|i| self.end(run, i, Some(beyond(i))));
+        (i..end).for_each(|i| self.end(run, i, column(i)));
     }
 
     fn into_patches(self) -> Vec<Patch> {
@@ -245,18 +262,25 @@ mod tests {
                     flood.push(i);
                     border += 4;
                     for (j, _) in four_neighbours(i, width, height) {
-                        match owner(j) {
-                            Some(Owner::Background) => {
+                        let step = j as isize - i as isize;
+                        let in_line = |&k: &usize| {
+                            k < width * height && (k / width == i / width || step.unsigned_abs() == width)
+                        };
+                        let ahead = |count: usize| i.checked_add_signed(step * count as isize);
+                        let line = (1..=REACH_PX).map_while(|count| ahead(count).filter(in_line));
+                        match line.enumerate().find_map(|(gap, j)| Some((gap, j, owner(j)?))) {
+                            Some((0, j, Owner::Background)) => {
                                 border -= 1;
                                 if !std::mem::replace(&mut is_taken[j], true) {
                                     open.push(j);
                                 }
                             }
-                            Some(Owner::Cluster(id)) => {
+                            Some((gap, j, Owner::Cluster(id))) => {
                                 let shared = shared.entry(id).or_default();
-                                if touches(&scene, i, j) {
+                                let rise = table.disparity[j] - table.disparity[i];
+                                if gap == 0 && touches(&scene, i, j) {
                                     shared.touch += 1;
-                                } else if table.disparity[j] > table.disparity[i] {
+                                } else if rise > if gap == 0 { 0.0 } else { scene.steps.level_quanta } {
                                     shared.hidden += 1;
                                 }
                             }

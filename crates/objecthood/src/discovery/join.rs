@@ -49,12 +49,12 @@ pub enum JoinEvidence {
     },
     /// The bottom of a plate or bowl, which lies as low as the table (ours).
     VesselBottom {
-        /// Share of its border that touches clusters without a step.
+        /// Share of its border that touches the vessel without a step, but for what stands on it.
         contact_share: f64,
     },
     /// The walls of an open box, or its bottom (docs/CONTEXT.md 4.4.4).
     OpenBox {
-        /// Share of the bottom's border that the walls bound.
+        /// Share of the bottom's border that the walls bound, but for what lies in the box.
         enclosed_share: f64,
     },
     /// A small part that touches hardly anything but a vessel (docs/CONTEXT.md 4.4.3).

@@ -4,53 +4,118 @@
 
 use glam::DVec3;
 
-use super::limits::{Limits, RIM_HEIGHT};
+use super::limits::Limits;
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::clusters::patches::{Patch, Shared, find_patches};
 use crate::clusters::scene::sampled;
 use crate::discovery::join::{Join, JoinEvidence};
+use crate::hull::Hull;
+use crate::oriented_box::fit_oriented_box;
 use crate::regions::SegmentId;
 
 /// Least number of pixels of the bottom (px at a focal length of 525 px).
 const BOTTOM_PX: usize = 100;
 /// A wall bounds at least this share of the bottom.
 const WALL_SHARE: f64 = 0.05;
-/// The walls bound at least this share of the bottom; the rest is shadow, and what lies in the box.
+/// The walls and what lies in the box bound at least this share of the bottom; the rest is shadow.
 const ENCLOSED_SHARE: f64 = 0.6;
+/// The walls bound at least this share of the bottom's border that nothing in the box bounds.
+const WALLED_SHARE: f64 = 0.45;
 /// The bottom touches its walls along at least this share of its border, and goes on behind them along at least this share: the camera sees
 /// the far walls from within, and the near ones from outside.
-const SEEN_SHARE: f64 = 0.15;
+const SEEN_SHARE: f64 = 0.1;
 /// Less than this share of a wall faces up.
-const UP_SHARE: f64 = 0.25;
+const UP_SHARE: f64 = 1.0 / 3.0;
+/// Least share of the bottom within the convex hull of the walls in the image.
+const WITHIN_SHARE: f64 = 0.9;
+/// The walls are at most so long (m): the boards and sides of a shelf are furniture, whatever stands between them.
+const LONGEST_M: f32 = 0.8;
 /// What faces up has at least this cosine with up: 45 degrees.
 const UP_COSINE: f64 = 0.7;
 
+/// What stands around a patch of background: the walls of a box, and what lies in it.
+struct Around {
+    /// Upright clusters of equal height, in the order of their numbers.
+    walls: Vec<SegmentId>,
+    /// What the walls share with the patch.
+    shared: Shared,
+    /// The length of the patch's border without what lies in the box.
+    border: u32,
+}
+
+impl Around {
+    /// `None` if the patch is not enclosed: most patches, so this is tested first. The wall with the longest border sets the height of all.
+    fn of(clusters: &Clusters<'_>, patch: &Patch, limits: Limits<'_>) -> Option<Self> {
+        let sides = |shared: &Shared| shared.touch + shared.hidden;
+        let is_beside = |shared: &Shared| patch.share_of_border(sides(shared)) >= WALL_SHARE;
+        let beside: Vec<(SegmentId, Shared)> = patch
+            .shared
+            .iter()
+            .map(|(&id, &shared)| (id, shared))
+            .filter(|(_, shared)| is_beside(shared))
+            .collect();
+        let all: u32 = beside.iter().map(|(_, shared)| sides(shared)).sum();
+        if patch.share_of_border(all) < ENCLOSED_SHARE {
+            return None;
+        }
+        let upright = beside.iter().filter(|(id, _)| up_share(clusters, limits, *id) < UP_SHARE);
+        let upright: Vec<&(SegmentId, Shared)> = upright.collect();
+        // On ties the wall with the smallest number wins.
+        let longest = upright.iter().rev().max_by_key(|(_, shared)| sides(shared))?;
+        let top_m = limits.top_m(clusters, longest.0);
+        let is_level = |id| (limits.top_m(clusters, id) - top_m).abs() <= limits.params.rim_height_m;
+        let walls = upright.iter().filter(|(id, _)| is_level(*id));
+        let shared = walls.clone().fold(Shared::default(), |sum, (_, next)| Shared {
+            touch: sum.touch + next.touch,
+            hidden: sum.hidden + next.hidden,
+        });
+        let contents = all - sides(&shared);
+        Some(Self { walls: walls.map(|(id, _)| *id).collect(), shared, border: patch.border - contents })
+    }
+
+    fn share(&self, sides: u32) -> f64 {
+        f64::from(sides) / f64::from(self.border)
+    }
+
+    fn enclosed_share(&self) -> f64 {
+        self.share(self.shared.touch + self.shared.hidden)
+    }
+
+    /// The pixels of the walls, in scan order.
+    fn pixels(&self, clusters: &Clusters<'_>) -> Vec<u32> {
+        let mut pixels: Vec<u32> =
+            self.walls.iter().flat_map(|&wall| &clusters.get(wall).pixels).copied().collect();
+        pixels.sort_unstable();
+        pixels
+    }
+
+    fn checks(&self) -> [Check; 3] {
+        let at_least = |what, share, least| Check::new(what, "", share, Bound::AtLeast, least);
+        [
+            at_least("share of its border with the walls", self.enclosed_share(), WALLED_SHARE),
+            at_least("share of its border without a step", self.share(self.shared.touch), SEEN_SHARE),
+            at_least("share of its border behind walls", self.share(self.shared.hidden), SEEN_SHARE),
+        ]
+    }
+}
+
 /// Joins the walls of the first open box that it finds, and its bottom, and returns whether it found one.
 pub(super) fn join_box(clusters: &mut Clusters<'_>, limits: Limits<'_>, misses: &mut Vec<Miss>) -> bool {
-    let scene = clusters.scene;
-    let least_px = scene.space.area_px(BOTTOM_PX);
-    for patch in find_patches(clusters) {
-        let is_wall = |shared: &Shared| patch.share_of_border(shared.touch + shared.hidden) >= WALL_SHARE;
-        let walls: Vec<SegmentId> =
-            patch.shared.iter().filter(|(_, shared)| is_wall(shared)).map(|(&id, _)| id).collect();
-        if patch.size_px() < least_px || walls.len() < 2 {
-            continue;
-        }
+    let least_px = clusters.scene.space.area_px(BOTTOM_PX);
+    for patch in find_patches(clusters).into_iter().filter(|patch| patch.size_px() >= least_px) {
+        let Some(around) = Around::of(clusters, &patch, limits) else { continue };
         // On ties the wall with the smallest number wins.
-        let Some(&largest) = walls.iter().rev().max_by_key(|wall| clusters.get(**wall).pixels.len()) else {
-            continue;
-        };
+        let sizes = around.walls.iter().rev().map(|&wall| (clusters.get(wall).pixels.len(), wall));
+        let Some((_, largest)) = sizes.max_by_key(|&(size_px, _)| size_px) else { continue };
         let mut join = Proposal::new(Rule::OpenBox, Source::Patch(patch.first()), Some(largest));
-        if !join.check(check_enclosed(&patch, &walls)) {
-            continue;
-        }
-        let is_box = check_seen(&patch).into_iter().all(|check| join.check(check))
-            && join.check(check_level(clusters, limits, &walls))
-            && join.check(check_upright(clusters, limits, &walls));
+        let walls = around.pixels(clusters);
+        let is_box = around.checks().into_iter().all(|check| join.check(check))
+            && join.check(check_within(&patch, &walls, clusters.scene.disparity.width()))
+            && join.check(check_length(clusters, limits, &walls));
         if is_box {
-            join_all(clusters, &patch, &walls, largest, &join);
+            join_all(clusters, &patch, &around, largest, &join);
             return true;
         }
         misses.push(join.refuse());
@@ -59,15 +124,9 @@ pub(super) fn join_box(clusters: &mut Clusters<'_>, limits: Limits<'_>, misses: 
 }
 
 /// Gives the other walls and the patch to one of the walls, on the evidence of the proposal.
-fn join_all(
-    clusters: &mut Clusters<'_>,
-    patch: &Patch,
-    walls: &[SegmentId],
-    into: SegmentId,
-    found: &Proposal,
-) {
-    let evidence = JoinEvidence::OpenBox { enclosed_share: enclosed_share(patch, walls) };
-    for &wall in walls.iter().filter(|&&wall| wall != into) {
+fn join_all(clusters: &mut Clusters<'_>, patch: &Patch, around: &Around, into: SegmentId, found: &Proposal) {
+    let evidence = JoinEvidence::OpenBox { enclosed_share: around.enclosed_share() };
+    for &wall in around.walls.iter().filter(|&&wall| wall != into) {
         clusters.join(found.clone().of(Source::Cluster(wall)), evidence);
     }
     let parts = [clusters.part(into), patch.part(clusters.scene.disparity.width())];
@@ -76,43 +135,28 @@ fn join_all(
     clusters.extend(into, &pixels);
 }
 
-fn enclosed_share(patch: &Patch, walls: &[SegmentId]) -> f64 {
-    let sides =
-        walls.iter().filter_map(|wall| patch.shared.get(wall)).map(|shared| shared.touch + shared.hidden);
-    patch.share_of_border(sides.sum())
+/// Checks that the walls surround the patch: beside them goes on what they stand on.
+fn check_within(patch: &Patch, walls: &[u32], width: usize) -> Check {
+    let outline = Hull::of(walls, width);
+    let within = patch.runs.iter().cloned().flatten().filter(|&i| outline.contains(i)).count();
+    let share = within as f64 / patch.size_px() as f64;
+    Check::new("share within the outline of the walls", "", share, Bound::AtLeast, WITHIN_SHARE)
 }
 
-fn check_enclosed(patch: &Patch, walls: &[SegmentId]) -> Check {
-    let share = enclosed_share(patch, walls);
-    Check::new("share of its border with the walls", "", share, Bound::AtLeast, ENCLOSED_SHARE)
+fn check_length(clusters: &Clusters<'_>, limits: Limits<'_>, walls: &[u32]) -> Check {
+    let points_m: Vec<[f32; 3]> = sampled(walls).map(|i| clusters.scene.points_m[i]).collect();
+    let up = limits.support.normal.as_vec3().to_array();
+    let [_, _, longest_m] = fit_oriented_box(&points_m, up).sides_m();
+    Check::new("longest side of the walls", "m", longest_m.into(), Bound::AtMost, LONGEST_M.into())
 }
 
-fn check_seen(patch: &Patch) -> [Check; 2] {
-    let share = |sides: fn(&Shared) -> u32| patch.share_of_border(patch.shared.values().map(sides).sum());
-    let at_least = |what, share| Check::new(what, "", share, Bound::AtLeast, SEEN_SHARE);
-    [
-        at_least("share of its border without a step", share(|shared| shared.touch)),
-        at_least("share of its border behind walls", share(|shared| shared.hidden)),
-    ]
-}
-
-fn check_level(clusters: &Clusters<'_>, limits: Limits<'_>, walls: &[SegmentId]) -> Check {
-    let tops_m = || walls.iter().map(|&wall| limits.top_m(clusters, wall));
-    let apart_m = tops_m().fold(f64::NEG_INFINITY, f64::max) - tops_m().fold(f64::INFINITY, f64::min);
-    let limit_m = limits.params.rim_height_m;
-    Check::new("difference of the tops", "m", apart_m, Bound::AtMost, limit_m).set_by(RIM_HEIGHT)
-}
-
-fn check_upright(clusters: &Clusters<'_>, limits: Limits<'_>, walls: &[SegmentId]) -> Check {
-    let up_share = |&wall: &SegmentId| {
-        let (up, all) = sampled(&clusters.get(wall).pixels).fold((0, 0), |(up, all), i| {
-            let cosine = DVec3::from(clusters.scene.normals[i].map(f64::from)).dot(limits.support.normal);
-            (up + u32::from(cosine > UP_COSINE), all + 1)
-        });
-        f64::from(up) / f64::from(all.max(1))
-    };
-    let most = walls.iter().map(up_share).fold(0.0, f64::max);
-    Check::new("share of a wall that faces up", "", most, Bound::Below, UP_SHARE)
+/// The share of a cluster that faces up.
+fn up_share(clusters: &Clusters<'_>, limits: Limits<'_>, id: SegmentId) -> f64 {
+    let (up, all) = sampled(&clusters.get(id).pixels).fold((0, 0), |(up, all), i| {
+        let cosine = DVec3::from(clusters.scene.normals[i].map(f64::from)).dot(limits.support.normal);
+        (up + u32::from(cosine > UP_COSINE), all + 1)
+    });
+    f64::from(up) / f64::from(all.max(1))
 }
 
 #[cfg(test)]
@@ -121,37 +165,67 @@ mod tests {
     use crate::clusters::testing::{Table, single};
     use crate::params;
 
-    /// How many clusters are left of a box 12 cm deep in the image, seen from above: its bottom is table, walls slope up to 6 cm around it. The
-    /// thing before it is as high as `near_m` says by its row.
-    fn left(near_m: impl Fn(usize) -> f64) -> Vec<usize> {
-        let table = Table::new((60, 60), |u, v| {
-            let is_box = (10..50).contains(&u) && (10..52).contains(&v);
-            let out = [22_usize.saturating_sub(u), u.saturating_sub(37), 22_usize.saturating_sub(v)];
-            let out = out.into_iter().max().unwrap_or(0);
-            match v {
-                _ if !is_box || v < 40 && out == 0 => Some((0, 0.0)),
-                40.. => Some((2, near_m(v))),
-                _ => Some((1, 0.06 * out as f64 / 12.0)),
-            }
-        });
+    /// Sizes of the clusters that are left of an image of 60 x 60 px (facet, height).
+    fn left(at: impl Fn(usize, usize) -> (i32, f64)) -> Vec<usize> {
+        let table = Table::new((60, 60), |u, v| Some(at(u, v)));
         let scene = table.scene();
         let mut clusters = single(&scene);
         let params = params::Vessels::default();
         let limits = Limits { support: scene.ground().unwrap(), params: &params };
         let mut misses = Vec::new();
-        let found = join_box(&mut clusters, limits, &mut misses);
-        assert_eq!((found, misses.len()), (clusters.alive().len() == 1, usize::from(!found)), "{misses:?}");
+        while join_box(&mut clusters, limits, &mut misses) {}
         clusters.alive().into_iter().map(|id| clusters.get(id).pixels.len()).collect()
+    }
+
+    /// A box 12 cm deep in the image, seen from above: its bottom is table, walls slope up to 6 cm around it. The thing before it, facet
+    /// `near`, is as high as `near_m` says by its row.
+    fn seen_box(near: i32, near_m: impl Fn(usize) -> f64) -> impl Fn(usize, usize) -> (i32, f64) {
+        move |u, v| {
+            let is_box = (10..50).contains(&u) && (10..52).contains(&v);
+            let out = [22_usize.saturating_sub(u), u.saturating_sub(37), 22_usize.saturating_sub(v)];
+            let out = out.into_iter().max().unwrap_or(0);
+            match v {
+                _ if !is_box || v < 40 && out == 0 => (0, 0.0),
+                40.. => (near, near_m(v)),
+                _ => (1, 0.06 * out as f64 / 12.0),
+            }
+        }
+    }
+
+    /// The height of a near wall by its row.
+    fn near_wall_m(v: usize) -> f64 {
+        0.06 * (52 - v) as f64 / 12.0
     }
 
     #[test]
     fn walls_around_a_patch_of_table_are_a_box_with_its_bottom() {
-        assert_eq!(left(|v| 0.06 * (52 - v) as f64 / 12.0), [40 * 42]);
+        assert_eq!(left(seen_box(2, near_wall_m)), [40 * 42]);
+        assert_eq!(left(seen_box(1, near_wall_m)), [40 * 42], "joined by another rule");
     }
 
     #[test]
     fn what_shows_its_top_or_is_lower_is_no_wall() {
-        assert_eq!(left(|_| 0.06).len(), 2, "a solid thing before an inside");
-        assert_eq!(left(|v| 0.03 * (52 - v) as f64 / 12.0).len(), 2, "something lower");
+        assert_eq!(left(seen_box(2, |_| 0.06)).len(), 2, "a solid thing before an inside");
+        assert_eq!(left(seen_box(2, |v| near_wall_m(v) / 2.0)).len(), 2, "something lower");
+    }
+
+    #[test]
+    fn what_lies_in_a_box_stays_apart() {
+        let empty = seen_box(2, near_wall_m);
+        let is_thing = |u: usize, v: usize| (22..30).contains(&u) && (22..40).contains(&v);
+        let at = |u, v| if is_thing(u, v) { (3, 0.05) } else { empty(u, v) };
+        assert_eq!(left(at), [40 * 42 - 8 * 18, 8 * 18]);
+    }
+
+    /// A regression: the bottom of a plate beside a cup went to the cup.
+    #[test]
+    fn what_goes_on_beside_a_wall_is_no_bottom() {
+        let at = |u: usize, v: usize| match (u, v) {
+            (20..40, 20..40) => (0, 0.0),
+            (8..20, 20..30) => (1, 0.06 * (20 - u) as f64 / 12.0),
+            (8..20, 30..40) => (1, 0.06 * (u - 7) as f64 / 12.0),
+            _ => (2, 0.005),
+        };
+        assert_eq!(left(at), [240, 3600 - 240 - 400]);
     }
 }
