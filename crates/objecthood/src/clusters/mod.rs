@@ -1,7 +1,7 @@
 //! Clusters: shapes are joined to things by their surroundings (`context`, the beginning of stage 4).
 //!
 //! Every shape begins as a cluster. The [`rules`] join clusters or give them to the background: fragments, height, vessels, bottoms,
-//! occlusion. A rule decides by [checks](crate::check). The [`history`] records its joins and its refusals. The clusters that remain and are
+//! necks, occlusion. A rule decides by [checks](crate::check). The [`history`] records its joins and its refusals. The clusters that remain and are
 //! large enough are candidates for objects.
 //!
 //! On a box of 10 cm, seen from above:

@@ -1,4 +1,4 @@
-//! Bridges small holes in disparity (docs/CONTEXT.md 0.2, ours, because a grid of single holes broke every surface).
+//! Bridges small holes in disparity (docs/CONTEXT.md 0.1, ours, because a grid of single holes broke every surface).
 //!
 //! Depth that is registered to a larger colour image has holes in a regular grid: no measurement falls there. A link of the watershed
 //! or the border of a facet would end at each of them.
