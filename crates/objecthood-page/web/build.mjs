@@ -4,7 +4,7 @@ import { build } from "esbuild";
 import { readdir, readFile, writeFile } from "node:fs/promises";
 
 const folder = process.argv[2] ?? "../assets";
-const PACKAGES = ["preact", "@preact/signals", "@preact/signals-core", "three"];
+const PACKAGES = ["preact", "@preact/signals", "@preact/signals-core", "smol-toml", "three"];
 
 await build({
   entryPoints: { page: "src/main.ts" },

@@ -1,5 +1,7 @@
 // The settings in the forms in which other programs take them.
 
+import { parse } from "smol-toml";
+
 import { Greeting, Settings, Value } from "./wire";
 
 function literal(value: Value): string {
@@ -24,18 +26,20 @@ export function asCommand({ method, set }: Settings, { words }: Greeting): strin
   return `objecthood segment ${words.join(" ")}${out} --method ${method}${changes}`;
 }
 
-export function asJson(settings: Settings): string {
-  return `${JSON.stringify(settings, null, 2)}\n`;
-}
-
-/** Settings out of a file that this page saved. */
-export function fromJson(text: string, { parameters }: Greeting): Settings {
-  const read = JSON.parse(text) as Partial<Settings>;
-  if (read.method !== "context" && read.method !== "paper") throw new Error("the file names no method");
-  const known = new Set(parameters.map(({ name }) => name));
-  const unknown = Object.keys(read.set ?? {}).find((name) => !known.has(name));
-  if (unknown) throw new Error(`there is no parameter ${unknown}`);
-  return { method: read.method, set: { ...read.set } };
+/** Settings out of a file for `--config`. */
+export function fromToml(text: string, { parameters }: Greeting): Settings {
+  const { method = "context", ...groups } = parse(text);
+  if (method !== "context" && method !== "paper") throw new Error("its method is neither context nor paper");
+  const set: Settings["set"] = {};
+  for (const [group, its] of Object.entries(groups)) {
+    for (const [parameter, value] of Object.entries(its as object)) {
+      const name = `${group}.${parameter}`;
+      if (!parameters.some((one) => one.name === name)) throw new Error(`there is no parameter ${name}`);
+      if (!["number", "string", "boolean"].includes(typeof value)) throw new Error(`${name} is no single value`);
+      set[name] = value as Value;
+    }
+  }
+  return { method, set };
 }
 
 export function asPython({ method, set }: Settings): string {

@@ -3,11 +3,13 @@
 import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
-import { asCommand, asJson, asPython, asToml, fromJson } from "./copy";
+import { asCommand, asPython, asToml, fromToml } from "./copy";
 import { greeting, problem, settings } from "./state";
 
 export const isOpen = signal(false);
 const FORMS = { TOML: "a file for --config", "command line": "for a shell", Python: "for a program" };
+/** How a file of each form is named. */
+const FILES = { TOML: "objecthood.toml", "command line": "objecthood.sh", Python: "settings.py" };
 type Form = keyof typeof FORMS;
 const form = signal<Form>("TOML");
 const copied = signal(false);
@@ -38,10 +40,10 @@ export function Elsewhere() {
       <textarea readOnly rows={10} value={now} aria-label={form.value} />
       <div class="bar">
         <button class="main" onClick={() => void copy(now)}>{copied.value ? "Copied" : "Copy"}</button>
-        <button onClick={save}>Save to a file</button>
+        <button onClick={() => save(now)}>Save to a file</button>
         <label class="button">
-          Load a file
-          <input type="file" accept=".json,application/json" class="unseen" onChange={(e) => void load(e.currentTarget)} />
+          Load a TOML file
+          <input type="file" accept=".toml,application/toml" class="unseen" onChange={(e) => void load(e.currentTarget)} />
         </label>
         <button onClick={() => (isOpen.value = false)}>Close</button>
       </div>
@@ -58,10 +60,10 @@ async function copy(what: string): Promise<void> {
   }
 }
 
-function save(): void {
+function save(what: string): void {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([asJson(settings.value)], { type: "application/json" }));
-  link.download = "objecthood-settings.json";
+  link.href = URL.createObjectURL(new Blob([what], { type: "text/plain" }));
+  link.download = FILES[form.value];
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
@@ -71,7 +73,7 @@ async function load(input: HTMLInputElement): Promise<void> {
   input.value = "";
   if (!file || !greeting.value) return;
   try {
-    settings.value = fromJson(await file.text(), greeting.value);
+    settings.value = fromToml(await file.text(), greeting.value);
     isOpen.value = false;
   } catch (error) {
     problem.value = `${file.name} holds no settings: ${error instanceof Error ? error.message : error}`;

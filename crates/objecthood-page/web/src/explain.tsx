@@ -1,16 +1,22 @@
 // Why a pixel is what it is, in the words of `objecthood explain`; what would change it can be tried.
 
-import { asked, defaultOf, explained, searching, set, stopAsking } from "./state";
+import { useEffect, useRef } from "preact/hooks";
+
+import { asked, defaultOf, explained, searching, set, settings, stopAsking } from "./state";
 
 const TRY = /--set (\S+?)=(\S+)/;
 
 export function Explain() {
   const found = explained.value;
+  const whole = useRef<HTMLElement>(null);
+  // A new answer is read from its first line on.
+  useEffect(() => whole.current?.closest(".side")?.scrollTo({ top: 0 }), [asked.value]);
+  if (settings.value.method === "paper") return <p class="note">Only the method context can be explained.</p>;
   if (!asked.value) {
     return <p class="note">Click on the picture, or press Enter on it: why is this pixel an object, and what would change that?</p>;
   }
   return (
-    <section aria-label="Explanation" aria-live="polite" aria-busy={searching.value}>
+    <section ref={whole} aria-label="Explanation" aria-live="polite" aria-busy={searching.value}>
       <div class="bar">
         <strong>Pixel {asked.value.join(", ")}</strong>
         <span class="note">{searching.value ? "searching what would change it …" : ""}</span>

@@ -1,6 +1,7 @@
 // What happens in a video: a timeline under the picture, and the events and tracks beside it.
 
 import { Swatch } from "./objects";
+import { objectColor } from "./paint";
 import { frame, goTo } from "./state";
 import { Film } from "./wire";
 
@@ -43,7 +44,7 @@ export function Story({ film }: { film: Film }) {
           {film.happenings.map(({ time_s, track, text }, k) => (
             <tr key={k} class={frameAt(film, time_s) === frame.value ? "chosen" : ""} onClick={() => goTo(frameAt(film, time_s))}>
               <td>{(time_s - first).toFixed(2)} s</td>
-              <td class="told"><button class="quiet" onClick={() => goTo(frameAt(film, time_s))}><Swatch id={track} />{text}</button></td>
+              <td class="told"><button class="quiet" onClick={() => goTo(frameAt(film, time_s))}><Swatch color={objectColor(track)} />{text}</button></td>
             </tr>
           ))}
         </tbody>
@@ -53,7 +54,7 @@ export function Story({ film }: { film: Film }) {
         <tbody>
           {Object.entries(film.lives).map(([track, { first_s, last_s }]) => (
             <tr key={track} onClick={() => goTo(frameAt(film, first_s))}>
-              <td><button class="quiet" onClick={() => goTo(frameAt(film, first_s))}><Swatch id={Number(track)} />{track}</button></td>
+              <td><button class="quiet" onClick={() => goTo(frameAt(film, first_s))}><Swatch color={objectColor(Number(track))} />{track}</button></td>
               <td class="life">
                 <i style={{ left: `${(100 * (first_s - first)) / length}%`, width: `${(100 * (last_s - first_s)) / length}%` }} />
                 <b style={{ left: `${(100 * (now - first)) / length}%` }} />

@@ -3,9 +3,9 @@
 import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
-import { objectColor } from "./paint";
+import { colorOf } from "./paint";
 import { pictures, selected } from "./state";
-import { Picture, Scene, SceneObject } from "./wire";
+import { Picture, SceneObject } from "./wire";
 
 type Column = "id" | "objectness" | "size_px" | "top_m";
 
@@ -41,7 +41,7 @@ export function Objects() {
       </table>
       {objects.length === 0 && <p class="note">No object was found.</p>}
       <h3>What stands on what</h3>
-      <Tree scene={picture.header.scene} />
+      <Tree picture={picture} />
     </section>
   );
 }
@@ -64,7 +64,7 @@ function Row({ object, picture }: { object: SceneObject; picture: Picture }) {
         <td><Crop object={object} picture={picture} /></td>
         <td>
           <button class="id" aria-pressed={isChosen} onClick={(e) => { e.stopPropagation(); choose(id); }} aria-label={`Object ${id}`}>
-            <Swatch id={id} />{id}
+            <Swatch color={colorOf(picture, id)} />{id}
           </button>
         </td>
         <td><meter min={0} max={1} value={objectness} /> {objectness.toFixed(2)}</td>
@@ -84,8 +84,7 @@ function Row({ object, picture }: { object: SceneObject; picture: Picture }) {
   );
 }
 
-export function Swatch({ id }: { id: number }) {
-  const [r, g, b] = objectColor(id);
+export function Swatch({ color: [r, g, b] }: { color: [number, number, number] }) {
   return <i class="swatch" style={{ background: `rgb(${r}, ${g}, ${b})` }} />;
 }
 
@@ -130,8 +129,8 @@ function Score({ picture }: { picture: Picture }) {
 }
 
 /** A support with all that it carries; what has several supports appears below the surest. */
-function Tree({ scene }: { scene: Scene }) {
-  const { nodes, edges } = scene.support;
+function Tree({ picture }: { picture: Picture }) {
+  const { nodes, edges } = picture.header.scene.support;
   const best = new Map<number, (typeof edges)[number]>();
   for (const edge of edges) {
     const known = best.get(edge.upper);
@@ -149,7 +148,7 @@ function Tree({ scene }: { scene: Scene }) {
       <li key={k}>
         {edge && <span class="kind">{edge.kind.replaceAll("_", " ")} {edge.confidence.toFixed(2)}{edge.hidden ? ", hidden" : ""}</span>}
         {object != null
-          ? <button class="id" aria-pressed={selected.value === object} onClick={() => choose(object)}><Swatch id={object} />{name}</button>
+          ? <button class="id" aria-pressed={selected.value === object} onClick={() => choose(object)}><Swatch color={colorOf(picture, object)} />{name}</button>
           : <span>{name} <small>{nodes[k].size_px} px</small></span>}
         {others > 0 && <small> and on {others} more</small>}
         {above.has(k) && depth < nodes.length && <ul>{above.get(k)!.map((upper) => branch(upper, depth + 1))}</ul>}

@@ -36,6 +36,11 @@ export function objectColor(id: number): [number, number, number] {
   return [shade(r), shade(g), shade(b)];
 }
 
+/** The colour of an object of a picture. */
+export function colorOf(picture: Picture, id: number): [number, number, number] {
+  return objectColor(picture.colors.get(id) ?? id);
+}
+
 /** Stops of the colour maps viridis and plasma (matplotlib), between which colours are interpolated. */
 const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 const PLASMA = [[13, 8, 135], [126, 3, 168], [204, 71, 120], [248, 149, 64], [240, 249, 33]];
@@ -63,7 +68,7 @@ function table(name: string, picture: Picture, map: PixelMap): Uint8Array {
   if (colors) return filled(colors.length / 3, (k) => (k === 0 ? null : [colors[3 * k], colors[3 * k + 1], colors[3 * k + 2]]));
   let most = 0;
   for (const label of map.data) most = Math.max(most, label);
-  return filled(most + 1, (k) => (k === 0 ? null : objectColor(k)));
+  return filled(most + 1, (k) => (k === 0 ? null : name === "objects" ? colorOf(picture, k) : objectColor(k)));
 }
 
 function filled(count: number, color: (k: number) => number[] | null): Uint8Array {
@@ -167,23 +172,4 @@ export class Marks {
       paint(picture.maps.get("objects"), (label) => (label === this.object ? [255, 255, 255, 0] : null));
     }
   }
-}
-
-/** How many objects came and went: an object stays when it and an earlier one share at least half of their union. */
-export function cameAndWent(before: PixelMap, after: PixelMap): [number, number] {
-  const sizes = [new Uint32Array(65536), new Uint32Array(65536)];
-  const common = new Map<number, number>();
-  for (let i = 0; i < after.data.length; i++) {
-    const [a, b] = [before.data[i], after.data[i]];
-    sizes[0][a]++;
-    sizes[1][b]++;
-    if (a && b) common.set(a * 65536 + b, (common.get(a * 65536 + b) ?? 0) + 1);
-  }
-  let stayed = 0;
-  for (const [pair, shared] of common) {
-    const [a, b] = [Math.floor(pair / 65536), pair % 65536];
-    if (2 * shared >= sizes[0][a] + sizes[1][b] - shared) stayed++;
-  }
-  const count = (of: Uint32Array) => of.subarray(1).reduce((sum, size) => sum + Number(size > 0), 0);
-  return [count(sizes[1]) - stayed, count(sizes[0]) - stayed];
 }

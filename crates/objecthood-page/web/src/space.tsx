@@ -7,10 +7,10 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
-import { objectColor } from "./paint";
+import { colorOf, objectColor } from "./paint";
 import { painted } from "./picture";
 import { pictures, selected } from "./state";
-import { Header, PixelMap, Scene } from "./wire";
+import { Picture, PixelMap, Scene } from "./wire";
 
 /** More points than these make old graphics slow, and no picture better. */
 const MOST_POINTS = 320_000;
@@ -99,9 +99,10 @@ class Stage {
   }
 
   /** The boxes of the objects, the paths of tracks, and the arrow upwards. */
-  frame({ scene, paths }: Header, chosen: number | null): void {
+  frame(picture: Picture, chosen: number | null): void {
     this.boxes.children.forEach((child) => (child as LineSegments).geometry?.dispose());
     this.boxes.clear();
+    const { scene, paths } = picture.header;
     for (const [track, points] of paths ?? []) {
       const [r, g, b] = objectColor(track);
       const places = points.map(([x, y, z]) => new Vector3(x, -y, -z));
@@ -109,7 +110,7 @@ class Stage {
       this.boxes.add(new Line(new BufferGeometry().setFromPoints(places), material));
     }
     for (const { id, box_m } of scene.objects) {
-      const [r, g, b] = objectColor(id);
+      const [r, g, b] = colorOf(picture, id);
       const lines = new LineSegments(
         new EdgesGeometry(new BoxGeometry(...box_m.extents_m)),
         new LineBasicMaterial({ color: new Color(`rgb(${r | 0}, ${g | 0}, ${b | 0})`), transparent: true, opacity: chosen === null || chosen === id ? 1 : 0.25 }),
@@ -160,7 +161,7 @@ export function SpaceView() {
     stage.current.background(getComputedStyle(canvas.current!).backgroundColor);
     stage.current.place(depth, picture.header.scene);
     stage.current.paint(image);
-    stage.current.frame(picture.header, chosen);
+    stage.current.frame(picture, chosen);
     stage.current.redraw();
   }, [picture, image, chosen]);
   return (

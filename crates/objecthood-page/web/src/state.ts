@@ -2,7 +2,7 @@
 
 import { batch, effect, signal } from "@preact/signals";
 
-import { cameAndWent } from "./paint";
+import { cameAndWent, keepColors } from "./match";
 import { Explained, explain, Film, follow, Followed, Greeting, greet, look, Picture, Settings, Value } from "./wire";
 
 export const greeting = signal<Greeting | null>(null);
@@ -51,11 +51,19 @@ interface Job {
   maps: string[];
 }
 
+/** Changes that follow each other faster (ms), as those of a slider that is drawn, are one change. */
+const PAUSE_MS = 1000;
+
 /** Keeps one side up to date: a new request begins when the one before it ended, with what is wanted then. */
 class Side {
   private due: Job | null = null;
   private busy = false;
   private since = 0;
+  /** What was looked at last, and when it was shown. */
+  private shown: Job | null = null;
+  private shownAt = -Infinity;
+  /** The picture before the last change. */
+  private base: Picture | null = null;
 
   constructor(private readonly side: number) {}
 
@@ -86,6 +94,15 @@ class Side {
 
   private show(picture: Picture, job: Job, since: number): void {
     const before = pictures[this.side].peek();
+    const isOfFrame = before?.header.frame === job.frame;
+    const isChanged = !isOfFrame || this.shown?.settings !== job.settings;
+    if (!isChanged) picture.header.stages_ms = before.header.stages_ms;
+    else if (!isOfFrame) this.base = null;
+    else if (!this.base || since - this.shownAt > PAUSE_MS) this.base = before;
+    this.shown = job;
+    if (isOfFrame && this.side === 0) keepColors(before, picture);
+    const first = pictures[0].peek();
+    if (this.side === 1 && first?.header.frame === job.frame) keepColors(first, picture);
     batch(() => {
       problem.value = "";
       pictures[this.side].value = this.side === 0 ? withTracks(picture) : picture;
@@ -94,17 +111,19 @@ class Side {
     requestAnimationFrame(() => setTimeout(() => {
       const took = performance.now() - since;
       performance.measure(`look ${this.side}`, { start: since, end: since + took });
-      if (this.side === 0) status.value = said(before, picture, job, took);
+      // More layers of the same picture are no news.
+      if (!isChanged) return;
+      this.shownAt = performance.now();
+      if (this.side === 0) status.value = said(this.base, picture, took);
     }));
   }
 }
 
-function said(before: Picture | null, after: Picture, job: Job, took: number): string {
+function said(before: Picture | null, after: Picture, took: number): string {
   const count = after.header.scene.objects.length;
   const text = `${count} ${count === 1 ? "object" : "objects"}`;
-  const [a, b] = [before?.maps.get("objects"), after.maps.get("objects")];
-  if (!before || !a || !b || before.header.frame !== job.frame) return `${text}, shown in ${took.toFixed(0)} ms`;
-  const [came, went] = cameAndWent(a, b);
+  if (!before) return `${text}, shown in ${took.toFixed(0)} ms`;
+  const [came, went] = cameAndWent(before, after);
   return `applied in ${took.toFixed(0)} ms: ${text}, ${came} came, ${went} went`;
 }
 
@@ -117,7 +136,7 @@ let followed: Followed | null = null;
 function withTracks(picture: Picture): Picture {
   if (!followed?.tracks || followed.frame !== picture.header.frame) return picture;
   const maps = new Map(picture.maps).set("tracks", followed.tracks);
-  return { header: { ...picture.header, paths: followed.paths }, maps };
+  return { ...picture, header: { ...picture.header, paths: followed.paths }, maps };
 }
 
 let pursuits = 0;
@@ -155,17 +174,21 @@ async function grow(): Promise<void> {
   if (isNewest) goTo(said.frames.length - 1);
 }
 
+/** Where a tab keeps its settings until it is closed. The address has the token of the server in it. */
+const KEPT = `settings of ${location.href}`;
+
 export async function start(): Promise<void> {
   try {
     const said = await greet();
     batch(() => {
       greeting.value = said;
-      settings.value = said.settings;
+      settings.value = JSON.parse(sessionStorage.getItem(KEPT) ?? "null") ?? said.settings;
     });
   } catch (error) {
     problem.value = error instanceof Error ? error.message : String(error);
     return;
   }
+  effect(() => sessionStorage.setItem(KEPT, JSON.stringify(settings.value)));
   if (greeting.value?.grows) setInterval(() => void grow(), LISTENS_MS);
   effect(() => sides[0].want({ frame: frame.value, settings: settings.value, maps: wanted() }));
   effect(() => {

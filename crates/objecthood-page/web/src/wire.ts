@@ -122,6 +122,8 @@ export interface PixelMap {
 export interface Picture {
   header: Header;
   maps: Map<string, PixelMap>;
+  /** Which of the colours an object has; its number says so for others. */
+  colors: Map<number, number>;
 }
 
 export function unpack(buffer: ArrayBuffer): Picture {
@@ -138,7 +140,7 @@ export function unpack(buffer: ArrayBuffer): Picture {
       : new Uint8Array(buffer, start, bytes);
     maps.set(name, { width, height, unit_m, data });
   }
-  return { header, maps };
+  return { header, maps, colors: new Map() };
 }
 
 export interface Flip {
