@@ -35,7 +35,7 @@ type Run = Range<usize>;
 pub(super) struct Shared {
     /// Those without a step in depth.
     pub touch: u32,
-    /// Those where the cluster is in front, across a step, or across pixels without depth that are not too many to be neighbours.
+    /// Those where the cluster is in front, across a step, or across pixels without a facet that are not too many to be neighbours.
     pub hidden: u32,
 }
 
@@ -294,6 +294,23 @@ mod tests {
             let patches = patches_of(&scene, owners).into_iter();
             let got: Vec<_> = patches.map(|p| (p.runs.into_iter().flatten().collect::<Vec<_>>(), p.border, p.shared)).collect();
             prop_assert_eq!(got, expected);
+        }
+    }
+
+    #[test]
+    fn a_cluster_is_seen_across_as_many_holes_as_neighbours_are() {
+        for (holes, hidden) in [(REACH_PX - 1, 1), (REACH_PX, 0)] {
+            let table = Table::new((REACH_PX + 2, 1), |u, _| match u {
+                0 => Some((0, 0.0)),
+                _ if u <= holes => None,
+                _ => Some((1, 0.05)),
+            });
+            let scene = table.scene();
+            let [patch] = &patches_of(&scene, &[Owner::Background, Owner::Cluster(SegmentId(0))])[..] else {
+                panic!("one patch")
+            };
+            let sides: u32 = patch.shared.values().map(|shared| shared.hidden).sum();
+            assert_eq!(sides, hidden, "{holes} holes");
         }
     }
 }

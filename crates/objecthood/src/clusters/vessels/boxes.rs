@@ -4,13 +4,14 @@
 
 use glam::DVec3;
 
-use super::limits::Limits;
+use super::limits::{Limits, RIM_HEIGHT};
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::clusters::patches::{Patch, Shared, find_patches};
 use crate::clusters::scene::sampled;
 use crate::discovery::join::{Join, JoinEvidence};
+use crate::facets::Facets;
 use crate::hull::Hull;
 use crate::oriented_box::fit_oriented_box;
 use crate::regions::SegmentId;
@@ -31,7 +32,7 @@ const UP_SHARE: f64 = 1.0 / 3.0;
 /// Least share of the bottom within the convex hull of the walls in the image.
 const WITHIN_SHARE: f64 = 0.9;
 /// The walls are at most so long (m): the boards and sides of a shelf are furniture, whatever stands between them.
-const LONGEST_M: f32 = 0.8;
+const LONGEST_M: f64 = 0.8;
 /// What faces up has at least this cosine with up: 45 degrees.
 const UP_COSINE: f64 = 0.7;
 
@@ -39,6 +40,8 @@ const UP_COSINE: f64 = 0.7;
 struct Around {
     /// Upright clusters of equal height, in the order of their numbers.
     walls: Vec<SegmentId>,
+    /// The greatest difference of a wall's top from that of the wall with the longest border (m).
+    apart_m: f64,
     /// What the walls share with the patch.
     shared: Shared,
     /// The length of the patch's border without what lies in the box.
@@ -46,7 +49,7 @@ struct Around {
 }
 
 impl Around {
-    /// `None` if the patch is not enclosed: most patches, so this is tested first. The wall with the longest border sets the height of all.
+    /// `None` if the patch is not enclosed (most patches, so this is tested first), or nothing beside it is upright. The wall with the longest border sets the height of all.
     fn of(clusters: &Clusters<'_>, patch: &Patch, limits: Limits<'_>) -> Option<Self> {
         let sides = |shared: &Shared| shared.touch + shared.hidden;
         let is_beside = |shared: &Shared| patch.share_of_border(sides(shared)) >= WALL_SHARE;
@@ -65,14 +68,17 @@ impl Around {
         // On ties the wall with the smallest number wins.
         let longest = upright.iter().rev().max_by_key(|(_, shared)| sides(shared))?;
         let top_m = limits.top_m(clusters, longest.0);
-        let is_level = |id| (limits.top_m(clusters, id) - top_m).abs() <= limits.params.rim_height_m;
-        let walls = upright.iter().filter(|(id, _)| is_level(*id));
+        let apart_m = |id| (limits.top_m(clusters, id) - top_m).abs();
+        let walls = upright.iter().filter(|(id, _)| apart_m(*id) <= limits.params.rim_height_m);
         let shared = walls.clone().fold(Shared::default(), |sum, (_, next)| Shared {
             touch: sum.touch + next.touch,
             hidden: sum.hidden + next.hidden,
         });
         let contents = all - sides(&shared);
-        Some(Self { walls: walls.map(|(id, _)| *id).collect(), shared, border: patch.border - contents })
+        let border = patch.border - contents;
+        let walls: Vec<SegmentId> = walls.map(|(id, _)| *id).collect();
+        let apart_m = walls.iter().map(|&id| apart_m(id)).fold(0.0, f64::max);
+        Some(Self { walls, apart_m, shared, border })
     }
 
     fn share(&self, sides: u32) -> f64 {
@@ -91,12 +97,29 @@ impl Around {
         pixels
     }
 
-    fn checks(&self) -> [Check; 3] {
+    /// Checks that the walls share their colours with the largest one: tall things around a pocket of the table do not.
+    fn check_colors<'a>(
+        &'a self,
+        clusters: &'a Clusters<'_>,
+        limits: Limits<'a>,
+        largest: SegmentId,
+    ) -> impl Iterator<Item = Check> + 'a {
+        let others = self.walls.iter().filter(move |&&wall| wall != largest);
+        others.map(move |&wall| limits.check_color(clusters, wall, &[largest]))
+    }
+
+    /// The checks on heights and shares. That of the heights holds: what is not as high is no wall.
+    fn checks(&self, limits: Limits<'_>) -> [Check; 4] {
+        let (apart_m, limit_m) = (self.apart_m, limits.params.rim_height_m);
         let at_least = |what, share, least| Check::new(what, "", share, Bound::AtLeast, least);
+        let walled = "share of its border with the walls, but for what lies in the box";
+        let touched = "share of its border without a step, but for what lies in the box";
+        let hidden = "share of its border behind walls, but for what lies in the box";
         [
-            at_least("share of its border with the walls", self.enclosed_share(), WALLED_SHARE),
-            at_least("share of its border without a step", self.share(self.shared.touch), SEEN_SHARE),
-            at_least("share of its border behind walls", self.share(self.shared.hidden), SEEN_SHARE),
+            Check::new("difference of the tops", "m", apart_m, Bound::AtMost, limit_m).set_by(RIM_HEIGHT),
+            at_least(walled, self.enclosed_share(), WALLED_SHARE),
+            at_least(touched, self.share(self.shared.touch), SEEN_SHARE),
+            at_least(hidden, self.share(self.shared.hidden), SEEN_SHARE),
         ]
     }
 }
@@ -111,9 +134,10 @@ pub(super) fn join_box(clusters: &mut Clusters<'_>, limits: Limits<'_>, misses: 
         let Some((_, largest)) = sizes.max_by_key(|&(size_px, _)| size_px) else { continue };
         let mut join = Proposal::new(Rule::OpenBox, Source::Patch(patch.first()), Some(largest));
         let walls = around.pixels(clusters);
-        let is_box = around.checks().into_iter().all(|check| join.check(check))
+        let is_box = around.checks(limits).into_iter().all(|check| join.check(check))
             && join.check(check_within(&patch, &walls, clusters.scene.disparity.width()))
-            && join.check(check_length(clusters, limits, &walls));
+            && join.check(check_length(clusters, limits, &walls))
+            && around.check_colors(clusters, limits, largest).all(|check| join.check(check));
         if is_box {
             join_all(clusters, &patch, &around, largest, &join);
             return true;
@@ -147,12 +171,15 @@ fn check_length(clusters: &Clusters<'_>, limits: Limits<'_>, walls: &[u32]) -> C
     let points_m: Vec<[f32; 3]> = sampled(walls).map(|i| clusters.scene.points_m[i]).collect();
     let up = limits.support.normal.as_vec3().to_array();
     let [_, _, longest_m] = fit_oriented_box(&points_m, up).sides_m();
-    Check::new("longest side of the walls", "m", longest_m.into(), Bound::AtMost, LONGEST_M.into())
+    Check::new("longest side of the walls", "m", longest_m.into(), Bound::AtMost, LONGEST_M)
 }
 
-/// The share of a cluster that faces up.
+/// The share of a cluster that faces up, but for a bottom that it was given.
 fn up_share(clusters: &Clusters<'_>, limits: Limits<'_>, id: SegmentId) -> f64 {
-    let (up, all) = sampled(&clusters.get(id).pixels).fold((0, 0), |(up, all), i| {
+    let Facets { segments, structure, .. } = clusters.scene.facets;
+    let owner = |i: usize| clusters.of_facet(segments.at(i)?.index().checked_sub(*structure)?);
+    let is_own = |&i: &usize| owner(i) == Some(id);
+    let (up, all) = sampled(&clusters.get(id).pixels).filter(is_own).fold((0, 0), |(up, all), i| {
         let cosine = DVec3::from(clusters.scene.normals[i].map(f64::from)).dot(limits.support.normal);
         (up + u32::from(cosine > UP_COSINE), all + 1)
     });
@@ -163,11 +190,16 @@ fn up_share(clusters: &Clusters<'_>, limits: Limits<'_>, id: SegmentId) -> f64 {
 mod tests {
     use super::*;
     use crate::clusters::testing::{Table, single};
+    use crate::color::image::LabImage;
     use crate::params;
 
     /// Sizes of the clusters that are left of an image of 60 x 60 px (facet, height).
     fn left(at: impl Fn(usize, usize) -> (i32, f64)) -> Vec<usize> {
-        let table = Table::new((60, 60), |u, v| Some(at(u, v)));
+        sizes(&Table::new((60, 60), |u, v| Some(at(u, v))))
+    }
+
+    /// Sizes of the clusters that are left.
+    fn sizes(table: &Table) -> Vec<usize> {
         let scene = table.scene();
         let mut clusters = single(&scene);
         let params = params::Vessels::default();
@@ -227,5 +259,22 @@ mod tests {
             _ => (2, 0.005),
         };
         assert_eq!(left(at), [240, 3600 - 240 - 400]);
+    }
+
+    #[test]
+    fn a_shadow_at_the_wall_hides_it_not() {
+        let empty = seen_box(2, near_wall_m);
+        let table = Table::new((60, 60), |u, v| (v != 39 || !(10..50).contains(&u)).then(|| empty(u, v)));
+        assert_eq!(sizes(&table), [40 * 42 - 40]);
+    }
+
+    /// A regression: tall things around a pocket of the table became a box in heaps.
+    #[test]
+    fn walls_of_other_colors_are_other_things() {
+        let seen = seen_box(2, near_wall_m);
+        let mut table = Table::new((60, 60), |u, v| Some(seen(u, v)));
+        let (red, blue) = ([50.0, 60.0, 40.0], [30.0, 20.0, -60.0]);
+        table.lab = Some(LabImage::drawn((60, 60), |_, v| if v < 40 { red } else { blue }));
+        assert_eq!(sizes(&table).len(), 2);
     }
 }
