@@ -32,7 +32,8 @@ export function fromToml(text: string, { parameters }: Greeting): Settings {
   if (method !== "context" && method !== "paper") throw new Error("its method is neither context nor paper");
   const set: Settings["set"] = {};
   for (const [group, its] of Object.entries(groups)) {
-    for (const [parameter, value] of Object.entries(its as object)) {
+    if (typeof its !== "object") throw new Error(`${group} is no group of parameters`);
+    for (const [parameter, value] of Object.entries(its)) {
       const name = `${group}.${parameter}`;
       if (!parameters.some((one) => one.name === name)) throw new Error(`there is no parameter ${name}`);
       if (!["number", "string", "boolean"].includes(typeof value)) throw new Error(`${name} is no single value`);

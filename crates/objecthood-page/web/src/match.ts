@@ -4,19 +4,21 @@ import { Picture, PixelMap } from "./wire";
 
 /** For each object of `after` that was there before: its number then. */
 function findSame(before: PixelMap, after: PixelMap): Map<number, number> {
-  const sizes = [new Map<number, number>(), new Map<number, number>()];
+  const [sizesBefore, sizesAfter] = [new Uint32Array(65536), new Uint32Array(65536)];
   const common = new Map<number, number>();
-  const count = (of: Map<number, number>, key: number) => of.set(key, (of.get(key) ?? 0) + 1);
-  for (let i = 0; i < after.data.length; i++) {
-    const [a, b] = [before.data[i], after.data[i]];
-    if (a) count(sizes[0], a);
-    if (b) count(sizes[1], b);
-    if (a && b) count(common, a * 65536 + b);
+  const length = after.data.length;
+  // Labels come in runs: this stands between a change and its picture.
+  for (let start = 0, end = 0; start < length; start = end) {
+    const [a, b] = [before.data[start], after.data[start]];
+    while (end < length && before.data[end] === a && after.data[end] === b) end++;
+    sizesBefore[a] += end - start;
+    sizesAfter[b] += end - start;
+    if (a && b) common.set(a * 65536 + b, (common.get(a * 65536 + b) ?? 0) + end - start);
   }
   const same = new Map<number, number>();
   for (const [pair, shared] of common) {
     const [a, b] = [Math.floor(pair / 65536), pair % 65536];
-    if (2 * shared >= sizes[0].get(a)! + sizes[1].get(b)! - shared) same.set(b, a);
+    if (2 * shared >= sizesBefore[a] + sizesAfter[b] - shared) same.set(b, a);
   }
   return same;
 }

@@ -34,9 +34,8 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels
         let touching = patch.shared.iter().filter(|(_, shared)| shared.touch > 0);
         let Some((&id, most)) = touching.rev().max_by_key(|(_, shared)| shared.touch) else { continue };
         let mut join = Proposal::new(Rule::VesselBottom, Source::Patch(patch.first()), Some(id));
-        let others = patch.shared.iter().filter(|&(&other, _)| other != id);
-        let free = patch.border - others.map(|(_, shared)| shared.touch + shared.hidden).sum::<u32>();
-        let contact_share = f64::from(most.touch) / f64::from(free);
+        let others = patch.shared.iter().filter(|&(&other, _)| other != id).map(|(_, &shared)| shared);
+        let contact_share = f64::from(most.touch) / f64::from(patch.border_without(others.sum()));
         let is_bottom = join.check(check_contact(contact_share, params))
             && join.check(check_majority(patch.share_of_border(most.touch)));
         let is_noted = patch.size_px() >= least_px;

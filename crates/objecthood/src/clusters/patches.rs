@@ -4,7 +4,8 @@
 //! depths differ by more than 1 cm.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::iter::Sum;
+use std::ops::{AddAssign, Range};
 
 use crate::clusters::borders::REACH_PX;
 use crate::clusters::cluster::Clusters;
@@ -39,13 +40,35 @@ pub(super) struct Shared {
     pub hidden: u32,
 }
 
+impl Shared {
+    pub(super) fn sides(self) -> u32 {
+        self.touch + self.hidden
+    }
+}
+
+impl AddAssign for Shared {
+    fn add_assign(&mut self, other: Self) {
+        self.touch += other.touch;
+        self.hidden += other.hidden;
+    }
+}
+
+impl Sum for Shared {
+    fn sum<I: Iterator<Item = Self>>(shared: I) -> Self {
+        shared.fold(Self::default(), |mut sum, next| {
+            sum += next;
+            sum
+        })
+    }
+}
+
 /// A connected piece of background.
 #[derive(Default)]
 pub(super) struct Patch {
     /// In scan order.
     pub runs: Vec<Run>,
     /// Length of its border: sides of its pixels beyond which it ends.
-    pub border: u32,
+    border: u32,
     /// What it shares with each cluster beside it.
     pub shared: BTreeMap<SegmentId, Shared>,
 }
@@ -57,6 +80,11 @@ impl Patch {
 
     pub(super) fn share_of_border(&self, sides: u32) -> f64 {
         f64::from(sides) / f64::from(self.border)
+    }
+
+    /// The length of its border without what it shares with `others`.
+    pub(super) fn border_without(&self, others: Shared) -> u32 {
+        self.border - others.sides()
     }
 
     /// Its first pixel in scan order.
@@ -152,9 +180,10 @@ impl<'a> Sides<'a> {
     fn end(&mut self, run: usize, i: usize, beyond: impl Iterator<Item = usize>) {
         self.borders[run] += 1;
         let segments = &self.scene.facets.segments;
-        let mut seen =
-            beyond.take(self.reach).enumerate().filter_map(|(gap, j)| Some((gap, j, segments.at(j)?)));
-        let Some((gap, j, facet)) = seen.next() else { return };
+        let mut places = beyond.take(self.reach).enumerate();
+        let Some((gap, j, facet)) = places.find_map(|(gap, j)| Some((gap, j, segments.at(j)?))) else {
+            return;
+        };
         if let Owner::Cluster(id) = self.owners[facet.index()] {
             let (steps, rise) = (&self.scene.steps, self.scene.disparity[j] - self.scene.disparity[i]);
             let touch = gap == 0 && touches(self.scene, i, j);
@@ -204,8 +233,7 @@ impl<'a> Sides<'a> {
             patch.border += border;
         }
         for (run, id, side) in self.shared {
-            let shared = patches[patch_of[run] as usize].shared.entry(id).or_default();
-            *shared = Shared { touch: shared.touch + side.touch, hidden: shared.hidden + side.hidden };
+            *patches[patch_of[run] as usize].shared.entry(id).or_default() += side;
         }
         patches
     }

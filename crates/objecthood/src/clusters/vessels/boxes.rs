@@ -49,36 +49,31 @@ struct Around {
 }
 
 impl Around {
-    /// `None` if the patch is not enclosed (most patches, so this is tested first), or nothing beside it is upright. The wall with the longest border sets the height of all.
+    /// `None` if the patch is not enclosed (most patches, so this is tested first), or nothing beside it is upright. The wall with the
+    /// longest border sets the height of all.
     fn of(clusters: &Clusters<'_>, patch: &Patch, limits: Limits<'_>) -> Option<Self> {
-        let sides = |shared: &Shared| shared.touch + shared.hidden;
-        let is_beside = |shared: &Shared| patch.share_of_border(sides(shared)) >= WALL_SHARE;
-        let beside: Vec<(SegmentId, Shared)> = patch
-            .shared
-            .iter()
-            .map(|(&id, &shared)| (id, shared))
-            .filter(|(_, shared)| is_beside(shared))
-            .collect();
-        let all: u32 = beside.iter().map(|(_, shared)| sides(shared)).sum();
-        if patch.share_of_border(all) < ENCLOSED_SHARE {
+        let is_beside = |shared: Shared| patch.share_of_border(shared.sides()) >= WALL_SHARE;
+        let all = patch.shared.iter().map(|(&id, &shared)| (id, shared));
+        let beside: Vec<(SegmentId, Shared)> = all.filter(|&(_, shared)| is_beside(shared)).collect();
+        let enclosing: Shared = beside.iter().map(|&(_, shared)| shared).sum();
+        if patch.share_of_border(enclosing.sides()) < ENCLOSED_SHARE {
             return None;
         }
-        let upright = beside.iter().filter(|(id, _)| up_share(clusters, limits, *id) < UP_SHARE);
-        let upright: Vec<&(SegmentId, Shared)> = upright.collect();
+        let (upright, mut contents): (Vec<_>, Vec<_>) =
+            beside.into_iter().partition(|&(id, _)| up_share(clusters, limits, id) < UP_SHARE);
         // On ties the wall with the smallest number wins.
-        let longest = upright.iter().rev().max_by_key(|(_, shared)| sides(shared))?;
+        let longest = upright.iter().rev().max_by_key(|(_, shared)| shared.sides())?;
         let top_m = limits.top_m(clusters, longest.0);
         let apart_m = |id| (limits.top_m(clusters, id) - top_m).abs();
-        let walls = upright.iter().filter(|(id, _)| apart_m(*id) <= limits.params.rim_height_m);
-        let shared = walls.clone().fold(Shared::default(), |sum, (_, next)| Shared {
-            touch: sum.touch + next.touch,
-            hidden: sum.hidden + next.hidden,
-        });
-        let contents = all - sides(&shared);
-        let border = patch.border - contents;
-        let walls: Vec<SegmentId> = walls.map(|(id, _)| *id).collect();
-        let apart_m = walls.iter().map(|&id| apart_m(id)).fold(0.0, f64::max);
-        Some(Self { walls, apart_m, shared, border })
+        let (walls, lower): (Vec<_>, Vec<_>) =
+            upright.iter().partition(|&&(id, _)| apart_m(id) <= limits.params.rim_height_m);
+        contents.extend(lower);
+        Some(Self {
+            apart_m: walls.iter().map(|&(id, _)| apart_m(id)).fold(0.0, f64::max),
+            shared: walls.iter().map(|&(_, shared)| shared).sum(),
+            border: patch.border_without(contents.into_iter().map(|(_, shared)| shared).sum()),
+            walls: walls.into_iter().map(|(id, _)| id).collect(),
+        })
     }
 
     fn share(&self, sides: u32) -> f64 {
@@ -86,7 +81,7 @@ impl Around {
     }
 
     fn enclosed_share(&self) -> f64 {
-        self.share(self.shared.touch + self.shared.hidden)
+        self.share(self.shared.sides())
     }
 
     /// The pixels of the walls, in scan order.
@@ -159,7 +154,7 @@ fn join_all(clusters: &mut Clusters<'_>, patch: &Patch, around: &Around, into: S
     clusters.extend(into, &pixels);
 }
 
-/// Checks that the walls surround the patch: beside them goes on what they stand on.
+/// Checks that the walls surround the patch: beside them, what they stand on continues.
 fn check_within(patch: &Patch, walls: &[u32], width: usize) -> Check {
     let outline = Hull::of(walls, width);
     let within = patch.runs.iter().cloned().flatten().filter(|&i| outline.contains(i)).count();
