@@ -294,11 +294,19 @@ pub(crate) struct ExplainArgs {
     #[arg(long, value_name = "ID", value_parser = whole(1, u16::MAX))]
     pub(crate) object: Option<u16>,
 
+    /// Instead of explaining, try every parameter, one at a time: which value would take the pixel out of its object, or give it one?
+    #[arg(long)]
+    pub(crate) repair: bool,
+
+    /// With --repair, a second pixel: which value would make both one object, or part them?
+    #[arg(long, value_name = "X,Y", value_parser = pixel, requires = "repair")]
+    pub(crate) with: Option<[usize; 2]>,
+
     #[command(flatten)]
     pub(crate) printed: Printed,
 
     /// Folder for the picture; created if needed.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with = "repair")]
     pub(crate) out: Option<PathBuf>,
 
     /// Method to explain; only `context` can be explained [default: context].

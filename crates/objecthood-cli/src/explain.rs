@@ -2,9 +2,9 @@
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use objecthood::explain::Explainer;
+use objecthood::explain::{Explainer, Pixels, RepairSearch};
 use objecthood::{Error, ObjectId, Params, Pipeline};
-use objecthood_io::explanation::{ExplanationFile, in_words};
+use objecthood_io::explanation::{ExplanationFile, RepairFile, in_words, repairs_in_words};
 use objecthood_io::scope::Scope;
 use objecthood_io::{Capture, output};
 
@@ -63,12 +63,15 @@ impl<'a> Plan<'a> {
         let explainer =
             Explainer::new(&Pipeline::default(), &capture.frame, &self.params).map_err(said_of_usage)?;
         let pixel = self.pixel(&explainer)?;
+        if self.args.repair {
+            return self.repair(name, &explainer, pixel, spinner);
+        }
         spinner.set_message("trying which parameters would change the answer");
         let explanation = explainer.explain(pixel).map_err(said_of_usage)?;
         let mut text = if self.args.printed.json {
             ExplanationFile::new(name, &self.params, &explanation).to_json()?
         } else {
-            in_words(name, &explanation)
+            in_words(name, &self.params, &explanation)
         };
         if let Some(folder) = &self.args.out {
             make_folder(folder)?;
@@ -82,6 +85,27 @@ impl<'a> Plan<'a> {
             }
         }
         Ok(text)
+    }
+
+    /// Tries every parameter and returns the text to print.
+    fn repair(
+        &self,
+        name: &str,
+        explainer: &Explainer,
+        pixel: [usize; 2],
+        spinner: &ProgressBar,
+    ) -> Result<String> {
+        let pixels = Pixels { pixel, with: self.args.with };
+        let mut search = RepairSearch::new(explainer, pixels).map_err(said_of_usage)?;
+        while let Some(next) = search.left.first() {
+            spinner.set_message(format!("trying {next}, {} more parameters", search.left.len() - 1));
+            search.step(explainer);
+        }
+        Ok(if self.args.printed.json {
+            RepairFile::new(name, &self.params, &search).to_json()?
+        } else {
+            repairs_in_words(name, &search)
+        })
     }
 
     /// The pixel to explain.
@@ -100,7 +124,7 @@ impl<'a> Plan<'a> {
 /// A question that cannot be answered is a mistake on the command line; anything else failed.
 fn said_of_usage(error: Error) -> anyhow::Error {
     match error {
-        Error::OutsideImage { .. } => usage(format!("--at: {error}")),
+        Error::OutsideImage { .. } => usage(format!("--at or --with: {error}")),
         Error::OnlyContext { .. } => usage(format!("{error}: give --method context")),
         _ => error.into(),
     }

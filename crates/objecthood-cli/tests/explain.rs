@@ -128,6 +128,33 @@ fn where_nothing_was_measured_it_says_so() {
 }
 
 #[test]
+fn every_parameter_is_tried_for_a_repair() {
+    let folder = two_boxes();
+    let text = folder.run("explain a.pcd --object 1 --repair", 0).stdout;
+    assert!(
+        text.starts_with("a.pcd: pixel ") && text.contains(" is in object 1.\nWhat makes it no object, of "),
+        "{text}"
+    );
+    let setting = text.split_once("\n  --set ").unwrap().1.split_whitespace().next().unwrap();
+    let pixel = text.split_once(": pixel ").unwrap().1.split_whitespace().next().unwrap();
+    let other = folder.run(&format!("explain a.pcd --at {pixel} --set {setting}"), 0).stdout;
+    assert!(other.starts_with("This pixel belongs to no object"), "{setting}: {other}");
+
+    let asked = format!("explain a.pcd --at {pixel} --with 2,2 --repair");
+    let text = folder.run(&asked, 0).stdout;
+    assert!(text.contains("is in object 1, and pixel 2,2 in no object.\n"), "{text}");
+    assert!(text.contains(" makes them one object"), "{text}");
+    let json: Value = serde_json::from_str(&folder.run(&format!("{asked} --json"), 0).stdout).unwrap();
+    assert_eq!((&json["repair_version"], &json["now"]["kind"]), (&1.into(), &"not_both".into()));
+    assert_eq!((&json["with"], &json["left"]), (&serde_json::json!([2, 2]), &serde_json::json!([])));
+    assert!(json["tried"].as_u64().unwrap() > 50, "{json}");
+    for repair in json["found"].as_array().unwrap() {
+        assert!(repair["parameter"].is_string() && repair["to"] != repair["from"], "{repair}");
+        assert!(repair["others"]["came"].is_u64() && repair["change"].is_number(), "{repair}");
+    }
+}
+
+#[test]
 fn questions_that_cannot_be_answered_are_refused() {
     let folder = two_boxes();
     folder.write("b.pcd", &Cloud::two_boxes(0.01).to_binary_pcd());
@@ -140,6 +167,9 @@ fn questions_that_cannot_be_answered_are_refused() {
     folder.refuses("explain a.pcd --object 0", "give a whole number from 1 to 65535");
     folder.refuses("explain a.pcd", "--at <X,Y>");
     folder.refuses("explain a.pcd --at 1,1 --object 1", "cannot be used with");
+    folder.refuses("explain a.pcd --at 1,1 --with 2,2", "--repair");
+    folder.refuses("explain a.pcd --at 1,1 --with 320,2 --repair", "320,2 lies outside");
+    folder.refuses("explain a.pcd --at 1,1 --repair --out out", "cannot be used with");
     folder.refuses("explain a.pcd b.pcd --at 1,1", "2 frames are named");
     folder.refuses("explain a.pcd --at 1,1 --method paper", "only the decisions of `context`");
     folder.refuses("explain a.pcd --at 1,1 --out a.pcd", "is a file");

@@ -1,5 +1,6 @@
 //! Why a pixel is what it is: the explanation as text, and as a file of JSON.
 
+mod repairs;
 mod text;
 mod verdict;
 mod words;
@@ -12,6 +13,7 @@ use crate::error::Result;
 use crate::json;
 use crate::scene::fingerprint;
 
+pub use repairs::{RepairFile, answer, repairs_in_words, side_effects, sought};
 pub use text::in_words;
 
 /// Version of the form that is written.

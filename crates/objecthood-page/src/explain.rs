@@ -68,6 +68,6 @@ impl Asked {
 
     fn said(&self, explanation: &Explanation) -> Result<Value> {
         let file = ExplanationFile::new(&self.name, &self.params, explanation);
-        Ok(json!({ "text": in_words(&self.name, explanation), "explanation": file }))
+        Ok(json!({ "text": in_words(&self.name, &self.params, explanation), "explanation": file }))
     }
 }

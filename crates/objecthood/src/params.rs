@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
 use crate::params::allowed::{Allowed, Number, OneOf, check};
+use crate::params::choices::Choice;
 use crate::stage::Stage;
 
 parameters! {
@@ -335,6 +336,21 @@ mod tests {
         assert!(default.with_number("fragments.max_size_px", 9.5).is_none());
         assert!(default.with_number("fragments.nothing", 9.0).is_none());
         assert_eq!((default.number("nothing"), default.number("a.b")), (None, None));
+    }
+
+    #[test]
+    fn choices_are_read_and_set_by_name() {
+        let default = Params::default();
+        for info in Params::table() {
+            let now = default.choice(&info.name);
+            assert_eq!(now, info.limits().is_none().then(|| info.default.clone()), "{}", info.name);
+            for choice in info.choices() {
+                let other = default.with_choice(&info.name, choice).unwrap();
+                assert_eq!(other.choice(&info.name).as_deref(), Some(choice), "{}", info.name);
+            }
+            assert!(default.with_choice(&info.name, "7").is_none(), "{}", info.name);
+        }
+        assert!(default.with_choice("flat.nothing", "true").is_none() && default.choice("nothing").is_none());
     }
 
     #[test]

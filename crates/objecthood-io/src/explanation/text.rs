@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use objecthood::Params;
 use objecthood::explain::{BorderReport, Decision, Explanation, ObjectReport, Question};
 
 use super::verdict::verdict;
@@ -10,16 +11,16 @@ use super::words;
 /// Borders that are printed; a table has many more.
 const BORDERS: usize = 16;
 
-/// All of it, for a terminal: `input` is what the user calls the frame.
-pub fn in_words(input: &str, explanation: &Explanation) -> String {
+/// All of it, for a terminal: `input` is what the user calls the frame, `params` what it was explained with.
+pub fn in_words(input: &str, params: &Params, explanation: &Explanation) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = write(&mut text, input, explanation);
+    let _ = write(&mut text, input, params, explanation);
     text
 }
 
-fn write(text: &mut String, input: &str, explanation: &Explanation) -> std::fmt::Result {
-    writeln!(text, "{}", verdict(explanation))?;
+fn write(text: &mut String, input: &str, params: &Params, explanation: &Explanation) -> std::fmt::Result {
+    writeln!(text, "{}", verdict(explanation, params))?;
     let [u, v] = explanation.pixel;
     write!(text, "{input}: pixel {u},{v}")?;
     if let Some(depth_m) = explanation.depth_m {
@@ -42,10 +43,10 @@ fn write(text: &mut String, input: &str, explanation: &Explanation) -> std::fmt:
     }
     if let Some(kept) = &explanation.kept {
         writeln!(text, "\nIs it an object?")?;
-        decision(text, kept)?;
+        decision(text, params, kept)?;
     }
-    section(text, "Rules that joined parts to it", &explanation.way)?;
-    section(text, "Rules that nearly joined parts to it", &explanation.near_misses)?;
+    section(text, params, "Rules that joined parts to it", &explanation.way)?;
+    section(text, params, "Rules that nearly joined parts to it", &explanation.near_misses)?;
     if !explanation.borders.is_empty() {
         borders(text, explanation)?;
     }
@@ -65,15 +66,15 @@ fn of_object(object: &ObjectReport) -> String {
     )
 }
 
-fn section(text: &mut String, title: &str, decisions: &[Decision]) -> std::fmt::Result {
+fn section(text: &mut String, params: &Params, title: &str, decisions: &[Decision]) -> std::fmt::Result {
     if decisions.is_empty() {
         return Ok(());
     }
     writeln!(text, "\n{title}")?;
-    decisions.iter().try_for_each(|found| decision(text, found))
+    decisions.iter().try_for_each(|found| decision(text, params, found))
 }
 
-fn decision(text: &mut String, decision: &Decision) -> std::fmt::Result {
+fn decision(text: &mut String, params: &Params, decision: &Decision) -> std::fmt::Result {
     let Decision { question, yes, reason, checks, flip } = decision;
     let answer = if *yes { "yes" } else { "no" };
     match question {
@@ -93,7 +94,7 @@ fn decision(text: &mut String, decision: &Decision) -> std::fmt::Result {
             )?;
         }
     }
-    checks.iter().try_for_each(|check| writeln!(text, "    {}", words::formula(check)))?;
+    checks.iter().try_for_each(|check| writeln!(text, "    {}", words::formula(check, params)))?;
     writeln!(text, "    {}", words::flip(flip))
 }
 

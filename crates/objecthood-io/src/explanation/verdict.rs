@@ -1,12 +1,13 @@
 //! The verdict: what a pixel is, and why, in one sentence.
 
+use objecthood::Params;
 use objecthood::explain::{Explanation, Outcome, Reason};
 
 use super::words;
 
 /// One plain sentence: what the pixel belongs to, and what decided that.
-pub(super) fn verdict(explanation: &Explanation) -> String {
-    let why = why(explanation);
+pub(super) fn verdict(explanation: &Explanation, params: &Params) -> String {
+    let why = why(explanation, params);
     match explanation.outcome {
         Outcome::NoDepth => {
             "This pixel belongs to nothing: the sensor measured no depth here, or --range, --roi or --mask excludes it."
@@ -27,14 +28,14 @@ pub(super) fn verdict(explanation: &Explanation) -> String {
 }
 
 /// The deciding reason, with the measurement that decided where there is one.
-fn why(explanation: &Explanation) -> String {
+fn why(explanation: &Explanation, params: &Params) -> String {
     let Some(kept) = &explanation.kept else { return String::new() };
     // Rules list first what they are about; of what passed every test the objectness comes last.
     let check = match kept.reason {
         Reason::Rule(_) => kept.checks.first(),
         _ => kept.checks.last(),
     };
-    let measured = check.map_or(String::new(), |check| format!(" ({})", words::clause(check)));
+    let measured = check.map_or(String::new(), |check| format!(" ({})", words::clause(check, params)));
     format!(": {}{measured}", words::reason(kept.reason))
 }
 
@@ -54,7 +55,7 @@ mod tests {
             checks,
             flip: Flip::NotSought,
         });
-        verdict(&Explanation {
+        let explanation = Explanation {
             pixel: [1, 2],
             depth_m: Some(1.0),
             outcome,
@@ -64,7 +65,8 @@ mod tests {
             way: Vec::new(),
             near_misses: Vec::new(),
             object: None,
-        })
+        };
+        verdict(&explanation, &Params::default())
     }
 
     fn check(what: &'static str, measured: f64, bound: Bound, limit: f64) -> Check {

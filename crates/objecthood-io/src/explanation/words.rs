@@ -1,9 +1,12 @@
 //! Reasons, measurements and changes of parameters in words.
 
+use objecthood::Params;
 use objecthood::check::{Bound, Check};
 use objecthood::clusters::history::Rule;
 use objecthood::explain::{Flip, Reason};
 
+/// A limit that differs from its parameter by a smaller share is the parameter.
+const SAME: f64 = 1e-3;
 /// Beyond this share a change is not given in percent: the value has doubled or changed its sign, and is another one
 /// rather than a changed one.
 const MOST_PERCENT: f64 = 100.0;
@@ -40,7 +43,7 @@ pub(super) fn reason(reason: Reason) -> &'static str {
 }
 
 /// A measurement beside its limit, as a formula: `its pixels: 149 px < 250 (fragments.max_size_px)`.
-pub(super) fn formula(check: &Check) -> String {
+pub(super) fn formula(check: &Check, params: &Params) -> String {
     let sign = match side(check) {
         Side::Less => "<",
         Side::AtMost => "<=",
@@ -48,14 +51,19 @@ pub(super) fn formula(check: &Check) -> String {
         Side::AtLeast => ">=",
     };
     let limit = match check.parameter {
-        Some(parameter) => format!("{} ({parameter})", number(check.limit)),
+        Some(parameter) => match scale(parameter, check.limit, params) {
+            Some(scale) => {
+                format!("{} ({} x {parameter}, for this focal length)", number(check.limit), number(scale))
+            }
+            None => format!("{} ({parameter})", number(check.limit)),
+        },
         None => number(check.limit),
     };
     format!("{}: {} {sign} {limit}", check.what, measured(check))
 }
 
 /// The same as a clause: `its pixels: 149 px, less than fragments.max_size_px = 250`.
-pub(super) fn clause(check: &Check) -> String {
+pub(super) fn clause(check: &Check, params: &Params) -> String {
     let side = match side(check) {
         Side::Less => "less than",
         Side::AtMost => "at most",
@@ -63,10 +71,23 @@ pub(super) fn clause(check: &Check) -> String {
         Side::AtLeast => "at least",
     };
     let limit = match check.parameter {
-        Some(parameter) => format!("{parameter} = {}", number(check.limit)),
+        Some(parameter) => match scale(parameter, check.limit, params) {
+            Some(scale) => {
+                format!("{} x {parameter} = {}, for this focal length", number(scale), number(check.limit))
+            }
+            None => format!("{parameter} = {}", number(check.limit)),
+        },
         None => number(check.limit),
     };
     format!("{}: {}, {side} {limit}", check.what, measured(check))
+}
+
+/// By what a parameter whose unit holds at a certain focal length is multiplied to give the limit for this camera; `None` when it is not.
+fn scale(parameter: &str, limit: f64, params: &Params) -> Option<f64> {
+    let info = Params::table().into_iter().find(|info| info.name == parameter)?;
+    let scale = limit / params.number(parameter)?;
+    let is_scaled = info.unit.contains("focal length") && scale.is_finite() && (scale - 1.0).abs() > SAME;
+    is_scaled.then(|| format!("{scale:.2}").parse().unwrap_or(scale))
 }
 
 /// On which side of its limit a measurement lies.
@@ -99,17 +120,17 @@ pub(super) fn flip(flip: &Flip) -> String {
             format!("would change with --set {parameter}={to} (now {from}{}{less})", share(*from, *to))
         }
         Flip::Nowhere { tried } if tried.is_empty() => {
-            "would change with no single parameter that is known".to_owned()
+            "no parameter suggests itself; a repair search tries all".to_owned()
         }
         Flip::Nowhere { tried } => {
-            format!("would change with no single parameter; tried: {}", tried.join(", "))
+            format!("none of the parameters tried turns it: {}; a repair search tries all", tried.join(", "))
         }
         Flip::NotSought => "what would change it was not searched to the end: that takes too long".to_owned(),
     }
 }
 
 /// The change from one value to another in percent of the first, where that says something.
-fn share(from: f64, to: f64) -> String {
+pub(super) fn share(from: f64, to: f64) -> String {
     // From 0 it is not finite, which is beyond every bound.
     let percent = 100.0 * (to - from) / from.abs();
     if (LEAST_PERCENT..=MOST_PERCENT).contains(&percent.abs()) {
@@ -142,6 +163,28 @@ mod tests {
         }
     }
 
+    /// A limit of 341 stood beside a slider at 250.
+    #[test]
+    fn a_limit_for_another_focal_length_says_by_what_it_was_multiplied() {
+        let check = Check {
+            what: "its pixels",
+            unit: "px",
+            measured: 149.0,
+            bound: Bound::Below,
+            limit: 341.0,
+            parameter: Some("fragments.max_size_px"),
+        };
+        let params = Params::default();
+        assert_eq!(
+            formula(&check, &params),
+            "its pixels: 149 px < 341 (1.36 x fragments.max_size_px, for this focal length)"
+        );
+        assert_eq!(
+            clause(&check, &params),
+            "its pixels: 149 px, less than 1.36 x fragments.max_size_px = 341, for this focal length"
+        );
+    }
+
     #[test]
     fn a_measurement_is_said_from_its_own_side_of_the_limit() {
         let check = |bound, measured| Check {
@@ -152,6 +195,7 @@ mod tests {
             limit: 250.0,
             parameter: Some("fragments.max_size_px"),
         };
+        let params = Params::default();
         for (bound, measured, sign, words) in [
             (Bound::Below, 149.0, "<", "less than"),
             (Bound::Below, 250.0, ">=", "at least"),
@@ -160,8 +204,8 @@ mod tests {
         ] {
             let check = check(bound, measured);
             let its_pixels = format!("its pixels: {measured} px");
-            assert_eq!(formula(&check), format!("{its_pixels} {sign} 250 (fragments.max_size_px)"));
-            assert_eq!(clause(&check), format!("{its_pixels}, {words} fragments.max_size_px = 250"));
+            assert_eq!(formula(&check, &params), format!("{its_pixels} {sign} 250 (fragments.max_size_px)"));
+            assert_eq!(clause(&check, &params), format!("{its_pixels}, {words} fragments.max_size_px = 250"));
         }
     }
 }

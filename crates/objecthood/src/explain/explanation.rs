@@ -193,7 +193,7 @@ pub enum Reason {
 }
 
 /// Writes a value so that it can be set again: parameters of whole numbers accept no decimal point, not even `.0`.
-fn as_set<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+pub(super) fn as_set<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     let whole = *value as i64;
     if whole as f64 == *value { serializer.serialize_i64(whole) } else { serializer.serialize_f64(*value) }
 }

@@ -4,21 +4,28 @@
 //! [`Explainer::explain`] returns an [`Explanation`] of one pixel, which is plain data.
 //!
 //! The algorithms do not depend on this module. Rules are explained by the [`Check`]s with which they decided. The influence of
-//! parameters is found by deciding again with other values: see [`Flip`].
+//! parameters is found by deciding again with other values: see [`Flip`]. A [`RepairSearch`] tries all of them, whichever decided.
 
+mod belonging;
 mod borders;
 mod explanation;
 mod flip;
 mod guess;
+mod others;
+mod repair;
 mod run;
 mod steps;
 mod subject;
 mod sweep;
 mod thing;
+mod trials;
 
+pub use belonging::{Belonging, Pixels};
 pub use explanation::{
     BorderReport, Decision, Explanation, FacetReport, Flip, ObjectReport, Outcome, Part, Question, Reason,
 };
+pub use others::Others;
+pub use repair::{Repair, RepairSearch, Value};
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::error::{Error, Result};
-use crate::params::choices::{Channels, ColorFor, NoiseFrom, Profile, UpFrom};
+use crate::params::choices::{Channels, Choice, ColorFor, NoiseFrom, Profile, UpFrom};
 
 /// The text between the two limits of a range.
 pub(super) const TO: &str = " ..= ";
@@ -47,7 +47,16 @@ pub(super) trait Number: Sized {
 
 macro_rules! numbers {
     ($($Type:ty),+) => {
-        $(impl Number for $Type {
+        $(impl Choice for $Type {
+            fn choice(&self) -> Option<String> {
+                None
+            }
+            fn from_choice(_: &str) -> Option<Self> {
+                None
+            }
+        }
+
+        impl Number for $Type {
             fn number(&self) -> Option<f64> {
                 self.to_string().parse().ok()
             }
@@ -72,6 +81,15 @@ macro_rules! no_numbers {
             }
         })+
     };
+}
+
+impl Choice for bool {
+    fn choice(&self) -> Option<String> {
+        Some(self.to_string())
+    }
+    fn from_choice(name: &str) -> Option<Self> {
+        name.parse().ok()
+    }
 }
 
 no_numbers!(bool, Channels, ColorFor, NoiseFrom, Profile, UpFrom);

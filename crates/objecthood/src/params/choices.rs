@@ -4,6 +4,14 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+/// A value that may be a choice between names; a switch has the names `true` and `false`.
+pub(super) trait Choice: Sized {
+    /// The name that was chosen.
+    fn choice(&self) -> Option<String>;
+    /// The value of this type with this name, if there is one.
+    fn from_choice(name: &str) -> Option<Self>;
+}
+
 /// A choice between names that are the same in a file, on the command line and in the table.
 macro_rules! choice {
     ($(#[$doc:meta])* $Name:ident { $($(#[$variant_doc:meta])* $Variant:ident = $word:literal),+ $(,)? }) => {
@@ -16,6 +24,15 @@ macro_rules! choice {
         impl fmt::Display for $Name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str(match self { $(Self::$Variant => $word),+ })
+            }
+        }
+
+        impl Choice for $Name {
+            fn choice(&self) -> Option<String> {
+                Some(self.to_string())
+            }
+            fn from_choice(name: &str) -> Option<Self> {
+                match name { $($word => Some(Self::$Variant),)+ _ => None }
             }
         }
     };

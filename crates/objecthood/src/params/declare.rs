@@ -56,6 +56,21 @@ macro_rules! parameters {
                     Some(())
                 }
 
+                fn choice(&self, name: &str) -> Option<String> {
+                    match name {
+                        $(stringify!($name) => self.$name.choice(),)+
+                        _ => None,
+                    }
+                }
+
+                fn set_choice(&mut self, name: &str, choice: &str) -> Option<()> {
+                    match name {
+                        $(stringify!($name) => self.$name = Choice::from_choice(choice)?,)+
+                        _ => return None,
+                    }
+                    Some(())
+                }
+
                 fn table() -> Vec<ParameterInfo> {
                     let defaults = Self::default();
                     vec![$(ParameterInfo {
@@ -121,6 +136,27 @@ macro_rules! parameters {
                     _ => return None,
                 }
                 params.validate().is_ok().then_some(params)
+            }
+
+            /// The name that the parameter `group.name` has chosen, `true` or `false` for a switch; `None` when it is a number or there is no
+            /// such parameter.
+            pub fn choice(&self, name: &str) -> Option<String> {
+                let (group, name) = name.split_once('.')?;
+                match group {
+                    $(stringify!($group) => self.$group.choice(name),)+
+                    _ => None,
+                }
+            }
+
+            /// The same parameters with another choice for the parameter `group.name`; `None` when it does not know that name.
+            pub fn with_choice(&self, name: &str, choice: &str) -> Option<Self> {
+                let (group, name) = name.split_once('.')?;
+                let mut params = self.clone();
+                match group {
+                    $(stringify!($group) => params.$group.set_choice(name, choice)?,)+
+                    _ => return None,
+                }
+                Some(params)
             }
 
             /// The first stage of a method that reads a parameter whose value differs; `None` when all parameters that it reads are equal.

@@ -1,0 +1,76 @@
+//! The other objects of a frame that a change of parameters makes come and go.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::explain::belonging::Pixels;
+use crate::raster::Raster;
+
+/// How many objects come and go, besides those at the pixels that were asked about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Others {
+    /// Objects that were not there before.
+    pub came: usize,
+    /// Objects that are there no longer.
+    pub went: usize,
+}
+
+impl Others {
+    /// All that change.
+    pub fn count(self) -> usize {
+        self.came + self.went
+    }
+}
+
+/// Compares two label images of one size. An object stays when it and one of the other image share at least half of their union, as on the
+/// live page. O(pixels · log objects).
+pub(super) fn changes(before: &Raster<u16>, after: &Raster<u16>, pixels: Pixels) -> Others {
+    let mut sizes: [BTreeMap<u16, usize>; 2] = Default::default();
+    let mut common: BTreeMap<[u16; 2], usize> = BTreeMap::new();
+    let pairs: Vec<[u16; 2]> =
+        before.as_slice().iter().zip(after.as_slice()).map(|(&a, &b)| [a, b]).collect();
+    // Labels come in runs.
+    for run in pairs.chunk_by(|a, b| a == b) {
+        let pair = run[0];
+        for (sizes, label) in sizes.iter_mut().zip(pair).filter(|(_, label)| *label > 0) {
+            *sizes.entry(label).or_default() += run.len();
+        }
+        if pair[0] > 0 && pair[1] > 0 {
+            *common.entry(pair).or_default() += run.len();
+        }
+    }
+    let stays = |&(pair, shared): &([u16; 2], usize)| {
+        let union = sizes[0][&pair[0]] + sizes[1][&pair[1]] - shared;
+        2 * shared >= union
+    };
+    let same: Vec<[u16; 2]> = common.into_iter().filter(stays).map(|(pair, _)| pair).collect();
+    let [went, came] = [(0, before), (1, after)].map(|(side, labels): (usize, &Raster<u16>)| {
+        let asked = [Some(pixels.pixel), pixels.with].into_iter().flatten();
+        let asked: Vec<u16> = asked.filter_map(|[u, v]| labels.get(u, v).copied()).collect();
+        let is_other =
+            |label: &&u16| !asked.contains(label) && !same.iter().any(|pair| pair[side] == **label);
+        sizes[side].keys().filter(is_other).count()
+    });
+    Others { came, went }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_others_count_and_numbers_do_not_matter() {
+        let raster = |labels: [u16; 12]| Raster::from_vec(12, 1, labels.to_vec()).unwrap();
+        let before = raster([1, 1, 2, 2, 0, 3, 3, 3, 4, 0, 0, 0]);
+        // 1 and 2 became 5; 3 is 1 now and lost a pixel; 4 went; something came.
+        let after = raster([5, 5, 5, 5, 0, 1, 1, 0, 0, 0, 2, 2]);
+        let of = |u: usize, with: Option<usize>| {
+            changes(&before, &after, Pixels { pixel: [u, 0], with: with.map(|u| [u, 0]) })
+        };
+        assert_eq!(of(0, Some(2)), Others { came: 1, went: 1 });
+        assert_eq!(of(8, None), Others { came: 1, went: 0 }, "1 and 2 share half with 5 each");
+        assert_eq!(of(10, None), Others { came: 0, went: 1 });
+        assert_eq!(changes(&before, &before, Pixels { pixel: [0, 0], with: None }), Others::default());
+    }
+}
