@@ -22,6 +22,7 @@ mod look;
 mod maps;
 mod pack;
 mod pipelines;
+mod repair;
 mod report;
 mod routes;
 mod serve;

@@ -8,10 +8,11 @@ use objecthood_io::Capture;
 
 use crate::error::Result;
 use crate::follow::Following;
+use crate::repair::Repairing;
 use crate::session::Session;
 
-/// Pipelines at a time: both sides of a comparison, the contact sheet and the tracker of two tabs.
-const MOST: usize = 8;
+/// Pipelines at a time: both sides of a comparison, the contact sheet, the tracker and the search for repairs of two tabs.
+const MOST: usize = 10;
 /// One that was not used for this long is forgotten: its browser is gone without a word.
 const IDLE: Duration = Duration::from_secs(600);
 
@@ -25,6 +26,8 @@ pub(crate) struct Bench {
     frame: Option<(usize, Arc<Capture>)>,
     /// Objects that are followed through the frames.
     pub(crate) following: Option<Following>,
+    /// A search for what would change the answer for a pixel.
+    pub(crate) repairing: Option<Repairing>,
 }
 
 impl Bench {

@@ -21,6 +21,7 @@ use crate::follow::{self, follow};
 use crate::guard::{self, Guard};
 use crate::look::{Look, look};
 use crate::pipelines::{Bench, Key, Pipelines, lock};
+use crate::repair::{self, repair};
 use crate::session::Session;
 
 /// The parameters take 10 kB as JSON.
@@ -51,6 +52,7 @@ pub(crate) fn routes(shared: Arc<Shared>, guard: Guard) -> Router {
         .route("/look", post(answer_look))
         .route("/explain", post(answer_explain))
         .route("/follow", post(answer_follow))
+        .route("/repair", post(answer_repair))
         .route("/close", post(close))
         .with_state(shared);
     Router::new()
@@ -93,7 +95,7 @@ async fn greet(State(shared): State<Arc<Shared>>) -> Result<Response, Refusal> {
 #[derive(Deserialize)]
 struct OfTab<T> {
     tab: u64,
-    /// Which of its pictures: 0 and 1 are compared, 2 is the contact sheet, 3 follows objects.
+    /// Which of its pictures: 0 and 1 are compared, 2 is the contact sheet, 3 follows objects, 4 searches for repairs.
     #[serde(default)]
     side: u8,
     #[serde(flatten)]
@@ -101,9 +103,9 @@ struct OfTab<T> {
 }
 
 impl<T> OfTab<T> {
-    /// A tab has four pictures.
+    /// A tab has five of them.
     fn key(&self) -> Key {
-        (self.tab, self.side.min(3))
+        (self.tab, self.side.min(4))
     }
 }
 
@@ -162,6 +164,12 @@ async fn answer_explain(State(shared): State<Arc<Shared>>, body: Bytes) -> Resul
         if in_full { asked.in_full() } else { asked.at_once() }
     });
     Ok(typed(JSON, explained.await?.to_string()))
+}
+
+async fn answer_repair(State(shared): State<Arc<Shared>>, body: Bytes) -> Result<Response, Refusal> {
+    let asked: OfTab<repair::Asked> = read(&body)?;
+    let repaired = at_bench(shared, asked.key(), move |session, bench| repair(bench, session, &asked.asked));
+    Ok(typed(JSON, repaired.await?.to_string()))
 }
 
 /// A tab that is closed.

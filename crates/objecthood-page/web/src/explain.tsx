@@ -2,9 +2,14 @@
 
 import { useEffect, useRef } from "preact/hooks";
 
+import { pointed } from "./picture";
+import { reveal } from "./parameters";
+import { RepairPanel, search } from "./repair";
 import { asked, defaultOf, explained, searching, set, settings, stopAsking } from "./state";
 
 const TRY = /--set (\S+?)=(\S+)/;
+/** What the search for a flip ends with when it found none. */
+const POINTS_ON = /a repair search tries all$/;
 
 export function Explain() {
   const found = explained.value;
@@ -13,15 +18,21 @@ export function Explain() {
   useEffect(() => whole.current?.closest(".side")?.scrollTo({ top: 0 }), [asked.value]);
   if (settings.value.method === "paper") return <p class="note">Only the method context can be explained.</p>;
   if (!asked.value) {
-    return <p class="note">Click on the picture, or press Enter on it: why is this pixel an object, and what would change that?</p>;
+    return (
+      <p class="note">
+        Click on what is wrong in the picture, or press Enter on it: why is this pixel what it is, and what would change that? Shift+click
+        adds a second pixel: should both be one object, or two?
+      </p>
+    );
   }
   return (
     <section ref={whole} aria-label="Explanation" aria-live="polite" aria-busy={searching.value}>
       <div class="bar">
         <strong>Pixel {asked.value.join(", ")}</strong>
-        <span class="note">{searching.value ? "searching what would change it …" : ""}</span>
+        <span class="note">{searching.value ? "A, searching …" : "A"}</span>
         <button onClick={stopAsking}>Close</button>
       </div>
+      <RepairPanel />
       {found && (
         <>
           <ul class="legend">
@@ -41,6 +52,9 @@ function Line({ text }: { text: string }) {
   // What goes on below keeps the indent of its line.
   const indent = text.search(/\S|$/);
   const hanging = { paddingLeft: `${indent}ch`, textIndent: `-${indent}ch` };
+  if (POINTS_ON.test(text)) {
+    return <div class="try"><pre style={hanging}>{text}</pre><button onClick={() => void search()}>search</button></div>;
+  }
   if (!change) return <pre style={hanging}>{text || " "}</pre>;
   const [, name, value] = change;
   // A long line breaks before the value, not within it.
@@ -49,7 +63,7 @@ function Line({ text }: { text: string }) {
   return (
     <div class="try">
       <pre style={hanging}>{before}<wbr />{rest}</pre>
-      <button onClick={() => set(name, number)} title={`Set ${name} to ${value}`}>try it</button>
+      <button onClick={() => { set(name, number); reveal(name); }} title={`Set ${name} to ${value}`}>try it</button>
     </div>
   );
 }
@@ -58,5 +72,13 @@ function Line({ text }: { text: string }) {
 function Row({ text }: { text: string }) {
   const cells = text.match(/ *\S+(?: \S+)*/g) ?? [];
   const kind = /^ *\[/.test(text) ? "units" : /\d/.test(text) ? "" : "heads";
-  return <pre class={`columns ${kind}`}>{cells.map((cell, k) => <span key={k}>{cell}</span>)}</pre>;
+  const facet = /^ *facet (\d+)/.exec(text)?.[1];
+  const point = (one: number | null) => facet !== undefined && (pointed.value = one);
+  return (
+    <pre
+      class={`columns ${kind}`} onPointerEnter={() => point(Number(facet))} onPointerLeave={() => point(null)}
+    >
+      {cells.map((cell, k) => <span key={k}>{cell}</span>)}
+    </pre>
+  );
 }

@@ -2,7 +2,7 @@
 
 import { Swatch } from "./objects";
 import { objectColor } from "./paint";
-import { frame, goTo } from "./state";
+import { frame, goTo, greeting } from "./state";
 import { Film } from "./wire";
 
 /** The frame that shows a moment: the last one until then. */
@@ -19,8 +19,15 @@ function span({ stamps_s, lives, happenings }: Film): [number, number] {
 }
 
 export function Timeline({ film }: { film: Film }) {
-  const [first, length] = span(film);
-  const place = (time_s: number) => `${(100 * (time_s - first)) / length}%`;
+  const [first] = span(film);
+  const last = Math.max((greeting.value?.frames.length ?? 1) - 1, 1);
+  // Below the place of the scrubber that shows it.
+  const place = (time_s: number) => {
+    const k = frameAt(film, time_s);
+    const [from, to] = [film.stamps_s[k], film.stamps_s[k + 1]];
+    const part = to > from ? Math.min(Math.max((time_s - from) / (to - from), 0), 1) : 0;
+    return `${(100 * (k + part)) / last}%`;
+  };
   const now = film.stamps_s[frame.value] ?? first;
   return (
     <div class="timeline" role="group" aria-label="Events">

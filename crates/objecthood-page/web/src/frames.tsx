@@ -3,13 +3,15 @@
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 
+import { Timeline } from "./film";
 import { frame, goTo, greeting, pictures } from "./state";
+import { Film } from "./wire";
 
 export const isPlaying = signal(false);
 /** Frames a second when they play, where the method keeps up. */
 const RATE = 10;
 
-export function Frames() {
+export function Frames({ film }: { film: Film | null | undefined }) {
   const names = greeting.value?.frames ?? [];
   const shown = pictures[0].value;
   const last = names.length - 1;
@@ -30,6 +32,7 @@ export function Frames() {
         onInput={(e) => goTo(e.currentTarget.valueAsNumber)}
       />
       <span title={names[frame.value]}>{frame.value + 1} of {names.length}</span>
+      {film && <Timeline film={film} />}
     </div>
   );
 }

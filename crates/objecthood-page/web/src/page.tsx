@@ -5,7 +5,7 @@ import { render } from "preact";
 
 import { Elsewhere, isOpen } from "./elsewhere";
 import { Explain } from "./explain";
-import { Story, Timeline } from "./film";
+import { Story } from "./film";
 import { Frames, play } from "./frames";
 import { onKeys } from "./keys";
 import { Layers } from "./layers";
@@ -13,11 +13,12 @@ import { turnLight } from "./light";
 import { Objects } from "./objects";
 import { Parameters } from "./parameters";
 import { PictureView, Swipe, zoomBy, zoomOut } from "./picture";
+import { startRepairs, search } from "./repair";
 import { Sheet } from "./sheet";
 import { SpaceView } from "./space";
 import { next, Tabs } from "./tabs";
 import { bye } from "./wire";
-import { film, frame, goTo, greeting, other, panel, problem, settings, start, status, stopAsking, view } from "./state";
+import { asked, film, frame, goTo, greeting, other, isPairing, panel, problem, settings, start, status, stopAsking, view } from "./state";
 
 const VIEWS = { picture: "Picture", space: "In space", sheet: "Many frames" } as const;
 const PANELS = { objects: "Objects", explain: "Why?" } as const;
@@ -61,8 +62,8 @@ function Help() {
   return (
     <aside class="help" aria-label="Help">
       <p>
-        A parameter changes a stage and all after it. Click on what is wrong in the picture: the answer names the parameters that
-        decided, and what would change it.
+        A parameter changes a stage and all after it. Click on what is wrong in the picture: the answer says what decided, and a search
+        tries every parameter, which one would change it. Shift+click on a second pixel: should both be one object, or two?
       </p>
       <p><a href="licences" target="_blank">Licences of what this page is made with</a></p>
       <dl>{KEYS.map(([key, does]) => <div key={key}><dt><kbd>{key}</kbd></dt><dd>{does}</dd></div>)}</dl>
@@ -85,8 +86,7 @@ function Page() {
         </div>
         {view.value === "picture" ? <PictureView /> : view.value === "space" ? <SpaceView /> : <Sheet />}
         <Layers />
-        <Frames />
-        {film.value && <Timeline film={film.value} />}
+        <Frames film={film.value} />
       </main>
       <Parameters />
       <aside class="side">
@@ -108,6 +108,8 @@ const DOES: Record<string, () => void> = {
   x: swap,
   l: turnLight,
   c: () => (isOpen.value = true),
+  a: () => (isPairing.value = asked.value !== null && !isPairing.value),
+  w: () => void search(),
   z: zoomOut,
   "+": () => zoomBy(1.25),
   "?": () => (isHelping.value = !isHelping.value),
@@ -119,5 +121,6 @@ export function startPage(): void {
   onKeys(DOES);
   render(<Page />, document.getElementById("page")!);
   addEventListener("pagehide", bye);
+  startRepairs();
   void start();
 }

@@ -86,6 +86,9 @@ function depthTable(map: PixelMap): Uint8Array {
   return filled(65536, (z) => (z === 0 ? [0, 0, 0] : ramp(VIRIDIS, far > near ? (far - z) / (far - near) : 0.5)));
 }
 
+/** What of the opacity of the objects is left below an explanation. */
+const DIMMED = 0.3;
+
 /** Composes the colour image and the layers over it. Where there is no colour, depth is shaded grey. */
 export function compose(picture: Picture, opacity: Map<string, number>, marks: Marks): ImageData {
   const { width_px: width, height_px: height } = picture.header.scene.image;
@@ -105,7 +108,8 @@ export function compose(picture: Picture, opacity: Map<string, number>, marks: M
   }
   for (const { name } of LAYERS) {
     const map = picture.maps.get(name);
-    const share = opacity.get(name) ?? 0;
+    // What an explanation paints is not to be mistaken for an object.
+    const share = (opacity.get(name) ?? 0) * (name === "objects" && marks.explains ? DIMMED : 1);
     if (map && share > 0) blend(out, name, picture, map, share);
   }
   marks.draw(out, width, height, picture);
@@ -140,18 +144,28 @@ function blend(out: Uint8ClampedArray, name: string, picture: Picture, map: Pixe
 /** What is pointed out: an object, and the facets of an explanation. */
 export class Marks {
   constructor(
+    /** The object to outline. */
     private readonly object: number | null,
+    /** The object of the explanation. */
+    private readonly whole: number | null,
     private readonly facet: number | null,
     private readonly joined: Set<number>,
     private readonly apart: Set<number>,
+    /** The facet of the row below the pointer. */
+    private readonly pointed: number | null,
   ) {}
 
+  /** Whether facets of an explanation are painted. */
+  get explains(): boolean {
+    return this.facet !== null;
+  }
+
   draw(out: Uint8ClampedArray, width: number, height: number, picture: Picture): void {
-    const paint = (map: PixelMap | undefined, color: (label: number) => number[] | null) => {
+    const paint = (map: PixelMap | undefined, color: (label: number, i: number) => number[] | null) => {
       if (!map) return;
       const { data } = map;
       for (let i = 0; i < data.length; i++) {
-        const rgb = color(data[i]);
+        const rgb = color(data[i], i);
         if (!rgb) continue;
         const u = i % width;
         const inside = u > 1 && u < width - 2 && i >= 2 * width && i < (height - 2) * width;
@@ -162,10 +176,14 @@ export class Marks {
         for (let c = 0; c < 3; c++) out[4 * i + c] = out[4 * i + c] * (1 - share) + rgb[c] * share;
       }
     };
-    paint(picture.maps.get("filled"), (label) =>
+    const objects = picture.maps.get("objects")?.data;
+    // Of the table only the bottom of a plate belongs to the plate.
+    const isWhole = (i: number) => this.whole === null || !objects || objects[i] === this.whole;
+    paint(picture.maps.get("filled"), (label, i) =>
       label === 0 ? null
+      : label - 1 === this.pointed ? [204, 121, 167, 0.8]
       : label - 1 === this.facet ? [240, 228, 66, 0.55]
-      : this.joined.has(label - 1) ? [0, 114, 178, 0.35]
+      : this.joined.has(label - 1) && isWhole(i) ? [0, 114, 178, 0.35]
       : this.apart.has(label - 1) ? [230, 130, 0, 0.25]
       : null);
     if (this.object !== null) {
@@ -173,3 +191,6 @@ export class Marks {
     }
   }
 }
+
+/** Nothing is pointed out. */
+export const UNMARKED = new Marks(null, null, null, new Set(), new Set(), null);

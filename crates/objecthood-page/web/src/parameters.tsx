@@ -1,6 +1,7 @@
 // Every parameter of the method, below the stage that reads it first.
 
 import { signal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 
 import { scaleOf, snapped } from "./scale";
 import { STAGES, stageOf } from "./stages";
@@ -9,15 +10,32 @@ import { Parameter, Value } from "./wire";
 
 const sought = signal("");
 const onlyChanged = signal(false);
+/** The parameter that is pointed out. */
+const revealed = signal<string | null>(null);
+const REVEALED_MS = 2500;
+/** What was typed and is not allowed, by the name of the parameter. */
+const refused = signal<{ name: string; typed: number } | null>(null);
+
+/** Scrolls to a parameter and marks it for a moment, whatever hides it. */
+export function reveal(name: string): void {
+  if (!fits(name)) [sought.value, onlyChanged.value] = ["", false];
+  revealed.value = null;
+  setTimeout(() => (revealed.value = name));
+  setTimeout(() => revealed.value === name && (revealed.value = null), REVEALED_MS);
+}
+
+/** Whether the search box lets a parameter through. */
+function fits(name: string): boolean {
+  const parameter = greeting.value?.parameters.find((one) => one.name === name);
+  const text = `${name} ${parameter?.meaning ?? ""}`.toLowerCase();
+  const words = sought.value.toLowerCase().split(/\s+/);
+  return words.every((word) => text.includes(word)) && (!onlyChanged.value || name in settings.value.set);
+}
 
 export function Parameters() {
   const { method } = settings.value;
   const all = (greeting.value?.parameters ?? []).filter((one) => stageOf(one, method) !== null);
-  const words = sought.value.toLowerCase().split(/\s+/);
-  const shown = all.filter((one) => {
-    const text = `${one.name} ${one.meaning}`.toLowerCase();
-    return words.every((word) => text.includes(word)) && (!onlyChanged.value || one.name in settings.value.set);
-  });
+  const shown = all.filter((one) => fits(one.name));
   const changed = Object.keys(settings.value.set).length;
   return (
     <section class="parameters" aria-label="Parameters">
@@ -76,8 +94,13 @@ function Row({ parameter }: { parameter: Parameter }) {
   const value = valueOf(name);
   const isChanged = name in settings.value.set;
   const id = `p-${name}`;
+  const isRevealed = revealed.value === name;
+  const whole = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    if (isRevealed) whole.current?.scrollIntoView({ block: "center" });
+  }, [isRevealed]);
   return (
-    <div class={isChanged ? "parameter changed" : "parameter"}>
+    <div ref={whole} class={`parameter${isChanged ? " changed" : ""}${isRevealed ? " revealed" : ""}`}>
       <div class="name">
         <label for={id} title={`${name}\nrange ${range}\n${source}`}>
           {isChanged && <span class="mark" role="img" aria-label="changed">●</span>}{breakable(name)}
@@ -86,6 +109,12 @@ function Row({ parameter }: { parameter: Parameter }) {
       </div>
       {value === undefined ? null : parameter.limits ? <NumberOf parameter={parameter} id={id} value={Number(value)} />
         : <Choice parameter={parameter} id={id} value={value} />}
+      {refused.value?.name === name && (
+        <p class="refused" role="alert">
+          {refused.value.typed} is not allowed: {parameter.is_whole ? "whole numbers from" : "from"} {parameter.limits?.[0]} to {parameter.limits?.[1]}.
+          It stays at {String(value)}.
+        </p>
+      )}
       <p class="meaning" id={`${id}-meaning`}>
         {meaning} <span class="range">{range}{parameter.limits ? ` ${unit}` : ""}, default {parameter.default}</span>
       </p>
@@ -94,7 +123,7 @@ function Row({ parameter }: { parameter: Parameter }) {
 }
 
 /** A long name may go on in the next line behind a point or an underscore. */
-function breakable(name: string) {
+export function breakable(name: string) {
   return name.split(/(?<=[._])/).map((part, k) => [k > 0 && <wbr />, part]);
 }
 
@@ -118,7 +147,9 @@ function NumberOf({ parameter, id, value }: Control<number>) {
         id={id} type="number" min={limits[0]} max={limits[1]} step={parameter.is_whole ? 1 : "any"} value={value}
         onChange={(e) => {
           const typed = e.currentTarget.valueAsNumber;
-          if (Number.isFinite(typed)) set(parameter.name, Math.min(Math.max(typed, limits[0]), limits[1]));
+          const isAllowed = typed >= limits[0] && typed <= limits[1] && (!parameter.is_whole || Number.isInteger(typed));
+          refused.value = isAllowed || !Number.isFinite(typed) ? null : { name: parameter.name, typed };
+          if (isAllowed) set(parameter.name, typed);
           else e.currentTarget.value = String(value);
         }}
       />

@@ -1,10 +1,13 @@
 // The picture: layers over colour, with zoom; two of them when settings are compared.
 
-import { computed, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 import { useLayoutEffect, useRef } from "preact/hooks";
 
-import { compose, Marks } from "./paint";
-import { ask, asked, explained, isLive, opacity, other, pictures, selected, stopAsking, swipe } from "./state";
+import { compose, Marks, UNMARKED } from "./paint";
+import { namesOf } from "./names";
+import {
+  ask, asked, askWith, explained, frame as shown, isLive, isPairing, opacity, other, partner, pictures, selected, stopAsking, swipe,
+} from "./state";
 import { Picture } from "./wire";
 
 /** How far the picture is enlarged, and which of its points, as a share of its size, is in the middle. */
@@ -14,19 +17,29 @@ const under = signal("");
 /** The pixel that the keyboard moves. */
 const cursor = signal<[number, number] | null>(null);
 
-const marks = computed(() => {
-  const facet = explained.value?.explanation.facet?.facet ?? null;
-  const own = new Set(explained.value?.explanation.object?.facets ?? []);
-  const apart = new Set((explained.value?.explanation.borders ?? []).map((border) => border.facet).filter((one) => !own.has(one)));
-  return new Marks(selected.value, facet, own, apart);
+/** The facet that a row of the table of borders is about, while the pointer is over it. */
+export const pointed = signal<number | null>(null);
+
+// What was at a pixel of one frame says nothing of another one.
+effect(() => {
+  void shown.value;
+  cursor.value = null;
+  under.value = "";
 });
-const nothing = new Marks(null, null, new Set(), new Set());
+
+const marks = computed(() => {
+  const { facet, object, borders } = explained.value?.explanation ?? {};
+  const joined = new Set(object?.facets ?? []);
+  // Structure has no vote: it is kept apart from everything.
+  const apart = new Set((borders ?? []).filter((one) => one.structure_plane === undefined && !joined.has(one.facet)).map((one) => one.facet));
+  return new Marks(selected.value, object?.object ?? null, facet?.facet ?? null, joined, apart, pointed.value);
+});
 
 /** The pixels of the pictures as they are shown; the points in 3D take their colours from the first. */
 export const painted = [0, 1].map((side) =>
   computed(() => {
     const picture = pictures[side].value;
-    return picture && compose(picture, opacity.value, side === 0 ? marks.value : nothing);
+    return picture && compose(picture, opacity.value, side === 0 ? marks.value : UNMARKED);
   }),
 );
 
@@ -86,19 +99,23 @@ export function PictureView() {
   return (
     <div
       class="stage" tabIndex={0} role="application"
-      aria-label={`Picture, ${width} by ${height} pixels. Arrows move a cross, Enter explains the pixel below it, Escape ends.`}
+      aria-label={`Picture, ${width} by ${height} pixels. Arrows move a cross, Enter explains the pixel below it, Shift+Enter adds a second pixel, Escape ends.`}
       onWheel={(e) => { e.preventDefault(); zoomBy(e.deltaY < 0 ? 1.25 : 0.8, place(e)); }}
       onKeyDown={(e) => moveCursor(e, width, height)}
     >
       <div
         ref={frame} class="frame" style={style}
-        onPointerDown={(e) => drag(e, () => picked(pixelAt(e)))}
+        onPointerDown={(e) => drag(e, () => picked(pixelAt(e), e.shiftKey || isPairing.value))}
         onPointerMove={(e) => (under.value = described(picture, pixelAt(e)))}
         onPointerLeave={() => (under.value = "")}
       >
         <Canvas side={0} />
         {other.value && <Canvas side={1} />}
-        <Cross width={width} height={height} />
+        {other.value && <i class="line" style={{ left: `${100 * swipe.value}%` }} aria-hidden="true" />}
+        <Names picture={picture} />
+        <Cross at={asked.value} name="A" width={width} height={height} />
+        <Cross at={partner.value} name="B" width={width} height={height} />
+        {cursor.value?.join() !== asked.value?.join() && <Cross at={cursor.value} name="" width={width} height={height} />}
       </div>
       {factor > 1 && <button class="zoomed" onClick={zoomOut}>{factor.toFixed(1)}× – fit</button>}
       <output class="under">{under.value}</output>
@@ -106,10 +123,10 @@ export function PictureView() {
   );
 }
 
-function picked(pixel: [number, number]): void {
-  cursor.value = pixel;
+function picked(pixel: [number, number], isSecond: boolean): void {
+  cursor.value = null;
   const label = pictures[0].value ? objectAt(pictures[0].value, pixel) : 0;
-  if (isLive.value && settingsCanExplain()) ask(pixel);
+  if (isLive.value && settingsCanExplain()) (isSecond ? askWith : ask)(pixel);
   else selected.value = label || null;
 }
 
@@ -127,7 +144,10 @@ function described(picture: Picture, [u, v]: [number, number]): string {
   const depth = picture.maps.get("depth");
   const z = depth ? depth.data[v * depth.width + u] * (depth.unit_m ?? 0) : 0;
   const object = objectAt(picture, [u, v]);
-  return `${u}, ${v}: ${z > 0 ? `${z.toFixed(3)} m` : "no depth"}${object ? `, object ${object}` : ""}`;
+  const filled = picture.maps.get("filled");
+  const facet = filled ? filled.data[v * filled.width + u] : 0;
+  const parts = [z > 0 ? `${z.toFixed(3)} m` : "no depth", object ? `object ${object}` : "no object", facet ? `facet ${facet - 1}` : ""];
+  return `${u}, ${v}: ${parts.filter(Boolean).join(", ")}`;
 }
 
 /** Tells a click from a drag, which moves the enlarged picture. */
@@ -151,17 +171,44 @@ function drag(down: PointerEvent, click: () => void): void {
   target.addEventListener("pointerup", up, { once: true });
 }
 
-function Cross({ width, height }: { width: number; height: number }) {
-  const at = cursor.value ?? asked.value;
+interface Crossed {
+  at: [number, number] | null;
+  name: string;
+  width: number;
+  height: number;
+}
+
+function Cross({ at, name, width, height }: Crossed) {
   if (!at) return null;
-  const place = { left: `${(100 * (at[0] + 0.5)) / width}%`, top: `${(100 * (at[1] + 0.5)) / height}%`, transform: `scale(${1 / zoom.value.factor})` };
-  return <div class="cross" style={place} aria-hidden="true" />;
+  return <div class="cross" style={placed(at, width, height)} aria-hidden="true">{name && <b>{name}</b>}</div>;
+}
+
+/** The middle of a pixel; what stands there keeps its size when the picture is enlarged. */
+function placed([u, v]: [number, number], width: number, height: number) {
+  return { left: `${(100 * (u + 0.5)) / width}%`, top: `${(100 * (v + 0.5)) / height}%`, transform: `scale(${1 / zoom.value.factor})` };
+}
+
+/** The numbers of the facets that an explanation names, where they are. */
+function Names({ picture }: { picture: Picture }) {
+  const explanation = explained.value?.explanation;
+  const filled = picture.maps.get("filled");
+  if (!explanation?.facet || !filled) return null;
+  const { width, height } = filled;
+  return (
+    <>
+      {namesOf(explanation, filled).map(([facet, at]) => (
+        <span key={facet} class={pointed.value === facet ? "facet-name pointed" : "facet-name"} style={placed(at, width, height)} aria-hidden="true">
+          {facet}
+        </span>
+      ))}
+    </>
+  );
 }
 
 const STEPS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 function moveCursor(e: KeyboardEvent, width: number, height: number): void {
-  const [u, v] = cursor.value ?? [Math.floor(width / 2), Math.floor(height / 2)];
+  const [u, v] = cursor.value ?? partner.value ?? asked.value ?? [Math.floor(width / 2), Math.floor(height / 2)];
   const step = STEPS[e.key];
   if (step) {
     const far = e.shiftKey ? 1 : 10;
@@ -169,7 +216,7 @@ function moveCursor(e: KeyboardEvent, width: number, height: number): void {
     cursor.value = [clamp(u + far * step[0], width), clamp(v + far * step[1], height)];
     if (pictures[0].value) under.value = described(pictures[0].value, cursor.value);
   } else if (e.key === "Enter") {
-    picked([u, v]);
+    picked([u, v], e.shiftKey || isPairing.value);
   } else if (e.key === "Escape") {
     cursor.value = null;
     stopAsking();

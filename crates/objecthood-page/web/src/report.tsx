@@ -6,7 +6,7 @@ import { render } from "preact";
 import { onKeys } from "./keys";
 import { Layers } from "./layers";
 import { turnLight } from "./light";
-import { Story, Timeline } from "./film";
+import { Story } from "./film";
 import { Frames, play } from "./frames";
 import { Objects } from "./objects";
 import { PictureView, zoomBy, zoomOut } from "./picture";
@@ -167,8 +167,7 @@ function ReportPage() {
         <Tabs of={view} names={VIEWS} label="View" />
         {view.value === "space" ? <SpaceView /> : <PictureView />}
         <Layers />
-        <Frames />
-        {film && <Timeline film={film} />}
+        <Frames film={film} />
       </main>
       <section class="parameters" aria-label="Frames">
         <Tabs of={left} names={leftTabs()} label="Left" />

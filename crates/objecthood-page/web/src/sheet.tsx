@@ -3,14 +3,13 @@
 import { batch, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
-import { compose, Marks } from "./paint";
+import { compose, UNMARKED } from "./paint";
 import { frame, goTo, greeting, opacity, settings, view } from "./state";
 import { look, Picture } from "./wire";
 
 const COUNTS = [4, 9, 16, 25];
 const count = signal(9);
 const tiles = signal(new Map<number, Picture>());
-const unmarked = new Marks(null, null, new Set(), new Set());
 
 /** Frames that are spread over all of them. */
 function chosen(): number[] {
@@ -69,7 +68,7 @@ function Tile({ number }: { number: number }) {
   const over = opacity.value;
   useEffect(() => {
     if (!canvas.current || !picture) return;
-    const image = compose(picture, over, unmarked);
+    const image = compose(picture, over, UNMARKED);
     canvas.current.width = image.width;
     canvas.current.height = image.height;
     canvas.current.getContext("2d")?.putImageData(image, 0, 0);

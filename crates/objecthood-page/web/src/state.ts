@@ -3,7 +3,9 @@
 import { batch, effect, signal } from "@preact/signals";
 
 import { cameAndWent, keepColors } from "./match";
-import { Explained, explain, Film, follow, Followed, Greeting, greet, look, Picture, Settings, Value } from "./wire";
+import {
+  Explained, explain, Film, follow, Followed, Greeting, greet, look, Picture, Settings, Value,
+} from "./wire";
 
 export const greeting = signal<Greeting | null>(null);
 export const frame = signal(0);
@@ -16,6 +18,10 @@ export const status = signal("");
 export const problem = signal("");
 export const selected = signal<number | null>(null);
 export const asked = signal<[number, number] | null>(null);
+/** The second pixel, when the question is about two. */
+export const partner = signal<[number, number] | null>(null);
+/** Whether the next click chooses the second pixel. */
+export const isPairing = signal(false);
 export const explained = signal<Explained | null>(null);
 export const searching = signal(false);
 export const swipe = signal(0.5);
@@ -247,6 +253,18 @@ export function set(name: string, value: Value | undefined): void {
 export function ask(pixel: [number, number]): void {
   batch(() => {
     asked.value = pixel;
+    partner.value = null;
+    isPairing.value = false;
+    panel.value = "explain";
+  });
+}
+
+/** Asks about a second pixel too; without a first one it is the first. */
+export function askWith(pixel: [number, number]): void {
+  if (!asked.value) return ask(pixel);
+  batch(() => {
+    partner.value = pixel;
+    isPairing.value = false;
     panel.value = "explain";
   });
 }
@@ -255,6 +273,8 @@ export function stopAsking(): void {
   questions++;
   batch(() => {
     asked.value = null;
+    partner.value = null;
+    isPairing.value = false;
     explained.value = null;
     searching.value = false;
     selected.value = null;

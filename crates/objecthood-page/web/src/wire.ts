@@ -156,17 +156,38 @@ export interface Decision {
 
 export interface Explanation {
   pixel: [number, number];
-  facet?: { facet: number };
+  facet?: { facet: number; structure_plane?: number };
   kept?: Decision;
   way: Decision[];
   near_misses: Decision[];
-  borders: { facet: number; vote_mm?: number; decision?: Decision }[];
+  borders: { facet: number; structure_plane?: number; vote_mm?: number; decision?: Decision }[];
   object?: { object?: number; facets: number[] };
 }
 
 export interface Explained {
   text: string;
   explanation: Explanation;
+}
+
+/** A value of a parameter that turns the answer for one pixel or two. */
+export interface Repair {
+  parameter: string;
+  from: Value;
+  to: Value;
+  /** How many other objects of the frame change, and the same in words. */
+  others: number;
+  side_effects: string;
+}
+
+/** What a search through all parameters found so far, the best first. */
+export interface Repairs {
+  /** The present answer. */
+  answer: string;
+  /** What a repair does. */
+  sought: string;
+  tried: number;
+  left: number;
+  found: Repair[];
 }
 
 /** What happens in a video. */
@@ -194,8 +215,14 @@ export class Refusal extends Error {}
 
 const TAB = crypto.getRandomValues(new Uint32Array(1))[0];
 
+/** Nobody answers: the program has ended. */
+const ENDED = "objecthood does not answer: it has ended. Start `objecthood view` again, and open the address that it prints.";
+
 async function post(path: string, body: object): Promise<Response> {
-  const response = await fetch(path, { method: "POST", body: JSON.stringify({ tab: TAB, ...body }) });
+  const asked = fetch(path, { method: "POST", body: JSON.stringify({ tab: TAB, ...body }) });
+  const response = await asked.catch(() => {
+    throw new Refusal(ENDED);
+  });
   if (!response.ok) {
     const said = await response.json().catch(() => ({}));
     throw new Refusal((said as { error?: string }).error ?? `the server answered ${response.status}`);
@@ -227,6 +254,16 @@ export async function explain(
   in_full: boolean,
 ): Promise<Explained> {
   return (await post("explain", { frame, settings, pixel, in_full })).json();
+}
+
+/** Goes on with a search through all parameters for a moment. */
+export async function repair(
+  frame: number,
+  settings: Settings,
+  pixel: [number, number],
+  other: [number, number] | null,
+): Promise<Repairs> {
+  return (await post("repair", { side: 4, frame, settings, pixel, with: other })).json();
 }
 
 /** Tells the server that the tab is closed. */

@@ -62,6 +62,7 @@ test("it_opens_without_a_complaint_and_asks_nobody_else", async () => {
   const { page, requests, complaints, address, end } = await open([input]);
   assert.ok((await colorsOf(page, ".side-0")) > 100, "the picture is not blank");
   await keep(page, "page-1280");
+  assert.equal(await page.locator(".side").evaluate((side) => side.scrollWidth - side.clientWidth), 0, "the list fits into its panel");
   await page.keyboard.press("v");
   await page.waitForTimeout(1500);
   assert.ok((await colorsOf(page, ".space canvas")) > 100, "the points are not blank");
@@ -124,6 +125,53 @@ test("a_click_explains_as_the_command_line_does", async () => {
   const { header } = await looked(page, () => page.locator(".try button").first().click());
   assert.equal(Object.keys(header.settings.set).length, 1, "`try it` sets a parameter");
   end();
+});
+
+test("every_parameter_is_tried_for_two_pixels_and_what_is_found_can_be_tried", async () => {
+  const { page, complaints, end } = await open([first]);
+  const { labels } = await looked(page, () => page.keyboard.press("5"));
+  const width = 640;
+  const seen = [...new Set(labels)].filter(Boolean).slice(0, 2);
+  // The middle one of the pixels of an object is well inside.
+  const inside = seen.map((id) => {
+    const own = [...labels.keys()].filter((i) => labels[i] === id);
+    return own[own.length >> 1];
+  });
+  const picture = page.locator(".stage .frame");
+  const box = await picture.boundingBox();
+  const place = (i) => ({ x: (((i % width) + 0.5) * box.width) / width, y: ((Math.floor(i / width) + 0.5) * box.width) / width });
+  await picture.click({ position: place(inside[0]) });
+  await page.getByText(`A is in object ${seen[0]}`).waitFor();
+  await picture.click({ position: place(inside[1]), modifiers: ["Shift"] });
+  assert.deepEqual(await page.locator(".cross b").allTextContents(), ["A", "B"]);
+  await page.getByRole("button", { name: "What would make A and B one object?" }).waitFor();
+  await page.locator(".repairs progress").waitFor({ state: "detached", timeout: 300000 });
+  await keep(page, "repairs-1280");
+  const find = page.locator(".found li").first();
+  await find.waitFor();
+  const name = await find.locator("strong").first().textContent();
+  const tried = await looked(page, () => find.getByRole("button", { name: /^try/ }).click());
+  const [a, b] = inside.map((i) => tried.labels[i]);
+  assert.ok(a > 0 && a === b, `${a} and ${b} are one object`);
+  assert.deepEqual(Object.keys(tried.header.settings.set), [name]);
+  await page.locator(".parameter.revealed", { hasText: name }).waitFor();
+  await keep(page, "repaired-1280");
+  const undone = await looked(page, () => find.getByRole("button", { name: /^undo/ }).click());
+  assert.equal(hash(undone.labels), hash(labels));
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator(".cross").count(), 0);
+  assert.deepEqual(complaints, []);
+  end();
+});
+
+test("what_is_not_allowed_is_said_with_its_range_and_so_is_an_end_of_the_server", async () => {
+  const { page, end } = await open([first]);
+  await type(page, "objectness.threshold", 7)();
+  await page.getByText("7 is not allowed: from 0 to 1. It stays at 0.55.").waitFor();
+  end();
+  await page.waitForTimeout(1500);
+  await type(page, "objectness.threshold", 0.5)();
+  await page.getByText("Start `objecthood view` again").waitFor();
 });
 
 test("two_settings_are_compared", async () => {
