@@ -79,7 +79,13 @@ fn one_object_is_parted_and_not_lost() {
     let frame = cut_box();
     let explainer = explained(&frame);
     // To the left and to the right of the pole.
-    let [a, b] = [[110, 90], [210, 90]];
+    let Discovery { objects, labels, .. } = explainer.discovery();
+    let joined = objects.iter().find(|object| !object.joins.is_empty()).expect("the box is one");
+    let own: Vec<usize> = (0..labels.len()).filter(|&i| labels[i] == joined.id.0).collect();
+    let row = own[own.len() / 2] / labels.width();
+    let in_row: Vec<usize> = own.into_iter().filter(|i| i / labels.width() == row).collect();
+    let inside = |i: usize| [in_row[i] % labels.width(), row];
+    let [a, b] = [inside(8), inside(in_row.len() - 9)];
     let search = searched(&explainer, Pixels { pixel: a, with: Some(b) });
     assert!(matches!(search.now, Belonging::OneObject { .. }), "{:?}", search.now);
     assert!(search.found.iter().any(|repair| repair.parameter.starts_with("occlusion.")));
