@@ -21,6 +21,8 @@ const COLUMNS: usize = 300;
 const DEEPEST_M: f64 = 0.6;
 /// From this share of columns on that go down to the structure, the footing is 1: a thing may overhang with the rest.
 const ENOUGH: f32 = 0.25;
+/// From this share on by which a thing is cut, its foot is out of sight.
+const FOOTLESS_CUT: f32 = 0.5;
 
 /// How a column below a pixel ends.
 enum End {
@@ -69,7 +71,7 @@ pub(crate) fn measure_footing(
     let mut free = vec![1.0_f32; regions];
     for &thing in &things.rising {
         let [held, cut] = things.follow_down(thing, &carriers[thing], &found);
-        let [structure, furniture] = things.follow_up(thing);
+        let [structure, furniture] = things.follow_up(thing, cut < FOOTLESS_CUT);
         found.held[thing] = held * (1.0 - structure);
         found.cut[thing] = cut;
         free[thing] = 1.0 - furniture;
@@ -143,12 +145,14 @@ impl<'a> Things<'a> {
     }
 
     /// The shares of the columns above a thing that end on structure and on furniture which it carries, among those that can be followed.
-    fn follow_up(&self, thing: usize) -> [f32; 2] {
+    /// `shows_foot`: whether its lower end is in sight.
+    fn follow_up(&self, thing: usize, shows_foot: bool) -> [f32; 2] {
         // Furniture on which it stands is below it.
         let is_above = |region: usize| self.is_furniture[region] && self.mean_m[region] > self.mean_m[thing];
         let pixels = self.pixels[thing].iter();
-        let ends: Vec<Load> =
-            pixels.filter_map(|&i| what_is_carried(self.scene, self.up, i, thing, is_above)).collect();
+        let ends: Vec<Load> = pixels
+            .filter_map(|&i| what_is_carried(self.scene, self.up, i, thing, shows_foot, is_above))
+            .collect();
         let share = |load| ends.iter().filter(|&&end| end == load).count() as f32 / ends.len().max(1) as f32;
         [Load::Structure, Load::Furniture].map(share)
     }
