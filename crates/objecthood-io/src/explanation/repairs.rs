@@ -100,20 +100,21 @@ pub fn sought(now: Belonging) -> &'static str {
     }
 }
 
-/// How many other objects a change makes come and go.
+/// How many other objects a change makes come, go and change.
 pub fn side_effects(others: Others) -> String {
-    let some = |count: usize, one: &str, more: &str| match count {
-        1 => format!("1 other object {one}"),
-        _ => format!("{count} other objects {more}"),
+    let Others { came, went, altered, .. } = others;
+    let some = [(went, ["goes", "go"]), (came, ["comes", "come"]), (altered, ["changes", "change"])];
+    let some: Vec<(usize, &str)> = some
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|&(count, [one, more])| (count, if count == 1 { one } else { more }))
+        .collect();
+    let Some((&(count, does), rest)) = some.split_first() else {
+        return "no other object changes".to_owned();
     };
-    match (others.went, others.came) {
-        (0, 0) => "no other object changes".to_owned(),
-        (0, came) => some(came, "comes", "come"),
-        (went, 0) => some(went, "goes", "go"),
-        (went, came) => {
-            format!("{}, {came} {}", some(went, "goes", "go"), if came == 1 { "comes" } else { "come" })
-        }
-    }
+    let objects = if count == 1 { "object" } else { "objects" };
+    let rest: String = rest.iter().map(|(count, does)| format!(", {count} {does}")).collect();
+    format!("{count} other {objects} {does}{rest}")
 }
 
 #[cfg(test)]
@@ -136,7 +137,12 @@ mod tests {
         };
         let found = vec![
             repair("necks.color_overlap", Value::Number(0.2), Value::Number(0.4), Others::default()),
-            repair("flat.enabled", Value::Switch(true), Value::Switch(false), Others { came: 1, went: 2 }),
+            repair(
+                "flat.enabled",
+                Value::Switch(true),
+                Value::Switch(false),
+                Others { came: 1, went: 2, altered: 0 },
+            ),
         ];
         assert_eq!(
             repairs_in_words("a.pcd", &search(Belonging::TwoObjects { objects: [5, 6] }, found)),
@@ -154,10 +160,12 @@ mod tests {
 
     #[test]
     fn side_effects_are_counted_in_words() {
-        let said = |went, came| side_effects(Others { came, went });
-        assert_eq!(said(1, 0), "1 other object goes");
-        assert_eq!(said(0, 1), "1 other object comes");
-        assert_eq!(said(1, 2), "1 other object goes, 2 come");
-        assert_eq!(said(0, 3), "3 other objects come");
+        let said = |went, came, altered| side_effects(Others { came, went, altered });
+        assert_eq!(said(0, 0, 0), "no other object changes");
+        assert_eq!(said(1, 0, 0), "1 other object goes");
+        assert_eq!(said(0, 1, 0), "1 other object comes");
+        assert_eq!(said(1, 2, 0), "1 other object goes, 2 come");
+        assert_eq!(said(0, 3, 1), "3 other objects come, 1 changes");
+        assert_eq!(said(0, 0, 2), "2 other objects change");
     }
 }

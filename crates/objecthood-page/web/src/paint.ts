@@ -87,7 +87,7 @@ function depthTable(map: PixelMap): Uint8Array {
 }
 
 /** What of the opacity of the objects is left below an explanation. */
-const DIMMED = 0.3;
+const DIMMED = 0.6;
 
 /** Composes the colour image and the layers over it. Where there is no colour, depth is shaded grey. */
 export function compose(picture: Picture, opacity: Map<string, number>, marks: Marks): ImageData {

@@ -27,8 +27,14 @@ effect(() => {
   under.value = "";
 });
 
+/** The explanation, while the picture is of the same settings: facets and objects of others have other numbers. */
+const explanation = computed(() => {
+  const found = explained.value;
+  return found?.by === pictures[0].value?.by ? found?.explanation : undefined;
+});
+
 const marks = computed(() => {
-  const { facet, object, borders } = explained.value?.explanation ?? {};
+  const { facet, object, borders } = explanation.value ?? {};
   const joined = new Set(object?.facets ?? []);
   // Structure has no vote: it is kept apart from everything.
   const apart = new Set((borders ?? []).filter((one) => one.structure_plane === undefined && !joined.has(one.facet)).map((one) => one.facet));
@@ -190,13 +196,13 @@ function placed([u, v]: [number, number], width: number, height: number) {
 
 /** The numbers of the facets that an explanation names, where they are. */
 function Names({ picture }: { picture: Picture }) {
-  const explanation = explained.value?.explanation;
+  const said = explanation.value;
   const filled = picture.maps.get("filled");
-  if (!explanation?.facet || !filled) return null;
+  if (!said?.facet || !filled) return null;
   const { width, height } = filled;
   return (
     <>
-      {namesOf(explanation, filled).map(([facet, at]) => (
+      {namesOf(said, filled).map(([facet, at]) => (
         <span key={facet} class={pointed.value === facet ? "facet-name pointed" : "facet-name"} style={placed(at, width, height)} aria-hidden="true">
           {facet}
         </span>

@@ -9,6 +9,11 @@ import { Picture, Repair, Repairs, repair } from "./wire";
 const found = signal<Repairs | null>(null);
 const isSearching = signal(false);
 
+/** The order of the rows while the pointer is among them: what is about to be clicked stays where it is. */
+const held = signal<string[] | null>(null);
+/** The find that is being tried, with the value before it. */
+let trial: Repair | null = null;
+
 let searches = 0;
 
 /** Ends the search that is under way, and forgets what it found. */
@@ -16,9 +21,11 @@ function forget(): void {
   searches++;
   found.value = null;
   isSearching.value = false;
+  held.value = null;
+  trial = null;
 }
 
-/** Tries all parameters, turn by turn; a newer question ends it. */
+/** Tries all parameters, turn by turn; a newer question ends it, and so do other settings: what is found is for those that it began with. */
 export async function search(): Promise<void> {
   const pixel = asked.peek();
   if (!pixel) return;
@@ -27,7 +34,7 @@ export async function search(): Promise<void> {
   const [of, by, other] = [frame.peek(), settings.peek(), partner.peek()];
   isSearching.value = true;
   try {
-    for (let left = 1; left > 0; ) {
+    for (let left = 1; left > 0 && settings.peek() === by; ) {
       const so = await repair(of, by, pixel, other);
       if (question !== searches) return;
       found.value = so;
@@ -68,12 +75,14 @@ export function RepairPanel() {
       <h3>Is this wrong?</h3>
       <p>A is in {named(a)}{partner.value && <>, B ({partner.value.join(", ")}) in {named(b)}</>}.</p>
       <div class="bar">
-        <button class="main" onClick={() => void search()} disabled={isSearching.value}>{question()}</button>
+        <button class="main" onClick={() => void search()} disabled={isSearching.value}>
+          {found.value && trial && valueOf(trial.parameter) === trial.to ? "Search anew with these settings" : question()}
+        </button>
         <button
           aria-pressed={isPairing.value} onClick={() => (isPairing.value = !isPairing.value)}
           title="To make two pixels one object, or two: click the second one (Shift+click, or key A and a click)"
         >
-          {partner.value ? "Another B…" : "and another pixel…"}
+          {partner.value ? "Another B…" : "Ask about two pixels…"}
         </button>
       </div>
       {isPairing.value && <p class="note" role="status">Click on the pixel that should be in the same object, or in another one.</p>}
@@ -84,21 +93,42 @@ export function RepairPanel() {
 
 function Found({ of }: { of: Repairs }) {
   const all = of.tried + of.left;
+  const order = held.value ?? of.found.map((one) => one.parameter);
+  const place = (one: Repair) => (order.includes(one.parameter) ? order.indexOf(one.parameter) : order.length);
+  const rows = [...of.found].sort((one, other) => place(one) - place(other));
+  const count = `${of.found.length} of ${of.tried} parameters ${of.found.length === 1 ? "does" : "do"}`;
   return (
-    <div aria-live="polite" aria-busy={isSearching.value}>
-      {isSearching.value && <label class="note searched"><progress max={all} value={of.tried} /> {of.tried} of {all} parameters tried</label>}
-      {of.found.length > 0 && <p class="note">Each alone {of.sought}, the one that changes least else first:</p>}
-      <ol class="found">{of.found.map((one) => <Find key={one.parameter} of={one} />)}</ol>
-      {!isSearching.value && of.found.length === 0 && <p>None of {all} parameters {of.sought} alone.</p>}
-      {!isSearching.value && of.found.length > 0 && <p class="note">{of.found.length} of {all} parameters do, all others do not.</p>}
+    <div>
+      {rows.length > 0 && <p class="note">Each alone {of.sought}, the one that changes least else first. Trying one undoes the one before.</p>}
+      <ol
+        class="found" onPointerEnter={() => (held.value = rows.map((one) => one.parameter))} onPointerLeave={() => (held.value = null)}
+      >
+        {rows.map((one) => <Find key={one.parameter} of={one} />)}
+      </ol>
+      <div aria-live="polite" aria-busy={isSearching.value}>
+        {isSearching.value
+          ? <label class="note searched"><progress max={all} value={of.tried} /> {of.tried} of {all} parameters tried, {of.found.length || "none"} found yet</label>
+          : of.left > 0 ? <p class="note">{count}; other settings ended the search.</p>
+          : rows.length > 0 ? <p class="note">{count}, all others do not.</p>
+          : <p>None of {all} parameters {of.sought} alone.</p>}
+      </div>
     </div>
   );
 }
 
-function Find({ of: { parameter, from, to, others, side_effects } }: { of: Repair }) {
+/** Sets a value in place of the one that was tried before. */
+function tryOut(one: Repair): void {
+  if (trial && trial !== one && valueOf(trial.parameter) === trial.to) set(trial.parameter, trial.from);
+  trial = one;
+  set(one.parameter, one.to);
+}
+
+function Find({ of }: { of: Repair }) {
+  const { parameter, from, to, others, side_effects } = of;
   const isSet = valueOf(parameter) === to;
   const turn = () => {
-    set(parameter, isSet ? from : to);
+    if (isSet) set(parameter, from);
+    else tryOut(of);
     reveal(parameter);
   };
   return (

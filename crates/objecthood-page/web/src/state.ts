@@ -60,6 +60,9 @@ interface Job {
 /** Changes that follow each other faster (ms), as those of a slider that is drawn, are one change. */
 const PAUSE_MS = 1000;
 
+/** What takes longer than this (ms) is said to be under way. */
+const SLOW_MS = 300;
+
 /** Keeps one side up to date: a new request begins when the one before it ended, with what is wanted then. */
 class Side {
   private due: Job | null = null;
@@ -85,17 +88,25 @@ class Side {
     while (this.due) {
       const [job, since] = [this.due, this.since];
       this.due = null;
+      const isSlow = setTimeout(() => this.wait(job), SLOW_MS);
       try {
         const last = pictures[this.side].peek();
         const kept = STILL.filter((name) => last?.header.frame === job.frame && last.maps.has(name));
         const picture = await look(this.side, job.frame, job.settings, job.maps.filter((name) => !kept.includes(name)));
         for (const name of kept) picture.maps.set(name, last!.maps.get(name)!);
+        picture.by = job.settings;
         this.show(picture, job, since);
       } catch (error) {
         problem.value = error instanceof Error ? error.message : String(error);
       }
+      clearTimeout(isSlow);
     }
     this.busy = false;
+  }
+
+  /** Says that the picture is not yet that of the settings. */
+  private wait(job: Job): void {
+    if (this.side === 0 && this.shown?.settings !== job.settings) status.value = "applying …";
   }
 
   private show(picture: Picture, job: Job, since: number): void {
@@ -221,7 +232,7 @@ async function answer(of: number, by: Settings, pixel: [number, number]): Promis
       const found = await explain(of, by, pixel, inFull);
       if (question !== questions) return;
       batch(() => {
-        explained.value = found;
+        explained.value = { ...found, by };
         searching.value = !inFull;
         selected.value = found.explanation.object?.object ?? null;
       });

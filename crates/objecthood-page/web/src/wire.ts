@@ -124,6 +124,8 @@ export interface Picture {
   maps: Map<string, PixelMap>;
   /** Which of the colours an object has; its number says so for others. */
   colors: Map<number, number>;
+  /** The settings that it shows; a report has one. */
+  by?: Settings;
 }
 
 export function unpack(buffer: ArrayBuffer): Picture {
@@ -167,6 +169,8 @@ export interface Explanation {
 export interface Explained {
   text: string;
   explanation: Explanation;
+  /** The settings that it explains. */
+  by?: Settings;
 }
 
 /** A value of a parameter that turns the answer for one pixel or two. */

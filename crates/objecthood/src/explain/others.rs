@@ -1,4 +1,4 @@
-//! The other objects of a frame that a change of parameters makes come and go.
+//! The other objects of a frame that a change of parameters changes.
 
 use std::collections::BTreeMap;
 
@@ -7,24 +7,31 @@ use serde::Serialize;
 use crate::explain::belonging::Pixels;
 use crate::raster::Raster;
 
-/// How many objects come and go, besides those at the pixels that were asked about.
+/// An object stays when it and another one share this part of their union,
+const SAME: f64 = 0.5;
+/// and is as it was when they share this part of it: the flicker of a border is no change.
+const UNALTERED: f64 = 0.9;
+
+/// How many objects come, go and change, besides those at the pixels that were asked about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Others {
     /// Objects that were not there before.
     pub came: usize,
     /// Objects that are there no longer.
     pub went: usize,
+    /// Objects that stay, but share less than nine tenths of the union with what they were.
+    pub altered: usize,
 }
 
 impl Others {
     /// All that change.
     pub fn count(self) -> usize {
-        self.came + self.went
+        self.came + self.went + self.altered
     }
 }
 
 /// Compares two label images of one size. An object stays when it and one of the other image share at least half of their union, as on the
-/// live page. O(pixels · log objects).
+/// live page; it is altered when they share less than nine tenths. O(pixels · log objects).
 pub(super) fn changes(before: &Raster<u16>, after: &Raster<u16>, pixels: Pixels) -> Others {
     let mut sizes: [BTreeMap<u16, usize>; 2] = Default::default();
     let mut common: BTreeMap<[u16; 2], usize> = BTreeMap::new();
@@ -40,19 +47,27 @@ pub(super) fn changes(before: &Raster<u16>, after: &Raster<u16>, pixels: Pixels)
             *common.entry(pair).or_default() += run.len();
         }
     }
-    let stays = |&(pair, shared): &([u16; 2], usize)| {
+    let share = |(pair, shared): ([u16; 2], usize)| {
         let union = sizes[0][&pair[0]] + sizes[1][&pair[1]] - shared;
-        2 * shared >= union
+        (pair, shared as f64 / union as f64)
     };
-    let same: Vec<[u16; 2]> = common.into_iter().filter(stays).map(|(pair, _)| pair).collect();
-    let [went, came] = [(0, before), (1, after)].map(|(side, labels): (usize, &Raster<u16>)| {
+    let same: Vec<([u16; 2], f64)> =
+        common.into_iter().map(share).filter(|&(_, share)| share >= SAME).collect();
+    let asked = [before, after].map(|labels| -> Vec<u16> {
         let asked = [Some(pixels.pixel), pixels.with].into_iter().flatten();
-        let asked: Vec<u16> = asked.filter_map(|[u, v]| labels.get(u, v).copied()).collect();
-        let is_other =
-            |label: &&u16| !asked.contains(label) && !same.iter().any(|pair| pair[side] == **label);
+        asked.filter_map(|[u, v]| labels.get(u, v).copied()).collect()
+    });
+    let [went, came] = [0, 1].map(|side| {
+        let is_other = |label: &&u16| {
+            !asked[side].contains(label) && !same.iter().any(|(pair, _)| pair[side] == **label)
+        };
         sizes[side].keys().filter(is_other).count()
     });
-    Others { came, went }
+    let is_altered = |&&([was, is], share): &&([u16; 2], f64)| {
+        share < UNALTERED && !asked[0].contains(&was) && !asked[1].contains(&is)
+    };
+    let altered = same.iter().filter(is_altered).count();
+    Others { came, went, altered }
 }
 
 #[cfg(test)]
@@ -68,9 +83,9 @@ mod tests {
         let of = |u: usize, with: Option<usize>| {
             changes(&before, &after, Pixels { pixel: [u, 0], with: with.map(|u| [u, 0]) })
         };
-        assert_eq!(of(0, Some(2)), Others { came: 1, went: 1 });
-        assert_eq!(of(8, None), Others { came: 1, went: 0 }, "1 and 2 share half with 5 each");
-        assert_eq!(of(10, None), Others { came: 0, went: 1 });
+        assert_eq!(of(0, Some(2)), Others { came: 1, went: 1, altered: 1 }, "3 lost a pixel of three");
+        assert_eq!(of(8, None), Others { came: 1, went: 0, altered: 3 }, "1 and 2 share half with 5 each");
+        assert_eq!(of(10, None), Others { came: 0, went: 1, altered: 3 });
         assert_eq!(changes(&before, &before, Pixels { pixel: [0, 0], with: None }), Others::default());
     }
 }
