@@ -56,7 +56,7 @@ pub fn repairs_in_words(input: &str, search: &RepairSearch) -> String {
     let mut text = format!("{input}: {}.\n", answer(search.pixels, search.now));
     let (what, tried) = (sought(search.now), search.tried);
     if search.found.is_empty() {
-        let _ = writeln!(text, "Nothing {what}: {tried} parameters were tried, one at a time.");
+        let _ = writeln!(text, "No value that was tried {what}: of {tried} parameters, one at a time.");
         return text;
     }
     let _ =
@@ -154,7 +154,7 @@ mod tests {
         assert_eq!(
             repairs_in_words("a.pcd", &search(Belonging::OneObject { object: 5 }, Vec::new())),
             "a.pcd: pixels 1,2 and 3,4 are in one object, 5.\n\
-             Nothing parts them: 90 parameters were tried, one at a time.\n"
+             No value that was tried parts them: of 90 parameters, one at a time.\n"
         );
     }
 

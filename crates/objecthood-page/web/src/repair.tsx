@@ -109,8 +109,8 @@ function Found({ of }: { of: Repairs }) {
         {isSearching.value
           ? <label class="note searched"><progress max={all} value={of.tried} /> {of.tried} of {all} parameters tried, {of.found.length || "none"} found yet</label>
           : of.left > 0 ? <p class="note">{count}; other settings ended the search.</p>
-          : rows.length > 0 ? <p class="note">{count}, all others do not.</p>
-          : <p>None of {all} parameters {of.sought} alone.</p>}
+          : rows.length > 0 ? <p class="note">{count}, with a value that was tried.</p>
+          : <p>No value that was tried {of.sought}: of {all} parameters, one at a time.</p>}
       </div>
     </div>
   );
