@@ -46,7 +46,8 @@ export function Explain() {
 }
 
 function Line({ text }: { text: string }) {
-  if (/not searched/.test(text) && searching.value) return null;
+  // "Is this wrong?" tries all that was not searched here.
+  if (/not searched/.test(text)) return null;
   if (/\S {3,}\S/.test(text)) return <Row text={text} />;
   const change = TRY.exec(text);
   // What goes on below keeps the indent of its line.

@@ -54,7 +54,7 @@ function Header() {
 const KEYS = [
   ["1 … 9 0 - =", "layers; with Shift one alone"], ["/", "find a parameter"], [", .", "frame before, next"], ["P", "play"],
   ["V", "picture, space, many frames"], ["O", "objects, why"], ["B X", "compare with B, exchange"], ["C", "copy settings"], ["L", "dark or light"],
-  ["+ Z", "enlarge, fit"], ["arrows, Enter on the picture", "move the cross, explain"], ["Escape", "end an explanation"],
+  ["+ Z", "enlarge, fit"], ["arrows, Enter on the picture", "move the cross, explain"], ["Escape", "close this help, end an explanation"],
 ];
 
 function Help() {
@@ -113,7 +113,7 @@ const DOES: Record<string, () => void> = {
   z: zoomOut,
   "+": () => zoomBy(1.25),
   "?": () => (isHelping.value = !isHelping.value),
-  Escape: stopAsking,
+  Escape: () => (isHelping.value ? (isHelping.value = false) : stopAsking()),
   "/": () => document.getElementById("sought")?.focus(),
 };
 

@@ -89,6 +89,11 @@ function Lap({ stage }: { stage: string }) {
   return <span class="lap" title="Time of this stage, last time; 0.0 = was not run again">{lap ? `${lap[1].toFixed(1)} ms` : ""}</span>;
 }
 
+/** What a parameter means; the names in it stand between backticks. */
+function Meaning({ text }: { text: string }) {
+  return <>{text.split("`").map((part, k) => (k % 2 ? <code key={k}>{part}</code> : part))}</>;
+}
+
 function Row({ parameter }: { parameter: Parameter }) {
   const { name, meaning, unit, range, source } = parameter;
   const value = valueOf(name);
@@ -116,7 +121,7 @@ function Row({ parameter }: { parameter: Parameter }) {
         </p>
       )}
       <p class="meaning" id={`${id}-meaning`}>
-        {meaning} <span class="range">{range}{parameter.limits ? ` ${unit}` : ""}, default {parameter.default}</span>
+        <Meaning text={meaning} /> <span class="range">{parameter.limits ? `${parameter.limits.join(" to ")} ${unit}` : range}, default {parameter.default}</span>
       </p>
     </div>
   );
