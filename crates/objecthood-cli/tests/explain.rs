@@ -148,6 +148,7 @@ fn every_parameter_is_tried_for_a_repair() {
     assert_eq!((&json["repair_version"], &json["now"]["kind"]), (&1.into(), &"not_both".into()));
     assert_eq!((&json["with"], &json["left"]), (&serde_json::json!([2, 2]), &serde_json::json!([])));
     assert!(json["tried"].as_u64().unwrap() > 50, "{json}");
+    assert!(!json["found"].as_array().unwrap().is_empty(), "{json}");
     for repair in json["found"].as_array().unwrap() {
         assert!(repair["parameter"].is_string() && repair["to"] != repair["from"], "{repair}");
         assert!(repair["others"]["came"].is_u64() && repair["change"].is_number(), "{repair}");

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use objecthood::Method;
 use objecthood::explain::{Explainer, Pixels, Repair, RepairSearch};
 use objecthood_io::explanation::{answer, side_effects, sought};
 use serde::Deserialize;
@@ -12,7 +13,7 @@ use crate::pipelines::Bench;
 use crate::session::Session;
 use crate::settings::Settings;
 
-/// An answer is given after this time, however many parameters were tried: the page asks again, unless it has a newer question.
+/// No other parameters are begun after this time: the page asks again, unless it has a newer question.
 const TURN: Duration = Duration::from_millis(400);
 
 /// What is to be changed.
@@ -42,7 +43,9 @@ impl Repairing {
         let capture = bench.capture(session, asked.frame)?;
         let params = asked.settings.params()?;
         // The next question about the frame finds the stages here.
-        bench.pipeline.discover(&capture.frame, &params)?;
+        if params.method == Method::Context {
+            bench.pipeline.discover(&capture.frame, &params)?;
+        }
         let explainer = Explainer::new(&bench.pipeline, &capture.frame, &params)?;
         let pixels = Pixels { pixel: asked.pixel, with: asked.with };
         let search = RepairSearch::new(&explainer, pixels)?;

@@ -133,7 +133,7 @@ fn a_thousand_malformed_requests_leave_it_working() {
                 let place = dice.roll() as usize % body.len();
                 body[place] = b"\"{}[],:0-9e.xnull"[dice.roll() as usize % 17];
             }
-            server.post(["look", "explain", "follow", "close"][k / 2 % 4], &body)
+            server.post(["look", "explain", "follow", "close", "repair"][k / 2 % 5], &body)
         };
         assert!(status < 500, "request {k} was answered by {status}");
         refused += u32::from(status == 0 || status >= 400);
@@ -152,6 +152,9 @@ fn what_is_wrong_is_refused_by_its_status() {
         ("look", br#"{"tab":1,"settings":{"set":{"objectness.threshold":1e9}}}"#, 422),
         ("explain", br#"{"tab":1,"pixel":[64,0]}"#, 422),
         ("explain", br#"{"tab":1,"settings":{"method":"paper"}}"#, 422),
+        ("repair", br#"{"tab":1,"pixel":[64,0]}"#, 422),
+        ("repair", br#"{"tab":1,"pixel":[0,0],"with":[0,48]}"#, 422),
+        ("repair", br#"{"tab":1,"settings":{"method":"paper"}}"#, 422),
         ("../../Cargo.toml", b"", 404),
         ("close", br#"{"tab":1}"#, 204),
         ("look", &[b' '; 1 << 17], 413),

@@ -12,13 +12,13 @@ import { Layers } from "./layers";
 import { turnLight } from "./light";
 import { Objects } from "./objects";
 import { Parameters } from "./parameters";
-import { PictureView, Swipe, zoomBy, zoomOut } from "./picture";
+import { endQuestion, PictureView, Swipe, zoomBy, zoomOut } from "./picture";
 import { startRepairs, search } from "./repair";
 import { Sheet } from "./sheet";
 import { SpaceView } from "./space";
 import { next, Tabs } from "./tabs";
 import { bye } from "./wire";
-import { asked, film, frame, goTo, greeting, other, isPairing, panel, problem, settings, start, status, stopAsking, view } from "./state";
+import { asked, film, frame, goTo, greeting, other, isPairing, panel, problem, settings, start, status, view } from "./state";
 
 const VIEWS = { picture: "Picture", space: "In space", sheet: "Many frames" } as const;
 const PANELS = { objects: "Objects", explain: "Why?" } as const;
@@ -54,7 +54,7 @@ function Header() {
 const KEYS = [
   ["1 … 9 0 - =", "layers; with Shift one alone"], ["/", "find a parameter"], [", .", "frame before, next"], ["P", "play"],
   ["V", "picture, space, many frames"], ["O", "objects, why"], ["B X", "compare with B, exchange"], ["C", "copy settings"], ["L", "dark or light"],
-  ["+ Z", "enlarge, fit"], ["arrows, Enter on the picture", "move the cross, explain"], ["Escape", "close this help, end an explanation"],
+  ["+ Z", "enlarge, fit"], ["arrows, Enter on the picture", "move the cross, explain"], ["A, W", "a second pixel, what would change it"], ["Escape", "close this help, end an explanation"],
 ];
 
 function Help() {
@@ -113,7 +113,7 @@ const DOES: Record<string, () => void> = {
   z: zoomOut,
   "+": () => zoomBy(1.25),
   "?": () => (isHelping.value = !isHelping.value),
-  Escape: () => (isHelping.value ? (isHelping.value = false) : stopAsking()),
+  Escape: () => (isHelping.value ? (isHelping.value = false) : endQuestion()),
   "/": () => document.getElementById("sought")?.focus(),
 };
 

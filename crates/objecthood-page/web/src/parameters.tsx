@@ -6,7 +6,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { scaleOf, snapped } from "./scale";
 import { STAGES, stageOf } from "./stages";
 import { defaultOf, greeting, pictures, set, settings, solo, valueOf } from "./state";
-import { Parameter, Value } from "./wire";
+import { Parameter, Settings, Value } from "./wire";
 
 const sought = signal("");
 const onlyChanged = signal(false);
@@ -14,7 +14,8 @@ const onlyChanged = signal(false);
 const revealed = signal<string | null>(null);
 const REVEALED_MS = 2500;
 /** What was typed and is not allowed, by the name of the parameter. */
-const refused = signal<{ name: string; typed: number } | null>(null);
+/** What was typed and is not allowed, while the settings are those. */
+const refused = signal<{ name: string; typed: number; by: Settings } | null>(null);
 
 /** Scrolls to a parameter and marks it for a moment, whatever hides it. */
 export function reveal(name: string): void {
@@ -114,7 +115,7 @@ function Row({ parameter }: { parameter: Parameter }) {
       </div>
       {value === undefined ? null : parameter.limits ? <NumberOf parameter={parameter} id={id} value={Number(value)} />
         : <Choice parameter={parameter} id={id} value={value} />}
-      {refused.value?.name === name && (
+      {refused.value?.name === name && refused.value.by === settings.value && (
         <p class="refused" role="alert">
           {refused.value.typed} is not allowed: {parameter.is_whole ? "whole numbers from" : "from"} {parameter.limits?.[0]} to {parameter.limits?.[1]}.
           It stays at {String(value)}.
@@ -153,7 +154,7 @@ function NumberOf({ parameter, id, value }: Control<number>) {
         onChange={(e) => {
           const typed = e.currentTarget.valueAsNumber;
           const isAllowed = typed >= limits[0] && typed <= limits[1] && (!parameter.is_whole || Number.isInteger(typed));
-          refused.value = isAllowed || !Number.isFinite(typed) ? null : { name: parameter.name, typed };
+          refused.value = isAllowed || !Number.isFinite(typed) ? null : { name: parameter.name, typed, by: settings.value };
           if (isAllowed) set(parameter.name, typed);
           else e.currentTarget.value = String(value);
         }}

@@ -213,6 +213,12 @@ function Names({ picture }: { picture: Picture }) {
 
 const STEPS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
+/** Ends a question, and takes the cross away. */
+export function endQuestion(): void {
+  cursor.value = null;
+  stopAsking();
+}
+
 function moveCursor(e: KeyboardEvent, width: number, height: number): void {
   const [u, v] = cursor.value ?? partner.value ?? asked.value ?? [Math.floor(width / 2), Math.floor(height / 2)];
   const step = STEPS[e.key];
@@ -223,9 +229,6 @@ function moveCursor(e: KeyboardEvent, width: number, height: number): void {
     if (pictures[0].value) under.value = described(pictures[0].value, cursor.value);
   } else if (e.key === "Enter") {
     picked([u, v], e.shiftKey || isPairing.value);
-  } else if (e.key === "Escape") {
-    cursor.value = null;
-    stopAsking();
   } else {
     return;
   }

@@ -1,6 +1,6 @@
 // What would change the answer for a pixel, or for two: a search through all parameters, whose finds come one by one.
 
-import { effect, signal } from "@preact/signals";
+import { batch, effect, signal } from "@preact/signals";
 
 import { breakable, reveal } from "./parameters";
 import { asked, frame, isPairing, partner, pictures, problem, set, settings, valueOf } from "./state";
@@ -15,6 +15,8 @@ const held = signal<string[] | null>(null);
 let trial: Repair | null = null;
 
 let searches = 0;
+/** The turn that the server works at: it does one after the other. */
+let turn: Promise<unknown> = Promise.resolve();
 
 /** Ends the search that is under way, and forgets what it found. */
 function forget(): void {
@@ -35,7 +37,11 @@ export async function search(): Promise<void> {
   isSearching.value = true;
   try {
     for (let left = 1; left > 0 && settings.peek() === by; ) {
-      const so = await repair(of, by, pixel, other);
+      await turn.catch(() => undefined);
+      if (question !== searches) return;
+      const asking = repair(of, by, pixel, other);
+      turn = asking;
+      const so = await asking;
       if (question !== searches) return;
       found.value = so;
       left = so.left;
@@ -108,7 +114,7 @@ function Found({ of }: { of: Repairs }) {
       <div aria-live="polite" aria-busy={isSearching.value}>
         {isSearching.value
           ? <label class="note searched"><progress max={all} value={of.tried} /> {of.tried} of {all} parameters tried, {of.found.length || "none"} found yet</label>
-          : of.left > 0 ? <p class="note">{count}; other settings ended the search.</p>
+          : of.left > 0 ? <p class="note">{count}; the search did not come to its end.</p>
           : rows.length > 0 ? <p class="note">{count}, with a value that was tried.</p>
           : <p>No value that was tried {of.sought}: of {all} parameters, one at a time.</p>}
       </div>
@@ -118,9 +124,12 @@ function Found({ of }: { of: Repairs }) {
 
 /** Sets a value in place of the one that was tried before. */
 function tryOut(one: Repair): void {
-  if (trial && trial !== one && valueOf(trial.parameter) === trial.to) set(trial.parameter, trial.from);
+  const last = trial;
   trial = one;
-  set(one.parameter, one.to);
+  batch(() => {
+    if (last && last !== one && valueOf(last.parameter) === last.to) set(last.parameter, last.from);
+    set(one.parameter, one.to);
+  });
 }
 
 function Find({ of }: { of: Repair }) {

@@ -9,9 +9,9 @@ import { turnLight } from "./light";
 import { Story } from "./film";
 import { Frames, play } from "./frames";
 import { Objects } from "./objects";
-import { PictureView, zoomBy, zoomOut } from "./picture";
+import { endQuestion, PictureView, zoomBy, zoomOut } from "./picture";
 import { SpaceView } from "./space";
-import { available, frame, goTo, greeting, isLive, opacity, pictures, problem, selected, settings, view } from "./state";
+import { available, frame, goTo, greeting, isLive, opacity, pictures, problem, settings, view } from "./state";
 import { all, Findings, Row, stored } from "./stored";
 import { next, Tabs } from "./tabs";
 
@@ -208,7 +208,7 @@ export function startReport(): void {
     l: turnLight,
     z: zoomOut,
     "+": () => zoomBy(1.25),
-    Escape: () => (selected.value = null),
+    Escape: endQuestion,
   });
   render(<ReportPage />, document.getElementById("page")!);
   if (held.rows.length > 0) effect(() => showFrame(frame.value));

@@ -1,6 +1,6 @@
 //! The other objects of a frame that a change of parameters changes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
@@ -53,14 +53,13 @@ pub(super) fn changes(before: &Raster<u16>, after: &Raster<u16>, pixels: Pixels)
     };
     let same: Vec<([u16; 2], f64)> =
         common.into_iter().map(share).filter(|&(_, share)| share >= SAME).collect();
+    let kept = [0, 1].map(|side| same.iter().map(|(pair, _)| pair[side]).collect::<BTreeSet<u16>>());
     let asked = [before, after].map(|labels| -> Vec<u16> {
         let asked = [Some(pixels.pixel), pixels.with].into_iter().flatten();
         asked.filter_map(|[u, v]| labels.get(u, v).copied()).collect()
     });
     let [went, came] = [0, 1].map(|side| {
-        let is_other = |label: &&u16| {
-            !asked[side].contains(label) && !same.iter().any(|(pair, _)| pair[side] == **label)
-        };
+        let is_other = |label: &&u16| !asked[side].contains(label) && !kept[side].contains(label);
         sizes[side].keys().filter(is_other).count()
     });
     let is_altered = |&&([was, is], share): &&([u16; 2], f64)| {

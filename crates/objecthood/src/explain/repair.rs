@@ -51,7 +51,7 @@ pub struct Repair {
     pub parameter: String,
     /// Its present value.
     pub from: Value,
-    /// The mildest value found that turns the answer.
+    /// The value that turns the answer: of the first found below and above the present one, each as mild as halving makes it, the one that ranks better.
     pub to: Value,
     /// The size of the change: as a share of the present value; of the range, when that is 0; 1 for a choice.
     pub change: f64,
@@ -100,8 +100,8 @@ impl RepairSearch {
         Ok(Self { pixels, now, tried: 0, left, found: Vec::new() })
     }
 
-    /// Tries the next parameters, one on each thread of the pool; false when none is left. A parameter costs about 15 runs of the stages
-    /// from the first one on that reads it.
+    /// Tries the next parameters, one on each thread of the pool; false when none is left. A parameter costs up to 22 runs of
+    /// the stages from the first one on that reads it: five values and six halvings on either side.
     pub fn step(&mut self, explainer: &Explainer) -> bool {
         let count = rayon::current_num_threads().min(self.left.len());
         let next: Vec<String> = self.left.drain(..count).collect();

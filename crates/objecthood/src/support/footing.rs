@@ -21,7 +21,7 @@ const COLUMNS: usize = 300;
 const DEEPEST_M: f64 = 0.6;
 /// From this share of columns on that go down to the structure, the footing is 1: a thing may overhang with the rest.
 const ENOUGH: f32 = 0.25;
-/// From this share on by which a thing is cut, its foot is out of sight.
+/// From this share on of its own columns that are cut, the foot of a thing is out of sight.
 const FOOTLESS_CUT: f32 = 0.5;
 
 /// How a column below a pixel ends.
@@ -70,10 +70,10 @@ pub(crate) fn measure_footing(
     let carriers = graph.parents();
     let mut free = vec![1.0_f32; regions];
     for &thing in &things.rising {
-        let [held, cut] = things.follow_down(thing, &carriers[thing], &found);
-        let [structure, furniture] = things.follow_up(thing, cut < FOOTLESS_CUT);
-        found.held[thing] = held * (1.0 - structure);
-        found.cut[thing] = cut;
+        let below = things.follow_down(thing, &carriers[thing], &found);
+        let [structure, furniture] = things.follow_up(thing, below.own_cut < FOOTLESS_CUT);
+        found.held[thing] = below.held * (1.0 - structure);
+        found.cut[thing] = below.cut;
         free[thing] = 1.0 - furniture;
     }
     // The board of a shelf may lie lowest, or seem to carry another: what stands on it shall not share its doubt.
@@ -84,6 +84,16 @@ pub(crate) fn measure_footing(
         }
     }
     found
+}
+
+/// What the columns below a thing tell.
+struct Below {
+    /// How much they say that it is held, in [0, 1].
+    held: f32,
+    /// The share of them that is cut, in [0, 1]; those that end on another thing count by its share.
+    cut: f32,
+    /// The share that is cut before it ends on another thing, in [0, 1].
+    own_cut: f32,
 }
 
 /// The things of a scene, and the pixels of which columns are followed.
@@ -121,9 +131,10 @@ impl<'a> Things<'a> {
         Self { scene, up, pixels, mean_m, is_furniture, rising }
     }
 
-    /// How much the columns below a thing say that it is held, and that it is cut; `found`: the same of what is lower.
-    fn follow_down(&self, thing: usize, carriers: &[NodeId], found: &Footing) -> [f32; 2] {
-        let (mut held, mut gone_on, mut outside, mut followed) = (0.0, 0.0, 0.0_f32, 0.0_f32);
+    /// What the columns below a thing tell; `found`: the same of what is lower.
+    fn follow_down(&self, thing: usize, carriers: &[NodeId], found: &Footing) -> Below {
+        let (mut held, mut own_cut, mut inherited, mut followed, mut known) =
+            (0.0, 0.0, 0.0, 0.0_f32, 0.0_f32);
         for &i in &self.pixels[thing] {
             match follow(self.scene, self.up, i, thing) {
                 End::Air => followed += 1.0,
@@ -131,17 +142,19 @@ impl<'a> Things<'a> {
                     let plane = self.scene.planes.get(region.index());
                     let goes_on = plane.is_some_and(|plane| is_level(plane, self.up))
                         && !carriers.contains(&NodeId(region.0));
-                    gone_on += if goes_on { 1.0 } else { found.cut[region.index()] };
+                    *(if goes_on { &mut own_cut } else { &mut inherited }) +=
+                        if goes_on { 1.0 } else { found.cut[region.index()] };
                     held += found.held[region.index()];
                     followed += 1.0;
                 }
-                End::Outside => outside += 1.0,
-                End::Unknown => {}
+                End::Outside => own_cut += 1.0,
+                End::Unknown => continue,
             }
+            known += 1.0;
         }
         let held = if followed > 0.0 { (held / followed / ENOUGH).min(1.0) } else { 1.0 };
-        let known = followed + outside;
-        [held, if known > 0.0 { (gone_on + outside) / known } else { 0.0 }]
+        let known = known.max(1.0);
+        Below { held, cut: (own_cut + inherited) / known, own_cut: own_cut / known }
     }
 
     /// The shares of the columns above a thing that end on structure and on furniture which it carries, among those that can be followed.
