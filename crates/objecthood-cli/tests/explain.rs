@@ -148,6 +148,9 @@ fn every_parameter_is_tried_for_a_repair() {
     assert_eq!((&json["repair_version"], &json["now"]["kind"]), (&1.into(), &"not_both".into()));
     assert_eq!((&json["with"], &json["left"]), (&serde_json::json!([2, 2]), &serde_json::json!([])));
     assert!(json["tried"].as_u64().unwrap() > 50, "{json}");
+
+    let asked = format!("explain a.pcd --at {pixel} --repair --json");
+    let json: Value = serde_json::from_str(&folder.run(&asked, 0).stdout).unwrap();
     assert!(!json["found"].as_array().unwrap().is_empty(), "{json}");
     for repair in json["found"].as_array().unwrap() {
         assert!(repair["parameter"].is_string() && repair["to"] != repair["from"], "{repair}");
