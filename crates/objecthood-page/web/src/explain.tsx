@@ -46,8 +46,7 @@ export function Explain() {
 }
 
 function Line({ text }: { text: string }) {
-  // "Is this wrong?" tries all that was not searched here.
-  if (/not searched/.test(text)) return null;
+  if (/not searched/.test(text) && searching.value) return null;
   if (/\S {3,}\S/.test(text)) return <Row text={text} />;
   const change = TRY.exec(text);
   // What goes on below keeps the indent of its line.
