@@ -2,9 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use objecthood::Method;
 use objecthood::explain::{Explainer, Pixels, Repair, RepairSearch};
-use objecthood_io::explanation::{answer, side_effects, sought};
+use objecthood_io::explanation::{side_effects, sought};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -42,10 +41,6 @@ impl Repairing {
     fn new(bench: &mut Bench, session: &Session, asked: &Asked) -> Result<Self> {
         let capture = bench.capture(session, asked.frame)?;
         let params = asked.settings.params()?;
-        // The next question about the frame finds the stages here.
-        if params.method == Method::Context {
-            bench.pipeline.discover(&capture.frame, &params)?;
-        }
         let explainer = Explainer::new(&bench.pipeline, &capture.frame, &params)?;
         let pixels = Pixels { pixel: asked.pixel, with: asked.with };
         let search = RepairSearch::new(&explainer, pixels)?;
@@ -67,7 +62,6 @@ pub(crate) fn repair(bench: &mut Bench, session: &Session, asked: &Asked) -> Res
     while start.elapsed() < TURN && search.step(explainer) {}
     let found: Vec<Value> = search.found.iter().map(said).collect();
     let told = json!({
-        "answer": answer(search.pixels, search.now),
         "sought": sought(search.now),
         "tried": search.tried,
         "left": search.left.len(),

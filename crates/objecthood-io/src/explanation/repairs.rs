@@ -6,10 +6,10 @@ use objecthood::Params;
 use objecthood::explain::{Belonging, Others, Pixels, Repair, RepairSearch, Value};
 use serde::Serialize;
 
+use super::Origin;
 use super::words::share;
 use crate::error::Result;
 use crate::json;
-use crate::scene::fingerprint;
 
 /// Version of the form that is written.
 const VERSION: u32 = 1;
@@ -19,12 +19,9 @@ const VERSION: u32 = 1;
 pub struct RepairFile<'a> {
     /// Version of this form: 1.
     pub repair_version: u32,
-    /// Version of objecthood that wrote it.
-    pub objecthood_version: &'static str,
-    /// Path of the input, as it was given.
-    pub input: &'a str,
-    /// SHA-256 of all parameters, in hexadecimal, as in the scene file.
-    pub parameters_fingerprint: String,
+    /// What it is of.
+    #[serde(flatten)]
+    pub origin: Origin<'a>,
     /// The search.
     #[serde(flatten)]
     pub search: &'a RepairSearch,
@@ -33,13 +30,7 @@ pub struct RepairFile<'a> {
 impl<'a> RepairFile<'a> {
     /// Of a frame, named as the user would.
     pub fn new(input: &'a str, params: &Params, search: &'a RepairSearch) -> Self {
-        Self {
-            repair_version: VERSION,
-            objecthood_version: env!("CARGO_PKG_VERSION"),
-            input,
-            parameters_fingerprint: fingerprint(params),
-            search,
-        }
+        Self { repair_version: VERSION, origin: Origin::new(input, params), search }
     }
 
     /// As JSON that ends with a line end.
@@ -73,7 +64,7 @@ pub fn repairs_in_words(input: &str, search: &RepairSearch) -> String {
 }
 
 /// The present answer, as a sentence without its point.
-pub fn answer(pixels: Pixels, now: Belonging) -> String {
+fn answer(pixels: Pixels, now: Belonging) -> String {
     let [u, v] = pixels.pixel;
     let [s, t] = pixels.with.unwrap_or(pixels.pixel);
     let of = |object: u16| if object == 0 { "no object".to_owned() } else { format!("object {object}") };

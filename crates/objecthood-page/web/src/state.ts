@@ -3,9 +3,7 @@
 import { batch, effect, signal } from "@preact/signals";
 
 import { cameAndWent, keepColors } from "./match";
-import {
-  Explained, explain, Film, follow, Followed, Greeting, greet, look, Picture, Settings, Value,
-} from "./wire";
+import { Explained, explain, Film, follow, Followed, Greeting, greet, look, Picture, Settings, Value } from "./wire";
 
 export const greeting = signal<Greeting | null>(null);
 export const frame = signal(0);

@@ -185,8 +185,6 @@ export interface Repair {
 
 /** What a search through all parameters found so far, the best first. */
 export interface Repairs {
-  /** The present answer. */
-  answer: string;
   /** What a repair does. */
   sought: string;
   tried: number;

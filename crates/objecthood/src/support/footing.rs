@@ -142,8 +142,11 @@ impl<'a> Things<'a> {
                     let plane = self.scene.planes.get(region.index());
                     let goes_on = plane.is_some_and(|plane| is_level(plane, self.up))
                         && !carriers.contains(&NodeId(region.0));
-                    *(if goes_on { &mut own_cut } else { &mut inherited }) +=
-                        if goes_on { 1.0 } else { found.cut[region.index()] };
+                    if goes_on {
+                        own_cut += 1.0;
+                    } else {
+                        inherited += found.cut[region.index()];
+                    }
                     held += found.held[region.index()];
                     followed += 1.0;
                 }
