@@ -162,6 +162,14 @@ impl Tape<'_> {
         self.truth.groups.iter().filter(joins).any(|group| group.members.contains(&instance(object)))
     }
 
+    /// The things that count as one with a thing in a frame, itself among them. The first of them names all.
+    fn one_with(&self, frame: usize, object: usize) -> impl Iterator<Item = usize> {
+        let groups = self.video.script.groups.iter().zip(&self.truth.groups);
+        let mut closed = groups.filter(|(_, known)| known.apart_from.is_none_or(|apart| frame < apart));
+        let group = closed.find(|(group, _)| group.members.contains(&object));
+        group.map_or(vec![object], |(group, _)| group.members.clone()).into_iter()
+    }
+
     fn is_in_image(&self, frame: usize, object: usize) -> bool {
         self.truth.seen(frame, object).alone_px > 0
     }

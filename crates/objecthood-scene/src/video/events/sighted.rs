@@ -39,8 +39,13 @@ fn passages(tape: &Tape<'_>, object: usize) -> Vec<Event> {
 }
 
 fn occlusions(tape: &Tape<'_>, object: usize) -> Vec<Event> {
-    let share = |k: usize| tape.truth.seen(k, object).share();
-    let is_hidden = |k: usize| tape.is_in_image(k, object) && share(k) < HIDDEN;
+    let share = |k: usize| {
+        let seen = tape.one_with(k, object).map(|part| tape.truth.seen(k, part));
+        let (seen_px, alone_px) = seen.fold((0, 0), |(a, b), seen| (a + seen.seen_px, b + seen.alone_px));
+        f64::from(seen_px) / f64::from(alone_px.max(1))
+    };
+    let names = |k: usize| tape.one_with(k, object).next() == Some(object);
+    let is_hidden = |k: usize| names(k) && tape.is_in_image(k, object) && share(k) < HIDDEN;
     let mut events = Vec::new();
     for (start, end) in runs(tape.frames(), is_hidden) {
         let was_open = (0..start).any(|k| share(k) >= OPEN);
