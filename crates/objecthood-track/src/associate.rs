@@ -47,6 +47,12 @@ impl Overlap {
             .any(|(&(_, other), &common)| other == key && common as f64 > HOLDS * predicted as f64)
     }
 
+    /// Whether this segment does.
+    pub(crate) fn is_held_by(&self, segment: usize, key: u32) -> bool {
+        let predicted = self.predicted.get(&key).copied().unwrap_or(0);
+        self.common.get(&(segment, key)).is_some_and(|&common| common as f64 > HOLDS * predicted as f64)
+    }
+
     pub(crate) fn iou(&self, segment: usize, segment_px: usize, key: u32) -> f64 {
         let common = self.common.get(&(segment, key)).copied().unwrap_or(0);
         let predicted = self.predicted.get(&key).copied().unwrap_or(0);
@@ -72,11 +78,13 @@ pub(crate) fn by_overlap(
     tracks_of
 }
 
-/// Finds tracks again in what overlap leaves open, by looks, size and reach. One assignment, as [`by_overlap`].
+/// Finds tracks again in what overlap leaves open, by looks, size and reach. `inside`: segments that lie inside open things; what was moved off
+/// one is none of them. One assignment, as [`by_overlap`].
 pub(crate) fn find_again(
     segments: &[Segment],
     tracks: &BTreeMap<u32, Track>,
     overlap: &Overlap,
+    inside: &BTreeMap<usize, u32>,
     (now_s, pace): (f64, Pace),
     tracks_of: &mut [Option<u32>],
 ) {
@@ -90,7 +98,8 @@ pub(crate) fn find_again(
     let by_overlap = tracks_of.to_vec();
     let again = |k: usize, key: u32| {
         let is_later = |known: u32| is_part(known) || tracks[&known].first.frame > tracks[&key].last.frame;
-        let may_be = by_overlap[k].is_none_or(is_later);
+        let is_inside = inside.get(&k).is_some_and(|&whole| tracks[&key].moved_off == Some(whole));
+        let may_be = by_overlap[k].is_none_or(is_later) && !is_inside;
         may_be.then(|| found_again(&segments[k], &tracks[&key], now_s, pace)).flatten().unwrap_or(0.0)
     };
     pair(&free, &lost, again, tracks_of);
@@ -117,9 +126,15 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
     if away_s > memory_s || track.part_of.is_some() {
         return None;
     }
-    let look = segment.look.distance(&track.look).unwrap_or(UNKNOWN_LOOK);
+    let look = match track.moved_off {
+        // A part shows some of what its thing shows.
+        Some(_) => segment.look.share_of(&track.look).map(|share| 1.0 - share),
+        None => segment.look.distance(&track.look),
+    };
+    let look = look.unwrap_or(UNKNOWN_LOOK);
     let is_at_agent = segment.of_agent > 0.5 && !track.is_agent_part();
-    if is_at_agent && (track.rest.is_none() || track.rest_s + away_s < KNOWN_S || look > MOST_LOOK_AT_AGENT) {
+    let is_known = track.moved_off.is_some() || track.rest.is_some() && track.rest_s + away_s >= KNOWN_S;
+    if is_at_agent && (!is_known || look > MOST_LOOK_AT_AGENT) {
         return None;
     }
     let step = segment.center - track.last.center;

@@ -28,7 +28,7 @@ impl<'a> HandColors<'a> {
         tracks: &BTreeMap<Key, Track>,
     ) -> Self {
         let mut look = Look::default();
-        let is_known = |key: Key| tracks.get(&key).is_some_and(|track| track.rest.is_some());
+        let is_known = |key: Key| tracks.get(&key).is_some_and(|track| track.is_known());
         for pixel in region.pixels().filter(|&pixel| is_looked_at(pixel, view.size.0)) {
             if let Some(&color) = view.color.get(pixel)
                 && !is_known(predicted[pixel])
@@ -45,8 +45,7 @@ impl<'a> HandColors<'a> {
     pub(crate) fn has(&self, pixel: usize, track: &Track, is_expected: bool) -> bool {
         let least = if is_expected { EXPECTED } else { 1.0 };
         self.region.has(pixel)
-            && track.rest.is_some()
-            && !track.is_agent_part()
+            && track.is_known()
             && self
                 .view
                 .color

@@ -97,10 +97,19 @@ struct Handling {
     lift: Vec<Happening>,
 }
 
+/// What is told of a part that came off a thing, until it is sure that it is not its lid.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Parting {
+    whole: Key,
+    since_s: f64,
+    told: Vec<Happening>,
+}
+
 /// Follows what happens to all tracks.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Happenings {
     handled: BTreeMap<Key, Handling>,
+    partings: Vec<Parting>,
     told: Vec<Happening>,
 }
 
@@ -232,8 +241,16 @@ impl Happenings {
         track.votes.clear();
     }
 
-    /// Tells of lifts that are none of lids.
+    /// A part came off a thing.
+    pub(crate) fn part(&mut self, whole: Key, since_s: f64, told: Vec<Happening>) {
+        self.partings.push(Parting { whole, since_s, told });
+    }
+
+    /// Tells of lifts and partings that are none of lids.
     pub(crate) fn tell_lifts(&mut self, now_s: f64) {
+        for parting in self.partings.extract_if(.., |parting| now_s - parting.since_s > LID_S) {
+            self.told.extend(parting.told);
+        }
         for handling in self.handled.values_mut() {
             if handling.lift.first().is_some_and(|lift| now_s - lift.time_s > LID_S) {
                 self.told.append(&mut handling.lift);
@@ -241,9 +258,10 @@ impl Happenings {
         }
     }
 
-    /// A thing was opened: what seemed to be its lift was that of its lid.
+    /// A thing was opened: what seemed to be its lift was that of its lid, and what came off it is its lid.
     pub(crate) fn opens(&mut self, key: Key) {
         self.handled.remove(&key);
+        self.partings.retain(|parting| parting.whole != key);
     }
 
     /// Tells how a handled thing came to rest.

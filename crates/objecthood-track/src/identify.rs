@@ -1,5 +1,7 @@
 //! Which track each segment shows, and which segments show new ones.
 
+use std::collections::BTreeMap;
+
 use objecthood::Discovery;
 
 use crate::associate::{Overlap, by_overlap, find_again};
@@ -25,14 +27,22 @@ impl Memory {
         let measure = Measure { view, changed, scene: &self.scene, agents: &self.agents, place: &place };
         let (mut labels, count) = labels(found, view, &self.scene, &self.agents);
         let mut segments = segments(&labels, count, &measure);
-        let overlap = self.overlap(&labels, view, predicted);
+        let mut overlap = self.overlap(&labels, view, predicted);
+        let (mut moved, mut inside) = (BTreeMap::new(), BTreeMap::new());
         let finds = self.has(Ingredient::Finding);
         if finds {
             self.part_uncovered(&mut labels, &mut segments, &overlap, predicted, &measure);
+            moved = self.part_opened(&mut labels, &mut segments, &overlap, &measure);
+            if !moved.is_empty() {
+                overlap = self.overlap(&labels, view, predicted);
+            }
         }
         let mut tracks_of = by_overlap(&segments, &self.tracks, &overlap);
         if finds {
-            find_again(&segments, &self.tracks, &overlap, (self.stamp_s, self.pace), &mut tracks_of);
+            let beside = self.beside_rest(&segments, &labels, view);
+            inside = self.inside(&beside);
+            find_again(&segments, &self.tracks, &overlap, &inside, (self.stamp_s, self.pace), &mut tracks_of);
+            moved.append(&mut self.stay_with_the_rest(&segments, &overlap, &beside, &mut tracks_of));
         }
         self.take_over(&segments, &tracks_of, &overlap);
         let mut keys = Vec::new();
@@ -49,7 +59,14 @@ impl Memory {
             let sample = self.sample(&segments[k], &[]);
             let mut track = Track::new(&segments[k], sample, self.frame == 0);
             let parent = self.came_off(k, &overlap);
-            if let Some(parent) = parent {
+            if let Some(&whole) = moved.get(&k) {
+                if let Some(known) = self.tracks.get_mut(&whole) {
+                    track.move_off(whole, known);
+                }
+            } else if let Some(&whole) = inside.get(&k) {
+                track.inside_of = Some(whole);
+                (track.was_there_first, track.told_appeared) = (true, true);
+            } else if let Some(parent) = parent {
                 track.was_there_first = true;
                 track.told_appeared = true;
                 track.came_off = Some(parent);
@@ -72,7 +89,7 @@ impl Memory {
                 _ => false,
             };
             if was_seen_later && 2 * common > segments[k].px && !tracks_of.contains(&Some(young)) {
-                self.join(owner, young, false);
+                self.join(owner, young);
             }
         }
     }

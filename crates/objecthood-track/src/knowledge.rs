@@ -144,10 +144,13 @@ impl Knowledge {
                 continue;
             }
             let touched = touched.contains(&pair(owner, key));
-            let is_own =
-                touched && track.rest.is_some() || track.was_moved_against(&tracks[&owner], AGAINST_M);
+            let came_off = track.moved_off.or(track.inside_of) == Some(owner);
+            let is_own = touched && track.rest.is_some() && !came_off
+                || track.was_moved_against(&tracks[&owner], AGAINST_M);
             if self.are_apart(owner, key) || is_own {
                 apart.push(key);
+            } else if came_off {
+                one.push(key);
             } else if !touched && track.rests() && tracks[&owner].rest.is_some() {
                 let frames = self.whole.entry(pair(owner, key)).or_default();
                 *frames += 1;

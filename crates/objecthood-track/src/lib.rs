@@ -50,6 +50,7 @@ mod knowledge;
 mod look;
 mod memory;
 mod missing;
+mod moved_part;
 mod observe;
 mod opened;
 mod output;

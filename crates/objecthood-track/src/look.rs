@@ -8,6 +8,9 @@ const BINS: usize = 4 * 8 * 8;
 /// The share that a new look has in the mean.
 const NEW_SHARE: f32 = 0.1;
 
+/// Colours of a smaller share are noise.
+const RARE: f32 = 0.01;
+
 /// Shares of colours; they sum to 1, or to 0 without colour.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Look {
@@ -54,6 +57,15 @@ impl Look {
         }
         let common: f32 = self.shares.iter().zip(other.shares.iter()).map(|(a, b)| a.min(*b)).sum();
         Some(1.0 - f64::from(common))
+    }
+
+    /// The share of it that has colours of another look; `None` without colour.
+    pub(crate) fn share_of(&self, whole: &Self) -> Option<f64> {
+        if self.samples == 0 || whole.samples == 0 {
+            return None;
+        }
+        let shares = self.shares.iter().zip(whole.shares.iter());
+        Some(shares.filter(|&(_, &share)| share > RARE).map(|(&own, _)| f64::from(own)).sum())
     }
 
     pub(crate) fn blend(&mut self, new: &Self) {

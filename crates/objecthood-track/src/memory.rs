@@ -158,6 +158,7 @@ impl Memory {
         for (&key, track) in &mut self.tracks {
             self.happenings.close(key, track, self.pace);
         }
+        self.happenings.tell_lifts(f64::INFINITY);
         let told = self.happenings.take();
         self.numbers.events(told, &mut self.tracks)
     }

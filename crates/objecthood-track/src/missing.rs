@@ -42,9 +42,10 @@ impl Memory {
         let is_missing =
             |(_, track): &(&Key, &Track)| track.last.frame != self.frame && track.part_of.is_none();
         let missing: Vec<Key> = self.tracks.iter().filter(is_missing).map(|(&key, _)| key).collect();
+        let carried = self.carried();
         for key in missing {
             let absence = self.absence(key, look, remains.get(&key).copied().unwrap_or_default());
-            self.tell_absence(key, &absence);
+            self.tell_absence(key, &absence, carried.contains(&key));
         }
     }
 
@@ -69,8 +70,9 @@ impl Memory {
         Absence { since, frames: self.frame - since + 1, is_covered, by: by.unwrap_or(Other::Nobody), hidden }
     }
 
-    /// Tells that a track went behind something or out of the image, once that is sure.
-    fn tell_absence(&mut self, key: Key, absence: &Absence) {
+    /// Tells that a track went behind something or out of the image, once that is sure. `is_carried`: what carries it moves, so it is not where
+    /// it rested.
+    fn tell_absence(&mut self, key: Key, absence: &Absence, is_carried: bool) {
         let Some(track) = self.tracks.get_mut(&key) else { return };
         let happening = |frame, time_s, kind, other, evidence: &str| Happening {
             frame,
@@ -82,7 +84,7 @@ impl Memory {
             confidence: 0.8,
             evidence: evidence.to_owned(),
         };
-        let is_known = track.rest.is_some() && track.rest_s > 0.0 && !track.is_agent_part();
+        let is_known = track.rest.is_some() && !track.is_agent_part();
         let from = match track.covered_since {
             _ if absence.hidden < HIDDEN => None,
             None => Some((self.frame, self.stamp_s)),
@@ -91,8 +93,8 @@ impl Memory {
         track.covered_since = from;
         let covered =
             from.filter(|&(frame, _)| (self.frame - frame + 1) as usize >= self.pace.frames(HIDDEN_S));
-        let is_hidden =
-            absence.is_covered && !track.told_hidden && is_known && !self.happenings.is_handled(key);
+        let is_there = is_known && !is_carried && !self.happenings.is_lifted(key);
+        let is_hidden = absence.is_covered && !track.told_hidden && is_there;
         if let Some((frame, time_s)) = covered.filter(|_| is_hidden) {
             track.told_hidden = true;
             let evidence = "something nearer hides nine tenths of where it rested";

@@ -56,6 +56,7 @@ impl Memory {
         let remains = self.remains(look);
         self.tell_partings();
         self.tell_openings(look, &remains);
+        self.join_drawers();
         self.happenings.tell_lifts(self.stamp_s);
         self.miss(look, &remains);
         self.tell_appearances();
@@ -79,7 +80,7 @@ impl Memory {
     }
 
     /// Things that lie in or stand on another, which was moved as far as they were: they go with it.
-    fn carried(&self) -> BTreeSet<Key> {
+    pub(crate) fn carried(&self) -> BTreeSet<Key> {
         let moved_m =
             |track: &Track| track.rest.map_or(0.0, |rest| (track.last.center - rest.center).length());
         let goes_with = |track: &Track, below: &Track| moved_m(track) < moved_m(below) + WITH_IT_M;

@@ -26,14 +26,32 @@ const LEAST_PX: f64 = 400.0;
 impl Memory {
     /// What is seen where things rested.
     pub(crate) fn remains(&self, look: &Look<'_>) -> BTreeMap<Key, Remains> {
-        let may_open = |track: &Track| {
-            track.rest.is_some()
-                && track.reached_within(REACHED_S).is_some()
-                && !track.is_agent_part()
-                && track.part_of.is_none()
-        };
         let openable = self.tracks.iter().filter(|(_, track)| may_open(track)).map(|(&key, _)| key).collect();
         self.rested.remains(look, &self.agents.region, &openable)
+    }
+
+    /// The inside of a thing belongs to the part that was moved if that reaches lower, as a drawer does. A lid lies higher.
+    pub(crate) fn join_drawers(&mut self) {
+        let is_seen = |track: &Track| track.last.frame == self.frame && track.part_of.is_none();
+        let mut joined = Vec::new();
+        for (&key, track) in self.tracks.iter().filter(|(_, track)| is_seen(track)) {
+            if let Some(part) = track.inside_of.and_then(|whole| self.lid_of(whole))
+                && let Some(moved) = self.tracks.get(&part).filter(|moved| is_seen(moved))
+                && moved.last.bottom_m < track.last.height_m
+                && self.touched.contains(&(key.min(part), key.max(part)))
+            {
+                joined.push((part, key));
+            }
+        }
+        for (part, inside) in joined {
+            self.join(part, inside);
+        }
+    }
+
+    /// The part that was moved of a thing, if it has been seen by itself.
+    fn lid_of(&self, key: Key) -> Option<Key> {
+        let is_lid = |(_, track): &(&Key, &Track)| track.moved_off == Some(key) && track.is_confirmed();
+        self.tracks.iter().rev().find(is_lid).map(|(&lid, _)| lid)
     }
 
     /// Tells that a thing was opened, once its inside is seen.
@@ -58,14 +76,21 @@ impl Memory {
             }
             track.told_opened = true;
             self.happenings.opens(key);
-            let (frame, time_s) = closed_at(track, time_s).unwrap_or((frame, time_s));
+            for (&part, track) in self.tracks.iter_mut().filter(|(_, part)| part.moved_off == Some(key)) {
+                track.came_off = None;
+                self.knowledge.part(part, key);
+            }
+            let lid = self.lid_of(key);
+            let Some(track) = self.tracks.get(&key) else { continue };
+            let seen_s = lid.map_or(time_s, |lid| self.tracks[&lid].first.stamp_s.min(time_s));
+            let (frame, time_s) = closed_at(track, seen_s).unwrap_or((frame, time_s));
             let percent = 100.0 * share;
             self.happenings.tell(Happening {
                 frame,
                 time_s,
                 kind: EventKind::Opened,
-                object: key,
-                other: Other::Nobody,
+                object: lid.unwrap_or(key),
+                other: lid.map_or(Other::Nobody, |_| Other::Track(key)),
                 span: None,
                 confidence: 0.7,
                 evidence: format!(
@@ -86,11 +111,11 @@ fn closed_at(track: &Track, before_s: f64) -> Option<(u64, f64)> {
 /// Whether a thing is seen as whole elsewhere than where it rested.
 fn was_moved(track: &Track, frame: u64) -> bool {
     let is_whole = track.rest.is_some_and(|rest| are_alike(track.last.px, rest.px));
-    track.last.frame == frame && track.is_away() && is_whole
+    track.last.frame == frame && track.is_away() && is_whole && !track.lost_part
 }
 
 /// Whether an agent may be opening a thing.
-fn may_open(track: &Track) -> bool {
+pub(crate) fn may_open(track: &Track) -> bool {
     track.rest.is_some()
         && track.reached_within(REACHED_S).is_some()
         && !track.is_agent_part()

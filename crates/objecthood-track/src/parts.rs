@@ -38,36 +38,37 @@ impl Memory {
         }
         if self.has(Ingredient::Knowledge) {
             for (a, b) in self.knowledge.learn(&touching, &self.tracks) {
-                self.join(a, b, false);
+                let keeper = self.join(a, b);
+                self.tracks.entry(keeper).and_modify(|track| track.note(Deed::PartsMovedAsOne));
             }
         }
         self.touched = touching;
     }
 
-    /// Two tracks turned out to be one: the one with more pixels goes on.
-    pub(crate) fn join(&mut self, owner: Key, part: Key, is_event: bool) {
-        let id = self.tracks[&owner].id.zip(self.tracks[&part].id);
-        let (keeper, other) = match id {
-            Some((a, b)) if b < a && !is_event => (part, owner),
-            _ => (owner, part),
+    /// Two tracks turned out to be one: the one with the lower number goes on. Returns it.
+    pub(crate) fn join(&mut self, a: Key, b: Key) -> Key {
+        let is_older = match (self.tracks[&a].id, self.tracks[&b].id) {
+            (Some(one), Some(other)) => one < other,
+            _ => true,
         };
-        if let Some(track) = self.tracks.get_mut(&other) {
-            track.part_of = Some(keeper);
-        }
-        if is_event {
-            self.happenings.tell(Happening {
-                frame: self.frame,
-                time_s: self.stamp_s,
-                kind: EventKind::Merged,
-                object: owner,
-                other: Other::Track(part),
-                span: None,
-                confidence: 0.9,
-                evidence: "what stood before it is gone, and both parts are one surface".to_owned(),
-            });
-        } else if let Some(track) = self.tracks.get_mut(&keeper) {
-            track.note(Deed::PartsMovedAsOne);
-        }
+        let (keeper, part) = if is_older { (a, b) } else { (b, a) };
+        self.tracks.entry(part).and_modify(|track| track.part_of = Some(keeper));
+        keeper
+    }
+
+    /// What stood before a thing is gone, and one surface shows its part too.
+    pub(crate) fn merge(&mut self, owner: Key, part: Key) {
+        self.tracks.entry(part).and_modify(|track| track.part_of = Some(owner));
+        self.happenings.tell(Happening {
+            frame: self.frame,
+            time_s: self.stamp_s,
+            kind: EventKind::Merged,
+            object: owner,
+            other: Other::Track(part),
+            span: None,
+            confidence: 0.9,
+            evidence: "what stood before it is gone, and both parts are one surface".to_owned(),
+        });
     }
 
     /// What came off another thing and moved against it was one with it before.
@@ -96,7 +97,7 @@ impl Memory {
             );
             if own.max(others) > PARTED_M
                 && (own - others).abs() > PARTED_M
-                && (track.is_moving || other.is_moving || track.rests())
+                && track.drift.length().max(other.drift.length()) > PARTED_M
             {
                 parted.push((key, from, own > others));
             }
@@ -110,16 +111,15 @@ impl Memory {
             let time_s = track.first.stamp_s - (track.first.frame - frame) as f64 * self.pace.frame_s;
             let (object, other) = if own_moved { (key, from) } else { (from, key) };
             self.knowledge.part(key, from);
-            let mut tell = |kind, other, evidence: &str| {
+            let happening = |kind, other, evidence: &str| {
                 let evidence = evidence.to_owned();
-                let told =
-                    Happening { frame, time_s, kind, object, other, span: None, confidence: 0.8, evidence };
-                self.happenings.tell(told);
+                Happening { frame, time_s, kind, object, other, span: None, confidence: 0.8, evidence }
             };
-            tell(EventKind::Split, Other::Track(other), "one moved against the other");
-            if let Some(agent) = self.tracks[&object].reached_within(REACHED_S) {
-                tell(EventKind::Pushed, Other::Agent(agent), "it came off in reach of the agent");
-            }
+            let split = happening(EventKind::Split, Other::Track(other), "one moved against the other");
+            let pushed = self.tracks[&object].reached_within(REACHED_S).map(|agent| {
+                happening(EventKind::Pushed, Other::Agent(agent), "it came off in reach of the agent")
+            });
+            self.happenings.part(from, self.stamp_s, std::iter::once(split).chain(pushed).collect());
             if let Some(track) = self.tracks.get_mut(&key) {
                 track.came_off = None;
             }

@@ -27,6 +27,17 @@ pub(crate) struct Rested {
     surface: Vec<f32>,
 }
 
+/// Where a surface lies that is seen where a thing rested.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Beside {
+    /// Where its surface was.
+    There,
+    /// Nearer.
+    Before,
+    /// Farther: it may be its inside.
+    Behind,
+}
+
 /// What is seen now where a thing rested, in pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Remains {
@@ -96,6 +107,21 @@ impl Rested {
                 (self.owner[pixel], self.surface[pixel]) = (0, 0.0);
             }
         }
+    }
+
+    /// The thing that rested at a pixel, and where what is seen there now lies; `None` where nothing rested or is measured.
+    pub(crate) fn at(&self, pixel: usize, view: &View) -> Option<(Key, Beside)> {
+        let (key, is, was) = (self.owner[pixel], view.inverse[pixel], self.surface[pixel]);
+        if key == 0 || is == 0.0 {
+            return None;
+        }
+        let limit = BESIDE_BACKGROUND_PER_M * view.noise;
+        let beside = match is - was {
+            shift if shift.abs() < limit => Some(Beside::There),
+            shift if shift > 0.0 => Some(Beside::Before),
+            _ => (1.0 / is - 1.0 / was > THERE_M).then_some(Beside::Behind),
+        };
+        Some(key).zip(beside)
     }
 
     /// What is seen now where things rested; what belongs to `agents` hides. `openable`: the things of which the inside is looked for. O(n).

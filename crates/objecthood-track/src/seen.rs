@@ -64,7 +64,12 @@ impl Memory {
                 parted.insert(k, apart.into_iter().collect());
             }
             for part in one {
-                self.join(owner, part, true);
+                match self.tracks[&part].moved_off.or(self.tracks[&part].inside_of) == Some(owner) {
+                    true => {
+                        self.join(owner, part);
+                    }
+                    false => self.merge(owner, part),
+                }
             }
         }
         parted

@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use crate::view::View;
 
 /// Every so many columns and rows are looked at.
-const STRIDE_PX: usize = 2;
+pub(crate) const STRIDE_PX: usize = 2;
 /// Least size of a thing that only stands before the rested scene (px at VGA size).
 const LEAST_THING_PX: f64 = 200.0;
 

@@ -132,6 +132,12 @@ pub(crate) struct Track {
     pub(crate) analysed_to: u64,
     /// The track with which it was one until it was first seen.
     pub(crate) came_off: Option<u32>,
+    /// Whether a part of it was moved.
+    pub(crate) lost_part: bool,
+    /// The thing of which it is a part that was moved.
+    pub(crate) moved_off: Option<u32>,
+    /// The open thing in which it came into view.
+    pub(crate) inside_of: Option<u32>,
     /// Objectness in the last frame that found it (1).
     pub(crate) objectness: f32,
     /// Frames for which it has been held where no segment shows it.
@@ -173,6 +179,9 @@ impl Track {
             told_left: false,
             analysed_to: sample.frame,
             came_off: None,
+            lost_part: false,
+            moved_off: None,
+            inside_of: None,
             objectness: 0.5,
             held_frames: 0,
         }
@@ -223,7 +232,7 @@ impl Track {
     /// What comes with an agent and never rested is part of it, until it is let go.
     fn judge_agent(&mut self, segment: &Segment) {
         let is_part = self.is_agent_part();
-        if segment.of_agent > 0.5 && self.rest.is_none() {
+        if segment.of_agent > 0.5 && self.rest.is_none() && self.moved_off.or(self.inside_of).is_none() {
             self.agent_score = (self.agent_score + 2).min(6);
         }
         if is_part && segment.of_agent < 0.15 {
@@ -278,6 +287,30 @@ impl Track {
     /// The samples since a frame.
     pub(crate) fn since(&self, frame: u64) -> impl DoubleEndedIterator<Item = &Sample> {
         self.samples.iter().filter(move |sample| sample.frame >= frame)
+    }
+
+    /// Whether it is known not to be part of an agent.
+    pub(crate) fn is_known(&self) -> bool {
+        (self.rest.is_some() || self.moved_off.or(self.inside_of).is_some()) && !self.is_agent_part()
+    }
+
+    /// Whether it is open.
+    pub(crate) fn is_open(&self) -> bool {
+        self.lost_part || self.told_opened
+    }
+
+    /// It is a part of a known thing that was moved, so it is no part of an agent. What it shows next looks like the rest.
+    pub(crate) fn move_off(&mut self, whole: u32, known: &mut Self) {
+        known.lost_part = true;
+        self.look = known.look.clone();
+        (self.moved_off, self.agent_score) = (Some(whole), 0);
+        self.came_off = (!known.told_opened).then_some(whole);
+        (self.was_there_first, self.told_appeared) = (true, true);
+    }
+
+    /// What seemed to be its motion was that of a part.
+    pub(crate) fn halt(&mut self) {
+        (self.is_moving, self.motion, self.velocity) = (false, None, DVec3::ZERO);
     }
 
     /// It rests as it was just seen.

@@ -170,6 +170,33 @@ fn what_a_hand_holds_keeps_its_number() {
     }
 }
 
+/// The larger part of a thing is lifted off by an arm. What stays keeps the number, and the part gets one of its own.
+#[test]
+fn what_stays_of_a_thing_keeps_its_number() {
+    const PART_PX: i32 = 18;
+    let mut tracker = Tracker::new(objecthood::Params::default());
+    let shown = |tracked: &Tracked, patch: &Patch, u: i32, v: i32| {
+        tracked.labels.as_slice()[(patch.top + v) as usize * SIZE.0 + (patch.left + u) as usize]
+    };
+    for number in 0..60_i32 {
+        let reach = (120 - 6 * number).clamp(0, 120);
+        let up = (2 * (number - 30)).clamp(0, 24);
+        let nearer = 0.003 * up as f32;
+        let part = Patch { top: THING.top - up, height: PART_PX, depth_m: THING.depth_m - nearer, ..THING };
+        let rest = Patch { top: THING.top + PART_PX, height: THING.height - PART_PX, ..THING };
+        let (left, top) = (THING.left + 24 + reach, part.top + 4);
+        let arm = Patch { left, top, width: 160, height: 8, depth_m: 0.9, color: [40, 70, 190] };
+        let (patches, found): (&[Patch], &[usize]) =
+            if up == 0 { (&[THING, arm], &[0]) } else { (&[rest, part, arm], &[0, 1]) };
+        let (frame, found) = frame(patches, found, number as u64);
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        assert_eq!(shown(&tracked, &rest, 6, 6), 1, "frame {number}: the rest");
+        if up > 12 {
+            assert!(shown(&tracked, &part, 6, 6) > 1, "frame {number}: the part");
+        }
+    }
+}
+
 /// A thing that goes round, beside one that rests.
 fn round(number: u64) -> [Patch; 2] {
     let left = 40 + (number % 60).min(60 - number % 60) as i32;

@@ -1,0 +1,160 @@
+//! Lids and drawers: what stays of a thing of which a part is moved keeps its number, and the part gets one of its own (ours).
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::associate::Overlap;
+use crate::memory::Memory;
+use crate::opened::may_open;
+use crate::rested::Beside;
+use crate::scene::Key;
+use crate::segment::{Measure, STRIDE_PX, Segment, is_looked_at};
+use crate::track::Track;
+use crate::view::View;
+
+/// A segment stays, or is inside, when this share of its pixels is; it does not when less than this is.
+const MOST: f64 = 0.6;
+const FEW: f64 = 0.3;
+/// A moved part belonged to its thing with this share of its pixels or more, and this share stands before where that rested.
+const BELONGED: f64 = 0.7;
+const BEFORE: f64 = 0.5;
+/// This share of a part has colours of its thing.
+const LEAST_LOOK: f64 = 0.6;
+/// What stays belongs to an agent's region with less than this share: a hand may lie where a thing rested.
+const OF_AGENT: f64 = 0.3;
+/// A moved part has this share of the pixels of its thing or more.
+const LEAST_SHARE: f64 = 0.1;
+
+/// Which shares of a segment lie where a thing rested: on its surface, before it and behind it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Shares {
+    there: f64,
+    before: f64,
+    behind: f64,
+}
+
+/// By segment and thing.
+pub(crate) type BesideRest = BTreeMap<(usize, Key), Shares>;
+
+impl Memory {
+    /// How segments lie beside where things rested that are open, or that an agent reaches. O(n) while there are any.
+    pub(crate) fn beside_rest(&self, segments: &[Segment], labels: &[u16], view: &View) -> BesideRest {
+        let mut shares = BesideRest::new();
+        let matters = |(_, track): &(&Key, &Track)| track.is_open() || may_open(track);
+        let things: BTreeSet<Key> = self.tracks.iter().filter(matters).map(|(&key, _)| key).collect();
+        if things.is_empty() {
+            return shares;
+        }
+        for (pixel, &label) in labels.iter().enumerate().filter(|(_, label)| **label > 0) {
+            if is_looked_at(pixel, view.size.0)
+                && let Some((key, beside)) = self.rested.at(pixel, view)
+                && things.contains(&key)
+            {
+                let of = shares.entry((usize::from(label) - 1, key)).or_default();
+                match beside {
+                    Beside::There => of.there += 1.0,
+                    Beside::Before => of.before += 1.0,
+                    Beside::Behind => of.behind += 1.0,
+                }
+            }
+        }
+        for (&(k, _), of) in &mut shares {
+            let per_px = (STRIDE_PX * STRIDE_PX) as f64 / segments[k].px.max(1) as f64;
+            *of = Shares { there: of.there * per_px, before: of.before * per_px, behind: of.behind * per_px };
+        }
+        shares
+    }
+
+    /// The segments that lie inside open things.
+    pub(crate) fn inside(&self, beside: &BesideRest) -> BTreeMap<usize, Key> {
+        let is_inside =
+            |&(&(_, key), of): &(&(usize, Key), &Shares)| of.behind > MOST && self.tracks[&key].is_open();
+        beside.iter().filter(is_inside).map(|(&pair, _)| pair).collect()
+    }
+
+    /// Of a thing that an agent reaches, what stays shows its track, not what was moved of it. Returns the segments that show what was
+    /// moved, and of what. O(s t) for s segments and t tracks.
+    pub(crate) fn stay_with_the_rest(
+        &mut self,
+        segments: &[Segment],
+        overlap: &Overlap,
+        beside: &BesideRest,
+        tracks_of: &mut [Option<Key>],
+    ) -> BTreeMap<usize, Key> {
+        let mut moved = BTreeMap::new();
+        let of = |k: usize, key: Key| beside.get(&(k, key)).copied().unwrap_or_default();
+        let things: BTreeSet<Key> = beside.keys().map(|&(_, key)| key).collect();
+        for key in things {
+            let Some(shown) = tracks_of.iter().position(|&known| known == Some(key)) else { continue };
+            let look = &self.tracks[&key].look;
+            let looks_like =
+                |k: usize| segments[k].look.share_of(look).is_some_and(|share| share > LEAST_LOOK);
+            let is_rest = |&k: &usize| {
+                tracks_of[k].is_none_or(|known| self.tracks[&known].rest.is_none())
+                    && of(k, key).there > MOST
+                    && segments[k].of_agent < OF_AGENT
+                    && looks_like(k)
+            };
+            let rest = (0..segments.len()).find(is_rest).filter(|_| of(shown, key).there < FEW);
+            let predicted = |k: usize| overlap.common.get(&(k, key)).copied().unwrap_or(0) as f64;
+            let is_part = |&k: &usize| {
+                tracks_of[k].is_none()
+                    && of(k, key).before > BEFORE
+                    && predicted(k) > BELONGED * segments[k].px as f64
+                    && looks_like(k)
+            };
+            let parts = (0..segments.len()).filter(is_part).filter(|_| of(shown, key).there > MOST);
+            moved.extend(parts.map(|k| (k, key)));
+            if let Some(rest) = rest {
+                (tracks_of[shown], tracks_of[rest]) = (tracks_of[rest], Some(key));
+                moved.insert(shown, key);
+                self.tracks.entry(key).and_modify(Track::halt);
+                self.happenings.forget(key);
+            }
+        }
+        moved
+    }
+
+    /// Gives a segment of its own to the part of an open thing that stands before what rested there, when the frame takes both for one.
+    /// Returns those segments, and of what they are parts. O(n).
+    pub(crate) fn part_opened(
+        &self,
+        labels: &mut [u16],
+        segments: &mut Vec<Segment>,
+        overlap: &Overlap,
+        measure: &Measure<'_>,
+    ) -> BTreeMap<usize, Key> {
+        let (mut parts, mut moved) = (BTreeMap::new(), BTreeMap::new());
+        let width = measure.view.size.0;
+        for (&key, track) in self.tracks.iter().filter(|(_, track)| track.is_open()) {
+            let holds = (0..segments.len()).find(|&k| overlap.is_held_by(k, key));
+            if let Some(k) = holds.filter(|_| track.rest.is_some()) {
+                parts.insert(k, (key, Vec::new(), Vec::new()));
+            }
+        }
+        if parts.is_empty() {
+            return moved;
+        }
+        for (pixel, &label) in labels.iter().enumerate() {
+            if let Some(k) = usize::from(label).checked_sub(1)
+                && let Some((_, part, rest)) = parts.get_mut(&k)
+            {
+                let is_part = self.scene.is_in_front(measure.view, pixel);
+                if is_part { part.push(pixel) } else { rest.push(pixel) }
+            }
+        }
+        for (k, (key, part, rest)) in parts {
+            let Ok(own) = u16::try_from(segments.len() + 1) else { break };
+            if (part.len() as f64) < LEAST_SHARE * rest.len() as f64 || rest.is_empty() {
+                continue;
+            }
+            let looked_at = |pixels: &[usize]| -> Vec<usize> {
+                pixels.iter().copied().filter(|&pixel| is_looked_at(pixel, width)).collect()
+            };
+            segments[k] = measure.segment(&looked_at(&rest));
+            moved.insert(segments.len(), key);
+            segments.push(measure.segment(&looked_at(&part)));
+            part.iter().for_each(|&pixel| labels[pixel] = own);
+        }
+        moved
+    }
+}
