@@ -1,9 +1,12 @@
 //! Joins the convex parts of one body across a neck or fold (docs/CONTEXT.md 4.7).
 
+mod hanging;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::check::{Bound, Check};
+use crate::clusters::borders::BorderCounts;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
 use crate::clusters::scene::{Scene, sampled};
@@ -35,12 +38,23 @@ const SLIDING_SHARE: f64 = 0.33;
 /// A part on a slope has at most this share of the pixels of the one below: caps and heads measure 0.1 to 0.35. Of things that lean on each other, the
 /// front one hides the foot of the other, and both are of a size.
 const SMALLER_SHARE: f64 = 0.4;
+/// A part hangs when this share of its pixels is seen to, and less than the other is seen to stand:
+const HANGING_SHARE: f64 = 0.5;
+const STANDING_SHARE: f64 = 0.3;
+/// Its foot is at this share of its top or higher: what leans stands on an end.
+const FOOT_OF_TOP: f64 = 0.35;
+/// The top of a part is this quantile of its heights.
+const TOP_SHARE: f64 = 0.98;
+/// What it hangs on is this close (m), across a gap, or behind its own outline.
+const HANGING_M: f64 = 0.03;
 /// Contacts around which the lower part is looked at, at most: evenly spread, their surroundings overlap.
 const CONTACTS: usize = 16;
 
 /// Joins two clusters that touch when the upper one has no foot of its own: it stands neither on a support nor on a level face of the lower
 /// one, as stacked things do. They also share their colours, or the upper one is small and sits on a slope, from which a thing of its own
 /// would slide off. Pairs that share most colours are joined first.
+///
+/// A small part that is seen to hang in the air is joined with what it hangs on, whether or not they touch.
 ///
 /// Source: ours, because a neck or fold is a valley between convex parts (paper, future work: concavity). O(pairs that touch · pixels of
 /// both); parallel over pairs. Does nothing without a support; without colour only what would slide off is joined.
@@ -52,12 +66,15 @@ pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
     let is_part = |id: SegmentId| clusters.get(id).pixels.len() >= least_px;
     let mut pairs = Vec::new();
     for id in clusters.alive().into_iter().filter(|&id| is_part(id)) {
-        let touching = clusters.get(id).neighbours.iter().filter(|(_, borders)| borders.touch >= least_touch);
-        let others = touching.filter_map(|(other, _)| *other).filter(|&other| other > id && is_part(other));
+        let is_beside = |borders: &BorderCounts| {
+            borders.touch + borders.level + borders.in_front + borders.behind >= least_touch
+        };
+        let beside = clusters.get(id).neighbours.iter().filter(|(_, borders)| is_beside(borders));
+        let others = beside.filter_map(|(other, _)| *other).filter(|&other| other > id && is_part(other));
         pairs.extend(others.map(|other| [id, other]));
     }
-    let compare = Compare { clusters, up: ground.normal, params };
-    let mut compared: Vec<Pair> = pairs.into_par_iter().map(|pair| compare.pair(pair)).collect();
+    let compare = Compare { clusters, up: ground.normal, least_touch, params };
+    let mut compared: Vec<Pair> = pairs.into_par_iter().filter_map(|pair| compare.pair(pair)).collect();
     compared.sort_by(|a, b| b.overlap.total_cmp(&a.overlap));
     let (joins, misses): (Vec<Pair>, Vec<Pair>) = compared.into_iter().partition(Pair::is_join);
     let count = clusters.alive().last().map_or(0, |last| last.index() + 1);
@@ -111,17 +128,27 @@ struct Slopes {
 struct Compare<'a> {
     clusters: &'a Clusters<'a>,
     up: DVec3,
+    least_touch: u32,
     params: &'a params::Necks,
 }
 
 impl Compare<'_> {
-    fn pair(&self, pair: [SegmentId; 2]) -> Pair {
+    /// Compares two clusters; `None` if they do not touch and the upper one does not hang on the other.
+    fn pair(&self, pair: [SegmentId; 2]) -> Option<Pair> {
         let scene = self.clusters.scene;
         let pixels = pair.map(|id| &self.clusters.get(id).pixels);
-        let feet_m = pixels.map(|pixels| foot_m(scene, pixels));
+        let by_size = if pixels[0].len() < pixels[1].len() { pair } else { [pair[1], pair[0]] };
+        if let Some(checks) = self.hangs(by_size) {
+            return Some(Pair { parts: by_size, overlap: 0.0, checks });
+        }
+        let feet_m = pixels.map(|pixels| height_m(scene, pixels, FOOT_SHARE));
         let is_first_upper = feet_m[0] >= feet_m[1];
         let [upper, lower] = if is_first_upper { pair } else { [pair[1], pair[0]] };
         let foot_m = feet_m[0].max(feet_m[1]);
+        let borders = self.clusters.get(upper).neighbours.get(&Some(lower))?;
+        if borders.touch < self.least_touch {
+            return None;
+        }
         let overlap = scene.lab.map_or(0.0, |lab| {
             let [a, b] = pixels.map(|pixels| ColorHistogram::of(sampled(pixels).map(|i| lab[i])));
             a.overlap(&b)
@@ -162,7 +189,49 @@ impl Compare<'_> {
         } else {
             checks.extend(slides);
         }
-        Pair { parts: [upper, lower], overlap, checks }
+        Some(Pair { parts: [upper, lower], overlap, checks })
+    }
+
+    /// The checks by which the smaller part hangs on the larger; `None` when one fails.
+    fn hangs(&self, [part, carrier]: [SegmentId; 2]) -> Option<Vec<Check>> {
+        let [part_px, carrier_px] = [part, carrier].map(|id| self.clusters.get(id).pixels.len() as f64);
+        let smaller = Check::new(
+            "pixels of the hanging part, over those of the other",
+            "",
+            part_px / carrier_px,
+            Bound::AtMost,
+            SMALLER_SHARE,
+        );
+        let bends = self.clusters.convexity(carrier);
+        let bends = Check::new("how far the other bends outwards", "", bends, Bound::Above, 0.0);
+        if ![smaller, bends].iter().all(Check::holds) {
+            return None;
+        }
+        let distance_m = hanging::distance_m(self.clusters, [part, carrier]);
+        let near = Check::new("distance of the parts", "m", distance_m, Bound::AtMost, HANGING_M);
+        if !near.holds() {
+            return None;
+        }
+        let [own, other] = [part, carrier].map(|id| hanging::underside(self.clusters, id));
+        let share = |name, value, bound, limit| Check::new(name, "", value, bound, limit);
+        let [foot_m, top_m] = [FOOT_SHARE, TOP_SHARE]
+            .map(|share| height_m(self.clusters.scene, &self.clusters.get(part).pixels, share));
+        let checks = vec![
+            Check::new("foot of the hanging part above its support", "m", foot_m, Bound::Above, FOOT_M),
+            share("height of that foot, over that of its top", foot_m / top_m, Bound::AtLeast, FOOT_OF_TOP),
+            share(
+                "share of the part that hangs: its support is seen below it",
+                own.hanging,
+                Bound::AtLeast,
+                HANGING_SHARE,
+            ),
+            share("share of the part that stands", own.standing, Bound::Below, STANDING_SHARE),
+            share("share of the other that stands", other.standing, Bound::AtLeast, STANDING_SHARE),
+            near,
+            smaller,
+            bends,
+        ];
+        checks.iter().all(Check::holds).then_some(checks)
     }
 
     /// How the lower part slopes around its contact with the upper one.
@@ -207,10 +276,10 @@ impl Compare<'_> {
     }
 }
 
-/// Height (m) of the foot of some pixels above the support below them.
-fn foot_m(scene: &Scene<'_>, pixels: &[u32]) -> f64 {
+/// The height (m) above the support below some pixels below which a share of them lies.
+fn height_m(scene: &Scene<'_>, pixels: &[u32], share: f64) -> f64 {
     let support = scene.own_support(pixels);
-    support.map_or(0.0, |support| scene.height_quantile_m(sampled(pixels), support, FOOT_SHARE))
+    support.map_or(0.0, |support| scene.height_quantile_m(sampled(pixels), support, share))
 }
 
 #[cfg(test)]
@@ -273,6 +342,31 @@ mod tests {
         let mut depth_only = body_with(20, bottle, [RED, BLUE]);
         depth_only.lab = None;
         assert_eq!(joined(&depth_only), one);
+    }
+
+    /// A lying cylinder far from the middle of the image, and beside it, across a gap without depth, a thing whose left and right end have these heights (m): seen from above,
+    /// what is below it comes out at its side that is nearer to the middle.
+    fn lying(heights_m: [f64; 2]) -> Vec<Option<u32>> {
+        let of = |u: usize, v: usize| {
+            let (is_cylinder, is_part) = ((22..58).contains(&v), (8..20).contains(&v));
+            usize::from(is_cylinder && (20..60).contains(&u))
+                + 2 * usize::from(is_part && (32..44).contains(&u))
+        };
+        let height_m = |u: usize, v: usize| match of(u, v) {
+            0 => 0.0,
+            1 => 0.06 * (1.0 - ((u as f64 - 39.5) / 20.5).powi(2)),
+            _ => heights_m[0] + (heights_m[1] - heights_m[0]) * (u as f64 - 32.0) / 11.0,
+        };
+        let is_hole = |v: usize| (20..22).contains(&v);
+        joined(&Table::new((800, 64), |u, v| (!is_hole(v)).then(|| (of(u, v) as i32, height_m(u, v)))))
+    }
+
+    #[test]
+    fn a_part_that_hangs_in_the_air_is_one_with_what_lies_beside_it() {
+        let (one, two) = (vec![Some(0), Some(0)], vec![Some(0), Some(1)]);
+        assert_eq!(lying([0.045, 0.045]), one);
+        assert_eq!(lying([0.003, 0.003]), two, "it lies on the table");
+        assert_eq!(lying([0.08, 0.002]), two, "it leans");
     }
 
     #[test]
