@@ -247,7 +247,7 @@ impl Happenings {
     }
 
     /// Tells of lifts and partings that are none of lids.
-    pub(crate) fn tell_lifts(&mut self, now_s: f64) {
+    pub(crate) fn tell_no_lids(&mut self, now_s: f64) {
         for parting in self.partings.extract_if(.., |parting| now_s - parting.since_s > LID_S) {
             self.told.extend(parting.told);
         }

@@ -28,12 +28,12 @@ impl Memory {
         let (mut labels, count) = labels(found, view, &self.scene, &self.agents);
         let mut segments = segments(&labels, count, &measure);
         let mut overlap = self.overlap(&labels, view, predicted);
-        let (mut moved, mut inside) = (BTreeMap::new(), BTreeMap::new());
+        let (mut cut, mut moved, mut inside) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
         let finds = self.has(Ingredient::Finding);
         if finds {
             self.part_uncovered(&mut labels, &mut segments, &overlap, predicted, &measure);
-            moved = self.part_opened(&mut labels, &mut segments, &overlap, &measure);
-            if !moved.is_empty() {
+            cut = self.part_opened(&mut labels, &mut segments, &overlap, &measure);
+            if !cut.is_empty() {
                 overlap = self.overlap(&labels, view, predicted);
             }
         }
@@ -42,7 +42,7 @@ impl Memory {
             let beside = self.beside_rest(&segments, &labels, view);
             inside = self.inside(&beside);
             find_again(&segments, &self.tracks, &overlap, &inside, (self.stamp_s, self.pace), &mut tracks_of);
-            moved.append(&mut self.stay_with_the_rest(&segments, &overlap, &beside, &mut tracks_of));
+            moved = self.stay_with_the_rest(&segments, &overlap, &beside, &mut tracks_of);
         }
         self.take_over(&segments, &tracks_of, &overlap);
         let mut keys = Vec::new();
@@ -59,11 +59,7 @@ impl Memory {
             let sample = self.sample(&segments[k], &[]);
             let mut track = Track::new(&segments[k], sample, self.frame == 0);
             let parent = self.came_off(k, &overlap);
-            if let Some(&whole) = moved.get(&k) {
-                if let Some(known) = self.tracks.get_mut(&whole) {
-                    track.move_off(whole, known);
-                }
-            } else if let Some(&whole) = inside.get(&k) {
+            if let Some(&whole) = inside.get(&k) {
                 track.inside_of = Some(whole);
                 (track.was_there_first, track.told_appeared) = (true, true);
             } else if let Some(parent) = parent {
@@ -73,9 +69,23 @@ impl Memory {
             }
             self.tracks.insert(key, track);
         }
+        // What was cut off may show a hand that is known.
+        cut.retain(|k, _| fresh.iter().any(|(known, _)| known == k));
+        for (k, whole) in cut.into_iter().chain(moved) {
+            self.move_off(keys[k], whole);
+        }
         let mut look = Look { found, labels, view, changed, place, segments, keys };
         self.write_seen(&mut look, predicted, &overlap);
         look
+    }
+
+    /// A track shows a part that was moved of a known thing.
+    fn move_off(&mut self, part: Key, whole: Key) {
+        let Some(mut known) = self.tracks.remove(&whole) else { return };
+        if let Some(track) = self.tracks.get_mut(&part).filter(|track| track.moved_off.is_none()) {
+            track.move_off(whole, &mut known);
+        }
+        self.tracks.insert(whole, known);
     }
 
     /// A younger track that showed a segment, which is found to show an older one, was that all along.

@@ -144,12 +144,12 @@ impl Knowledge {
                 continue;
             }
             let touched = touched.contains(&pair(owner, key));
-            let came_off = track.moved_off.or(track.inside_of) == Some(owner);
-            let is_own = touched && track.rest.is_some() && !came_off
+            let is_part = track.part_from() == Some(owner);
+            let is_own = touched && track.rest.is_some() && !is_part
                 || track.was_moved_against(&tracks[&owner], AGAINST_M);
             if self.are_apart(owner, key) || is_own {
                 apart.push(key);
-            } else if came_off {
+            } else if is_part {
                 one.push(key);
             } else if !touched && track.rests() && tracks[&owner].rest.is_some() {
                 let frames = self.whole.entry(pair(owner, key)).or_default();

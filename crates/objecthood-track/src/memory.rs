@@ -149,6 +149,9 @@ impl Memory {
             self.tracks.iter().filter(|(_, track)| is_gone(track)).map(|(&key, _)| key).collect();
         for key in gone {
             self.tracks.remove(&key);
+            for part in self.tracks.values_mut().filter(|part| part.part_of == Some(key)) {
+                part.part_of = None;
+            }
             self.knowledge.forget(key);
             self.happenings.forget(key);
         }
@@ -158,7 +161,7 @@ impl Memory {
         for (&key, track) in &mut self.tracks {
             self.happenings.close(key, track, self.pace);
         }
-        self.happenings.tell_lifts(f64::INFINITY);
+        self.happenings.tell_no_lids(f64::INFINITY);
         let told = self.happenings.take();
         self.numbers.events(told, &mut self.tracks)
     }

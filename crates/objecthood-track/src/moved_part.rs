@@ -11,7 +11,7 @@ use crate::segment::{Measure, STRIDE_PX, Segment, is_looked_at};
 use crate::track::Track;
 use crate::view::View;
 
-/// A segment stays, or is inside, when this share of its pixels is; it does not when less than this is.
+/// A segment lies on, or behind, where a thing rested when this share of its pixels does, and does not when less than this does.
 const MOST: f64 = 0.6;
 const FEW: f64 = 0.3;
 /// A moved part belonged to its thing with this share of its pixels or more, and this share stands before where that rested.
@@ -21,8 +21,9 @@ const BEFORE: f64 = 0.5;
 const LEAST_LOOK: f64 = 0.6;
 /// What stays belongs to an agent's region with less than this share: a hand may lie where a thing rested.
 const OF_AGENT: f64 = 0.3;
-/// A moved part has this share of the pixels of its thing or more.
+/// What is cut off an open thing has this share of the pixels that are left, and so many pixels (at VGA size), or more.
 const LEAST_SHARE: f64 = 0.1;
+const LEAST_PX: f64 = 100.0;
 
 /// Which shares of a segment lie where a thing rested: on its surface, before it and behind it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -102,8 +103,9 @@ impl Memory {
                     && predicted(k) > BELONGED * segments[k].px as f64
                     && looks_like(k)
             };
-            let parts = (0..segments.len()).filter(is_part).filter(|_| of(shown, key).there > MOST);
-            moved.extend(parts.map(|k| (k, key)));
+            if of(shown, key).there > MOST {
+                moved.extend((0..segments.len()).filter(is_part).map(|k| (k, key)));
+            }
             if let Some(rest) = rest {
                 (tracks_of[shown], tracks_of[rest]) = (tracks_of[rest], Some(key));
                 moved.insert(shown, key);
@@ -144,7 +146,8 @@ impl Memory {
         }
         for (k, (key, part, rest)) in parts {
             let Ok(own) = u16::try_from(segments.len() + 1) else { break };
-            if (part.len() as f64) < LEAST_SHARE * rest.len() as f64 || rest.is_empty() {
+            let least = measure.view.px(LEAST_PX).max((LEAST_SHARE * rest.len() as f64) as usize);
+            if part.len() < least || rest.is_empty() {
                 continue;
             }
             let looked_at = |pixels: &[usize]| -> Vec<usize> {

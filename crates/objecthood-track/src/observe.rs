@@ -57,7 +57,7 @@ impl Memory {
         self.tell_partings();
         self.tell_openings(look, &remains);
         self.join_drawers();
-        self.happenings.tell_lifts(self.stamp_s);
+        self.happenings.tell_no_lids(self.stamp_s);
         self.miss(look, &remains);
         self.tell_appearances();
     }

@@ -1,6 +1,6 @@
 //! Lids, doors and drawers: a part of a thing is moved, the rest of it stays, and its inside is seen (ours).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::happening::{Happening, Other, REACHED_S, are_alike};
 use crate::memory::{Look, Memory};
@@ -48,14 +48,19 @@ impl Memory {
         }
     }
 
-    /// The part that was moved of a thing, if it has been seen by itself.
+    /// The part that was moved of a thing, if it has a number of its own: the one that was seen longest.
     fn lid_of(&self, key: Key) -> Option<Key> {
-        let is_lid = |(_, track): &(&Key, &Track)| track.moved_off == Some(key) && track.is_confirmed();
-        self.tracks.iter().rev().find(is_lid).map(|(&lid, _)| lid)
+        let is_lid = |(_, track): &(&Key, &Track)| {
+            track.moved_off == Some(key) && track.part_of.is_none() && track.id.is_some()
+        };
+        let lids = self.tracks.iter().filter(is_lid);
+        lids.max_by_key(|(_, track)| track.hits).map(|(&lid, _)| lid)
     }
 
     /// Tells that a thing was opened, once its inside is seen.
     pub(crate) fn tell_openings(&mut self, look: &Look<'_>, remains: &BTreeMap<Key, Remains>) {
+        let parts = self.tracks.values().filter(|part| !part.rests());
+        let on_the_way: BTreeSet<Key> = parts.filter_map(|part| part.moved_off).collect();
         for (&key, of) in remains {
             let Some(track) = self.tracks.get_mut(&key) else { continue };
             let seen = of.all - of.hidden;
@@ -67,7 +72,10 @@ impl Memory {
                 || (seen as f64) < look.view.px(LEAST_PX) as f64
             {
                 track.ajar_since = None;
-                track.told_opened &= !track.rests() || may_open(track);
+                if track.rests() && !may_open(track) {
+                    track.told_opened = false;
+                    track.lost_part &= on_the_way.contains(&key);
+                }
                 continue;
             }
             let (frame, time_s) = *track.ajar_since.get_or_insert((self.frame, self.stamp_s));
@@ -82,7 +90,10 @@ impl Memory {
             }
             let lid = self.lid_of(key);
             let Some(track) = self.tracks.get(&key) else { continue };
-            let seen_s = lid.map_or(time_s, |lid| self.tracks[&lid].first.stamp_s.min(time_s));
+            // Of an earlier opening the lid tells nothing.
+            let lid_s = lid.map(|lid| self.tracks[&lid].first.stamp_s);
+            let seen_s =
+                lid_s.filter(|lid_s| time_s - lid_s < OPENING_S).map_or(time_s, |lid_s| lid_s.min(time_s));
             let (frame, time_s) = closed_at(track, seen_s).unwrap_or((frame, time_s));
             let percent = 100.0 * share;
             self.happenings.tell(Happening {

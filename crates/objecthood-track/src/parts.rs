@@ -45,20 +45,29 @@ impl Memory {
         self.touched = touching;
     }
 
-    /// Two tracks turned out to be one: the one with the lower number goes on. Returns it.
+    /// Two tracks turned out to be one: the one with the lower number goes on, and one with a number before one without. Returns it.
     pub(crate) fn join(&mut self, a: Key, b: Key) -> Key {
-        let is_older = match (self.tracks[&a].id, self.tracks[&b].id) {
-            (Some(one), Some(other)) => one < other,
-            _ => true,
-        };
-        let (keeper, part) = if is_older { (a, b) } else { (b, a) };
-        self.tracks.entry(part).and_modify(|track| track.part_of = Some(keeper));
+        let order = |key: Key| (self.tracks[&key].id.map_or(u16::MAX, |id| id.0), key);
+        let (keeper, part) = [self.root(a), self.root(b)].map(order).into();
+        let (keeper, part) = if keeper <= part { (keeper.1, part.1) } else { (part.1, keeper.1) };
+        self.make_part(keeper, part);
         keeper
+    }
+
+    /// Makes one track part of another, both of them roots, so that no circle arises.
+    fn make_part(&mut self, whole: Key, part: Key) {
+        if whole != part {
+            self.tracks.entry(part).and_modify(|track| track.part_of = Some(whole));
+        }
     }
 
     /// What stood before a thing is gone, and one surface shows its part too.
     pub(crate) fn merge(&mut self, owner: Key, part: Key) {
-        self.tracks.entry(part).and_modify(|track| track.part_of = Some(owner));
+        let (whole, own) = (self.root(owner), self.root(part));
+        if whole == own {
+            return;
+        }
+        self.make_part(whole, own);
         self.happenings.tell(Happening {
             frame: self.frame,
             time_s: self.stamp_s,
@@ -97,7 +106,8 @@ impl Memory {
             );
             if own.max(others) > PARTED_M
                 && (own - others).abs() > PARTED_M
-                && track.drift.length().max(other.drift.length()) > PARTED_M
+                && (track.drift.length().max(other.drift.length()) > PARTED_M
+                    || !self.has(Ingredient::Motion) && track.rests())
             {
                 parted.push((key, from, own > others));
             }

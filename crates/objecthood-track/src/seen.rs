@@ -64,11 +64,10 @@ impl Memory {
                 parted.insert(k, apart.into_iter().collect());
             }
             for part in one {
-                match self.tracks[&part].moved_off.or(self.tracks[&part].inside_of) == Some(owner) {
-                    true => {
-                        self.join(owner, part);
-                    }
-                    false => self.merge(owner, part),
+                if self.tracks[&part].part_from() == Some(owner) {
+                    self.join(owner, part);
+                } else {
+                    self.merge(owner, part);
                 }
             }
         }

@@ -232,7 +232,7 @@ impl Track {
     /// What comes with an agent and never rested is part of it, until it is let go.
     fn judge_agent(&mut self, segment: &Segment) {
         let is_part = self.is_agent_part();
-        if segment.of_agent > 0.5 && self.rest.is_none() && self.moved_off.or(self.inside_of).is_none() {
+        if segment.of_agent > 0.5 && self.rest.is_none() && self.part_from().is_none() {
             self.agent_score = (self.agent_score + 2).min(6);
         }
         if is_part && segment.of_agent < 0.15 {
@@ -289,9 +289,14 @@ impl Track {
         self.samples.iter().filter(move |sample| sample.frame >= frame)
     }
 
-    /// Whether it is known not to be part of an agent.
+    /// The thing of which it may be a part: that was moved, or that is its inside.
+    pub(crate) fn part_from(&self) -> Option<u32> {
+        self.moved_off.or(self.inside_of)
+    }
+
+    /// Whether it is known to be a thing, or a part of one, and not part of an agent.
     pub(crate) fn is_known(&self) -> bool {
-        (self.rest.is_some() || self.moved_off.or(self.inside_of).is_some()) && !self.is_agent_part()
+        (self.rest.is_some() || self.part_from().is_some()) && !self.is_agent_part()
     }
 
     /// Whether it is open.
@@ -299,7 +304,8 @@ impl Track {
         self.lost_part || self.told_opened
     }
 
-    /// It is a part of a known thing that was moved, so it is no part of an agent. What it shows next looks like the rest.
+    /// It is a part of a known thing that was moved, so it is no part of an agent, and did not appear. Other faces of it
+    /// look like the rest.
     pub(crate) fn move_off(&mut self, whole: u32, known: &mut Self) {
         known.lost_part = true;
         self.look = known.look.clone();

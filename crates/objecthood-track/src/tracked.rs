@@ -236,6 +236,7 @@ impl fmt::Display for Event {
             EventKind::Merged => {
                 write!(f, "Object {object} and {} turn out to be one.", other("another part"))
             }
+            EventKind::Opened if self.other.is_none() => write!(f, "Object {object} is opened."),
             EventKind::Opened => write!(f, "Object {object} opens {}.", other("something")),
         }
     }

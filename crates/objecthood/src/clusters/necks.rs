@@ -45,7 +45,7 @@ const STANDING_SHARE: f64 = 0.3;
 const FOOT_OF_TOP: f64 = 0.35;
 /// The top of a part is this quantile of its heights.
 const TOP_SHARE: f64 = 0.98;
-/// What it hangs on is this close (m), across a gap, or behind its own outline.
+/// What a part hangs on is this close (m): a shoulder hides as much of the neck behind it.
 const HANGING_M: f64 = 0.03;
 /// Contacts around which the lower part is looked at, at most: evenly spread, their surroundings overlap.
 const CONTACTS: usize = 16;
@@ -56,8 +56,8 @@ const CONTACTS: usize = 16;
 ///
 /// A small part that is seen to hang in the air is joined with what it hangs on, whether or not they touch.
 ///
-/// Source: ours, because a neck or fold is a valley between convex parts (paper, future work: concavity). O(pairs that touch · pixels of
-/// both); parallel over pairs. Does nothing without a support; without colour only what would slide off is joined.
+/// Source: ours, because a neck or fold is a valley between convex parts (paper, future work: concavity). O(pairs side by side · pixels of
+/// both); parallel over pairs. Does nothing without a support; without colour only what would slide off or hangs is joined.
 pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
     let scene = clusters.scene;
     let Some(ground) = scene.ground().filter(|_| params.enabled) else { return };
@@ -89,7 +89,7 @@ pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
     clusters.history.note_misses(misses.into_iter().map(Pair::miss));
 }
 
-/// Two clusters that touch, the upper one first.
+/// Two clusters: the upper one first, or the one that hangs.
 struct Pair {
     parts: [SegmentId; 2],
     overlap: f64,
