@@ -24,6 +24,7 @@
 //! | `predict.rs` | the motion of every object, and where it should be seen |
 //! | `identify.rs`, `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
 //! | `uncover.rs` | what comes out from behind a hand beside a known thing, and that a frame takes for one with it |
+//! | `moved_part.rs` | the part of a thing that is moved, such as a lid, and what stays |
 //! | `hand.rs` | what belongs to a hand rather than to the thing that it holds, by colour |
 //! | `seen.rs` | which track is seen at each pixel; known things that no segment shows are held |
 //! | `observe.rs`, `missing.rs` | tracks that are seen, and tracks that are not |
