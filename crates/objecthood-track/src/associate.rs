@@ -41,10 +41,7 @@ pub(crate) struct Overlap {
 impl Overlap {
     /// Whether a segment covers most of where a track should be seen.
     pub(crate) fn is_held(&self, key: u32) -> bool {
-        let predicted = self.predicted.get(&key).copied().unwrap_or(0);
-        self.common
-            .iter()
-            .any(|(&(_, other), &common)| other == key && common as f64 > HOLDS * predicted as f64)
+        self.common.keys().any(|&(segment, other)| other == key && self.is_held_by(segment, key))
     }
 
     /// Whether this segment does.

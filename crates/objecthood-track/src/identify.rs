@@ -58,14 +58,10 @@ impl Memory {
         for &(k, key) in &fresh {
             let sample = self.sample(&segments[k], &[]);
             let mut track = Track::new(&segments[k], sample, self.frame == 0);
-            let parent = self.came_off(k, &overlap);
-            if let Some(&whole) = inside.get(&k) {
-                track.inside_of = Some(whole);
+            track.inside_of = inside.get(&k).copied();
+            track.came_off = if track.inside_of.is_none() { self.came_off(k, &overlap) } else { None };
+            if track.inside_of.or(track.came_off).is_some() {
                 (track.was_there_first, track.told_appeared) = (true, true);
-            } else if let Some(parent) = parent {
-                track.was_there_first = true;
-                track.told_appeared = true;
-                track.came_off = Some(parent);
             }
             self.tracks.insert(key, track);
         }

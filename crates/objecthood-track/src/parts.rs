@@ -48,8 +48,8 @@ impl Memory {
     /// Two tracks turned out to be one: the one with the lower number goes on, and one with a number before one without. Returns it.
     pub(crate) fn join(&mut self, a: Key, b: Key) -> Key {
         let order = |key: Key| (self.tracks[&key].id.map_or(u16::MAX, |id| id.0), key);
-        let (keeper, part) = [self.root(a), self.root(b)].map(order).into();
-        let (keeper, part) = if keeper <= part { (keeper.1, part.1) } else { (part.1, keeper.1) };
+        let [a, b] = [self.root(a), self.root(b)].map(order);
+        let (keeper, part) = (a.min(b).1, a.max(b).1);
         self.make_part(keeper, part);
         keeper
     }

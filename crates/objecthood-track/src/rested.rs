@@ -146,15 +146,15 @@ impl Rested {
                 && look.place.height_m(point) > floor
             {
                 let (u, v) = (pixel % self.size.0, pixel / self.size.0);
-                let shift = is - self.surface[pixel];
-                let is_at_rest = !look.changed.has(pixel);
-                if is_at_rest && shift.abs() < BESIDE_BACKGROUND_PER_M * look.view.noise {
-                    of.stays += 1;
-                    rows.add(key, v, u);
-                    columns.add(key, u, v);
-                } else if is_at_rest && depth > THERE_M {
-                    // What is pushed away from the camera is behind where it was too, but moves.
-                    behind.push((key, u, v));
+                // What is pushed away from the camera is behind where it was too, but moves.
+                match self.at(pixel, look.view).filter(|_| !look.changed.has(pixel)) {
+                    Some((_, Beside::There)) => {
+                        of.stays += 1;
+                        rows.add(key, v, u);
+                        columns.add(key, u, v);
+                    }
+                    Some((_, Beside::Behind)) => behind.push((key, u, v)),
+                    _ => {}
                 }
             }
         }

@@ -91,6 +91,12 @@ impl<'a> Clusters<'a> {
         self.of_facet[facet]
     }
 
+    /// The cluster that a pixel belongs to by its facet. `None` = background, or no facet.
+    pub(crate) fn at_pixel(&self, i: usize) -> Option<SegmentId> {
+        let facet = self.scene.facets.segments.at(i)?;
+        self.of_facet(facet.index().checked_sub(self.scene.facets.structure)?)
+    }
+
     /// The flat thing in a cluster, the surest if it has several (docs/CONTEXT.md 2.3).
     pub(crate) fn flat(&self, id: SegmentId) -> Option<&'a Flat> {
         find_flat(self.scene.facets, &self.of_facet, id)

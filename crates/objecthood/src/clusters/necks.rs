@@ -38,10 +38,11 @@ const SLIDING_SHARE: f64 = 0.33;
 /// A part on a slope has at most this share of the pixels of the one below: caps and heads measure 0.1 to 0.35. Of things that lean on each other, the
 /// front one hides the foot of the other, and both are of a size.
 const SMALLER_SHARE: f64 = 0.4;
-/// A part hangs when this share of its pixels is seen to, and less than the other is seen to stand:
+/// A part hangs when at least the first of these shares of its pixels hangs, and less than the second stands. What it hangs on stands with at
+/// least the second.
 const HANGING_SHARE: f64 = 0.5;
 const STANDING_SHARE: f64 = 0.3;
-/// Its foot is at this share of its top or higher: what leans stands on an end.
+/// The foot of a hanging part is at least this share as high as its top: what leans stands on an end.
 const FOOT_OF_TOP: f64 = 0.35;
 /// The top of a part is this quantile of its heights.
 const TOP_SHARE: f64 = 0.98;
@@ -202,9 +203,17 @@ impl Compare<'_> {
             Bound::AtMost,
             SMALLER_SHARE,
         );
+        let share = |name, value, bound, limit| Check::new(name, "", value, bound, limit);
         let bends = self.clusters.convexity(carrier);
-        let bends = Check::new("how far the other bends outwards", "", bends, Bound::Above, 0.0);
-        if ![smaller, bends].iter().all(Check::holds) {
+        let bends = share("how far the other bends outwards", bends, Bound::Above, 0.0);
+        let [foot_m, top_m] = [FOOT_SHARE, TOP_SHARE]
+            .map(|share| height_m(self.clusters.scene, &self.clusters.get(part).pixels, share));
+        let foot =
+            Check::new("foot of the hanging part above its support", "m", foot_m, Bound::Above, FOOT_M);
+        let ends =
+            share("height of that foot, over that of its top", foot_m / top_m, Bound::AtLeast, FOOT_OF_TOP);
+        // Most pairs fail these, which cost little.
+        if ![smaller, bends, foot, ends].iter().all(Check::holds) {
             return None;
         }
         let distance_m = hanging::distance_m(self.clusters, [part, carrier]);
@@ -213,12 +222,9 @@ impl Compare<'_> {
             return None;
         }
         let [own, other] = [part, carrier].map(|id| hanging::underside(self.clusters, id));
-        let share = |name, value, bound, limit| Check::new(name, "", value, bound, limit);
-        let [foot_m, top_m] = [FOOT_SHARE, TOP_SHARE]
-            .map(|share| height_m(self.clusters.scene, &self.clusters.get(part).pixels, share));
         let checks = vec![
-            Check::new("foot of the hanging part above its support", "m", foot_m, Bound::Above, FOOT_M),
-            share("height of that foot, over that of its top", foot_m / top_m, Bound::AtLeast, FOOT_OF_TOP),
+            foot,
+            ends,
             share(
                 "share of the part that hangs: its support is seen below it",
                 own.hanging,
@@ -238,13 +244,10 @@ impl Compare<'_> {
     fn slopes(&self, upper: SegmentId, lower: SegmentId) -> Slopes {
         let scene = self.clusters.scene;
         let (width, height) = scene.disparity.size();
-        let cluster_at = |i: usize| {
-            let facet = scene.facets.segments.at(i)?.index().checked_sub(scene.facets.structure)?;
-            self.clusters.of_facet(facet)
-        };
         let meets = |&i: &usize| {
-            four_neighbours(i, width, height)
-                .any(|(j, _)| cluster_at(j) == Some(upper) && scene.steps.touch(scene.disparity, i, j))
+            four_neighbours(i, width, height).any(|(j, _)| {
+                self.clusters.at_pixel(j) == Some(upper) && scene.steps.touch(scene.disparity, i, j)
+            })
         };
         let pixels = &self.clusters.get(lower).pixels;
         let contacts: Vec<usize> = pixels.iter().map(|&i| i as usize).filter(meets).collect();
@@ -344,8 +347,8 @@ mod tests {
         assert_eq!(joined(&depth_only), one);
     }
 
-    /// A lying cylinder far from the middle of the image, and beside it, across a gap without depth, a thing whose left and right end have these heights (m): seen from above,
-    /// what is below it comes out at its side that is nearer to the middle.
+    /// A lying cylinder and, across a gap without depth, a thing whose left and right end have these heights (m). Both are far from the middle of
+    /// the image, so the camera sees the table below the thing at its right side.
     fn lying(heights_m: [f64; 2]) -> Vec<Option<u32>> {
         let of = |u: usize, v: usize| {
             let (is_cylinder, is_part) = ((22..58).contains(&v), (8..20).contains(&v));

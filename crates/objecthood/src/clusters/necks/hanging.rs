@@ -29,15 +29,12 @@ pub(super) fn underside(clusters: &Clusters<'_>, part: SegmentId) -> Underside {
     let pixels = &clusters.get(part).pixels;
     let Some(support) = scene.own_support(pixels) else { return Underside::default() };
     let (up, camera, size) = (scene.surfaces[support].normal, scene.space.camera(), scene.disparity.size());
-    let facet_at = |at: usize| scene.facets.segments.at(at).map(|facet| facet.index());
-    let is_own = |facet: usize| {
-        facet.checked_sub(scene.facets.structure).and_then(|facet| clusters.of_facet(facet)) == Some(part)
-    };
     let ends = |from: DVec3| {
         for step in 1..=MOST_STEPS {
             let at = camera.pixel_at(from - step as f64 * STEP_M * up, size)?;
-            if let Some(facet) = facet_at(at).filter(|&facet| !is_own(facet)) {
-                return (facet == support).then_some((step, at));
+            let facet = scene.facets.segments.at(at).filter(|_| clusters.at_pixel(at) != Some(part));
+            if let Some(facet) = facet {
+                return (facet.index() == support).then_some((step, at));
             }
         }
         None

@@ -199,14 +199,13 @@ mod tests {
         let (mut through, mut on, mut hidden) = (0.0, 0.0, 0.0);
         let mut before = vec![0; segments.count()];
         for [u, v] in draw_lines([a, b], scene.disparity.width()).into_iter().flatten() {
-            let (facet, d) =
-                (segments.at(v * scene.disparity.width() + u), f64::from(*scene.disparity.get(u, v)?));
+            let i = v * scene.disparity.width() + u;
+            let (facet, d) = (segments.at(i), f64::from(*scene.disparity.get(u, v)?));
             if d.is_nan() || facet == Some(a.facet) || facet == Some(b.facet) {
                 continue;
             }
             let above = d - surface([u as f64, v as f64]);
-            let free = facet.and_then(|facet| facet.index().checked_sub(scene.facets.structure));
-            let cluster = free.and_then(|free| clusters.of_facet(free));
+            let cluster = clusters.at_pixel(i);
             if above < -SEEN_THROUGH_QUANTA {
                 through += 1.0;
             } else if above <= HIDDEN_QUANTA || cluster == Some(a.cluster) || cluster == Some(b.cluster) {

@@ -11,7 +11,6 @@ use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::clusters::patches::{Patch, Shared, find_patches};
 use crate::clusters::scene::sampled;
 use crate::discovery::join::{Join, JoinEvidence};
-use crate::facets::Facets;
 use crate::hull::Hull;
 use crate::oriented_box::fit_oriented_box;
 use crate::regions::SegmentId;
@@ -171,9 +170,7 @@ fn check_length(clusters: &Clusters<'_>, limits: Limits<'_>, walls: &[u32]) -> C
 
 /// The share of a cluster that faces up, but for a bottom that it was given.
 fn up_share(clusters: &Clusters<'_>, limits: Limits<'_>, id: SegmentId) -> f64 {
-    let Facets { segments, structure, .. } = clusters.scene.facets;
-    let owner = |i: usize| clusters.of_facet(segments.at(i)?.index().checked_sub(*structure)?);
-    let is_own = |&i: &usize| owner(i) == Some(id);
+    let is_own = |&i: &usize| clusters.at_pixel(i) == Some(id);
     let (up, all) = sampled(&clusters.get(id).pixels).filter(is_own).fold((0, 0), |(up, all), i| {
         let cosine = DVec3::from(clusters.scene.normals[i].map(f64::from)).dot(limits.support.normal);
         (up + u32::from(cosine > UP_COSINE), all + 1)
