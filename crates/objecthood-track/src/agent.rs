@@ -11,6 +11,8 @@ use crate::view::View;
 const LEAST_PX: f64 = 300.0;
 /// Least number of its pixels on the border of the image (px at VGA size).
 const LEAST_BORDER_PX: f64 = 8.0;
+/// Least share of it that is measured nearer in frames that count: of what only lost its depth, such as a shining floor, nothing is known.
+const LEAST_MEASURED: f64 = 0.25;
 /// It has to be there so long (s).
 const LEAST_S: f64 = 0.2;
 /// It may be away from the border so long (s), once it was there twice as long as it has to be: what flies in is soon away.
@@ -47,11 +49,8 @@ impl Agents {
         let open = view.length_px(if camera_moves { 2.0 } else { 1.0 });
         let close = view.length_px(5.0);
         let front = scene.in_front(view).eroded(open).dilated(open).dilated(close).eroded(close);
-        let (width, height) = view.size;
-        let on_border = |&&pixel: &&usize| {
-            let (u, v) = (pixel % width, pixel / width);
-            u == 0 || v == 0 || u + 1 == width || v + 1 == height
-        };
+        let width = view.size.0;
+        let on_border = |&&pixel: &&usize| view.field.is_border(pixel % width, pixel / width, 0);
         let (least_px, least_border) = (view.px(LEAST_PX), view.length_px(LEAST_BORDER_PX));
         let mut old = std::mem::take(&mut self.all);
         self.free.clear();
@@ -69,8 +68,10 @@ impl Agents {
                 }
                 continue;
             }
+            let nearer = mask.pixels().filter(|&pixel| scene.is_in_front(view, pixel)).count();
+            let is_measured = nearer as f64 >= LEAST_MEASURED * component.len() as f64;
             let (number, frames) = before.map_or((0, 0), |agent| (agent.number, agent.frames));
-            self.all.push(Agent { number, mask, frames: frames + 1, away });
+            self.all.push(Agent { number, mask, frames: frames + usize::from(is_measured), away });
         }
         let least = pace.frames(LEAST_S);
         self.region = Bits::none(view.size);

@@ -20,6 +20,7 @@
 //! |---|---|
 //! | `camera.rs`, `align.rs` | the camera's motion; one `align` serves camera and objects |
 //! | `scene.rs` | what is remembered of every pixel: where the frame changed, labels steadied at rest |
+//! | `field.rs` | where the sensor measures depth |
 //! | `agent.rs` | hands and people: what is nearer than the rested scene and stays connected to the border of the image |
 //! | `predict.rs` | the motion of every object, and where it should be seen |
 //! | `identify.rs`, `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
@@ -42,6 +43,7 @@ mod associate;
 mod bits;
 mod camera;
 mod error;
+mod field;
 mod flight;
 mod hand;
 mod happening;

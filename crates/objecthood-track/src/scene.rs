@@ -14,6 +14,8 @@ const CHANGED_PER_M: [f32; 2] = [0.0042, 0.009];
 const CHANGED_LEVELS: [i16; 2] = [26, 60];
 /// Nearer or farther than the rested background by this inverse depth (1/m).
 pub(crate) const BESIDE_BACKGROUND_PER_M: f32 = 0.007;
+/// The background where nothing is in reach of the sensor: as good as infinitely far (1/m).
+const NOTHING_PER_M: f32 = 1e-6;
 /// A surface is there when the depth is within this (m).
 pub(crate) const THERE_M: f32 = 0.02;
 /// A surface is far behind another by this (m).
@@ -195,11 +197,8 @@ impl Scene {
 
     /// What is nearer than the rested background, or has no depth where that had one. O(n).
     pub(crate) fn in_front(&self, view: &View) -> Bits {
-        let limit = BESIDE_BACKGROUND_PER_M * view.noise;
-        Bits::of(self.size, |pixel| {
-            let (rested, is) = (self.background[pixel], view.inverse[pixel]);
-            rested > 0.0 && (is == 0.0 || is - rested > limit)
-        })
+        let is_hidden = |pixel: usize| self.background[pixel] > NOTHING_PER_M && view.inverse[pixel] == 0.0;
+        Bits::of(self.size, |pixel| is_hidden(pixel) || self.is_in_front(view, pixel))
     }
 
     /// Whether a pixel shows something nearer than the rested background.
@@ -262,6 +261,12 @@ impl Scene {
             if is == 0.0 {
                 if has_changed {
                     (self.depth[pixel], self.frames[pixel]) = (0.0, 0);
+                }
+                if self.background[pixel] == 0.0 {
+                    self.farther[pixel] = self.farther[pixel].saturating_add(1);
+                    if self.farther[pixel] >= farther {
+                        (self.background[pixel], self.farther[pixel]) = (NOTHING_PER_M, 0);
+                    }
                 }
                 continue;
             }

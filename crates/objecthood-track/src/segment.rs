@@ -93,14 +93,13 @@ pub(crate) fn labels(found: &Discovery, view: &View, scene: &Scene, agents: &Age
 impl Measure<'_> {
     /// Measures a segment of which every second column and row is given. O(pixels).
     pub(crate) fn segment(&self, pixels: &[usize]) -> Segment {
-        let (width, height) = self.view.size;
+        let width = self.view.size.0;
         let mut segment = Segment { px: pixels.len() * STRIDE_PX * STRIDE_PX, ..Segment::default() };
         let (mut sum, mut squares) = (DVec3::ZERO, 0.0);
         let mut heights = Vec::with_capacity(pixels.len());
         for &pixel in pixels {
             let (u, v) = (pixel % width, pixel / width);
-            let reach = STRIDE_PX;
-            segment.at_border |= u < reach || v < reach || u + reach >= width || v + reach >= height;
+            segment.at_border |= self.view.field.is_border(u, v, STRIDE_PX - 1);
             segment.changed += f64::from(u8::from(self.changed.has(pixel)));
             segment.in_place += f64::from(u8::from(self.scene.is_in_place(self.view, pixel)));
             segment.of_agent += f64::from(u8::from(self.agents.region.has(pixel)));

@@ -3,6 +3,8 @@
 use glam::DVec3;
 use objecthood::{Camera, Frame};
 
+use crate::field::Field;
+
 /// Normals are differences over so many pixels to each side.
 const NORMAL_REACH_PX: usize = 4;
 /// Neighbours whose depth differs by more than this share belong to another surface.
@@ -19,6 +21,8 @@ pub(crate) struct View {
     pub(crate) grey: Vec<u8>,
     /// sRGB; empty without colour.
     pub(crate) color: Vec<[u8; 3]>,
+    /// Where depth is measured.
+    pub(crate) field: Field,
     /// How much noisier than a Kinect the sensor is, at least as noisy as that.
     pub(crate) noise: f32,
 }
@@ -26,14 +30,15 @@ pub(crate) struct View {
 impl View {
     /// O(n).
     pub(crate) fn of(frame: &Frame, noise: f32) -> Self {
-        let inverse =
+        let inverse: Vec<f32> =
             frame.depth_m().as_slice().iter().map(|&z| if z > 0.0 { 1.0 / z } else { 0.0 }).collect();
         let color: Vec<[u8; 3]> = frame.color().map_or_else(Vec::new, |color| color.as_slice().to_vec());
         let grey = color
             .iter()
             .map(|&[r, g, b]| ((77 * u32::from(r) + 150 * u32::from(g) + 29 * u32::from(b)) >> 8) as u8)
             .collect();
-        Self { size: frame.size(), camera: frame.camera(), inverse, grey, color, noise }
+        let field = Field::of(&inverse, frame.size());
+        Self { size: frame.size(), camera: frame.camera(), inverse, grey, color, field, noise }
     }
 
     /// The point (m) of a pixel with depth.

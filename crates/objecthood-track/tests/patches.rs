@@ -10,7 +10,7 @@ use objecthood_track::{Tracked, Tracker};
 
 const SIZE: (usize, usize) = (160, 120);
 
-/// A rectangle that faces the camera.
+/// A rectangle that faces the camera. At depth 0 it hides what is behind it and is not measured; at an infinite one nothing is in reach.
 #[derive(Clone, Copy)]
 struct Patch {
     left: i32,
@@ -43,7 +43,8 @@ fn frame(patches: &[Patch], found: &[usize], number: u64) -> (Frame, Discovery) 
             let seen = patches.iter().enumerate().filter(|(_, patch)| patch.has(u, v));
             let nearest = seen.min_by(|a, b| a.1.depth_m.total_cmp(&b.1.depth_m));
             let (rgb, z) = nearest.map_or(WALL, |(_, patch)| (patch.color_at(u, v), patch.depth_m));
-            depth_m.push(z + 0.0012 * z * z * noise(u as u64, v as u64, number));
+            let measured = z + 0.0012 * z * z * noise(u as u64, v as u64, number);
+            depth_m.push(if z.is_finite() { measured } else { 0.0 });
             color.push(rgb);
             owners.push(nearest.map(|(k, _)| k).filter(|k| found.contains(k)));
         }
@@ -195,6 +196,31 @@ fn what_stays_of_a_thing_keeps_its_number() {
             assert!(shown(&tracked, &part, 6, 6) > 1, "frame {number}: the part");
         }
     }
+}
+
+/// An arm comes from the side before nothing that the sensor measures, and there the image has a band without depth, as registered depth has.
+#[test]
+fn an_arm_is_an_agent_before_nothing_and_beside_a_band_without_depth() {
+    const OFFICE: Patch =
+        Patch { left: 0, top: 0, width: 160, height: 60, depth_m: f32::INFINITY, color: [30, 30, 30] };
+    const BAND: Patch =
+        Patch { left: 150, top: 0, width: 10, height: 120, depth_m: 0.0, color: [40, 70, 190] };
+    const BESIDE: Patch = Patch { left: 20, ..THING };
+    let mut tracker = Tracker::new(objecthood::Params::default());
+    for number in 0..40_i32 {
+        let left = (220 - 6 * number).clamp(90, 160);
+        let arm = Patch { left, top: 12, width: 160, height: 30, depth_m: 0.8, color: [40, 70, 190] };
+        // A frame finds the arm too.
+        let (frame, found) = frame(&[BESIDE, arm, BAND, OFFICE], &[0, 1], number as u64);
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        assert!(tracked.agents.len() <= usize::from(left < 150), "frame {number}: {:?}", tracked.agents);
+        if left <= 100 {
+            assert!(tracked.agents[0].size_px > 600, "frame {number}: {:?}", tracked.agents);
+            let numbered = tracked.labels.as_slice().iter().filter(|&&label| label > 1).count();
+            assert_eq!(numbered, 0, "frame {number}: the arm is an object");
+        }
+    }
+    assert!(tracker.finish().is_empty());
 }
 
 /// A thing that goes round, beside one that rests.
