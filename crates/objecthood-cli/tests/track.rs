@@ -141,6 +141,39 @@ fn without_its_ingredients_a_tracker_says_less() {
     assert!(run.stderr.contains("steadying and all"), "{}", run.stderr);
 }
 
+/// A person who is there from the first frame on leans over a table, before a dark room that the sensor does not reach, and comes out of the
+/// band that registration leaves without depth.
+#[test]
+fn a_person_at_a_table_is_one_agent() {
+    let Some(data) = common::data() else { return };
+    let video = data.join("video/hand-plush");
+    if !video.is_dir() {
+        println!("skipped: no video/hand-plush in the data folder");
+        return;
+    }
+    let folder = Folder::new();
+    folder.run(&format!("track {} --frames 0..60 --out found", video.display()), 0);
+    let files = folder.files("found");
+    let frames = lines(&files["tracks.jsonl"]);
+    let agents = |frame: &Value| frame["agents"].as_array().unwrap().clone();
+    let first = &agents(&frames[40])[0]["track"];
+    for frame in &frames[40..] {
+        let agents = agents(frame);
+        assert_eq!(agents.len(), 1, "{}", frame["frame"]);
+        assert_eq!(agents[0]["track"], *first, "{}", frame["frame"]);
+        assert!(agents[0]["size_px"].as_u64().unwrap() > 15_000, "{}", frame["frame"]);
+    }
+    // The brain, and the chest of the person.
+    let stems: Vec<&String> = files.keys().filter(|name| name.starts_with("labels/")).collect();
+    let shown = |k: usize, u: u32, v: u32| {
+        image::load_from_memory(&files[stems[k]]).unwrap().into_luma16().get_pixel(u, v)[0]
+    };
+    for k in 40..frames.len() {
+        assert_eq!(shown(k, 110, 137), shown(0, 110, 137), "frame {k}: the brain");
+        assert_eq!(shown(k, 260, 40), 0, "frame {k}: the person");
+    }
+}
+
 #[test]
 fn mistakes_are_explained() {
     let folder = Folder::new();

@@ -11,8 +11,13 @@ use crate::view::View;
 const LEAST_PX: f64 = 300.0;
 /// Least number of its pixels on the border of the image (px at VGA size).
 const LEAST_BORDER_PX: f64 = 8.0;
-/// Least share of it that is measured nearer in frames that count: of what only lost its depth, such as a shining floor, nothing is known.
+/// Least share of it that is measured nearer, or changed, in frames that count: a shining floor only loses its depth.
 const LEAST_MEASURED: f64 = 0.25;
+/// What stands before nothing with more than this share, and of which less than this changes, for so long (s), is scene that the sensor
+/// reached late.
+const MOST_BEFORE_NOTHING: f64 = 0.5;
+const LEAST_ALIVE: f64 = 0.02;
+const SCENE_S: f64 = 5.0;
 /// It has to be there so long (s).
 const LEAST_S: f64 = 0.2;
 /// It may be away from the border so long (s), once it was there twice as long as it has to be: what flies in is soon away.
@@ -26,6 +31,8 @@ pub(crate) struct Agent {
     pub(crate) mask: Bits,
     frames: usize,
     away: usize,
+    /// Frames for which it has not changed, if it stands before nothing that was in reach of the sensor.
+    still: usize,
 }
 
 /// All agents of a frame.
@@ -45,7 +52,14 @@ impl Agents {
     }
 
     /// Finds them in a frame. O(n).
-    pub(crate) fn update(&mut self, view: &View, scene: &Scene, camera_moves: bool, pace: Pace) {
+    pub(crate) fn update(
+        &mut self,
+        view: &View,
+        scene: &Scene,
+        changed: &Bits,
+        camera_moves: bool,
+        pace: Pace,
+    ) {
         let open = view.length_px(if camera_moves { 2.0 } else { 1.0 });
         let close = view.length_px(5.0);
         let front = scene.in_front(view).eroded(open).dilated(open).dilated(close).eroded(close);
@@ -54,8 +68,13 @@ impl Agents {
         let (least_px, least_border) = (view.px(LEAST_PX), view.length_px(LEAST_BORDER_PX));
         let mut old = std::mem::take(&mut self.all);
         self.free.clear();
-        for component in front.components().into_iter().filter(|component| component.len() >= least_px) {
-            let touches = component.iter().filter(on_border).count() >= least_border;
+        let components = front.components().into_iter().filter(|component| component.len() >= least_px);
+        let touches = |component: &Vec<usize>| component.iter().filter(on_border).count() >= least_border;
+        let mut components: Vec<(bool, Vec<usize>)> =
+            components.map(|component| (touches(&component), component)).collect();
+        // Neither a splinter of an arm nor what it let go takes its number.
+        components.sort_by_key(|(touches, component)| std::cmp::Reverse((*touches, component.len())));
+        for (touches, component) in components {
             let mut mask = Bits::none(view.size);
             component.iter().for_each(|&pixel| mask.insert(pixel));
             let same = old.iter().enumerate().map(|(k, agent)| (agent.mask.common(&mask), k)).max();
@@ -68,14 +87,23 @@ impl Agents {
                 }
                 continue;
             }
-            let nearer = mask.pixels().filter(|&pixel| scene.is_in_front(view, pixel)).count();
-            let is_measured = nearer as f64 >= LEAST_MEASURED * component.len() as f64;
+            let is_sign = |&pixel: &usize| scene.is_in_front(view, pixel) || changed.has(pixel);
+            let is_measured =
+                mask.pixels().filter(is_sign).count() as f64 >= LEAST_MEASURED * component.len() as f64;
+            let share = |holds: &dyn Fn(&usize) -> bool| {
+                component.iter().filter(|pixel| holds(pixel)).count() as f64 / component.len() as f64
+            };
+            let is_still = share(&|&pixel| scene.is_before_nothing(pixel)) > MOST_BEFORE_NOTHING
+                && share(&|&pixel| changed.has(pixel)) < LEAST_ALIVE;
+            let still = if is_still { before.as_ref().map_or(0, |agent| agent.still + 1) } else { 0 };
             let (number, frames) = before.map_or((0, 0), |agent| (agent.number, agent.frames));
-            self.all.push(Agent { number, mask, frames: frames + usize::from(is_measured), away });
+            self.all.push(Agent { number, mask, frames: frames + usize::from(is_measured), away, still });
         }
         let least = pace.frames(LEAST_S);
         self.region = Bits::none(view.size);
-        for agent in self.all.iter_mut().filter(|agent| agent.frames >= least) {
+        let most_still = pace.frames(SCENE_S);
+        let is_agent = |agent: &&mut Agent| agent.frames >= least && agent.still < most_still;
+        for agent in self.all.iter_mut().filter(is_agent) {
             if agent.number == 0 {
                 agent.number = self.next;
                 self.next += 1;
@@ -86,6 +114,6 @@ impl Agents {
 
     /// Those that have been there long enough.
     pub(crate) fn sure(&self) -> impl Iterator<Item = &Agent> {
-        self.all.iter().filter(|agent| agent.number > 0)
+        self.all.iter().filter(|agent| agent.number > 0 && self.region.common(&agent.mask) > 0)
     }
 }

@@ -29,7 +29,7 @@ impl Field {
         let within = |counts: &[usize], length: usize| {
             let least = LEAST_MEASURED * length as f64;
             let band = |empty: usize| match empty as f64 <= WIDEST * counts.len() as f64 {
-                true if empty > 0 => empty + ragged,
+                true if empty > 0 => (empty + ragged).min(counts.len() / 4),
                 _ => 0,
             };
             let is_empty = |count: &&usize| (**count as f64) < least;
@@ -38,6 +38,12 @@ impl Field {
             (first, counts.len() - 1 - last)
         };
         Self { columns: within(&columns, height), rows: within(&rows, width) }
+    }
+
+    /// Whether a pixel lies in the part of the image that has depth.
+    pub(crate) fn has(&self, u: usize, v: usize) -> bool {
+        let within = |(first, last): (usize, usize), x: usize| (first..=last).contains(&x);
+        within(self.columns, u) && within(self.rows, v)
     }
 
     /// Whether a pixel lies at most so far from the border, or beyond it.

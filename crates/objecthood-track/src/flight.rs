@@ -20,8 +20,10 @@ const SIGMAS: f64 = 2.5;
 const HEIGHT_SIGMA_M: f64 = 0.003;
 /// What flies moves, or changes where it is seen.
 const LEAST_CHANGED: f64 = 0.35;
-/// No hand reaches it in so many frames, and in these less of it than this belongs to an agent's region.
+/// No hand reaches it in so many frames, or in so many at the end if its heights keep to the parabola within their noise.
 const LEAST_FREE: usize = 3;
+const LEAST_FREE_IF_EXACT: usize = 2;
+/// Of what no hand reaches less than this share belongs to an agent's region.
 const MOST_OF_AGENT: f64 = 0.5;
 /// It covers at least this (m), so that rest is no flight.
 const LEAST_PATH_M: f64 = 0.03;
@@ -91,7 +93,7 @@ fn fits(samples: &[Sample]) -> Option<Flight> {
     let is_whole = sizes().max()? <= MOST_SIZES * sizes().min()?;
     // It may begin near a hand, or end there.
     let is_free = |sample: &&Sample| sample.reached_by.is_none() && sample.of_agent < MOST_OF_AGENT;
-    if !is_whole || samples.iter().filter(is_free).count() < LEAST_FREE {
+    if !is_whole {
         return None;
     }
     let n = samples.len() as f64;
@@ -109,6 +111,12 @@ fn fits(samples: &[Sample]) -> Option<Flight> {
     let residuals = line(&lifted);
     let largest = residuals.iter().fold(0.0_f64, |most, r| most.max(r.abs()));
     let ends = residuals[0].abs().max(residuals[residuals.len() - 1].abs());
+    let is_exact = rms(&residuals) < HEIGHT_SIGMA_M;
+    let free = samples.iter().filter(is_free).count();
+    let free_at_end = samples.iter().rev().take_while(is_free).count();
+    if free < LEAST_FREE && !(is_exact && free_at_end >= LEAST_FREE_IF_EXACT) {
+        return None;
+    }
     if rms(&residuals) > RMS_M || largest > LARGEST_M || ends > ENDS_M {
         return None;
     }
@@ -158,6 +166,7 @@ mod tests {
                     center: DVec3::new(0.8 * t, 0.1, height_m),
                     height_m,
                     bottom_m: height_m - 0.03,
+                    top_m: height_m + 0.03,
                     in_place: 0.0,
                     px: 900,
                     changed: 0.9,

@@ -90,9 +90,13 @@ impl Happening {
 struct Handling {
     before: Rest,
     agent: u32,
-    was_in: Option<Parent>,
+    /// What held it, and how.
+    held_by: Option<(Parent, Relation)>,
+    /// Whether it was lifted only because what holds it was.
+    goes_along: bool,
     begun: u64,
-    lifted: bool,
+    /// When its lift began (s), once that is sure.
+    lifted_s: Option<f64>,
     /// The lift, until it is sure that it is not that of a lid.
     lift: Vec<Happening>,
 }
@@ -101,6 +105,8 @@ struct Handling {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Parting {
     whole: Key,
+    part: Key,
+    since: u64,
     since_s: f64,
     told: Vec<Happening>,
 }
@@ -132,7 +138,18 @@ impl Happenings {
     }
 
     pub(crate) fn is_lifted(&self, key: Key) -> bool {
-        self.handled.get(&key).is_some_and(|handling| handling.lifted)
+        self.handled.get(&key).is_some_and(|handling| handling.lifted_s.is_some())
+    }
+
+    /// Whether its lift, which is not told yet, was that of the thing that held it: both were lifted at about the same time.
+    fn is_lifted_along(&self, key: Key) -> bool {
+        let Some(handling) = self.handled.get(&key) else { return false };
+        let carrier = handling.held_by.and_then(|(parent, _)| self.handled.get(&parent?));
+        let goes_along = |carrier: &Handling| {
+            let apart_s = carrier.lifted_s.zip(handling.lifted_s).map(|(one, other)| (one - other).abs());
+            carrier.agent == handling.agent && apart_s.is_some_and(|apart_s| apart_s < LID_S)
+        };
+        !handling.lift.is_empty() && carrier.is_some_and(goes_along)
     }
 
     /// Looks at a track that is seen, after its new sample.
@@ -192,14 +209,10 @@ impl Happenings {
         let Some(agent) = track.reached_within(REACHED_S) else { return };
         if track.rest_s == 0.0 && (is_displaced || last.bottom_m - before.bottom_m > OFF_M && track.is_moving)
         {
-            let was_in = track
-                .votes
-                .winner()
-                .filter(|(_, relation)| *relation == Relation::In)
-                .map(|(parent, _)| parent);
-            let begun = last.frame;
-            self.handled
-                .insert(key, Handling { before, agent, was_in, begun, lifted: false, lift: Vec::new() });
+            let (held_by, begun) = (track.votes.winner(), last.frame);
+            let (goes_along, lifted_s, lift) = (false, None, Vec::new());
+            let handling = Handling { before, agent, held_by, goes_along, begun, lifted_s, lift };
+            self.handled.insert(key, handling);
         }
     }
 
@@ -209,18 +222,22 @@ impl Happenings {
         let before = handling.before;
         // A hand before its lower part only seems to lift it.
         let climbs = track.drift.dot(up) > LIFTED_M / 2.0 || are_alike(track.last.px, before.px);
+        // Of what is lifted along its own face much is seen where it rested; a hand before it does not lift its top.
+        let is_off = |sample: &Sample, by_m: f64| {
+            sample.in_place < STAYS
+                || sample.top_m - before.top_m > by_m && sample.bottom_m - before.bottom_m > by_m
+        };
         let is_up = |sample: &Sample| {
             climbs
-                && sample.in_place < STAYS
+                && is_off(sample, LIFTED_M)
                 && sample.bottom_m - before.bottom_m > LIFTED_M
                 && sample.height_m - before.height_m > LIFTED_M / 2.0
         };
         let up = track.samples.iter().rev().take(2).filter(|sample| is_up(sample)).count();
-        if handling.lifted || up < 2 {
+        if handling.lifted_s.is_some() || up < 2 {
             return;
         }
-        handling.lifted = true;
-        let rises = |sample: &&Sample| sample.in_place < STAYS && sample.height_m - before.height_m > OFF_M;
+        let rises = |sample: &&Sample| is_off(sample, OFF_M) && sample.height_m - before.height_m > OFF_M;
         let since = track
             .samples
             .iter()
@@ -228,11 +245,12 @@ impl Happenings {
             .take_while(|sample| sample.frame > before.frame && rises(sample))
             .last();
         let first = since.copied().unwrap_or(track.last);
+        handling.lifted_s = Some(first.stamp_s);
         let other = Other::Agent(handling.agent);
         let rise_mm = 1000.0 * (track.last.bottom_m - before.bottom_m);
         let evidence = format!("its lowest point rose by {rise_mm:.0} mm in reach of the agent");
         handling.lift.push(Happening::at(&first, key, EventKind::PickedUp, other, 0.9, evidence));
-        if let Some(Some(vessel)) = handling.was_in {
+        if let Some((Some(vessel), Relation::In)) = handling.held_by {
             let evidence = "it lay in it before it was lifted".to_owned();
             let vessel = Other::Track(vessel);
             handling.lift.push(Happening::at(&first, key, EventKind::TakenOut, vessel, 0.9, evidence));
@@ -242,14 +260,24 @@ impl Happenings {
     }
 
     /// A part came off a thing.
-    pub(crate) fn part(&mut self, whole: Key, since_s: f64, told: Vec<Happening>) {
-        self.partings.push(Parting { whole, since_s, told });
+    pub(crate) fn part(&mut self, whole: Key, part: Key, (since, since_s): (u64, f64), told: Vec<Happening>) {
+        self.partings.push(Parting { whole, part, since, since_s, told });
     }
 
-    /// Tells of lifts and partings that are none of lids.
-    pub(crate) fn tell_no_lids(&mut self, now_s: f64) {
+    /// Tells of lifts and partings that are none of lids. `stayed`: whether a part is still seen since a frame: fingers come and go.
+    pub(crate) fn tell_no_lids(&mut self, now_s: f64, stayed: impl Fn(Key, u64) -> bool) {
         for parting in self.partings.extract_if(.., |parting| now_s - parting.since_s > LID_S) {
-            self.told.extend(parting.told);
+            if stayed(parting.part, parting.since) {
+                self.told.extend(parting.told);
+            }
+        }
+        let goes_along: Vec<Key> =
+            self.handled.keys().copied().filter(|&key| self.is_lifted_along(key)).collect();
+        for key in goes_along {
+            self.handled.entry(key).and_modify(|handling| {
+                handling.goes_along = true;
+                handling.lift.clear();
+            });
         }
         for handling in self.handled.values_mut() {
             if handling.lift.first().is_some_and(|lift| now_s - lift.time_s > LID_S) {
@@ -267,7 +295,9 @@ impl Happenings {
     /// Tells how a handled thing came to rest.
     fn end(&mut self, key: Key, track: &mut Track, pace: Pace, is_last_word: bool) {
         let Some(handling) = self.handled.get(&key).cloned() else { return };
-        if handling.lifted {
+        if handling.goes_along || self.is_lifted_along(key) {
+            track.settle();
+        } else if handling.lifted_s.is_some() {
             self.told.extend(handling.lift);
             self.told.extend(put_down(key, track, handling.begun, pace));
             track.settle();
@@ -388,14 +418,16 @@ fn taken_unseen(track: &Track, before: Rest) -> Option<Sample> {
     (is_far && is_whole && hidden_s(&longest) > UNSEEN_S).then(|| *longest[0])
 }
 
-/// Whether a thing lies where it came to rest. While a hand hides part of it, its mean visible point tells less, and what its motion tells
-/// counts too.
-fn is_down(sample: &Sample, rest: &Sample) -> bool {
+/// Whether a thing of a size (m) lies where it came to rest. While a hand hides part of it, its mean visible point tells less, and what its
+/// motion tells counts too.
+fn is_down(sample: &Sample, rest: &Sample, size_m: f64) -> bool {
     let (apart, above) = ((sample.center - rest.center).length(), (sample.bottom_m - rest.bottom_m).abs());
     let is_whole = sample.px as f64 > AS_WHOLE * rest.px as f64;
     let [height_m, shift_m] = DOWN_M[usize::from(!is_whole)];
     let is_there = above < height_m && apart < shift_m;
-    is_there || (!is_whole && !sample.moves)
+    // A hand before its lower part does not lift its top.
+    let is_above = (sample.bottom_m - rest.bottom_m).min(sample.top_m - rest.top_m) > height_m;
+    is_there || (!is_whole && !is_above && !sample.moves && apart < size_m)
 }
 
 /// How a thing that was lifted after the frame `begun` came to rest, unless it was let fall.
@@ -404,7 +436,7 @@ fn put_down(key: Key, track: &mut Track, begun: u64, pace: Pace) -> Option<Happe
         return None;
     }
     // A hand that leaves may spoil a frame.
-    let is_up = |sample: &Sample| !is_down(sample, &track.last);
+    let is_up = |sample: &Sample| !is_down(sample, &track.last, track.area_m2.sqrt());
     let recent = track.samples.iter().rev();
     let moved = recent.clone().zip(recent.skip(1)).find(|(later, earlier)| is_up(later) && is_up(earlier));
     let down = moved.map_or(begun, |(sample, _)| sample.frame.max(begun)) + 1;

@@ -9,10 +9,18 @@ use crate::bits::Bits;
 use crate::camera::Place;
 use crate::ingredient::Ingredient;
 use crate::memory::{Look, Memory};
+use crate::rested::Beside;
 use crate::scene::Key;
-use crate::segment::{Measure, Segment, labels, segments};
+use crate::segment::{Measure, Segment, labels, pixels_by_label, segments};
 use crate::track::Track;
 use crate::view::View;
+
+/// What has always been there shows the rested scene in this share of its pixels.
+const IN_PLACE: f64 = 0.8;
+/// An agent is beside what is this close to it (px at VGA size).
+const BESIDE_PX: f64 = 16.0;
+/// What came off a thing has its colours in this share of its pixels.
+const LEAST_OF_ITS_COLORS: f64 = 0.5;
 
 impl Memory {
     /// Which track each segment shows; writes the tracks that are seen to the scene.
@@ -58,8 +66,10 @@ impl Memory {
         for &(k, key) in &fresh {
             let sample = self.sample(&segments[k], &[]);
             let mut track = Track::new(&segments[k], sample, self.frame == 0);
+            track.is_doubted = self.was_no_thing(k, &segments[k], &labels, view);
             track.inside_of = inside.get(&k).copied();
-            track.came_off = if track.inside_of.is_none() { self.came_off(k, &overlap) } else { None };
+            track.came_off =
+                if track.inside_of.is_none() { self.came_off(k, &segments[k], &overlap) } else { None };
             if track.inside_of.or(track.came_off).is_some() {
                 (track.was_there_first, track.told_appeared) = (true, true);
             }
@@ -71,8 +81,28 @@ impl Memory {
             self.move_off(keys[k], whole);
         }
         let mut look = Look { found, labels, view, changed, place, segments, keys };
+        self.settle_doubts(&look);
         self.write_seen(&mut look, predicted, &overlap);
         look
+    }
+
+    /// A doubt lasts while an agent is beside the thing, and the thing stays where it is: the leg of a table looks like a thing while an arm
+    /// hides where it meets the table. O(n) if there are doubts.
+    fn settle_doubts(&mut self, look: &Look<'_>) {
+        let doubted: Vec<usize> =
+            (0..look.keys.len()).filter(|&k| self.tracks[&look.keys[k]].is_doubted).collect();
+        if doubted.is_empty() {
+            return;
+        }
+        let beside = self.agents.region.dilated(look.view.length_px(BESIDE_PX));
+        let pixels = pixels_by_label(&look.labels, look.view.size, look.segments.len());
+        for k in doubted {
+            let is_beside = pixels[k].iter().any(|&pixel| beside.has(pixel));
+            let is_in_place = look.segments[k].in_place > IN_PLACE;
+            self.tracks.entry(look.keys[k]).and_modify(|track| {
+                track.is_doubted = is_beside && is_in_place && !track.is_moving;
+            });
+        }
     }
 
     /// A track shows a part that was moved of a known thing.
@@ -148,13 +178,26 @@ impl Memory {
             .then_some(key)
     }
 
-    /// The track to which most pixels of a fresh segment belonged while it rested.
-    fn came_off(&self, k: usize, overlap: &Overlap) -> Option<Key> {
+    /// Whether a fresh segment shows what was there before, where no thing rested. O(n) if it does not move.
+    fn was_no_thing(&self, k: usize, segment: &Segment, labels: &[u16], view: &View) -> bool {
+        if segment.in_place <= IN_PLACE {
+            return false;
+        }
+        let own = |&pixel: &usize| usize::from(labels[pixel]) == k + 1;
+        let is_known = |&pixel: &usize| matches!(self.rested.at(pixel, view), Some((_, Beside::There)));
+        let known = (0..labels.len()).filter(own).filter(is_known).count();
+        (known as f64) < (1.0 - IN_PLACE) * segment.px as f64
+    }
+
+    /// The track to which most pixels of a fresh segment belonged while it rested. What has other colours stands before it, as a hand does.
+    fn came_off(&self, k: usize, segment: &Segment, overlap: &Overlap) -> Option<Key> {
         let parts = overlap.common.range((k, 0)..=(k, Key::MAX));
         let (&(_, key), &common) =
             parts.max_by_key(|&(&(_, key), &common)| (common, std::cmp::Reverse(key)))?;
-        let is_known =
-            self.tracks.get(&key).is_some_and(|track| track.rest.is_some() && !track.is_agent_part());
+        let track = self.tracks.get(&key)?;
+        let looks_like_it =
+            segment.look.share_of(&track.look).is_none_or(|share| share >= LEAST_OF_ITS_COLORS);
+        let is_known = track.rest.is_some() && !track.is_agent_part() && looks_like_it;
         let predicted = overlap.predicted.get(&key).copied().unwrap_or(0);
         (is_known && common as f64 > 0.1 * predicted as f64).then_some(key)
     }

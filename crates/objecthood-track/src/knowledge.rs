@@ -10,10 +10,12 @@ use crate::scene::Key;
 use crate::track::{Rest, Track};
 use crate::tracked::Relation;
 
-/// Two parts of one thing moved so far (m) together,
+/// Two parts of one thing moved so far (m) together, to and fro,
 const TOGETHER_PATH_M: f64 = 0.03;
-/// with less than this share of it between them,
+/// with less than this share of it between them at the end,
 const TOGETHER_SHARE: f64 = 0.2;
+/// and less than this from frame to frame (root mean square): what noise moves goes each its own way,
+const TOGETHER_STEP_SHARE: f64 = 0.5;
 /// in so many frames,
 const TOGETHER_FRAMES: u32 = 6;
 /// in which the motions of both fit this well (share of points).
@@ -40,9 +42,12 @@ pub(crate) struct Knowledge {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Together {
     frames: u32,
-    /// Sums of what the point between them moved by: with both, and by the one against the other (m).
-    path: DVec3,
+    /// How far the point between them moved with both (m), and by the one against the other (m).
+    path_m: f64,
     against: DVec3,
+    /// Sums of the squares of both (m²).
+    path_m2: f64,
+    against_m2: f64,
 }
 
 fn pair(a: Key, b: Key) -> (Key, Key) {
@@ -68,6 +73,7 @@ impl Knowledge {
         &mut self,
         touching: &BTreeSet<(Key, Key)>,
         tracks: &BTreeMap<Key, Track>,
+        camera_moves: bool,
     ) -> Vec<(Key, Key)> {
         let mut joined = Vec::new();
         for &(a, b) in touching {
@@ -96,6 +102,9 @@ impl Knowledge {
             if is_clear && against > APART_M && against > TOGETHER_SHARE * path {
                 self.apart.insert((a, b));
                 self.together.remove(&(a, b));
+            } else if camera_moves || one.rests() && other.rests() {
+                // The motion of a camera is not told from theirs.
+                self.together.remove(&(a, b));
             } else if !self.apart.contains(&(a, b)) && self.moved_as_one(one, other, (a, b)) {
                 joined.push((a, b));
                 self.together.remove(&(a, b));
@@ -113,10 +122,15 @@ impl Knowledge {
         let (moved_a, moved_b) = (a.rigid.point(between) - between, b.rigid.point(between) - between);
         let sum = self.together.entry(pair).or_default();
         sum.frames += 1;
-        sum.path += 0.5 * (moved_a + moved_b);
-        sum.against += moved_a - moved_b;
-        let (path, against) = (sum.path.length(), sum.against.length());
-        sum.frames >= TOGETHER_FRAMES && path > TOGETHER_PATH_M && against < TOGETHER_SHARE * path
+        let (step, against) = (0.5 * (moved_a + moved_b), moved_a - moved_b);
+        sum.path_m += step.length();
+        sum.against += against;
+        sum.path_m2 += step.length_squared();
+        sum.against_m2 += against.length_squared();
+        sum.frames >= TOGETHER_FRAMES
+            && sum.path_m > TOGETHER_PATH_M
+            && sum.against.length() < TOGETHER_SHARE * sum.path_m
+            && sum.against_m2 < TOGETHER_STEP_SHARE.powi(2) * sum.path_m2
     }
 
     /// Marks two tracks as things of their own.

@@ -31,6 +31,7 @@
 //! | `observe.rs`, `missing.rs` | tracks that are seen, and tracks that are not |
 //! | `parts.rs`, `knowledge.rs` | what motion proved: parts that are one, things that are not |
 //! | `rested.rs`, `opened.rs` | the surface of things as they last rested: what is hidden, what was opened |
+//! | `whole.rs` | things that were cut in pieces, and are seen whole |
 //! | `support.rs` | what holds what, over time |
 //! | `flight.rs`, `happening.rs` | free flight, and what happened: pure functions of where things were |
 //! | `state.rs`, `ingredient.rs` | a tracker in a file; a tracker without some of its ingredients |
@@ -72,6 +73,7 @@ mod tracked;
 mod tracker;
 mod uncover;
 mod view;
+mod whole;
 
 pub use error::{Error, Result};
 pub use ingredient::Ingredient;

@@ -109,7 +109,7 @@ impl Memory {
         }
         let changed = self.scene.changed(view, place.moves);
         if self.has(Ingredient::Agents) {
-            self.agents.update(view, &self.scene, place.moves, self.pace);
+            self.agents.update(view, &self.scene, &changed, place.moves, self.pace);
         }
         let predicted = match self.has(Ingredient::Motion) {
             true => predict(&self.scene, view, &changed, &mut self.tracks, self.pace.frame_s),
@@ -118,7 +118,10 @@ impl Memory {
 
         let look = self.identify(found, view, &changed, place, &predicted);
         self.observe(&look);
-        let rests = |key| self.tracks.get(&key).is_some_and(Track::rests) && !self.happenings.is_handled(key);
+        let rests = |key| {
+            let track = self.tracks.get(&key);
+            track.is_some_and(|track| track.rests() && !track.is_doubted) && !self.happenings.is_handled(key)
+        };
         self.rested.learn(&self.scene.seen, view, &changed, rests);
         match self.has(Ingredient::Steadying) {
             true => self.scene.steady(view, &changed),
@@ -161,7 +164,7 @@ impl Memory {
         for (&key, track) in &mut self.tracks {
             self.happenings.close(key, track, self.pace);
         }
-        self.happenings.tell_no_lids(f64::INFINITY);
+        self.tell_no_lids(f64::INFINITY);
         let told = self.happenings.take();
         self.numbers.events(told, &mut self.tracks)
     }

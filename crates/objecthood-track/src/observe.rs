@@ -55,9 +55,11 @@ impl Memory {
         }
         let remains = self.remains(look);
         self.tell_partings();
+        self.tell_wholes(look);
         self.tell_openings(look, &remains);
+        self.tell_drawers();
         self.join_drawers();
-        self.happenings.tell_no_lids(self.stamp_s);
+        self.tell_no_lids(self.stamp_s);
         self.miss(look, &remains);
         self.tell_appearances();
     }
@@ -69,6 +71,7 @@ impl Memory {
             center: segment.center,
             height_m: segment.height_m,
             bottom_m: segment.bottom_m,
+            top_m: segment.top_m,
             in_place: segment.in_place,
             px: segment.px,
             changed: segment.changed,

@@ -20,6 +20,11 @@ const STAYS: f64 = 0.2;
 /// It is closed while this share of its pixels is in place, and its inside is seen so soon (s) after it was.
 const CLOSED: f64 = 0.95;
 const OPENING_S: f64 = 0.6;
+/// The front of a drawer was pulled so far (m).
+const PULLED_M: f64 = 0.02;
+/// The front of a drawer is ahead of its inside by this (m), and the inside lies lower by this (m): both by their mean points.
+const AHEAD_M: f64 = 0.01;
+const LOWER_M: f64 = 0.003;
 /// Of fewer pixels (at VGA size) nothing is said.
 const LEAST_PX: f64 = 400.0;
 
@@ -59,7 +64,8 @@ impl Memory {
 
     /// Tells that a thing was opened, once its inside is seen.
     pub(crate) fn tell_openings(&mut self, look: &Look<'_>, remains: &BTreeMap<Key, Remains>) {
-        let parts = self.tracks.values().filter(|part| !part.rests());
+        let is_off = |part: &Track| (part.last.center - part.first.center).length() > PULLED_M;
+        let parts = self.tracks.values().filter(|part| !part.rests() || is_off(part));
         let on_the_way: BTreeSet<Key> = parts.filter_map(|part| part.moved_off).collect();
         for (&key, of) in remains {
             let Some(track) = self.tracks.get_mut(&key) else { continue };
@@ -72,9 +78,8 @@ impl Memory {
                 || (seen as f64) < look.view.px(LEAST_PX) as f64
             {
                 track.ajar_since = None;
-                if track.rests() && !may_open(track) {
-                    track.told_opened = false;
-                    track.lost_part &= on_the_way.contains(&key);
+                if track.rests() && !may_open(track) && !on_the_way.contains(&key) {
+                    (track.told_opened, track.lost_part) = (false, false);
                 }
                 continue;
             }
@@ -82,34 +87,72 @@ impl Memory {
             if share < OPEN || track.told_opened || self.stamp_s - time_s < OPEN_S {
                 continue;
             }
-            track.told_opened = true;
-            self.happenings.opens(key);
-            for (&part, track) in self.tracks.iter_mut().filter(|(_, part)| part.moved_off == Some(key)) {
-                track.came_off = None;
-                self.knowledge.part(part, key);
-            }
-            let lid = self.lid_of(key);
-            let Some(track) = self.tracks.get(&key) else { continue };
-            // Of an earlier opening the lid tells nothing.
-            let lid_s = lid.map(|lid| self.tracks[&lid].first.stamp_s);
-            let seen_s =
-                lid_s.filter(|lid_s| time_s - lid_s < OPENING_S).map_or(time_s, |lid_s| lid_s.min(time_s));
-            let (frame, time_s) = closed_at(track, seen_s).unwrap_or((frame, time_s));
             let percent = 100.0 * share;
-            self.happenings.tell(Happening {
-                frame,
-                time_s,
-                kind: EventKind::Opened,
-                object: lid.unwrap_or(key),
-                other: lid.map_or(Other::Nobody, |_| Other::Track(key)),
-                span: None,
-                confidence: 0.7,
-                evidence: format!(
-                    "part of it was moved, and its inside is {percent:.0} % of what is seen there"
-                ),
-            });
+            let evidence =
+                format!("part of it was moved, and its inside is {percent:.0} % of what is seen there");
+            self.tell_opened(key, (frame, time_s), evidence);
         }
     }
+
+    /// Tells that a thing was opened; its inside has been seen since a frame and time (s).
+    fn tell_opened(&mut self, key: Key, (frame, time_s): (u64, f64), evidence: String) {
+        self.tracks.entry(key).and_modify(|track| track.told_opened = true);
+        self.happenings.opens(key);
+        for (&part, track) in self.tracks.iter_mut().filter(|(_, part)| part.moved_off == Some(key)) {
+            track.came_off = None;
+            self.knowledge.part(part, key);
+        }
+        let lid = self.lid_of(key);
+        let Some(track) = self.tracks.get(&key) else { return };
+        // Of an earlier opening the lid tells nothing.
+        let lid_s = lid.map(|lid| self.tracks[&lid].first.stamp_s);
+        let seen_s =
+            lid_s.filter(|lid_s| time_s - lid_s < OPENING_S).map_or(time_s, |lid_s| lid_s.min(time_s));
+        let (frame, time_s) = closed_at(track, seen_s).unwrap_or((frame, time_s));
+        self.happenings.tell(Happening {
+            frame,
+            time_s,
+            kind: EventKind::Opened,
+            object: lid.unwrap_or(key),
+            other: lid.map_or(Other::Nobody, |_| Other::Track(key)),
+            span: None,
+            confidence: 0.7,
+            evidence,
+        });
+    }
+
+    /// Finds drawers: of two parts that came off a thing one, the front, goes ahead, and the other lies lower.
+    pub(crate) fn tell_drawers(&mut self) {
+        let is_seen = |track: &Track| track.last.frame == self.frame && track.part_of.is_none();
+        let parts: Vec<(Key, Key)> = self
+            .tracks
+            .iter()
+            .filter_map(|(&key, track)| Some((key, track.moved_off.filter(|_| is_seen(track))?)))
+            .collect();
+        for &(front, whole) in &parts {
+            let inside = parts.iter().find(|&&(inside, other)| {
+                other == whole
+                    && self.touched.contains(&(inside.min(front), inside.max(front)))
+                    && is_front_of(&self.tracks[&front], &self.tracks[&inside])
+            });
+            let is_known = self.tracks.get(&whole).is_some_and(|track| !track.told_opened);
+            let (Some(&(inside, _)), true) = (inside, is_known) else { continue };
+            let since = self.tracks[&front].first;
+            self.join(front, inside);
+            let pulled_mm = 1000.0 * (self.tracks[&front].last.center - since.center).length();
+            let evidence = format!("its front was pulled by {pulled_mm:.0} mm, and its inside lies lower");
+            self.tell_opened(whole, (since.frame, since.stamp_s), evidence);
+        }
+    }
+}
+
+/// Whether a part that moves level goes ahead of another, which lies lower.
+fn is_front_of(front: &Track, inside: &Track) -> bool {
+    let moved = front.last.center - front.first.center;
+    let ahead_m = moved.try_normalize().map_or(0.0, |way| way.dot(front.last.center - inside.last.center));
+    let rose_m = (front.last.height_m - front.first.height_m).abs();
+    let is_pulled = moved.length() > PULLED_M && rose_m < 0.5 * moved.length();
+    is_pulled && ahead_m > AHEAD_M && inside.last.height_m < front.last.height_m - LOWER_M
 }
 
 /// The last frame and time (s) in which a thing was seen closed, shortly before a time (s).

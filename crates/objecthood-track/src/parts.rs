@@ -10,7 +10,10 @@ use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::track::{Deed, Track};
 use crate::tracked::EventKind;
+use crate::whole::Sight;
 
+/// A part that came off is a thing when it is seen in this share of the frames from then on.
+const SEEN: f64 = 0.3;
 /// Tracks touch when they are this close (px at VGA size).
 const TOUCH_PX: f64 = 3.0;
 
@@ -37,7 +40,7 @@ impl Memory {
             }
         }
         if self.has(Ingredient::Knowledge) {
-            for (a, b) in self.knowledge.learn(&touching, &self.tracks) {
+            for (a, b) in self.knowledge.learn(&touching, &self.tracks, look.place.moves) {
                 let keeper = self.join(a, b);
                 self.tracks.entry(keeper).and_modify(|track| track.note(Deed::PartsMovedAsOne));
             }
@@ -68,6 +71,7 @@ impl Memory {
             return;
         }
         self.make_part(whole, own);
+        self.tracks.entry(whole).and_modify(|track| track.sight = Sight::Whole);
         self.happenings.tell(Happening {
             frame: self.frame,
             time_s: self.stamp_s,
@@ -78,6 +82,15 @@ impl Memory {
             confidence: 0.9,
             evidence: "what stood before it is gone, and both parts are one surface".to_owned(),
         });
+    }
+
+    /// Tells of partings and lifts once they cannot be those of a lid.
+    pub(crate) fn tell_no_lids(&mut self, now_s: f64) {
+        let stayed = |part: Key, since: u64| {
+            let frames = self.frame.saturating_sub(since).max(1) as f64;
+            self.tracks.get(&part).is_some_and(|track| track.since(since).count() as f64 > SEEN * frames)
+        };
+        self.happenings.tell_no_lids(now_s, stayed);
     }
 
     /// What came off another thing and moved against it was one with it before.
@@ -129,7 +142,12 @@ impl Memory {
             let pushed = self.tracks[&object].reached_within(REACHED_S).map(|agent| {
                 happening(EventKind::Pushed, Other::Agent(agent), "it came off in reach of the agent")
             });
-            self.happenings.part(from, self.stamp_s, std::iter::once(split).chain(pushed).collect());
+            self.happenings.part(
+                from,
+                key,
+                (self.frame, self.stamp_s),
+                std::iter::once(split).chain(pushed).collect(),
+            );
             if let Some(track) = self.tracks.get_mut(&key) {
                 track.came_off = None;
             }

@@ -24,6 +24,8 @@ const BEHIND_M: f32 = 0.05;
 const MEAN_FRAMES: u8 = 12;
 /// Farther than the background for so long (s), it is the background.
 const FARTHER_S: f64 = 0.1;
+/// Never measured for so long (s), nothing is in reach there; and if something was, after so long without a change.
+const NOTHING_S: [f64; 2] = [0.1, 2.0];
 /// Nearer and unchanged for so long (s), it has joined the background.
 const JOINED_S: f64 = 0.5;
 /// Frames of disagreement after which a label at rest changes.
@@ -42,9 +44,9 @@ pub(crate) struct Scene {
     depth: Vec<f32>,
     frames: Vec<u8>,
     color: Vec<[u8; 3]>,
-    /// Inverse depth (1/m) of what rested there before anything came nearer, 0 = unknown.
+    /// Inverse depth (1/m) of what rested there before anything came nearer, 0 = unknown, [`NOTHING_PER_M`] = nothing was in reach.
     background: Vec<f32>,
-    /// Frames seen farther than the background; frames that rested nearer.
+    /// Frames seen farther than the background, or without depth; frames that rested nearer.
     farther: Vec<u8>,
     nearer: Vec<u8>,
     /// The track that the last frame showed.
@@ -151,7 +153,8 @@ impl Scene {
                     if reach.keeps(self.background[to], at.inverse) {
                         continue;
                     }
-                    self.background[to] = at.inverse;
+                    let was_nothing = old.background[at.from] <= NOTHING_PER_M;
+                    self.background[to] = if was_nothing { NOTHING_PER_M } else { at.inverse };
                     self.farther[to] = old.farther[at.from];
                     self.nearer[to] = old.nearer[at.from];
                 }
@@ -207,6 +210,11 @@ impl Scene {
         rested > 0.0 && view.inverse[pixel] - rested > BESIDE_BACKGROUND_PER_M * view.noise
     }
 
+    /// Whether nothing was in reach of the sensor at a pixel.
+    pub(crate) fn is_before_nothing(&self, pixel: usize) -> bool {
+        (0.0..=NOTHING_PER_M).contains(&self.background[pixel])
+    }
+
     /// Whether a pixel shows the rested background, to which belongs what rests.
     pub(crate) fn is_in_place(&self, view: &View, pixel: usize) -> bool {
         let (rested, is) = (self.background[pixel], view.inverse[pixel]);
@@ -251,6 +259,7 @@ impl Scene {
         let limit = BESIDE_BACKGROUND_PER_M * view.noise;
         let most = |seconds: f64| pace.frames(seconds).min(usize::from(u8::MAX)) as u8;
         let (farther, joined) = (most(FARTHER_S), most(JOINED_S));
+        let nothing = NOTHING_S.map(most);
         for pixel in 0..self.depth.len() {
             let (is, has_changed) = (view.inverse[pixel], changed.has(pixel));
             if let Some(&color) = view.color.get(pixel) {
@@ -262,11 +271,13 @@ impl Scene {
                 if has_changed {
                     (self.depth[pixel], self.frames[pixel]) = (0.0, 0);
                 }
-                if self.background[pixel] == 0.0 {
-                    self.farther[pixel] = self.farther[pixel].saturating_add(1);
-                    if self.farther[pixel] >= farther {
-                        (self.background[pixel], self.farther[pixel]) = (NOTHING_PER_M, 0);
-                    }
+                let was_known = self.background[pixel] > 0.0;
+                let is_other = was_known && has_changed;
+                self.farther[pixel] = if is_other { 0 } else { self.farther[pixel].saturating_add(1) };
+                // Outside the field nothing is ever measured, which says nothing.
+                let is_seen = view.field.has(pixel % self.size.0, pixel / self.size.0);
+                if is_seen && self.farther[pixel] >= nothing[usize::from(was_known)] {
+                    (self.background[pixel], self.farther[pixel]) = (NOTHING_PER_M, 0);
                 }
                 continue;
             }
@@ -278,7 +289,7 @@ impl Scene {
             }
             let beside = is - self.background[pixel];
             if self.background[pixel] == 0.0 {
-                self.background[pixel] = is;
+                (self.background[pixel], self.farther[pixel]) = (is, 0);
             } else if beside < -limit {
                 self.nearer[pixel] = 0;
                 self.farther[pixel] = self.farther[pixel].saturating_add(1);

@@ -23,9 +23,10 @@ pub(crate) struct Segment {
     /// Mean visible point (m), in the world, and in the camera.
     pub(crate) center: DVec3,
     pub(crate) center_in_camera: DVec3,
-    /// Height of the mean visible point (m), and of what is lowest, without the lowest twentieth.
+    /// Height of the mean visible point (m), of what is lowest, without the lowest twentieth, and of what is highest, likewise.
     pub(crate) height_m: f64,
     pub(crate) bottom_m: f64,
+    pub(crate) top_m: f64,
     /// Share of its pixels that show what rested there before.
     pub(crate) in_place: f64,
     pub(crate) look: Look,
@@ -77,7 +78,9 @@ pub(crate) fn labels(found: &Discovery, view: &View, scene: &Scene, agents: &Age
     let mut labels = found.labels.as_slice().to_vec();
     let mut count = found.objects.len();
     for component in &agents.free {
-        let is_new = |pixel: &&usize| scene.is_in_front(view, **pixel);
+        // What a thing hid from the sensor may be the table.
+        let is_structure = |pixel: usize| found.structure.as_slice()[pixel] > 0;
+        let is_new = |pixel: &&usize| scene.is_in_front(view, **pixel) && !is_structure(**pixel);
         let thing: Vec<usize> = component.iter().filter(is_new).copied().collect();
         let free = thing.iter().filter(|&&pixel| labels[pixel] == 0).count();
         if free >= view.px(LEAST_THING_PX) && 4 * free > 3 * thing.len() && count < usize::from(u16::MAX) {
@@ -125,6 +128,8 @@ impl Measure<'_> {
         let low = heights.len() / 20;
         if low < heights.len() {
             segment.bottom_m = *heights.select_nth_unstable_by(low, f64::total_cmp).1;
+            let high = heights.len() - 1 - low;
+            segment.top_m = *heights.select_nth_unstable_by(high, f64::total_cmp).1;
         }
         segment
     }

@@ -6,10 +6,12 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::align::Motion;
+use crate::happening::are_alike;
 use crate::look::Look;
 use crate::segment::Segment;
 use crate::support::Votes;
 use crate::tracked::TrackId;
+use crate::whole::Sight;
 
 /// So many samples are kept: 3 s at 60 frames a second.
 const MOST_SAMPLES: usize = 180;
@@ -24,6 +26,9 @@ const RESTING_STEP_M: f64 = 0.005;
 /// It moves when it is displaced against where it was within this time (s), by so many standard deviations of depth.
 const DISPLACED_S: f64 = 0.15;
 const DISPLACED_NOISES: f64 = 3.5;
+/// It is still while its mean visible point stays within this (m), or within this share of its size: outlines flicker.
+const STILL_M: f64 = 0.01;
+const STILL_SHARE: f64 = 0.05;
 /// It is elsewhere when its mean visible point is so far (m) from where it rested.
 const AWAY_M: f64 = 0.02;
 /// It is known once it rested so long (s).
@@ -61,6 +66,7 @@ pub(crate) struct Sample {
     /// Heights (m).
     pub(crate) height_m: f64,
     pub(crate) bottom_m: f64,
+    pub(crate) top_m: f64,
     /// Share of its pixels that show what rested there before.
     pub(crate) in_place: f64,
     pub(crate) px: usize,
@@ -80,6 +86,7 @@ pub(crate) struct Rest {
     pub(crate) center: DVec3,
     pub(crate) height_m: f64,
     pub(crate) bottom_m: f64,
+    pub(crate) top_m: f64,
     pub(crate) px: usize,
 }
 
@@ -130,8 +137,12 @@ pub(crate) struct Track {
     pub(crate) told_appeared: bool,
     pub(crate) told_left: bool,
     pub(crate) analysed_to: u64,
+    /// Whether it was in view before as no thing, and is one only since an agent hides what is beside it.
+    pub(crate) is_doubted: bool,
     /// The track with which it was one until it was first seen.
     pub(crate) came_off: Option<u32>,
+    /// Whether it has been seen whole.
+    pub(crate) sight: Sight,
     /// Whether a part of it was moved.
     pub(crate) lost_part: bool,
     /// The thing of which it is a part that was moved.
@@ -178,7 +189,9 @@ impl Track {
             told_appeared: was_there_first,
             told_left: false,
             analysed_to: sample.frame,
+            is_doubted: false,
             came_off: None,
+            sight: Sight::NEW,
             lost_part: false,
             moved_off: None,
             inside_of: None,
@@ -250,7 +263,7 @@ impl Track {
     }
 
     pub(crate) fn is_confirmed(&self) -> bool {
-        self.hits >= CONFIRMING_HITS || self.first.frame == 0
+        !self.is_doubted && (self.hits >= CONFIRMING_HITS || self.first.frame == 0)
     }
 
     pub(crate) fn rests(&self) -> bool {
@@ -268,12 +281,17 @@ impl Track {
         moved(self).zip(moved(other)).is_some_and(|(own, others)| (own - others).length() > least_m)
     }
 
-    /// Whether it was seen for some time (s), and no motion was found.
+    /// Whether it was seen for some time (s), no motion was found, and it is where it was: of what slides along its own plain face no motion
+    /// is found.
     pub(crate) fn is_still_for(&self, seconds: f64, frame_s: f64) -> bool {
         let since_s = self.last.stamp_s - seconds;
         let mut recent = self.samples.iter().rev().take_while(|sample| sample.stamp_s > since_s);
         let least = (0.6 * seconds / frame_s) as usize;
-        recent.all(|sample| !sample.moves)
+        let still_m = STILL_M.max(STILL_SHARE * self.area_m2.sqrt());
+        let is_there = |sample: &Sample| {
+            !are_alike(sample.px, self.last.px) || (sample.center - self.last.center).length() < still_m
+        };
+        recent.all(|sample| !sample.moves && is_there(sample))
             && self.samples.iter().filter(|sample| sample.stamp_s > since_s).count() >= least
     }
 
@@ -321,8 +339,8 @@ impl Track {
 
     /// It rests as it was just seen.
     pub(crate) fn settle(&mut self) {
-        let Sample { frame, center, height_m, bottom_m, px, .. } = self.last;
-        self.rest = Some(Rest { frame, center, height_m, bottom_m, px });
+        let Sample { frame, center, height_m, bottom_m, top_m, px, .. } = self.last;
+        self.rest = Some(Rest { frame, center, height_m, bottom_m, top_m, px });
         self.first_rest = self.first_rest.or(self.rest);
     }
 

@@ -147,7 +147,7 @@ pub enum EventKind {
     Occluded,
     /// It came apart from what it was one with.
     Split,
-    /// Two parts turned out to be one.
+    /// Two parts turned out to be one, or a thing that was cut in pieces is seen whole.
     Merged,
     /// A lid or a drawer came off what it closes.
     Opened,
@@ -232,6 +232,9 @@ impl fmt::Display for Event {
             EventKind::Occluded => write!(f, "Object {object} goes behind {}.", other("something")),
             EventKind::Split => {
                 write!(f, "Object {object} comes apart from {}.", other("what it was one with"))
+            }
+            EventKind::Merged if self.other.is_none() => {
+                write!(f, "What cut object {object} in pieces is gone, and it is seen whole.")
             }
             EventKind::Merged => {
                 write!(f, "Object {object} and {} turn out to be one.", other("another part"))

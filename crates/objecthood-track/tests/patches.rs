@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use objecthood::discovery::{Object, OrientedBox, PixelBox};
 use objecthood::{Camera, Discovery, Frame, ObjectId, Params, Raster};
-use objecthood_track::{Tracked, Tracker};
+use objecthood_track::{EventKind, Tracked, Tracker};
 
 const SIZE: (usize, usize) = (160, 120);
 
@@ -221,6 +221,25 @@ fn an_arm_is_an_agent_before_nothing_and_beside_a_band_without_depth() {
         }
     }
     assert!(tracker.finish().is_empty());
+}
+
+/// A pole stands before a bar, and is carried away.
+#[test]
+fn what_was_cut_in_two_is_told_to_be_whole() {
+    let mut tracker = Tracker::new(objecthood::Params::default());
+    let bar = Patch { left: 40, top: 50, width: 70, height: 16, ..THING };
+    let mut told = Vec::new();
+    for number in 0..60_i32 {
+        let aside = (3 * (number - 20)).clamp(0, 80);
+        let pole =
+            Patch { left: 66 + aside, top: 30, width: 14, height: 60, depth_m: 0.9, color: [60, 160, 90] };
+        let (frame, found) = frame(&[bar, pole], &[0, 1], number as u64);
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        told.extend(tracked.events);
+    }
+    let merged: Vec<u64> =
+        told.iter().filter(|event| event.kind == EventKind::Merged).map(|event| event.frame).collect();
+    assert!(matches!(merged[..], [31..=36]), "{told:?}");
 }
 
 /// A thing that goes round, beside one that rests.
