@@ -18,7 +18,7 @@ const AJAR: f64 = 0.03;
 /// The rest of it stays: this share of where it rested.
 const STAYS: f64 = 0.2;
 /// It is closed while this share of its pixels is in place, and its inside is seen so soon (s) after it was.
-const CLOSED: f64 = 0.95;
+const CLOSED: f64 = 0.9;
 const OPENING_S: f64 = 0.6;
 /// The front of a drawer was pulled so far (m).
 const PULLED_M: f64 = 0.02;
