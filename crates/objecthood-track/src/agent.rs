@@ -13,8 +13,8 @@ const LEAST_PX: f64 = 300.0;
 const LEAST_BORDER_PX: f64 = 8.0;
 /// Least share of it that is measured nearer, or changed, in frames that count: a shining floor only loses its depth.
 const LEAST_MEASURED: f64 = 0.25;
-/// What stands before nothing with more than this share, and of which less than this changes, for so long (s), is scene that the sensor
-/// reached late.
+/// It is scene that the sensor reached late when more than this share of it stands before nothing, and less than this share of it has changed,
+/// for so long (s).
 const MOST_BEFORE_NOTHING: f64 = 0.5;
 const LEAST_ALIVE: f64 = 0.02;
 const SCENE_S: f64 = 5.0;
@@ -87,14 +87,13 @@ impl Agents {
                 }
                 continue;
             }
-            let is_sign = |&pixel: &usize| scene.is_in_front(view, pixel) || changed.has(pixel);
-            let is_measured =
-                mask.pixels().filter(is_sign).count() as f64 >= LEAST_MEASURED * component.len() as f64;
-            let share = |holds: &dyn Fn(&usize) -> bool| {
-                component.iter().filter(|pixel| holds(pixel)).count() as f64 / component.len() as f64
+            let share = |holds: &dyn Fn(usize) -> bool| {
+                component.iter().filter(|&&pixel| holds(pixel)).count() as f64 / component.len() as f64
             };
-            let is_still = share(&|&pixel| scene.is_before_nothing(pixel)) > MOST_BEFORE_NOTHING
-                && share(&|&pixel| changed.has(pixel)) < LEAST_ALIVE;
+            let is_measured =
+                share(&|pixel| scene.is_in_front(view, pixel) || changed.has(pixel)) >= LEAST_MEASURED;
+            let is_still = share(&|pixel| scene.is_before_nothing(pixel)) > MOST_BEFORE_NOTHING
+                && share(&|pixel| changed.has(pixel)) < LEAST_ALIVE;
             let still = if is_still { before.as_ref().map_or(0, |agent| agent.still + 1) } else { 0 };
             let (number, frames) = before.map_or((0, 0), |agent| (agent.number, agent.frames));
             self.all.push(Agent { number, mask, frames: frames + usize::from(is_measured), away, still });

@@ -108,11 +108,9 @@ impl Memory {
     /// Where each thing is seen of which it is open whether it was seen whole, on every second column and row. O(n).
     fn shown_of_open(&self, size: (usize, usize)) -> BTreeMap<Key, Bits> {
         let is_open = |key: Key| {
-            let track = &self.tracks[&key];
-            track.last.frame == self.frame
-                && track.part_of.is_none()
-                && !track.is_agent_part()
-                && track.sight != Sight::Whole
+            self.tracks.get(&key).is_some_and(|track| {
+                track.last.frame == self.frame && !track.is_agent_part() && track.sight != Sight::Whole
+            })
         };
         let keys = self.tracks.keys().copied();
         let owners: BTreeMap<Key, Key> =
