@@ -210,9 +210,9 @@ impl Scene {
         rested > 0.0 && view.inverse[pixel] - rested > BESIDE_BACKGROUND_PER_M * view.noise
     }
 
-    /// Whether nothing was in reach of the sensor at a pixel.
+    /// Whether nothing rested at a pixel that the sensor reached.
     pub(crate) fn is_before_nothing(&self, pixel: usize) -> bool {
-        (0.0..=NOTHING_PER_M).contains(&self.background[pixel])
+        self.background[pixel] <= NOTHING_PER_M
     }
 
     /// Whether a pixel shows the rested background, to which belongs what rests.

@@ -79,7 +79,8 @@ pub(crate) fn labels(found: &Discovery, view: &View, scene: &Scene, agents: &Age
     let mut count = found.objects.len();
     for component in &agents.free {
         // What a thing hid from the sensor may be the table.
-        let is_structure = |pixel: usize| found.structure.as_slice()[pixel] > 0;
+        let is_structure =
+            |pixel: usize| found.structure.as_slice().get(pixel).is_some_and(|&plane| plane > 0);
         let is_new = |pixel: &&usize| scene.is_in_front(view, **pixel) && !is_structure(**pixel);
         let thing: Vec<usize> = component.iter().filter(is_new).copied().collect();
         let free = thing.iter().filter(|&&pixel| labels[pixel] == 0).count();
