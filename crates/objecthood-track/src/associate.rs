@@ -66,9 +66,20 @@ pub(crate) fn by_overlap(
 ) -> Vec<Option<u32>> {
     let mut tracks_of = vec![None; segments.len()];
     let keys: Vec<u32> = tracks.keys().copied().collect();
+    // A thing in a hand is no part of the hand, though a frame once took a finger for one with it.
+    let is_held =
+        |k: usize, key: u32| overlap.is_held_by(k, key) && tracks.get(&key).is_some_and(Track::is_known);
+    let of_things = |k: usize| {
+        let common = overlap.common.range((k, 0)..=(k, u32::MAX));
+        common.filter(|&(&(_, key), _)| is_held(k, key)).map(|(_, &px)| px).max().unwrap_or(0)
+    };
+    let of_things: Vec<usize> = (0..segments.len()).map(of_things).collect();
+    let is_things = |k: usize, part: u32| {
+        tracks[&part].is_agent_part() && overlap.common.get(&(k, part)).is_some_and(|&px| px < of_things[k])
+    };
     let value = |k: usize, key: u32| {
         let iou = overlap.iou(k, segments[k].px, key);
-        if iou > LEAST_IOU { iou } else { 0.0 }
+        if iou > LEAST_IOU && !is_things(k, key) { iou } else { 0.0 }
     };
     let all: Vec<usize> = (0..segments.len()).collect();
     pair(&all, &keys, value, &mut tracks_of);
@@ -150,4 +161,54 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
     }
     let cost = look + 0.4 * size + 0.5 * distance / reach;
     (cost < 1.0).then_some(1.0 - cost)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::track::Sample;
+
+    /// A track that rested, or a part of an agent.
+    fn track(of_agent: f64) -> Track {
+        let segment = Segment { of_agent, ..Segment::default() };
+        let sample = Sample {
+            frame: 0,
+            stamp_s: 0.0,
+            center: segment.center,
+            height_m: 0.0,
+            bottom_m: 0.0,
+            top_m: 0.0,
+            in_place: 0.0,
+            px: 1475,
+            changed: 0.0,
+            of_agent,
+            at_border: false,
+            moves: false,
+            reached_by: None,
+        };
+        let mut track = Track::new(&segment, sample, true);
+        if of_agent == 0.0 {
+            track.settle();
+        }
+        track
+    }
+
+    /// A regression, with the counts of frame 54 of the synthetic video `pour2`: a frame took a cup and a finger for one, and the cup became a
+    /// part of the hand, because its bottom was a segment of its own.
+    #[test]
+    fn a_cup_in_a_hand_is_no_part_of_the_hand() {
+        let [cup, finger] = [1, 17];
+        let segments = [444, 1992].map(|px| Segment { px, ..Segment::default() });
+        let tracks = BTreeMap::from([(cup, track(0.0)), (finger, track(1.0))]);
+        let shown = |of_cup, of_finger| Overlap {
+            predicted: BTreeMap::from([(cup, 1475), (finger, 700)]),
+            common: BTreeMap::from([((0, cup), 393), ((1, cup), of_cup), ((1, finger), of_finger)]),
+        };
+        assert_eq!(by_overlap(&segments, &tracks, &shown(919, 656)), [None, Some(cup)]);
+        assert_eq!(
+            by_overlap(&segments, &tracks, &shown(600, 656)),
+            [Some(cup), Some(finger)],
+            "most is the finger's"
+        );
+    }
 }

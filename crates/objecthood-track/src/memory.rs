@@ -106,6 +106,7 @@ impl Memory {
         if place.moves {
             self.scene.carry(&place, view);
             self.rested.carry(&place, view);
+            self.tracks.values_mut().for_each(|track| track.surface.carry(&place.step));
         }
         let changed = self.scene.changed(view, place.moves);
         if self.has(Ingredient::Agents) {

@@ -8,6 +8,7 @@ use crate::align::{Motion, SurfacePoint, align, gain};
 use crate::bits::Bits;
 use crate::rigid::Rigid;
 use crate::scene::{Key, Scene, THERE_M};
+use crate::surface::expect;
 use crate::track::Track;
 use crate::view::View;
 
@@ -66,7 +67,12 @@ pub(crate) fn predict(
             (track.is_moving, track.motion) = (is_more, Some(motion));
         }
     }
-    splat(scene, view, &moving)
+    for (key, rigid) in &moving {
+        tracks.entry(*key).and_modify(|track| track.surface.carry(rigid));
+    }
+    let mut predicted = splat(scene, view, &moving);
+    expect(&mut predicted, scene, view, tracks);
+    predicted
 }
 
 /// Points of tracks, without the pixels at their outlines.
@@ -117,7 +123,6 @@ fn splat(scene: &Scene, view: &View, moving: &BTreeMap<Key, Rigid>) -> Vec<Key> 
     if moving.is_empty() {
         return predicted;
     }
-    let (width, height) = view.size;
     let is_moving = |key: Key| moving.contains_key(&key);
     predicted.iter_mut().filter(|key| **key > 0 && is_moving(**key)).for_each(|key| *key = 0);
     for (pixel, &key) in scene.seen.iter().enumerate().filter(|&(_, &key)| key > 0) {
@@ -125,15 +130,11 @@ fn splat(scene: &Scene, view: &View, moving: &BTreeMap<Key, Rigid>) -> Vec<Key> 
         let Some(point) = scene.point(view, pixel) else { continue };
         let now = rigid.point(point.at);
         let Some((u, v)) = view.project(now) else { continue };
-        let (u, v) = (u as usize, v as usize);
-        for (u, v) in [(u, v), (u + 1, v), (u, v + 1), (u + 1, v + 1)] {
-            if u < width && v < height {
-                let to = v * width + u;
-                let is_there = view.inverse[to] > 0.0
-                    && (1.0 / f64::from(view.inverse[to]) - now.z).abs() < f64::from(THERE_M);
-                if is_there {
-                    predicted[to] = key;
-                }
+        for to in view.block(v as usize * view.size.0 + u as usize) {
+            let is_there = view.inverse[to] > 0.0
+                && (1.0 / f64::from(view.inverse[to]) - now.z).abs() < f64::from(THERE_M);
+            if is_there {
+                predicted[to] = key;
             }
         }
     }

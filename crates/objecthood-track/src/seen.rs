@@ -48,6 +48,7 @@ impl Memory {
         if self.has(Ingredient::Holding) {
             self.hold(look, predicted, overlap, &hand, &mut pieces);
         }
+        self.learn_surfaces(look.view, &hand);
         self.measure_pieces(look, pieces);
     }
 

@@ -10,6 +10,7 @@ use crate::happening::are_alike;
 use crate::look::Look;
 use crate::segment::Segment;
 use crate::support::Votes;
+use crate::surface::Surface;
 use crate::tracked::TrackId;
 use crate::whole::Sight;
 
@@ -100,6 +101,7 @@ pub(crate) struct Track {
     pub(crate) samples: VecDeque<Sample>,
     pub(crate) look: Look,
     pub(crate) area_m2: f64,
+    pub(crate) surface: Surface,
     /// Mean visible point (m), in the camera that saw it last.
     pub(crate) center_in_camera: DVec3,
     /// Velocity (m/s), in the world.
@@ -165,6 +167,7 @@ impl Track {
             samples: VecDeque::from([sample]),
             look: segment.look.clone(),
             area_m2: segment.area_m2,
+            surface: Surface::default(),
             center_in_camera: segment.center_in_camera,
             velocity: DVec3::ZERO,
             motion: None,

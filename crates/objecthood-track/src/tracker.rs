@@ -13,7 +13,7 @@ use crate::view::View;
 
 /// Follows objects through a video. The only type that remembers earlier frames.
 ///
-/// Memory: about 40 bytes a pixel and 20 kB a track; tracks that are not seen for 30 s are forgotten.
+/// Memory: about 40 bytes a pixel, and 20 kB and at most 1 MB of surface a track; tracks that are not seen for 30 s are forgotten.
 #[derive(Debug)]
 pub struct Tracker {
     params: Params,

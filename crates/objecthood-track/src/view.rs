@@ -67,6 +67,14 @@ impl View {
         self.project(p).map(|(u, v)| (v + 0.5) as usize * self.size.0 + (u + 0.5) as usize)
     }
 
+    /// A pixel, and those to its right and below it: four pixels that close the gaps between pixels that moved apart.
+    pub(crate) fn block(&self, pixel: usize) -> impl Iterator<Item = usize> + use<> {
+        let (width, height) = self.size;
+        let (u, v) = (pixel % width, pixel / width);
+        let at = [(u, v), (u + 1, v), (u, v + 1), (u + 1, v + 1)].into_iter();
+        at.filter(move |&(u, v)| u < width && v < height).map(move |(u, v)| v * width + u)
+    }
+
     /// The unit normal of the surface at a pixel, from its inverse depth, which is linear on planes.
     pub(crate) fn normal(&self, pixel: usize) -> Option<DVec3> {
         let (width, height) = self.size;

@@ -1,0 +1,183 @@
+//! The surface of a known thing while it is moved: points that stay until they are seen through (ours).
+//!
+//! What a frame shows of a thing in a hand is less from frame to frame, and what a frame missed once would never be expected again.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
+
+use crate::hand::HandColors;
+use crate::memory::Memory;
+use crate::rigid::Rigid;
+use crate::scene::{Key, Scene, THERE_M};
+use crate::segment::is_looked_at;
+use crate::track::Track;
+use crate::view::View;
+
+/// The oldest points beyond these are forgotten: a thing as large as an image of VGA size has as many.
+const MOST_POINTS: usize = 80_000;
+/// A point is there when the image shows a surface so close to it, in standard deviations of depth, and in any case this close (m).
+const NOISES: f64 = 4.0;
+const LEAST_THERE_M: f32 = 0.006;
+/// A thing is expected where its surface is when this share of its points is there.
+const LEAST_THERE: f64 = 0.3;
+
+/// Points (m) in the camera of the last frame; the newest last.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Surface {
+    points: VecDeque<Vec3>,
+}
+
+/// What the image shows where a point should be.
+#[derive(Clone, Copy)]
+enum Shown {
+    /// A surface there, at this pixel.
+    There(usize),
+    /// Something nearer, nothing that could be measured, or what is not far enough behind to tell.
+    Unclear,
+    /// Something farther.
+    Through,
+}
+
+impl Surface {
+    /// Moves it. O(points).
+    pub(crate) fn carry(&mut self, motion: &Rigid) {
+        for point in &mut self.points {
+            *point = motion.point(point.as_dvec3()).as_vec3();
+        }
+    }
+
+    /// The pixels that show something where points should be.
+    fn there(&self, view: &View) -> impl Iterator<Item = usize> {
+        self.points.iter().filter_map(|point| match shown(point.as_dvec3(), view) {
+            Shown::There(pixel) => Some(pixel),
+            _ => None,
+        })
+    }
+
+    /// Takes in what is seen of it. Of what was known before, what the image hides stays, and what it shows at a pixel that `stays`. O(points).
+    fn learn(&mut self, seen: &[DVec3], view: &View, stays: impl Fn(usize) -> bool) {
+        self.points.retain(|point| match shown(point.as_dvec3(), view) {
+            Shown::There(pixel) => stays(pixel),
+            Shown::Unclear => true,
+            Shown::Through => false,
+        });
+        self.points.extend(seen.iter().map(|point| point.as_vec3()));
+        self.points.drain(..self.points.len().saturating_sub(MOST_POINTS));
+    }
+}
+
+fn shown(point: DVec3, view: &View) -> Shown {
+    let Some(pixel) = view.pixel_of(point) else { return Shown::Unclear };
+    let inverse = view.inverse[pixel];
+    let farther_m = if inverse > 0.0 { 1.0 / inverse - point.z as f32 } else { f32::NEG_INFINITY };
+    let there_m = ((NOISES * view.sigma_m(point.z)) as f32).clamp(LEAST_THERE_M, THERE_M);
+    match farther_m {
+        farther_m if farther_m >= THERE_M => Shown::Through,
+        farther_m if farther_m.abs() < there_m => Shown::There(pixel),
+        _ => Shown::Unclear,
+    }
+}
+
+/// Known things that do not rest are also expected where their surfaces are, unless another thing, or what rested there before, is. Of a thing
+/// that went another way, hidden, little seems to be there: it is not expected. O(points).
+pub(crate) fn expect(predicted: &mut [Key], scene: &Scene, view: &View, tracks: &BTreeMap<Key, Track>) {
+    let is_thing = |key: Key| tracks.get(&key).is_some_and(|track| !track.is_agent_part());
+    let is_handled = |track: &Track| {
+        track.is_known() && !track.is_open() && track.part_of.is_none() && track.rest_s == 0.0
+    };
+    for (&key, track) in tracks.iter().filter(|(_, track)| is_handled(track)) {
+        let may_show = |predicted: &[Key], pixel: usize| {
+            (predicted[pixel] == key || !is_thing(predicted[pixel])) && !scene.is_in_place(view, pixel)
+        };
+        let there: Vec<usize> =
+            track.surface.there(view).filter(|&pixel| may_show(predicted, pixel)).collect();
+        if (there.len() as f64) < LEAST_THERE * track.surface.points.len() as f64 {
+            continue;
+        }
+        for pixel in there {
+            for to in view.block(pixel) {
+                let is_there = (1.0 / view.inverse[to] - 1.0 / view.inverse[pixel]).abs() < THERE_M;
+                if is_there && may_show(predicted, to) {
+                    predicted[to] = key;
+                }
+            }
+        }
+    }
+}
+
+impl Memory {
+    /// Every known thing that is seen takes in what is seen of it, but for what may be the hand's by its colour: a finger that was taken in
+    /// would go along with the thing for as long as it is held. O(n + points).
+    pub(crate) fn learn_surfaces(&mut self, view: &View, hand: &HandColors<'_>) {
+        let mut seen: BTreeMap<Key, Vec<DVec3>> = BTreeMap::new();
+        for (pixel, &key) in self.scene.seen.iter().enumerate().filter(|&(_, &key)| key > 0) {
+            if is_looked_at(pixel, view.size.0)
+                && let Some(track) = self.tracks.get(&key).filter(|track| track.is_known())
+                && !hand.has(pixel, track, false)
+                && let Some(point) = view.point(pixel)
+            {
+                seen.entry(key).or_default().push(point);
+            }
+        }
+        let scene = &self.scene;
+        for (key, points) in seen {
+            let is_free = |pixel: usize| scene.seen[pixel] == 0 && !scene.is_in_place(view, pixel);
+            self.tracks.entry(key).and_modify(|track| track.surface.learn(&points, view, is_free));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use objecthood::{Camera, Frame, Raster};
+
+    use super::*;
+
+    const SIZE: (usize, usize) = (40, 30);
+
+    /// A wall 1 m away; `nearer` columns show something else, at this distance (m).
+    fn view(other: std::ops::Range<usize>, other_m: f32) -> View {
+        let depth_m = (0..SIZE.0 * SIZE.1).map(|i| if other.contains(&(i % SIZE.0)) { other_m } else { 1.0 });
+        let depth_m = Raster::from_vec(SIZE.0, SIZE.1, depth_m.collect()).unwrap();
+        View::of(&Frame::new(depth_m, None, Camera::new(30.0, 30.0, 19.5, 14.5).unwrap()).unwrap(), 1.0)
+    }
+
+    /// A surface that fills the columns 10 to 29 and the rows 5 to 24.
+    fn surface() -> Surface {
+        let view = view(0..0, 1.0);
+        let pixels = (0..SIZE.0 * SIZE.1)
+            .filter(|pixel| (10..30).contains(&(pixel % SIZE.0)) && (5..25).contains(&(pixel / SIZE.0)));
+        let mut surface = Surface::default();
+        surface.learn(&pixels.map(|pixel| view.point(pixel).unwrap()).collect::<Vec<_>>(), &view, |_| true);
+        surface
+    }
+
+    #[test]
+    fn what_is_hidden_stays_and_what_is_seen_through_goes() {
+        let (mut surface, all) = (surface(), 20 * 20);
+        assert_eq!((surface.points.len(), surface.there(&view(0..0, 1.0)).count()), (all, all));
+        // A hand before half of it.
+        let hand = view(20..40, 0.8);
+        surface.learn(&[], &hand, |_| true);
+        assert_eq!((surface.points.len(), surface.there(&hand).count()), (all, all / 2));
+        // A wall far behind where half of it should be.
+        let wall = view(20..40, 2.0);
+        surface.learn(&[], &wall, |_| true);
+        assert_eq!((surface.points.len(), surface.there(&wall).count()), (all / 2, all / 2));
+        // What the image shows there is another thing's.
+        surface.learn(&[], &wall, |_| false);
+        assert_eq!(surface.points.len(), 0);
+    }
+
+    #[test]
+    fn a_surface_goes_with_its_thing() {
+        let mut surface = surface();
+        surface.carry(&Rigid::step(DVec3::ZERO, DVec3::new(0.0, 0.0, -0.2), DVec3::ZERO));
+        let shown = view(0..0, 1.0);
+        assert_eq!(surface.there(&shown).count(), 0, "0.2 m before the wall");
+        surface.learn(&[], &shown, |_| true);
+        assert_eq!(surface.points.len(), 0, "seen through");
+    }
+}
