@@ -35,10 +35,10 @@ impl House {
 
     /// Builds the program `debug/objecthood` and the library of the Python package, with the profile of the tests.
     ///
-    /// Both, whichever is asked for: cargo chooses the features of a dependency by all packages that it builds at once, so one of
-    /// them alone would compile most dependencies again.
+    /// Together with all tests: cargo chooses the features of a dependency by all packages that it builds at once, so these alone would
+    /// compile most of them, and the core, again.
     pub(crate) fn build_products(&self) -> Result<()> {
-        pass_on(&mut self.cargo("build --profile test --locked -p objecthood-python -p objecthood-cli"))
+        pass_on(&mut self.cargo("build --profile test --locked --workspace --all-targets"))
     }
 
     /// A program built in release.
