@@ -35,8 +35,8 @@ impl House {
 
     /// Builds the program `debug/objecthood` and the library of the Python package, with the profile of the tests.
     ///
-    /// Together with all tests: cargo chooses the features of a dependency by all packages that it builds at once, so these alone would
-    /// compile most of them, and the core, again.
+    /// Together with all tests, which so have to compile: cargo chooses the features of a dependency by all packages that it builds at once, so
+    /// these alone would compile most of them, and the core, again after the tests.
     pub(crate) fn build_products(&self) -> Result<()> {
         pass_on(&mut self.cargo("build --profile test --locked --workspace --all-targets"))
     }

@@ -9,6 +9,10 @@ use crate::track::{KNOWN_S, Track};
 
 /// Least overlap (intersection over union) of a segment with where a track should be seen.
 const LEAST_IOU: f64 = 0.25;
+/// What comes out of a hand has the colours of its thing in this share of its pixels,
+const OWN_LOOK: f64 = 0.75;
+/// and counts as if it overlapped by so much with where that should be: more than the least, less than a good overlap.
+const COMES_OUT_IOU: f64 = 0.3;
 /// A segment holds a track when it covers this share of where the track should be.
 pub(crate) const HOLDS: f64 = 0.5;
 /// Limits of finding again: difference of looks, logarithm of the ratio of areas.
@@ -66,24 +70,59 @@ pub(crate) fn by_overlap(
 ) -> Vec<Option<u32>> {
     let mut tracks_of = vec![None; segments.len()];
     let keys: Vec<u32> = tracks.keys().copied().collect();
-    // A thing in a hand is no part of the hand, though a frame once took a finger for one with it.
-    let is_held =
-        |k: usize, key: u32| overlap.is_held_by(k, key) && tracks.get(&key).is_some_and(Track::is_known);
-    let of_things = |k: usize| {
-        let common = overlap.common.range((k, 0)..=(k, u32::MAX));
-        common.filter(|&(&(_, key), _)| is_held(k, key)).map(|(_, &px)| px).max().unwrap_or(0)
-    };
-    let of_things: Vec<usize> = (0..segments.len()).map(of_things).collect();
-    let is_things = |k: usize, part: u32| {
-        tracks[&part].is_agent_part() && overlap.common.get(&(k, part)).is_some_and(|&px| px < of_things[k])
-    };
-    let value = |k: usize, key: u32| {
-        let iou = overlap.iou(k, segments[k].px, key);
-        if iou > LEAST_IOU && !is_things(k, key) { iou } else { 0.0 }
-    };
     let all: Vec<usize> = (0..segments.len()).collect();
-    pair(&all, &keys, value, &mut tracks_of);
+    let mut expected = Expected { segments, tracks, overlap, of_thing: Vec::new() };
+    expected.of_thing = all.iter().map(|&k| expected.most_of_a_thing(k)).collect();
+    pair(&all, &keys, |k, key| expected.value(k, key), &mut tracks_of);
     tracks_of
+}
+
+/// What segments show of where tracks should be seen.
+struct Expected<'a> {
+    segments: &'a [Segment],
+    tracks: &'a BTreeMap<u32, Track>,
+    overlap: &'a Overlap,
+    /// By segment: see [`Self::most_of_a_thing`].
+    of_thing: Vec<usize>,
+}
+
+impl Expected<'_> {
+    /// How well a segment shows a track, in [0, 1]; 0: not at all.
+    fn value(&self, k: usize, key: u32) -> f64 {
+        let iou = self.iou(k, key);
+        let iou = if iou > 0.0 && self.comes_out(k, key) { iou.max(COMES_OUT_IOU) } else { iou };
+        if iou > LEAST_IOU && !self.is_rather_a_thing(k, key) { iou } else { 0.0 }
+    }
+
+    fn iou(&self, k: usize, key: u32) -> f64 {
+        self.overlap.iou(k, self.segments[k].px, key)
+    }
+
+    /// Whether a segment shows more of a known thing than was expected, because less of it is hidden now: it holds the thing, has its colours and
+    /// is no larger.
+    fn comes_out(&self, k: usize, key: u32) -> bool {
+        let (segment, track) = (&self.segments[k], &self.tracks[&key]);
+        let looks_like_it = segment.look.share_of(&track.look).is_some_and(|share| share > OWN_LOOK);
+        let may_be_it = track.is_known() && looks_like_it && segment.area_m2 <= track.area_m2;
+        may_be_it && self.overlap.is_held_by(k, key)
+    }
+
+    /// Whether a segment has more pixels of a known thing than of this part of an agent: a frame once took a finger for one with what it
+    /// holds, and what it holds is no part of the hand.
+    fn is_rather_a_thing(&self, k: usize, part: u32) -> bool {
+        let common = self.overlap.common.get(&(k, part)).copied().unwrap_or(0);
+        self.tracks[&part].is_agent_part() && common < self.of_thing[k]
+    }
+
+    /// The pixels that a segment has of a known thing that it holds and may show; the most of any.
+    fn most_of_a_thing(&self, k: usize) -> usize {
+        let is_held = |key: u32| {
+            let may_show = self.overlap.is_held_by(k, key) && self.iou(k, key) > LEAST_IOU;
+            may_show && self.tracks.get(&key).is_some_and(Track::is_known)
+        };
+        let common = self.overlap.common.range((k, 0)..=(k, u32::MAX));
+        common.filter(|&(&(_, key), _)| is_held(key)).map(|(_, &px)| px).max().unwrap_or(0)
+    }
 }
 
 /// Finds tracks again in what overlap leaves open, by looks, size and reach. `inside`: segments that lie inside open things; what was moved off

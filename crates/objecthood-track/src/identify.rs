@@ -12,6 +12,7 @@ use crate::memory::{Look, Memory};
 use crate::rested::Beside;
 use crate::scene::Key;
 use crate::segment::{Measure, Segment, labels, pixels_by_label, segments};
+use crate::surface::Surface;
 use crate::track::Track;
 use crate::view::View;
 
@@ -49,7 +50,13 @@ impl Memory {
         if finds {
             let beside = self.beside_rest(&segments, &labels, view);
             inside = self.inside(&beside);
+            let expected = tracks_of.clone();
             find_again(&segments, &self.tracks, &overlap, &inside, (self.stamp_s, self.pace), &mut tracks_of);
+            let found = tracks_of.iter().filter(|key| !expected.contains(key));
+            for key in found.flatten() {
+                // It is not where its surface was expected.
+                self.tracks.entry(*key).and_modify(|track| track.surface = Surface::default());
+            }
             moved = self.stay_with_the_rest(&segments, &overlap, &beside, &mut tracks_of);
         }
         self.take_over(&segments, &tracks_of, &overlap);

@@ -64,11 +64,12 @@ pub(crate) fn predict(
             if is_more {
                 moving.insert(*key, motion.rigid);
             }
+            // Small motions add up, and what is hidden of a surface is not seen anew.
+            if track.rest_s == 0.0 {
+                track.surface.carry(&motion.rigid);
+            }
             (track.is_moving, track.motion) = (is_more, Some(motion));
         }
-    }
-    for (key, rigid) in &moving {
-        tracks.entry(*key).and_modify(|track| track.surface.carry(rigid));
     }
     let mut predicted = splat(scene, view, &moving);
     expect(&mut predicted, scene, view, tracks);

@@ -9,7 +9,7 @@ use crate::memory::Memory;
 use crate::tracker::Tracker;
 
 /// What a state begins with; the number changes with what the tracker remembers.
-const HEAD: &[u8] = b"objecthood tracker, state 4\n";
+const HEAD: &[u8] = b"objecthood tracker, state 5\n";
 /// Bytes of the checksum that follows.
 const SUM: usize = 32;
 
@@ -23,7 +23,7 @@ struct State<M> {
 }
 
 impl Tracker {
-    /// All that the tracker remembers, but not its parameters: about 25 bytes a pixel and 20 kB a track, however long the video is.
+    /// All that the tracker remembers, but not its parameters: about 25 bytes a pixel, and 20 kB and at most 1 MB of surface a track, however long the video is.
     ///
     /// # Errors
     /// [`Error::Save`] when it cannot be written down.

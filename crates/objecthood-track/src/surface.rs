@@ -17,11 +17,13 @@ use crate::view::View;
 
 /// The oldest points beyond these are forgotten: a thing as large as an image of VGA size has as many.
 const MOST_POINTS: usize = 80_000;
-/// A point is there when the image shows a surface so close to it, in standard deviations of depth, and in any case this close (m).
+/// A point is there when the image shows a surface so close to it, in standard deviations of depth: what lies farther off by noise is rare;
 const NOISES: f64 = 4.0;
-const LEAST_THERE_M: f32 = 0.006;
-/// A thing is expected where its surface is when this share of its points is there.
-const LEAST_THERE: f64 = 0.3;
+/// at least this (m), because motions are found to a few millimetres; at most [`THERE_M`].
+const NEAREST_M: f32 = 0.006;
+/// A thing is expected where its surface is when this share of its points is there: about half of a thing turns away from the camera, or is in the
+/// hand.
+const EXPECTED_SHARE: f64 = 0.3;
 
 /// Points (m) in the camera of the last frame; the newest last.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -63,8 +65,10 @@ impl Surface {
             Shown::Unclear => true,
             Shown::Through => false,
         });
-        self.points.extend(seen.iter().map(|point| point.as_vec3()));
-        self.points.drain(..self.points.len().saturating_sub(MOST_POINTS));
+        let fresh = seen.iter().step_by(seen.len().div_ceil(MOST_POINTS).max(1));
+        let old = self.points.len().min((self.points.len() + fresh.len()).saturating_sub(MOST_POINTS));
+        self.points.drain(..old);
+        self.points.extend(fresh.map(|point| point.as_vec3()));
     }
 }
 
@@ -72,7 +76,7 @@ fn shown(point: DVec3, view: &View) -> Shown {
     let Some(pixel) = view.pixel_of(point) else { return Shown::Unclear };
     let inverse = view.inverse[pixel];
     let farther_m = if inverse > 0.0 { 1.0 / inverse - point.z as f32 } else { f32::NEG_INFINITY };
-    let there_m = ((NOISES * view.sigma_m(point.z)) as f32).clamp(LEAST_THERE_M, THERE_M);
+    let there_m = ((NOISES * view.sigma_m(point.z)) as f32).clamp(NEAREST_M, THERE_M);
     match farther_m {
         farther_m if farther_m >= THERE_M => Shown::Through,
         farther_m if farther_m.abs() < there_m => Shown::There(pixel),
@@ -84,16 +88,16 @@ fn shown(point: DVec3, view: &View) -> Shown {
 /// that went another way, hidden, little seems to be there: it is not expected. O(points).
 pub(crate) fn expect(predicted: &mut [Key], scene: &Scene, view: &View, tracks: &BTreeMap<Key, Track>) {
     let is_thing = |key: Key| tracks.get(&key).is_some_and(|track| !track.is_agent_part());
-    let is_handled = |track: &Track| {
+    let does_not_rest = |track: &Track| {
         track.is_known() && !track.is_open() && track.part_of.is_none() && track.rest_s == 0.0
     };
-    for (&key, track) in tracks.iter().filter(|(_, track)| is_handled(track)) {
+    for (&key, track) in tracks.iter().filter(|(_, track)| does_not_rest(track)) {
         let may_show = |predicted: &[Key], pixel: usize| {
             (predicted[pixel] == key || !is_thing(predicted[pixel])) && !scene.is_in_place(view, pixel)
         };
         let there: Vec<usize> =
             track.surface.there(view).filter(|&pixel| may_show(predicted, pixel)).collect();
-        if (there.len() as f64) < LEAST_THERE * track.surface.points.len() as f64 {
+        if (there.len() as f64) < EXPECTED_SHARE * track.surface.points.len() as f64 {
             continue;
         }
         for pixel in there {
@@ -108,8 +112,8 @@ pub(crate) fn expect(predicted: &mut [Key], scene: &Scene, view: &View, tracks: 
 }
 
 impl Memory {
-    /// Every known thing that is seen takes in what is seen of it, but for what may be the hand's by its colour: a finger that was taken in
-    /// would go along with the thing for as long as it is held. O(n + points).
+    /// Every known thing takes in what is seen of it, and loses what is seen through. It does not take in what may be the hand's by its colour:
+    /// a finger that was taken in would go along with the thing for as long as it is held. O(n + points).
     pub(crate) fn learn_surfaces(&mut self, view: &View, hand: &HandColors<'_>) {
         let mut seen: BTreeMap<Key, Vec<DVec3>> = BTreeMap::new();
         for (pixel, &key) in self.scene.seen.iter().enumerate().filter(|&(_, &key)| key > 0) {
@@ -122,9 +126,9 @@ impl Memory {
             }
         }
         let scene = &self.scene;
-        for (key, points) in seen {
-            let is_free = |pixel: usize| scene.seen[pixel] == 0 && !scene.is_in_place(view, pixel);
-            self.tracks.entry(key).and_modify(|track| track.surface.learn(&points, view, is_free));
+        let is_free = |pixel: usize| scene.seen[pixel] == 0 && !scene.is_in_place(view, pixel);
+        for (key, track) in &mut self.tracks {
+            track.surface.learn(seen.get(key).map_or(&[], Vec::as_slice), view, is_free);
         }
     }
 }
@@ -137,7 +141,7 @@ mod tests {
 
     const SIZE: (usize, usize) = (40, 30);
 
-    /// A wall 1 m away; `nearer` columns show something else, at this distance (m).
+    /// A wall 1 m away; the columns `other` show something at another distance (m).
     fn view(other: std::ops::Range<usize>, other_m: f32) -> View {
         let depth_m = (0..SIZE.0 * SIZE.1).map(|i| if other.contains(&(i % SIZE.0)) { other_m } else { 1.0 });
         let depth_m = Raster::from_vec(SIZE.0, SIZE.1, depth_m.collect()).unwrap();

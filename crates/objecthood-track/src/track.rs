@@ -338,6 +338,7 @@ impl Track {
     /// What seemed to be its motion was that of a part.
     pub(crate) fn halt(&mut self) {
         (self.is_moving, self.motion, self.velocity) = (false, None, DVec3::ZERO);
+        self.surface = Surface::default();
     }
 
     /// It rests as it was just seen.
