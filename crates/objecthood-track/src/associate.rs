@@ -205,6 +205,7 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::look::Look;
     use crate::track::Sample;
 
     /// A track that rested, or a part of an agent.
@@ -249,5 +250,28 @@ mod tests {
             [Some(cup), Some(finger)],
             "most is the finger's"
         );
+    }
+
+    /// A regression, after frame 79 of the synthetic video `bowl3`: of a bowl in a hand only a strip was seen, and when the hand gave way, the
+    /// bowl had a new number.
+    #[test]
+    fn a_thing_of_which_a_strip_was_seen_is_known_when_it_comes_out() {
+        let look = |color| {
+            let mut look = Look::default();
+            look.add(color);
+            look.finish();
+            look
+        };
+        let yellow = [200, 190, 30];
+        let shows = |color, area_m2| {
+            let segment = Segment { px: 900, area_m2, look: look(color), ..Segment::default() };
+            let bowl = Track { look: look(yellow), area_m2: 0.01, ..track(0.0) };
+            let predicted = BTreeMap::from([(1, 200)]);
+            let overlap = Overlap { predicted, common: BTreeMap::from([((0, 1), 190)]) };
+            by_overlap(&[segment], &BTreeMap::from([(1, bowl)]), &overlap)
+        };
+        assert_eq!(shows(yellow, 0.008), [Some(1)]);
+        assert_eq!(shows([40, 70, 190], 0.008), [None], "of other colours");
+        assert_eq!(shows(yellow, 0.012), [None], "larger than it");
     }
 }

@@ -10,11 +10,17 @@ use crate::scene::Key;
 use crate::segment::Segment;
 use crate::support::carrier;
 use crate::track::{Sample, Track};
+use crate::tracked::Relation;
 
 /// An agent reaches what is this close to it (px at VGA size).
 const REACH_PX: f64 = 6.0;
 /// What goes with what carries it was moved at most this much (m) farther.
 const WITH_IT_M: f64 = 0.015;
+
+/// The foot of a thing is at a surface that is this close (m).
+const AT_FOOT_M: f64 = 0.03;
+/// A thing lies in another that rises above its foot by this (m).
+const RIM_M: f64 = 0.01;
 
 impl Memory {
     /// Brings every track up to date and tells what happened to it.
@@ -124,20 +130,40 @@ impl Memory {
         reach
     }
 
-    /// What holds each track in this frame.
+    /// What holds each track in this frame: as the frame tells; where that tells of no thing, what rested there.
     fn vote(&mut self, look: &Look<'_>) {
-        let objects = look.found.objects.len();
-        for k in 0..objects {
-            let key = look.keys[k];
-            let Some((parent, relation)) = carrier(look.found, k) else { continue };
-            let parent = parent.and_then(|id| look.found.objects.iter().position(|object| object.id == id));
-            let parent = parent.map(|p| self.root(look.keys[p])).filter(|&p| p != key);
-            let parent = parent.filter(|p| self.tracks.get(p).is_some_and(|track| !track.is_agent_part()));
-            if let Some(track) = self.tracks.get_mut(&key)
+        for (k, &key) in look.keys.iter().enumerate() {
+            let told = (k < look.found.objects.len()).then(|| carrier(look.found, k)).flatten();
+            let thing = |id| look.found.objects.iter().position(|object| object.id == id);
+            let parent = told.and_then(|(parent, _)| parent).and_then(thing).map(|p| self.root(look.keys[p]));
+            let parent = parent
+                .filter(|p| *p != key && self.tracks.get(p).is_some_and(|track| !track.is_agent_part()));
+            let rested = if parent.is_none() { self.rests_on(k, look) } else { None };
+            let vote = rested.map(|(below, relation)| (Some(below), relation));
+            let vote = vote.or(told.map(|(_, relation)| (parent, relation)));
+            if let Some((parent, relation)) = vote
+                && let Some(track) = self.tracks.get_mut(&key)
                 && !track.is_moving
             {
                 track.votes.add(parent, relation);
             }
         }
+    }
+
+    /// What a thing stands on, or in, of which the frame does not tell, because a hand hides it: the foot of the thing is at the surface of another
+    /// that rested there.
+    fn rests_on(&self, k: usize, look: &Look<'_>) -> Option<(Key, Relation)> {
+        let segment = &look.segments[k];
+        let foot = segment.center + (segment.bottom_m - segment.height_m) * look.place.up;
+        let in_camera = look.place.world_from_camera.inverse().point(foot);
+        let (key, at) = self.rested.surface(look.view.pixel_of(in_camera)?, look.view)?;
+        let below = self.root(key);
+        let carrier = self.tracks.get(&below)?;
+        let is_there = (look.place.world(at) - foot).length() < AT_FOOT_M && !carrier.is_moving;
+        if !is_there || below == self.root(look.keys[k]) {
+            return None;
+        }
+        let is_in = carrier.rest?.top_m > segment.bottom_m + RIM_M;
+        Some((below, if is_in { Relation::In } else { Relation::On }))
     }
 }

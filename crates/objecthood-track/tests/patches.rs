@@ -171,6 +171,31 @@ fn what_a_hand_holds_keeps_its_number() {
     }
 }
 
+/// An arm lifts a thing and sets it down in a tray. Meanwhile no frame shows the thing as an object of its own, nor what holds it.
+#[test]
+fn what_is_set_down_in_a_tray_is_in_it_while_the_hand_is_there() {
+    const TRAY: Patch =
+        Patch { left: 5, top: 10, width: 50, height: 60, depth_m: 1.02, color: [40, 150, 60] };
+    let mut tracker = Tracker::new(objecthood::Params::default());
+    let mut told = Vec::new();
+    for number in 0..110_i32 {
+        let reach = (40 - 4 * (number - 20)).clamp(0, 160);
+        let up = (2 * (number - 35)).clamp(0, 20) - (2 * (number - 80)).clamp(0, 10);
+        let aside = (3 * (number - 58)).clamp(0, 45);
+        let thing = Patch { left: THING.left - aside, top: THING.top - up, ..THING };
+        let (left, top) = (thing.left + 18 + reach, thing.top + 6);
+        let arm = Patch { left, top, width: 160, height: 10, depth_m: 0.96, color: [40, 70, 190] };
+        let seen: &[usize] = if number >= 33 { &[0] } else { &[0, 1] };
+        let (frame, found) = frame(&[TRAY, thing, arm], seen, number as u64);
+        told.extend(tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap().events);
+    }
+    told.extend(tracker.finish());
+    let put_in = told.iter().find(|event| event.kind == EventKind::PutIn);
+    let put_in = put_in.unwrap_or_else(|| panic!("{told:#?}"));
+    assert!(put_in.object.0 == 2 && format!("{:?}", put_in.other).contains('1'), "{put_in:?}");
+    assert!((82..=90).contains(&put_in.frame), "{put_in:?}");
+}
+
 /// The larger part of a thing is lifted off by an arm. What stays keeps the number, and the part gets one of its own.
 #[test]
 fn what_stays_of_a_thing_keeps_its_number() {
