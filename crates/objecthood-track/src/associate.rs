@@ -99,12 +99,13 @@ impl Expected<'_> {
     }
 
     /// Whether a segment shows more of a known thing than was expected, because less of it is hidden now: it holds the thing, has its colours and
-    /// is no larger.
+    /// is no larger. Where much less is expected than was just seen, the motion was not found.
     fn comes_out(&self, k: usize, key: u32) -> bool {
         let (segment, track) = (&self.segments[k], &self.tracks[&key]);
         let looks_like_it = segment.look.share_of(&track.look).is_some_and(|share| share > OWN_LOOK);
         let may_be_it = track.is_known() && looks_like_it && segment.area_m2 <= track.area_m2;
-        may_be_it && self.overlap.is_held_by(k, key)
+        let expected = self.overlap.predicted.get(&key).copied().unwrap_or(0);
+        may_be_it && 2 * expected > track.last.px && self.overlap.is_held_by(k, key)
     }
 
     /// Whether a segment has more pixels of a known thing than of this part of an agent: a frame once took a finger for one with what it
@@ -263,15 +264,17 @@ mod tests {
             look
         };
         let yellow = [200, 190, 30];
-        let shows = |color, area_m2| {
+        let shows = |color, area_m2, seen_px| {
             let segment = Segment { px: 900, area_m2, look: look(color), ..Segment::default() };
-            let bowl = Track { look: look(yellow), area_m2: 0.01, ..track(0.0) };
+            let mut bowl = Track { look: look(yellow), area_m2: 0.01, ..track(0.0) };
+            bowl.last.px = seen_px;
             let predicted = BTreeMap::from([(1, 200)]);
             let overlap = Overlap { predicted, common: BTreeMap::from([((0, 1), 190)]) };
             by_overlap(&[segment], &BTreeMap::from([(1, bowl)]), &overlap)
         };
-        assert_eq!(shows(yellow, 0.008), [Some(1)]);
-        assert_eq!(shows([40, 70, 190], 0.008), [None], "of other colours");
-        assert_eq!(shows(yellow, 0.012), [None], "larger than it");
+        assert_eq!(shows(yellow, 0.008, 210), [Some(1)]);
+        assert_eq!(shows([40, 70, 190], 0.008, 210), [None], "of other colours");
+        assert_eq!(shows(yellow, 0.012, 210), [None], "larger than it");
+        assert_eq!(shows(yellow, 0.008, 900), [None], "it moved, and nobody knows where to");
     }
 }

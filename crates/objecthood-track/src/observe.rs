@@ -159,7 +159,10 @@ impl Memory {
         let (key, at) = self.rested.surface(look.view.pixel_of(in_camera)?, look.view)?;
         let below = self.root(key);
         let carrier = self.tracks.get(&below)?;
-        let is_there = (look.place.world(at) - foot).length() < AT_FOOT_M && !carrier.is_moving;
+        let at = look.place.world(at);
+        // What was pushed away leaves its surface behind.
+        let is_its_own = (at - carrier.last.center).length() < carrier.area_m2.sqrt();
+        let is_there = (at - foot).length() < AT_FOOT_M && !carrier.is_moving && is_its_own;
         if !is_there || below == self.root(look.keys[k]) {
             return None;
         }
