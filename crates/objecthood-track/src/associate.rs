@@ -71,8 +71,7 @@ pub(crate) fn by_overlap(
     let mut tracks_of = vec![None; segments.len()];
     let keys: Vec<u32> = tracks.keys().copied().collect();
     let all: Vec<usize> = (0..segments.len()).collect();
-    let mut expected = Expected { segments, tracks, overlap, of_thing: Vec::new() };
-    expected.of_thing = all.iter().map(|&k| expected.most_of_a_thing(k)).collect();
+    let expected = Expected { segments, tracks, overlap };
     pair(&all, &keys, |k, key| expected.value(k, key), &mut tracks_of);
     tracks_of
 }
@@ -82,8 +81,6 @@ struct Expected<'a> {
     segments: &'a [Segment],
     tracks: &'a BTreeMap<u32, Track>,
     overlap: &'a Overlap,
-    /// By segment: see [`Self::most_of_a_thing`].
-    of_thing: Vec<usize>,
 }
 
 impl Expected<'_> {
@@ -112,7 +109,7 @@ impl Expected<'_> {
     /// holds, and what it holds is no part of the hand.
     fn is_rather_a_thing(&self, k: usize, part: u32) -> bool {
         let common = self.overlap.common.get(&(k, part)).copied().unwrap_or(0);
-        self.tracks[&part].is_agent_part() && common < self.of_thing[k]
+        self.tracks[&part].is_agent_part() && common < self.most_of_a_thing(k)
     }
 
     /// The pixels that a segment has of a known thing that it holds and may show; the most of any.

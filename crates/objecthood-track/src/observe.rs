@@ -16,7 +16,6 @@ use crate::tracked::Relation;
 const REACH_PX: f64 = 6.0;
 /// What goes with what carries it was moved at most this much (m) farther.
 const WITH_IT_M: f64 = 0.015;
-
 /// The foot of a thing is at a surface that is this close (m).
 const AT_FOOT_M: f64 = 0.03;
 /// A thing lies in another that rises above its foot by this (m).
@@ -130,7 +129,7 @@ impl Memory {
         reach
     }
 
-    /// What holds each track in this frame: as the frame tells; where that tells of no thing, what rested there.
+    /// What holds each track: the thing on which the frame says that it stands; else a thing that rested below it; else structure.
     fn vote(&mut self, look: &Look<'_>) {
         for (k, &key) in look.keys.iter().enumerate() {
             let told = (k < look.found.objects.len()).then(|| carrier(look.found, k)).flatten();
@@ -150,8 +149,7 @@ impl Memory {
         }
     }
 
-    /// What a thing stands on, or in, of which the frame does not tell, because a hand hides it: the foot of the thing is at the surface of another
-    /// that rested there.
+    /// What a thing stands on, or in, when a hand hides that: the foot of the thing is where the surface of another was when that last rested.
     fn rests_on(&self, k: usize, look: &Look<'_>) -> Option<(Key, Relation)> {
         let segment = &look.segments[k];
         let foot = segment.center + (segment.bottom_m - segment.height_m) * look.place.up;

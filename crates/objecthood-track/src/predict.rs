@@ -10,7 +10,7 @@ use crate::rigid::Rigid;
 use crate::scene::{Key, Scene, THERE_M};
 use crate::surface::expect;
 use crate::track::Track;
-use crate::view::View;
+use crate::view::{View, block};
 
 /// A track may have moved when more of its pixels changed.
 const CHANGED_SHARE: f64 = 0.06;
@@ -131,7 +131,7 @@ fn splat(scene: &Scene, view: &View, moving: &BTreeMap<Key, Rigid>) -> Vec<Key> 
         let Some(point) = scene.point(view, pixel) else { continue };
         let now = rigid.point(point.at);
         let Some((u, v)) = view.project(now) else { continue };
-        for to in view.block(v as usize * view.size.0 + u as usize) {
+        for to in block((u as usize, v as usize), view.size) {
             let is_there = view.inverse[to] > 0.0
                 && (1.0 / f64::from(view.inverse[to]) - now.z).abs() < f64::from(THERE_M);
             if is_there {

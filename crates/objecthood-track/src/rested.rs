@@ -126,9 +126,8 @@ impl Rested {
 
     /// The thing that rested at a pixel, and the point (m) of its surface there, in the camera.
     pub(crate) fn surface(&self, pixel: usize, view: &View) -> Option<(Key, DVec3)> {
-        let (key, inverse) = (self.owner[pixel], self.surface[pixel]);
-        let (u, v) = ((pixel % self.size.0) as f64, (pixel / self.size.0) as f64);
-        (key > 0 && inverse > 0.0).then(|| (key, DVec3::from(view.camera.ray(u, v)) / f64::from(inverse)))
+        let point = view.point_at(pixel, self.surface[pixel])?;
+        Some((self.owner[pixel], point)).filter(|&(key, _)| key > 0)
     }
 
     /// What is seen now where things rested; what belongs to `agents` hides. `openable`: the things of which the inside is looked for. O(n).

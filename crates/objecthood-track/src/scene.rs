@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::bits::Bits;
 use crate::camera::Place;
 use crate::pace::Pace;
-use crate::view::View;
+use crate::view::{View, block};
 
 /// Inverse depth changed by more than this (1/m): four standard deviations of a Kinect's disparity; with a moving camera
 /// about twice as much, because the memory was resampled.
@@ -91,13 +91,11 @@ pub(crate) enum Reach {
 
 impl Reach {
     pub(crate) fn pixels(self, at: &Placed, size: (usize, usize)) -> impl Iterator<Item = usize> {
-        let (width, height) = size;
-        let (u, v, around) = match self {
-            Self::Nearest => (at.u + 0.5, at.v + 0.5, &[(0, 0)][..]),
-            Self::Around => (at.u, at.v, &[(0, 0), (1, 0), (0, 1), (1, 1)][..]),
+        let (shift, count) = match self {
+            Self::Nearest => (0.5, 1),
+            Self::Around => (0.0, 4),
         };
-        let at = around.iter().map(move |&(a, b)| (u as usize + a, v as usize + b));
-        at.filter(move |&(u, v)| u < width && v < height).map(move |(u, v)| v * width + u)
+        block(((at.u + shift) as usize, (at.v + shift) as usize), size).take(count)
     }
 
     /// Whether what a pixel has already (1/m, 0 = nothing) stays.
@@ -319,17 +317,12 @@ fn mixed(mean: u8, value: u8) -> u8 {
 impl Scene {
     /// The surface that is remembered at a pixel, in the camera of this frame.
     pub(crate) fn point(&self, view: &View, pixel: usize) -> Option<crate::align::SurfacePoint> {
-        let inverse = self.depth[pixel];
-        (inverse > 0.0).then(|| {
-            let (u, v) = ((pixel % self.size.0) as f64, (pixel / self.size.0) as f64);
+        view.point_at(pixel, self.depth[pixel]).map(|at| {
             let grey = (!view.grey.is_empty()).then(|| {
                 let [r, g, b] = self.color[pixel].map(f64::from);
                 (77.0 * r + 150.0 * g + 29.0 * b) / 256.0
             });
-            crate::align::SurfacePoint {
-                at: glam::DVec3::from(view.camera.ray(u, v)) / f64::from(inverse),
-                grey,
-            }
+            crate::align::SurfacePoint { at, grey }
         })
     }
 }

@@ -23,7 +23,8 @@ struct State<M> {
 }
 
 impl Tracker {
-    /// All that the tracker remembers, but not its parameters: about 25 bytes a pixel, and 20 kB and at most 1 MB of surface a track, however long the video is.
+    /// All that the tracker remembers, but not its parameters: about 25 bytes a pixel, and 20 kB and at most 1 MB of surface a track, however long
+    /// the video is.
     ///
     /// # Errors
     /// [`Error::Save`] when it cannot be written down.

@@ -13,7 +13,7 @@ use crate::rigid::Rigid;
 use crate::scene::{Key, Scene, THERE_M};
 use crate::segment::is_looked_at;
 use crate::track::Track;
-use crate::view::View;
+use crate::view::{View, block};
 
 /// The oldest points beyond these are forgotten: a thing as large as an image of VGA size has as many.
 const MOST_POINTS: usize = 80_000;
@@ -101,7 +101,7 @@ pub(crate) fn expect(predicted: &mut [Key], scene: &Scene, view: &View, tracks: 
             continue;
         }
         for pixel in there {
-            for to in view.block(pixel) {
+            for to in block((pixel % view.size.0, pixel / view.size.0), view.size) {
                 let is_there = (1.0 / view.inverse[to] - 1.0 / view.inverse[pixel]).abs() < THERE_M;
                 if is_there && may_show(predicted, to) {
                     predicted[to] = key;

@@ -27,6 +27,13 @@ pub(crate) struct View {
     pub(crate) noise: f32,
 }
 
+/// The pixel in a column and row, if it is in the image, then those to its right and below it: pixels that move apart leave gaps, and these four
+/// close them.
+pub(crate) fn block((u, v): (usize, usize), (width, height): (usize, usize)) -> impl Iterator<Item = usize> {
+    let at = [(u, v), (u + 1, v), (u, v + 1), (u + 1, v + 1)].into_iter();
+    at.filter(move |&(u, v)| u < width && v < height).map(move |(u, v)| v * width + u)
+}
+
 impl View {
     /// O(n).
     pub(crate) fn of(frame: &Frame, noise: f32) -> Self {
@@ -43,7 +50,11 @@ impl View {
 
     /// The point (m) of a pixel with depth.
     pub(crate) fn point(&self, pixel: usize) -> Option<DVec3> {
-        let inverse = self.inverse[pixel];
+        self.point_at(pixel, self.inverse[pixel])
+    }
+
+    /// The point (m) that a pixel shows at an inverse depth (1/m, 0 = unknown).
+    pub(crate) fn point_at(&self, pixel: usize, inverse: f32) -> Option<DVec3> {
         (inverse > 0.0).then(|| {
             let (u, v) = ((pixel % self.size.0) as f64, (pixel / self.size.0) as f64);
             DVec3::from(self.camera.ray(u, v)) / f64::from(inverse)
@@ -65,14 +76,6 @@ impl View {
     /// The pixel at which a point (m) is seen.
     pub(crate) fn pixel_of(&self, p: DVec3) -> Option<usize> {
         self.project(p).map(|(u, v)| (v + 0.5) as usize * self.size.0 + (u + 0.5) as usize)
-    }
-
-    /// A pixel, and those to its right and below it: four pixels that close the gaps between pixels that moved apart.
-    pub(crate) fn block(&self, pixel: usize) -> impl Iterator<Item = usize> + use<> {
-        let (width, height) = self.size;
-        let (u, v) = (pixel % width, pixel / width);
-        let at = [(u, v), (u + 1, v), (u, v + 1), (u + 1, v + 1)].into_iter();
-        at.filter(move |&(u, v)| u < width && v < height).map(move |(u, v)| v * width + u)
     }
 
     /// The unit normal of the surface at a pixel, from its inverse depth, which is linear on planes.
