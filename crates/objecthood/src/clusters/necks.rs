@@ -1,5 +1,6 @@
 //! Joins the convex parts of one body across a neck or fold (docs/CONTEXT.md 4.7).
 
+mod handle;
 mod hanging;
 
 use glam::DVec3;
@@ -9,6 +10,7 @@ use crate::check::{Bound, Check};
 use crate::clusters::borders::BorderCounts;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
+use crate::clusters::necks::handle::Joint;
 use crate::clusters::scene::{Scene, sampled};
 use crate::color::histogram::ColorHistogram;
 use crate::neighbours::four_neighbours;
@@ -46,6 +48,12 @@ const STANDING_SHARE: f64 = 0.3;
 const FOOT_OF_TOP: f64 = 0.35;
 /// The top of a part is this quantile of its heights.
 const TOP_SHARE: f64 = 0.98;
+/// A handle touches its body along this share of their border: what is merely pushed against another leaves gaps,
+const CLOSED_SHARE: f64 = 0.7;
+/// with all of its end: the width of the joint over that of the end,
+const END_WIDTHS: [f64; 2] = [0.7, 1.5];
+/// and is so many times as long as wide. Handles of synthetic tools and hammers measure 3 to 9.
+const SLIMNESS: f64 = 2.5;
 /// What a part hangs on is this close (m): a shoulder hides as much of the neck behind it.
 const HANGING_M: f64 = 0.03;
 /// Contacts around which the lower part is looked at, at most: evenly spread, their surroundings overlap.
@@ -54,6 +62,8 @@ const CONTACTS: usize = 16;
 /// Joins two clusters that touch when the upper one has no foot of its own: it stands neither on a support nor on a level face of the lower
 /// one, as stacked things do. They also share their colours, or the upper one is small and sits on a slope, from which a thing of its own
 /// would slide off. Pairs that share most colours are joined first.
+///
+/// Of two that share their colours one may also be a handle: slim, and joined to the other with all of its end.
 ///
 /// A small part that is seen to hang in the air is joined with what it hangs on, whether or not they touch.
 ///
@@ -150,15 +160,17 @@ impl Compare<'_> {
         if borders.touch < self.least_touch {
             return None;
         }
-        let overlap = scene.lab.map_or(0.0, |lab| {
-            let [a, b] = pixels.map(|pixels| ColorHistogram::of(sampled(pixels).map(|i| lab[i])));
-            a.overlap(&b)
-        });
-        let Slopes { level_share, sliding_share } = self.slopes(upper, lower);
-        let [upper_px, lower_px] = [upper, lower].map(|id| self.clusters.get(id).pixels.len() as f64);
+        let overlap = self.color_overlap(pair);
         let alike =
             Check::new("overlap of their colours", "", overlap, Bound::AtLeast, self.params.color_overlap)
                 .set_by("necks.color_overlap");
+        if alike.holds()
+            && let Some(handle) = self.is_handle(pair)
+        {
+            return Some(Pair { parts: [upper, lower], overlap, checks: [vec![alike], handle].concat() });
+        }
+        let Slopes { level_share, sliding_share } = self.slopes(upper, lower);
+        let [upper_px, lower_px] = [upper, lower].map(|id| self.clusters.get(id).pixels.len() as f64);
         let slides = [
             Check::new(
                 "share of the lower part around it from which it would slide off",
@@ -191,6 +203,38 @@ impl Compare<'_> {
             checks.extend(slides);
         }
         Some(Pair { parts: [upper, lower], overlap, checks })
+    }
+
+    /// The overlap of the colours of two parts; 0 without colour.
+    fn color_overlap(&self, pair: [SegmentId; 2]) -> f64 {
+        self.clusters.scene.lab.map_or(0.0, |lab| {
+            let [a, b] =
+                pair.map(|id| ColorHistogram::of(sampled(&self.clusters.get(id).pixels).map(|i| lab[i])));
+            a.overlap(&b)
+        })
+    }
+
+    /// The checks by which one of two parts is a handle of the other; `None` when one fails.
+    fn is_handle(&self, [a, b]: [SegmentId; 2]) -> Option<Vec<Check>> {
+        [[a, b], [b, a]].into_iter().find_map(|[part, body]| {
+            let contacts = self.contacts(part, body);
+            let Joint { closed_share, width_share, slimness } =
+                handle::joint(self.clusters, self.up, [part, body], &contacts)?;
+            let check = |name, value, bound, limit| Check::new(name, "", value, bound, limit);
+            let width = "width of the joint, over that of the end of the slim part";
+            let checks = vec![
+                check(
+                    "share of their border at which they touch",
+                    closed_share,
+                    Bound::AtLeast,
+                    CLOSED_SHARE,
+                ),
+                check(width, width_share, Bound::AtLeast, END_WIDTHS[0]),
+                check(width, width_share, Bound::AtMost, END_WIDTHS[1]),
+                check("length of the slim part, over its width", slimness, Bound::AtLeast, SLIMNESS),
+            ];
+            checks.iter().all(Check::holds).then_some(checks)
+        })
     }
 
     /// The checks by which the smaller part hangs on the larger; `None` when one fails.
@@ -240,17 +284,24 @@ impl Compare<'_> {
         checks.iter().all(Check::holds).then_some(checks)
     }
 
-    /// How the lower part slopes around its contact with the upper one.
-    fn slopes(&self, upper: SegmentId, lower: SegmentId) -> Slopes {
+    /// The pixels of one part that touch the other.
+    fn contacts(&self, of: SegmentId, with: SegmentId) -> Vec<usize> {
         let scene = self.clusters.scene;
         let (width, height) = scene.disparity.size();
         let meets = |&i: &usize| {
             four_neighbours(i, width, height).any(|(j, _)| {
-                self.clusters.at_pixel(j) == Some(upper) && scene.steps.touch(scene.disparity, i, j)
+                self.clusters.at_pixel(j) == Some(with) && scene.steps.touch(scene.disparity, i, j)
             })
         };
+        self.clusters.get(of).pixels.iter().map(|&i| i as usize).filter(meets).collect()
+    }
+
+    /// How the lower part slopes around its contact with the upper one.
+    fn slopes(&self, upper: SegmentId, lower: SegmentId) -> Slopes {
+        let scene = self.clusters.scene;
+        let width = scene.disparity.width();
         let pixels = &self.clusters.get(lower).pixels;
-        let contacts: Vec<usize> = pixels.iter().map(|&i| i as usize).filter(meets).collect();
+        let contacts = self.contacts(lower, upper);
         let step = contacts.len().div_ceil(CONTACTS).max(1);
         let around: Vec<(usize, DVec3)> =
             contacts.into_iter().step_by(step).map(|i| (i, scene.point_at(i))).collect();
@@ -345,6 +396,31 @@ mod tests {
         let mut depth_only = body_with(20, bottle, [RED, BLUE]);
         depth_only.lab = None;
         assert_eq!(joined(&depth_only), one);
+    }
+
+    /// A hammer as seen from above: a head, and from its middle to the right a handle of this width and length (px), of this colour, which begins
+    /// so far (px) from the head, with the table between.
+    fn hammer([width, length]: [usize; 2], color: [f32; 3], gap: usize) -> Vec<Option<u32>> {
+        let of = |u: usize, v: usize| {
+            let is_head = (6..14).contains(&u) && (4..40).contains(&v);
+            let first = 14 + gap;
+            let is_handle =
+                (first..first + length).contains(&u) && (22 - width / 2..22 + width / 2).contains(&v);
+            usize::from(is_head) + 2 * usize::from(is_handle)
+        };
+        let mut table = Table::new((72, 44), |u, v| Some((of(u, v) as i32, [0.0, 0.04, 0.024][of(u, v)])));
+        table.lab = Some(LabImage::drawn((72, 44), |u, v| [BLUE, RED, color][of(u, v)]));
+        joined(&table)
+    }
+
+    /// A regression: the head and the handle of a hammer that lies on the table, made by another simulator, were two objects.
+    #[test]
+    fn a_slim_part_that_is_joined_with_all_of_its_end_is_a_handle() {
+        let (one, two) = (vec![Some(0), Some(0)], vec![Some(0), Some(1)]);
+        assert_eq!(hammer([12, 40], RED, 0), one);
+        assert_eq!(hammer([12, 40], BLUE, 0), two, "other colours");
+        assert_eq!(hammer([12, 20], RED, 0), two, "it is not slim");
+        assert_eq!(hammer([12, 40], RED, 1), two, "it does not touch the head");
     }
 
     /// A lying cylinder and, across a gap without depth, a thing whose left and right end have these heights (m). Both are far from the middle of

@@ -1,8 +1,7 @@
 //! How clearly colour changes across a body, place by place along one of its edges.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
-use crate::color::difference;
 use crate::color::image::LabImage;
 use crate::shapes::seams::body::{Body, BodyPixel, Face};
 use crate::shapes::seams::trace::Trace;
@@ -144,17 +143,30 @@ impl Places {
         }
     }
 
-    /// The difference of the colours on both sides of a place of a stripe; `None` where too little is seen.
+    /// How far the colours on both sides of a place of a stripe lie apart, without what a gradient makes of it; `None` where too little is
+    /// seen.
+    ///
+    /// Paint that runs from one colour into another changes beside the place as it does across it. So the change from one window to the next,
+    /// on average of both sides, is continued across the place and taken off.
     fn contrast_at(&self, sums: &[Sum], place: usize) -> Option<f32> {
         let mean = |from: usize, to: usize| {
             let count = sums[to].count - sums[from].count;
-            let color = std::array::from_fn(|k| (sums[to].color[k] - sums[from].color[k]) / count);
-            (count >= LEAST_PX).then_some(color)
+            let color = Vec3::from_array(std::array::from_fn(|k| sums[to].color[k] - sums[from].color[k]));
+            (count >= LEAST_PX).then_some(color / count)
         };
-        let (before, behind) = (place.checked_sub(self.gap)?, (place + self.gap).min(self.count));
-        let low: [f32; 3] = mean(before.saturating_sub(self.window), before)?;
-        let high: [f32; 3] = mean(behind, (behind + self.window).min(self.count))?;
-        Some(difference(low, high))
+        let below = |end: usize| mean(end.saturating_sub(self.window), end);
+        let above = |start: usize| mean(start.min(self.count), (start + self.window).min(self.count));
+        let (before, behind) = (place.checked_sub(self.gap)?, place + self.gap);
+        let (low, high) = (below(before)?, above(behind)?);
+        let change = high - low;
+        let windows_apart = (2 * self.gap + self.window) as f32 / self.window as f32;
+        let way = change.normalize_or_zero();
+        let lower = before.checked_sub(self.window).and_then(below).map(|lower| low - lower);
+        let higher = above(behind + self.window).map(|higher| higher - high);
+        let slopes = [lower, higher].into_iter().flatten().map(|beside| way.dot(beside));
+        let (sum, count) = slopes.fold((0.0, 0.0), |(sum, count), slope| (sum + slope, count + 1.0));
+        let gradient = sum / f32::max(count, 1.0);
+        Some((change.length() - (gradient * windows_apart).max(0.0)).max(0.0))
     }
 
     /// The clearest places that are a window apart, if they lie a margin from the ends and from folds, with enough on both sides.

@@ -78,6 +78,16 @@ fn shading_and_the_same_color_are_no_joint() {
     assert_eq!(count(|u, _| [if u < 50 { 50.0 } else { 60.0 }, RED[1], RED[2]]), 1, "a pale shadow");
 }
 
+/// A regression: a box whose paint runs from one colour into another, made by another simulator, was four objects.
+#[test]
+fn a_gradient_is_no_joint() {
+    let mixed = |share: f32| std::array::from_fn(|k| RED[k] + share * (BLUE[k] - RED[k]));
+    assert_eq!(count(|u, _| mixed(u as f32 / SIZE.0 as f32)), 1, "all along the board");
+    assert_eq!(count(|u, _| mixed((u as f32 / 30.0 - 1.0).clamp(0.0, 1.0))), 1, "over 30 px");
+    let both = |u: usize, _: usize| if u < 50 { mixed(u as f32 / 150.0) } else { mixed(1.0) };
+    assert_eq!(count(both), 2, "a joint beside a gradient");
+}
+
 #[test]
 fn what_is_too_narrow_for_a_thing_is_not_cut_off() {
     assert_eq!(count(|u, _| if u < 4 { RED } else { BLUE }), 1, "8 mm from the end");

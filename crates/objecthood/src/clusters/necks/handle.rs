@@ -1,0 +1,59 @@
+//! Whether a part is a handle: slim, and joined to the body with all of its end (docs/CONTEXT.md 4.7).
+
+use glam::DVec3;
+
+use crate::clusters::cluster::Clusters;
+use crate::clusters::scene::sampled;
+use crate::regions::SegmentId;
+
+/// Lengths and widths reach from the first to the second of these quantiles: outlines are noisy.
+const QUANTILES: [f64; 2] = [0.05, 0.95];
+/// The end of a part is what lies this near (m) to its joint.
+const END_M: f64 = 0.03;
+
+/// How a part is joined to a body, in the plan view.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Joint {
+    /// The share of their common border, in [0, 1], at which they touch: what is merely pushed against another leaves gaps.
+    pub(super) closed_share: f64,
+    /// The width of the joint, over that of the end of the part.
+    pub(super) width_share: f64,
+    /// How far the part goes away from the joint, over the width of its end.
+    pub(super) slimness: f64,
+}
+
+/// Measures the joint of a part with a body; `contacts`: the pixels of the part that touch it. `None` when there are none, or too little is
+/// seen of the part.
+/// O(sampled pixels · log(sampled pixels)).
+pub(super) fn joint(
+    clusters: &Clusters<'_>,
+    up: DVec3,
+    [part, body]: [SegmentId; 2],
+    contacts: &[usize],
+) -> Option<Joint> {
+    let scene = clusters.scene;
+    let level = |point: DVec3| point - up * up.dot(point);
+    let touching: Vec<DVec3> = contacts.iter().map(|&i| level(scene.point_at(i))).collect();
+    let own: Vec<DVec3> = sampled(&clusters.get(part).pixels).map(|i| level(scene.point_at(i))).collect();
+    let mean = |points: &[DVec3]| points.iter().sum::<DVec3>() / points.len() as f64;
+    let from = mean(&touching);
+    // Without contacts this is no direction.
+    let away = (mean(&own) - from).try_normalize()?;
+    let aside = up.cross(away);
+    let extent = |values: &mut Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        let [low, high] = QUANTILES.map(|q| (q * values.len().saturating_sub(1) as f64).round() as usize);
+        Some(values.get(high)? - values.get(low)?)
+    };
+    let length_m = extent(&mut own.iter().map(|p| away.dot(p - from)).collect())?;
+    let is_end = |p: &&DVec3| away.dot(**p - from) < END_M;
+    let width_m = extent(&mut own.iter().filter(is_end).map(|p| aside.dot(p - from)).collect())?;
+    let joint_m = extent(&mut touching.iter().map(|p| aside.dot(p - from)).collect())?;
+    let borders = clusters.get(part).neighbours.get(&Some(body))?;
+    let all = borders.touch + borders.level + borders.in_front + borders.behind;
+    (width_m > 0.0).then(|| Joint {
+        closed_share: f64::from(borders.touch) / f64::from(all),
+        width_share: joint_m / width_m,
+        slimness: length_m / width_m,
+    })
+}
