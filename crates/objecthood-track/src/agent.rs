@@ -51,7 +51,8 @@ impl Agents {
         Self { all: Vec::new(), region: Bits::none(size), free: Vec::new(), next: 1 }
     }
 
-    /// Finds them in a frame. O(n).
+    /// Finds them in a frame. `is_free_thing`: whether a pixel showed, in the last frame, a thing that was seen by itself away from the border.
+    /// What comes to the border as such a thing is none. O(n).
     pub(crate) fn update(
         &mut self,
         view: &View,
@@ -59,6 +60,7 @@ impl Agents {
         changed: &Bits,
         camera_moves: bool,
         pace: Pace,
+        is_free_thing: impl Fn(usize) -> bool,
     ) {
         let open = view.length_px(if camera_moves { 2.0 } else { 1.0 });
         let close = view.length_px(5.0);
@@ -81,7 +83,10 @@ impl Agents {
             let before = same.filter(|&(common, _)| common > 0).map(|(_, k)| old.swap_remove(k));
             let away = if touches { 0 } else { before.as_ref().map_or(usize::MAX, |agent| agent.away + 1) };
             let is_old = before.as_ref().is_some_and(|agent| agent.frames >= 2 * pace.frames(LEAST_S));
-            if away > if is_old { pace.frames(PATIENCE_S) } else { 0 } {
+            let is_agent = before.as_ref().is_some_and(|agent| agent.number > 0);
+            let free = component.iter().filter(|&&pixel| is_free_thing(pixel)).count();
+            let is_free = !is_agent && 2 * free > component.len();
+            if is_free || away > if is_old { pace.frames(PATIENCE_S) } else { 0 } {
                 if !camera_moves {
                     self.free.push(component);
                 }

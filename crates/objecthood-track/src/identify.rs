@@ -13,7 +13,7 @@ use crate::rested::Beside;
 use crate::scene::Key;
 use crate::segment::{Measure, Segment, labels, pixels_by_label, segments};
 use crate::surface::Surface;
-use crate::track::Track;
+use crate::track::{RESTING_CHANGE, Track};
 use crate::view::View;
 
 /// What has always been there shows the rested scene in this share of its pixels.
@@ -70,6 +70,7 @@ impl Memory {
                 self.next - 1
             }));
         }
+        self.vote_on_wholes(&segments, &keys, &fresh, &overlap);
         for &(k, key) in &fresh {
             let sample = self.sample(&segments[k], &[]);
             let mut track = Track::new(&segments[k], sample, self.frame == 0);
@@ -166,7 +167,7 @@ impl Memory {
     }
 
     /// The resting track of which a segment without a track of its own is a fragment: most of its pixels belong to it, and it
-    /// shows itself elsewhere too, while an agent stands before it.
+    /// shows itself elsewhere too, while an agent stands before it, or nobody is near, nothing has changed and most frames showed it as one.
     fn fragment_of(
         &self,
         k: usize,
@@ -181,8 +182,10 @@ impl Memory {
         let track = self.tracks.get(&key)?;
         let is_part = common as f64 > MOST_OF_IT * segment.px as f64 && segment.changed < 0.5;
         let is_seen = tracks_of.contains(&Some(key));
-        (is_part && is_seen && track.rest.is_some() && track.rests() && track.last.reached_by.is_some())
-            .then_some(key)
+        let is_behind_agent = track.rest.is_some() && track.rests() && track.last.reached_by.is_some();
+        let is_undisturbed = track.rest_s > 0.0 && track.last.reached_by.is_none();
+        let is_as_before = is_undisturbed && segment.changed < RESTING_CHANGE && track.oneness.holds();
+        (is_part && is_seen && (is_behind_agent || is_as_before)).then_some(key)
     }
 
     /// Whether a fresh segment shows what was there before, where no thing rested. O(n) if it does not move.
@@ -197,7 +200,7 @@ impl Memory {
     }
 
     /// The track to which most pixels of a fresh segment belonged while it rested. What has other colours stands before it, as a hand does.
-    fn came_off(&self, k: usize, segment: &Segment, overlap: &Overlap) -> Option<Key> {
+    pub(crate) fn came_off(&self, k: usize, segment: &Segment, overlap: &Overlap) -> Option<Key> {
         let parts = overlap.common.range((k, 0)..=(k, Key::MAX));
         let (&(_, key), &common) =
             parts.max_by_key(|&(&(_, key), &common)| (common, std::cmp::Reverse(key)))?;

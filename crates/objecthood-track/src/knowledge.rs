@@ -6,6 +6,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::associate::{HOLDS, Overlap};
+use crate::oneness::Oneness;
+use crate::pace::Pace;
 use crate::scene::Key;
 use crate::track::{Rest, Track};
 use crate::tracked::Relation;
@@ -34,6 +36,13 @@ pub(crate) struct Knowledge {
     apart: BTreeSet<(Key, Key)>,
     /// Pairs that have never touched and of which one segment holds both: for how many frames.
     whole: BTreeMap<(Key, Key), u32>,
+    /// Pairs that touch and rest: whether frames show them as one.
+    ones: BTreeMap<(Key, Key), Oneness>,
+    /// The pace of this frame, and those of these pairs that it shows as one.
+    #[serde(skip)]
+    pace: Pace,
+    #[serde(skip)]
+    shown_as_one: BTreeSet<(Key, Key)>,
     /// Pairs that touch and move.
     together: BTreeMap<(Key, Key), Together>,
 }
@@ -64,6 +73,7 @@ impl Knowledge {
         let is_other = |&(a, b): &(Key, Key)| a != key && b != key;
         self.apart.retain(is_other);
         self.whole.retain(|pair, _| is_other(pair));
+        self.ones.retain(|pair, _| is_other(pair));
         self.together.retain(|pair, _| is_other(pair));
     }
 
@@ -99,6 +109,10 @@ impl Knowledge {
             let is_clear = (one.is_moving && other.rests() || other.is_moving && one.rests())
                 && is_whole(one, rest_a)
                 && is_whole(other, rest_b);
+            let is_two = !self.shown_as_one.contains(&(a, b));
+            if is_two && one.is_undisturbed() && other.is_undisturbed() {
+                self.ones.entry((a, b)).or_default().count(false, self.pace);
+            }
             if is_clear && against > APART_M && against > TOGETHER_SHARE * path {
                 self.apart.insert((a, b));
                 self.together.remove(&(a, b));
@@ -138,8 +152,14 @@ impl Knowledge {
         self.apart.insert(pair(a, b));
     }
 
+    /// Begins a frame.
+    pub(crate) fn begin(&mut self, pace: Pace) {
+        self.pace = pace;
+        self.shown_as_one.clear();
+    }
+
     /// Tracks that a segment, which shows `owner`, holds as well: to be kept apart, because they were seen to move apart or
-    /// touched when they were last seen; and such that turn out to be one with the owner.
+    /// touched when they were last seen; and such that turn out to be one with the owner, because most frames show them as one.
     pub(crate) fn held(
         &mut self,
         segment: usize,
@@ -159,9 +179,16 @@ impl Knowledge {
             }
             let touched = touched.contains(&pair(owner, key));
             let is_part = track.part_from() == Some(owner);
-            let is_own = touched && track.rest.is_some() && !is_part
-                || track.was_moved_against(&tracks[&owner], AGAINST_M);
-            if self.are_apart(owner, key) || is_own {
+            let moved_against = track.was_moved_against(&tracks[&owner], AGAINST_M);
+            let is_own = touched && track.rest.is_some() && !is_part || moved_against;
+            let may_be_one = touched && !is_part && !moved_against && !self.are_apart(owner, key);
+            if may_be_one && track.is_undisturbed() && tracks[&owner].is_undisturbed() {
+                self.shown_as_one.insert(pair(owner, key));
+                let oneness = self.ones.entry(pair(owner, key)).or_default();
+                oneness.count(true, self.pace);
+                let list = if oneness.is_proved() { &mut one } else { &mut apart };
+                list.push(key);
+            } else if self.are_apart(owner, key) || is_own {
                 apart.push(key);
             } else if is_part {
                 one.push(key);

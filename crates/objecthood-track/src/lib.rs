@@ -56,6 +56,7 @@ mod memory;
 mod missing;
 mod moved_part;
 mod observe;
+mod oneness;
 mod opened;
 mod output;
 mod pace;

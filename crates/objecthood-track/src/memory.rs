@@ -110,7 +110,10 @@ impl Memory {
         }
         let changed = self.scene.changed(view, place.moves);
         if self.has(Ingredient::Agents) {
-            self.agents.update(view, &self.scene, &changed, place.moves, self.pace);
+            let is_free = |(key, track): (&Key, &Track)| track.was_free(self.pace).then_some(*key);
+            let free: BTreeSet<Key> = self.tracks.iter().filter_map(is_free).collect();
+            let is_free_thing = |pixel: usize| free.contains(&self.scene.seen[pixel]);
+            self.agents.update(view, &self.scene, &changed, place.moves, self.pace, is_free_thing);
         }
         let predicted = match self.has(Ingredient::Motion) {
             true => predict(&self.scene, view, &changed, &mut self.tracks, self.pace.frame_s),

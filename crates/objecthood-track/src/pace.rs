@@ -9,6 +9,12 @@ pub(crate) struct Pace {
     pub(crate) frame_s: f64,
 }
 
+impl Default for Pace {
+    fn default() -> Self {
+        Self::UNKNOWN
+    }
+}
+
 impl Pace {
     /// Before two frames are known: 30 frames a second.
     pub(crate) const UNKNOWN: Self = Self { frame_s: 1.0 / 30.0 };

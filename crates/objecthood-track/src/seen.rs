@@ -58,14 +58,17 @@ impl Memory {
         if !self.has(Ingredient::Knowledge) {
             return parted;
         }
+        self.knowledge.begin(self.pace);
         for (k, &owner) in keys.iter().enumerate() {
             let is_seen = |key: Key| keys.contains(&key);
-            let (apart, one) = self.knowledge.held(k, owner, overlap, &self.tracks, &self.touched, is_seen);
+            let (tracks, touched) = (&self.tracks, &self.touched);
+            let (apart, one) = self.knowledge.held(k, owner, overlap, tracks, touched, is_seen);
             if !apart.is_empty() {
                 parted.insert(k, apart.into_iter().collect());
             }
             for part in one {
-                if self.tracks[&part].part_from() == Some(owner) {
+                let touched = self.touched.contains(&(owner.min(part), owner.max(part)));
+                if touched || self.tracks[&part].part_from() == Some(owner) {
                     self.join(owner, part);
                 } else {
                     self.merge(owner, part);

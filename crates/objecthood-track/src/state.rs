@@ -9,7 +9,7 @@ use crate::memory::Memory;
 use crate::tracker::Tracker;
 
 /// What a state begins with; the number changes with what the tracker remembers.
-const HEAD: &[u8] = b"objecthood tracker, state 5\n";
+const HEAD: &[u8] = b"objecthood tracker, state 6\n";
 /// Bytes of the checksum that follows.
 const SUM: usize = 32;
 

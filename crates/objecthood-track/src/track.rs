@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 use crate::align::Motion;
 use crate::happening::are_alike;
 use crate::look::Look;
+use crate::oneness::Oneness;
+use crate::pace::Pace;
 use crate::segment::Segment;
 use crate::support::Votes;
 use crate::surface::Surface;
@@ -19,7 +21,7 @@ const MOST_SAMPLES: usize = 180;
 /// Hits that confirm a track.
 pub(crate) const CONFIRMING_HITS: u32 = 2;
 /// A thing rests when so little of it changes,
-const RESTING_CHANGE: f64 = 0.10;
+pub(crate) const RESTING_CHANGE: f64 = 0.10;
 /// and so little of it belongs to an agent's region,
 const RESTING_OF_AGENT: f64 = 0.3;
 /// and it moves by less than this (m) from frame to frame.
@@ -32,6 +34,10 @@ const STILL_M: f64 = 0.01;
 const STILL_SHARE: f64 = 0.05;
 /// It is elsewhere when its mean visible point is so far (m) from where it rested.
 const AWAY_M: f64 = 0.02;
+/// Less than this share of what is free of an agent belongs to the agent's region.
+const FREE_OF_AGENT: f64 = 0.15;
+/// It was free of the border once it was seen away from it, and from agents, for so long (s).
+const FREE_S: f64 = 0.2;
 /// It is known once it rested so long (s).
 pub(crate) const KNOWN_S: f64 = 0.2;
 
@@ -122,6 +128,8 @@ pub(crate) struct Track {
     /// Frames in which a part of an agent was outside of its region.
     pub(crate) free_frames: u32,
     pub(crate) votes: Votes,
+    /// Whether frames show it as one while it rests.
+    pub(crate) oneness: Oneness,
     /// The track that it turned out to be part of.
     pub(crate) part_of: Option<u32>,
     /// What was seen of it that makes it an object.
@@ -180,6 +188,7 @@ impl Track {
             agent_score: if segment.of_agent > 0.5 { 4 } else { 0 },
             free_frames: 0,
             votes: Votes::default(),
+            oneness: Oneness::default(),
             part_of: None,
             seen_to: Vec::new(),
             is_covered: false,
@@ -251,7 +260,7 @@ impl Track {
         if segment.of_agent > 0.5 && self.rest.is_none() && self.part_from().is_none() {
             self.agent_score = (self.agent_score + 2).min(6);
         }
-        if is_part && segment.of_agent < 0.15 {
+        if is_part && segment.of_agent < FREE_OF_AGENT {
             self.free_frames += 1;
             if self.free_frames >= 3 {
                 (self.agent_score, self.free_frames) = (0, 0);
@@ -271,6 +280,11 @@ impl Track {
 
     pub(crate) fn rests(&self) -> bool {
         self.rest_s >= KNOWN_S
+    }
+
+    /// Whether it rests, and no agent is near.
+    pub(crate) fn is_undisturbed(&self) -> bool {
+        self.rests() && self.last.reached_by.is_none()
     }
 
     /// Whether it is elsewhere than where it last rested.
@@ -296,6 +310,12 @@ impl Track {
         };
         recent.all(|sample| !sample.moves && is_there(sample))
             && self.samples.iter().filter(|sample| sample.stamp_s > since_s).count() >= least
+    }
+
+    /// Whether it was seen by itself away from the border: an arm never is.
+    pub(crate) fn was_free(&self, pace: Pace) -> bool {
+        let is_free = |sample: &&Sample| !sample.at_border && sample.of_agent < FREE_OF_AGENT;
+        self.is_confirmed() && self.samples.iter().filter(is_free).count() >= pace.frames(FREE_S)
     }
 
     /// The agent that reached it last, in this time (s).

@@ -1,0 +1,103 @@
+//! Whether the frames show something as one or in pieces: a frame may be wrong, and where nothing moves most of them decide (ours).
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::{Deserialize, Serialize};
+
+use crate::associate::Overlap;
+use crate::memory::Memory;
+use crate::pace::Pace;
+use crate::scene::Key;
+use crate::segment::Segment;
+use crate::track::RESTING_CHANGE;
+
+/// Frames are forgotten with this time constant (s).
+const MEMORY_S: f64 = 0.5;
+/// What is one stays one while so many of the last frames show it as one. Less than half: one frame is not enough to part it.
+const STAYS_ONE: f64 = 0.4;
+/// Two turn out to be one when so many show them as one, ...
+const IS_ONE: f64 = 0.8;
+/// ... unless so few did once: then they were clearly two, and what is seen now is a worse view of them.
+const WAS_TWO: f64 = 0.2;
+
+/// The share of the last frames that show something as one, and the least that it has been.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Oneness {
+    share: f64,
+    least: f64,
+}
+
+impl Default for Oneness {
+    fn default() -> Self {
+        Self { share: 0.5, least: 0.5 }
+    }
+}
+
+impl Oneness {
+    /// Counts a frame.
+    pub(crate) fn count(&mut self, is_one: bool, pace: Pace) {
+        let weight = (pace.frame_s / MEMORY_S).min(1.0);
+        self.share += weight * (f64::from(u8::from(is_one)) - self.share);
+        self.least = self.least.min(self.share);
+    }
+
+    /// Whether one that comes in pieces in this frame is still one.
+    pub(crate) fn holds(self) -> bool {
+        self.share > STAYS_ONE
+    }
+
+    /// Whether two turn out to be one.
+    pub(crate) fn is_proved(self) -> bool {
+        self.share > IS_ONE && self.least > WAS_TWO
+    }
+}
+
+impl Memory {
+    /// Counts a frame for every track that rests and of which nothing has changed: whether a segment of its own shows it, or several do.
+    /// `fresh`: segments that show no known track.
+    pub(crate) fn vote_on_wholes(
+        &mut self,
+        segments: &[Segment],
+        keys: &[Key],
+        fresh: &[(usize, Key)],
+        overlap: &Overlap,
+    ) {
+        let mut shown: BTreeMap<Key, usize> = BTreeMap::new();
+        keys.iter().for_each(|&key| *shown.entry(key).or_default() += 1);
+        let pieces = fresh.iter().filter_map(|&(k, _)| self.came_off(k, &segments[k], overlap));
+        let in_pieces: BTreeSet<Key> = pieces.collect();
+        for (k, key) in keys.iter().enumerate() {
+            let Some(track) = self.tracks.get_mut(key) else { continue };
+            let is_first = !keys[..k].contains(key);
+            if is_first && track.rest_s > 0.0 && segments[k].changed < RESTING_CHANGE {
+                track.oneness.count(shown[key] == 1 && !in_pieces.contains(key), self.pace);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn after(frames: impl IntoIterator<Item = bool>) -> Oneness {
+        let mut oneness = Oneness::default();
+        frames.into_iter().for_each(|is_one| oneness.count(is_one, Pace::UNKNOWN));
+        oneness
+    }
+
+    #[test]
+    fn most_frames_decide() {
+        assert!(after([]).holds() && after([false]).holds(), "a single frame parts nothing");
+        assert!(after((0..60).map(|k| k % 2 == 0)).holds(), "every second frame");
+        assert!(!after([false; 5]).holds(), "it was two from its second frame on");
+        assert!(!after([true; 60].into_iter().chain([false; 20])).holds(), "it came apart for good");
+    }
+
+    #[test]
+    fn two_are_one_when_frames_say_so_and_they_were_never_clearly_two() {
+        assert!(!after([true; 5]).is_proved(), "a sixth of a second");
+        assert!(after([true; 20]).is_proved());
+        assert!(!after([false; 20].into_iter().chain([true; 60])).is_proved(), "a worse view of two");
+    }
+}
