@@ -41,7 +41,7 @@ pub(crate) struct Agents {
     pub(crate) all: Vec<Agent>,
     /// The pixels of all of them, with what they carry.
     pub(crate) region: Bits,
-    /// What else is nearer than the rested scene and does not touch the border: the pixels of each thing.
+    /// What else is nearer than the rested scene and is no agent: the pixels of each thing.
     pub(crate) free: Vec<Vec<usize>>,
     next: u32,
 }

@@ -166,8 +166,8 @@ impl Memory {
         overlap
     }
 
-    /// The resting track of which a segment without a track of its own is a fragment: most of its pixels belong to it, and it
-    /// shows itself elsewhere too, while an agent stands before it, or nobody is near, nothing has changed and most frames showed it as one.
+    /// The resting track of which a segment without a track of its own is a fragment: most of its pixels belong to it, and it shows itself
+    /// elsewhere too. Either an agent stands before it; or no agent is near, nothing has changed, and most frames showed it as one.
     fn fragment_of(
         &self,
         k: usize,

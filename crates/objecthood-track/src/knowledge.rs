@@ -38,9 +38,10 @@ pub(crate) struct Knowledge {
     whole: BTreeMap<(Key, Key), u32>,
     /// Pairs that touch and rest: whether frames show them as one.
     ones: BTreeMap<(Key, Key), Oneness>,
-    /// The pace of this frame, and those of these pairs that it shows as one.
+    /// The pace of this frame.
     #[serde(skip)]
     pace: Pace,
+    /// Those of `ones` that this frame shows as one.
     #[serde(skip)]
     shown_as_one: BTreeSet<(Key, Key)>,
     /// Pairs that touch and move.
@@ -59,7 +60,7 @@ struct Together {
     against_m2: f64,
 }
 
-fn pair(a: Key, b: Key) -> (Key, Key) {
+pub(crate) fn pair(a: Key, b: Key) -> (Key, Key) {
     (a.min(b), a.max(b))
 }
 
@@ -182,7 +183,8 @@ impl Knowledge {
             let moved_against = track.was_moved_against(&tracks[&owner], AGAINST_M);
             let is_own = touched && track.rest.is_some() && !is_part || moved_against;
             let may_be_one = touched && !is_part && !moved_against && !self.are_apart(owner, key);
-            if may_be_one && track.is_undisturbed() && tracks[&owner].is_undisturbed() {
+            let is_untouched = [track, &tracks[&owner]].into_iter().all(|track| track.was_never_handled());
+            if may_be_one && is_untouched && track.is_undisturbed() && tracks[&owner].is_undisturbed() {
                 self.shown_as_one.insert(pair(owner, key));
                 let oneness = self.ones.entry(pair(owner, key)).or_default();
                 oneness.count(true, self.pace);

@@ -30,6 +30,7 @@
 //! | `seen.rs` | which track is seen at each pixel; known things that no segment shows are held |
 //! | `observe.rs`, `missing.rs` | tracks that are seen, and tracks that are not |
 //! | `parts.rs`, `knowledge.rs` | what motion proved: parts that are one, things that are not |
+//! | `oneness.rs` | whether most frames show a resting thing as one |
 //! | `rested.rs`, `opened.rs` | the surface of things as they last rested: what is hidden, what was opened |
 //! | `whole.rs` | things that were cut in pieces, and are seen whole |
 //! | `support.rs` | what holds what, over time |

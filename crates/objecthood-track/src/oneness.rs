@@ -12,7 +12,9 @@ use crate::segment::Segment;
 use crate::track::RESTING_CHANGE;
 
 /// Frames are forgotten with this time constant (s).
-const MEMORY_S: f64 = 0.5;
+const VOTES_S: f64 = 0.5;
+/// A frame has at most this weight, however long it lasts: a few frames decide, never one.
+const MOST_WEIGHT: f64 = 0.15;
 /// What is one stays one while so many of the last frames show it as one. Less than half: one frame is not enough to part it.
 const STAYS_ONE: f64 = 0.4;
 /// Two turn out to be one when so many show them as one, ...
@@ -36,7 +38,7 @@ impl Default for Oneness {
 impl Oneness {
     /// Counts a frame.
     pub(crate) fn count(&mut self, is_one: bool, pace: Pace) {
-        let weight = (pace.frame_s / MEMORY_S).min(1.0);
+        let weight = (pace.frame_s / VOTES_S).min(MOST_WEIGHT);
         self.share += weight * (f64::from(u8::from(is_one)) - self.share);
         self.least = self.least.min(self.share);
     }
@@ -53,7 +55,7 @@ impl Oneness {
 }
 
 impl Memory {
-    /// Counts a frame for every track that rests and of which nothing has changed: whether a segment of its own shows it, or several do.
+    /// Counts a frame for every track that rests, of which nothing has changed, and that no agent reaches: whether a segment of its own shows it, or several do.
     /// `fresh`: segments that show no known track.
     pub(crate) fn vote_on_wholes(
         &mut self,
@@ -69,7 +71,8 @@ impl Memory {
         for (k, key) in keys.iter().enumerate() {
             let Some(track) = self.tracks.get_mut(key) else { continue };
             let is_first = !keys[..k].contains(key);
-            if is_first && track.rest_s > 0.0 && segments[k].changed < RESTING_CHANGE {
+            let rests = track.rest_s > 0.0 && track.last.reached_by.is_none();
+            if is_first && rests && segments[k].changed < RESTING_CHANGE {
                 track.oneness.count(shown[key] == 1 && !in_pieces.contains(key), self.pace);
             }
         }
@@ -81,14 +84,20 @@ mod tests {
     use super::*;
 
     fn after(frames: impl IntoIterator<Item = bool>) -> Oneness {
+        after_at(30.0, frames)
+    }
+
+    fn after_at(frames_per_s: f64, frames: impl IntoIterator<Item = bool>) -> Oneness {
         let mut oneness = Oneness::default();
-        frames.into_iter().for_each(|is_one| oneness.count(is_one, Pace::UNKNOWN));
+        let pace = Pace { frame_s: 1.0 / frames_per_s };
+        frames.into_iter().for_each(|is_one| oneness.count(is_one, pace));
         oneness
     }
 
     #[test]
     fn most_frames_decide() {
         assert!(after([]).holds() && after([false]).holds(), "a single frame parts nothing");
+        assert!(after_at(5.0, [false]).holds(), "nor does it at 5 frames a second");
         assert!(after((0..60).map(|k| k % 2 == 0)).holds(), "every second frame");
         assert!(!after([false; 5]).holds(), "it was two from its second frame on");
         assert!(!after([true; 60].into_iter().chain([false; 20])).holds(), "it came apart for good");
@@ -98,6 +107,7 @@ mod tests {
     fn two_are_one_when_frames_say_so_and_they_were_never_clearly_two() {
         assert!(!after([true; 5]).is_proved(), "a sixth of a second");
         assert!(after([true; 20]).is_proved());
+        assert!(!after_at(5.0, [true; 3]).is_proved(), "three slow frames");
         assert!(!after([false; 20].into_iter().chain([true; 60])).is_proved(), "a worse view of two");
     }
 }

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::associate::Overlap;
 use crate::hand::HandColors;
 use crate::ingredient::Ingredient;
+use crate::knowledge::pair;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::segment::{Measure, is_looked_at};
@@ -67,7 +68,7 @@ impl Memory {
                 parted.insert(k, apart.into_iter().collect());
             }
             for part in one {
-                let touched = self.touched.contains(&(owner.min(part), owner.max(part)));
+                let touched = self.touched.contains(&pair(owner, part));
                 if touched || self.tracks[&part].part_from() == Some(owner) {
                     self.join(owner, part);
                 } else {

@@ -34,7 +34,7 @@ const STILL_M: f64 = 0.01;
 const STILL_SHARE: f64 = 0.05;
 /// It is elsewhere when its mean visible point is so far (m) from where it rested.
 const AWAY_M: f64 = 0.02;
-/// Less than this share of what is free of an agent belongs to the agent's region.
+/// A thing is free of an agent when less than this share of it lies in the agent's region.
 const FREE_OF_AGENT: f64 = 0.15;
 /// It was free of the border once it was seen away from it, and from agents, for so long (s).
 const FREE_S: f64 = 0.2;
@@ -312,10 +312,17 @@ impl Track {
             && self.samples.iter().filter(|sample| sample.stamp_s > since_s).count() >= least
     }
 
-    /// Whether it was seen by itself away from the border: an arm never is.
+    /// Whether it was seen by itself away from the border, and never in an agent's region: an arm is not.
     pub(crate) fn was_free(&self, pace: Pace) -> bool {
         let is_free = |sample: &&Sample| !sample.at_border && sample.of_agent < FREE_OF_AGENT;
-        self.is_confirmed() && self.samples.iter().filter(is_free).count() >= pace.frames(FREE_S)
+        let was_agents = self.samples.iter().any(|sample| sample.of_agent > 0.5);
+        let free = self.samples.iter().filter(is_free).count();
+        self.is_confirmed() && !was_agents && free >= pace.frames(FREE_S)
+    }
+
+    /// Whether it was there from the beginning, and nothing was done to it.
+    pub(crate) fn was_never_handled(&self) -> bool {
+        self.was_there_first && self.seen_to.iter().all(|&deed| deed == Deed::PartsMovedAsOne)
     }
 
     /// The agent that reached it last, in this time (s).

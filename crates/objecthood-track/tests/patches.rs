@@ -102,6 +102,62 @@ fn noise_moves_nothing() {
     assert!(tracker.finish().is_empty());
 }
 
+/// [`THING`], or its left and its right half as two.
+fn in_pieces(pieces: bool) -> Vec<Patch> {
+    let half = Patch { width: 18, ..THING };
+    if pieces { vec![half, Patch { left: 78, ..half }] } else { vec![THING] }
+}
+
+fn numbers(tracked: &Tracked) -> Vec<u16> {
+    tracked.objects.iter().filter_map(|object| object.track).map(|track| track.0).collect()
+}
+
+/// A regression: one frame that showed a resting thing in pieces gave it a second number, which it kept.
+#[test]
+fn most_frames_decide_whether_a_resting_thing_is_one() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..60 {
+        let tracked = follow(&mut tracker, &in_pieces(number > 8 && number % 3 == 0), number);
+        assert!(numbers(&tracked).iter().all(|&track| track == 1), "frame {number}: {:?}", numbers(&tracked));
+    }
+    let mut tracker = Tracker::new(Params::default());
+    let tracked: Vec<Tracked> =
+        (0..60).map(|number| follow(&mut tracker, &in_pieces(number > 20), number)).collect();
+    assert_eq!(numbers(&tracked[20]), [1]);
+    assert_eq!(numbers(&tracked[59]).len(), 2, "it came apart for good");
+}
+
+/// A regression: two tracks that touched when they were last seen stayed two, although every later frame showed them as one.
+#[test]
+fn two_that_most_frames_show_as_one_are_one_unless_they_were_clearly_two() {
+    let seen_after = |pieces_until: u64| {
+        let mut tracker = Tracker::new(Params::default());
+        let mut last = Vec::new();
+        for number in 0..pieces_until + 60 {
+            if number == pieces_until + 10 {
+                tracker = Tracker::restore(Params::default(), &tracker.save().unwrap()).unwrap();
+            }
+            last = numbers(&follow(&mut tracker, &in_pieces(number < pieces_until), number));
+        }
+        last.sort_unstable();
+        last
+    };
+    assert_eq!(seen_after(8), [1]);
+    assert_eq!(seen_after(60), [1, 2]);
+}
+
+/// A regression: a mug that rolled to the border of the image was an agent from then on.
+#[test]
+fn what_comes_to_the_border_by_itself_is_no_agent() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..60_i32 {
+        let left = 60 + 3 * (number - 20).clamp(0, 25);
+        let tracked = follow(&mut tracker, &[Patch { left, ..THING }], number as u64);
+        assert!(tracked.agents.is_empty(), "frame {number}");
+        assert_eq!(numbers(&tracked), [1], "frame {number}");
+    }
+}
+
 /// A crop slides over a still image of twins: its principal point moves with it, and nothing else does. Each twin is now where the other was.
 #[test]
 fn other_intrinsics_move_nothing() {

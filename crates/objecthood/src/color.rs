@@ -5,6 +5,8 @@ pub mod image;
 
 use std::sync::LazyLock;
 
+use glam::Vec3;
+
 /// Linear light of the 256 sRGB values, in [0, 1] (IEC 61966-2-1).
 static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     std::array::from_fn(|value| {
@@ -27,6 +29,11 @@ const LIGHTNESS: f32 = 0.6;
 pub(crate) fn difference(one: [f32; 3], other: [f32; 3]) -> f32 {
     let [l, a, b]: [f32; 3] = std::array::from_fn(|k| one[k] - other[k]);
     ((LIGHTNESS * l).powi(2) + a * a + b * b).sqrt()
+}
+
+/// A colour (L\*a\*b\*) as a place whose distance to another is their [`difference`].
+pub(crate) fn weighted([l, a, b]: [f32; 3]) -> Vec3 {
+    Vec3::new(LIGHTNESS * l, a, b)
 }
 
 /// Linear light, in [0, 1].

@@ -48,6 +48,8 @@ const STANDING_SHARE: f64 = 0.3;
 const FOOT_OF_TOP: f64 = 0.35;
 /// The top of a part is this quantile of its heights.
 const TOP_SHARE: f64 = 0.98;
+/// A part stands on the one below if they touch within this (m) of the height of its foot.
+const STANDS_M: f64 = 0.005;
 /// A handle touches its body along this share of their border: what is merely pushed against another leaves gaps,
 const CLOSED_SHARE: f64 = 0.7;
 /// with all of its end: the width of the joint over that of the end,
@@ -165,7 +167,7 @@ impl Compare<'_> {
             Check::new("overlap of their colours", "", overlap, Bound::AtLeast, self.params.color_overlap)
                 .set_by("necks.color_overlap");
         if alike.holds()
-            && let Some(handle) = self.is_handle(pair)
+            && let Some(handle) = self.handle_checks([upper, lower], foot_m)
         {
             return Some(Pair { parts: [upper, lower], overlap, checks: [vec![alike], handle].concat() });
         }
@@ -214,10 +216,16 @@ impl Compare<'_> {
         })
     }
 
-    /// The checks by which one of two parts is a handle of the other; `None` when one fails.
-    fn is_handle(&self, [a, b]: [SegmentId; 2]) -> Option<Vec<Check>> {
-        [[a, b], [b, a]].into_iter().find_map(|[part, body]| {
-            let contacts = self.contacts(part, body);
+    /// The checks by which one of two parts is a handle of the other; `None` when one fails, or the upper one, with its foot at `foot_m`, stands on
+    /// the lower.
+    fn handle_checks(&self, [upper, lower]: [SegmentId; 2], foot_m: f64) -> Option<Vec<Check>> {
+        let contacts = self.contacts(upper, lower);
+        let pixels: Vec<u32> = contacts.iter().map(|&i| i as u32).collect();
+        if foot_m > FOOT_M && (height_m(self.clusters.scene, &pixels, 0.5) - foot_m).abs() < STANDS_M {
+            return None;
+        }
+        let ways = [([upper, lower], contacts), ([lower, upper], self.contacts(lower, upper))];
+        ways.into_iter().find_map(|([part, body], contacts)| {
             let Joint { closed_share, width_share, slimness } =
                 handle::joint(self.clusters, self.up, [part, body], &contacts)?;
             let check = |name, value, bound, limit| Check::new(name, "", value, bound, limit);
@@ -421,6 +429,25 @@ mod tests {
         assert_eq!(hammer([12, 40], BLUE, 0), two, "other colours");
         assert_eq!(hammer([12, 20], RED, 0), two, "it is not slim");
         assert_eq!(hammer([12, 40], RED, 1), two, "it does not touch the head");
+    }
+
+    /// A plank, seen from above, and at its right end a cube of the same wood that stands on it, or whose foot is on the table.
+    #[test]
+    fn what_stands_on_the_end_of_a_plank_is_no_part_of_it() {
+        let joined_at = |top_m: f64| {
+            let of = |u: usize, v: usize| match (u, v) {
+                (8..48, 14..30) => 1,
+                (48..60, 14..30) => 2,
+                _ => 0,
+            };
+            // The front face of the cube rises from the plank.
+            let height_m =
+                |u: usize, v: usize| [0.0, 0.024, (0.024 + 0.004 * (u as f64 - 48.0)).min(top_m)][of(u, v)];
+            let mut table = Table::new((72, 44), |u, v| Some((of(u, v) as i32, height_m(u, v))));
+            table.lab = Some(LabImage::drawn((72, 44), |u, v| [BLUE, RED, RED][of(u, v)]));
+            joined(&table)
+        };
+        assert_eq!(joined_at(0.054), [Some(0), Some(1)]);
     }
 
     /// A lying cylinder and, across a gap without depth, a thing whose left and right end have these heights (m). Both are far from the middle of

@@ -13,6 +13,11 @@ const THICKEST_M: f64 = 0.08;
 /// A surface that hides the upper end of a thing is carried by it if it is this high (m) above the place: boards of a shelf are closer.
 const HIDDEN_M: f64 = 0.4;
 
+/// A surface that the image shows at its border goes on this far (m) beyond it.
+const BEYOND_M: f64 = 0.15;
+/// A band along the border without depth is at most this wide (px at 525 px), as where clusters touch.
+const BAND_PX: usize = 24;
+
 /// A column is followed up for at most this length (m): higher surfaces are carried by no thing that might be grasped.
 const HIGHEST_M: f64 = 2.0;
 
@@ -37,7 +42,8 @@ pub(super) enum Load {
 /// The column goes up along gravity. It may pass through the thing itself, through up to 8 cm of other things, and behind whatever is
 /// nearer to the camera. It ends in air if the image shows 4 cm of something farther. A surface less than 4 cm above the pixel, or 40 cm
 /// where a part of the column is hidden, does not count. A column that leaves the image less than 8 cm below the surface that hides it ends on
-/// that surface. It also ends on a region that `is_furniture`, 4 cm above the pixel or more.
+/// that surface. One that leaves it through the thing itself ends on the level surface that it meets outside, if the border of the image shows that
+/// surface within 15 cm of the place. It also ends on a region that `is_furniture`, 4 cm above the pixel or more.
 ///
 /// Unless the thing `shows_foot`, both of its ends are out of sight, which is rare in a shelf: 4 cm are then enough for a hidden column too, and
 /// one that leaves the image anywhere below the surface that hides it ends on that surface. O(steps).
@@ -55,10 +61,12 @@ pub(super) fn what_is_carried(
     };
     let hidden_m = if shows_foot { HIDDEN_M } else { LEAST_AIR_M };
     let (mut air_m, mut between_m, mut is_hidden) = (0.0, 0.0, false);
-    let (mut height_m, mut hidden_by) = (0.0, None);
+    let (mut height_m, mut hidden_by, mut is_in_thing) = (0.0, None, true);
     for Place { region, farther_m, behind_m } in places(scene, i, up, HIGHEST_M) {
         height_m += STEP_M;
         let region = region.map(|region| region.index());
+        // A band along the border may be without depth.
+        is_in_thing = region.map_or(is_in_thing, |region| region == thing);
         if region == Some(thing) {
             continue;
         }
@@ -88,11 +96,47 @@ pub(super) fn what_is_carried(
         let least_m = if shows_foot { -THICKEST_M } else { f64::NEG_INFINITY };
         plane.height_m(point) < -hidden_m && (least_m..THICKEST_M).contains(&plane.height_m(end_m))
     };
-    hidden_by.is_some_and(ends_on).then_some(Load::Structure)
+    let is_carrier = hidden_by.is_some_and(ends_on) || is_in_thing && meets_outside(scene, up, point, end_m);
+    is_carrier.then_some(Load::Structure)
+}
+
+/// Whether the column above a point meets a level surface beyond `end_m`, where it left the image, and the border of the image shows that
+/// surface near the place. O(planes).
+fn meets_outside(scene: &SupportScene<'_>, up: DVec3, point: DVec3, end_m: DVec3) -> bool {
+    let is_met = |(region, plane): (usize, &StructurePlane)| {
+        let is_above = plane.height_m(point) < -LEAST_AIR_M && plane.height_m(end_m) < 0.0;
+        if !is_above || !is_level(plane, up) {
+            return false;
+        }
+        let place = end_m - up * (plane.height_m(end_m) / plane.normal().dot(up));
+        let (u, v) = scene.space.camera().project(place.as_vec3().to_array());
+        let Some(shown) = nearest_region(scene, [u, v]) else { return false };
+        let is_same = scene.regions.at(shown).is_some_and(|seen| seen.index() == region);
+        is_same && DVec3::from(scene.points_m[shown].map(f64::from)).distance(place) < BEYOND_M
+    };
+    scene.planes.iter().enumerate().any(is_met)
+}
+
+/// The pixel nearest to a place outside the image, along a row, a column or a diagonal, that shows a region; `None` if the border shows none
+/// within [`BAND_PX`].
+fn nearest_region(scene: &SupportScene<'_>, place: [f64; 2]) -> Option<usize> {
+    let (width, height) = scene.points_m.size();
+    let inside = |at: f64, size: usize| at.round().clamp(0.0, size as f64 - 1.0);
+    let (u, v) = (inside(place[0], width), inside(place[1], height));
+    let inwards = |at: f64, inside: f64| if at.round() == inside { 0.0 } else { (inside - at).signum() };
+    let (du, dv) = (inwards(place[0], u), inwards(place[1], v));
+    let pixel = |k: usize| {
+        let (u, v) = (u + k as f64 * du, v + k as f64 * dv);
+        let is_inside = (0.0..width as f64).contains(&u) && (0.0..height as f64).contains(&v);
+        is_inside.then_some(v as usize * width + u as usize)
+    };
+    (0..=scene.space.length_px(BAND_PX)).filter_map(pixel).find(|&i| scene.regions.at(i).is_some())
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::DQuat;
+
     use super::*;
     use crate::discovery::up::{Up, UpSource};
     use crate::raster::Raster;
@@ -103,12 +147,13 @@ mod tests {
     const FLOOR_M: f64 = 1.3;
     const TABLE_M: f64 = 0.6;
     /// Upright rectangles: depth, left and right, top and bottom (m). Regions 2, 3 and on.
-    const UPRIGHT: [(f64, [f64; 2], [f64; 2]); 4] = [
-        // A front leg, a back leg that the table hides in part, a box on the table, a post that stands free.
+    const UPRIGHT: [(f64, [f64; 2], [f64; 2]); 5] = [
+        // A front leg, a back leg that the table hides in part, a box on the table, a post that stands free, the other front leg.
         (1.0, [-0.05, 0.0], [TABLE_M, FLOOR_M]),
         (1.6, [0.2, 0.26], [TABLE_M, FLOOR_M]),
         (1.3, [0.2, 0.35], [0.4, TABLE_M]),
         (1.1, [0.6, 0.68], [0.9, FLOOR_M]),
+        (1.02, [-0.36, -0.31], [TABLE_M, FLOOR_M]),
     ];
 
     /// The region and the depth (m) of what a level camera sees along a ray: the floor, a table from 1 to 1.6 m, and what is upright.
@@ -127,22 +172,42 @@ mod tests {
     /// What the columns above the pixels of a thing end on, in an image that begins at this row of the scene. The table is of the structure or
     /// furniture.
     fn carried_by(thing: usize, first_row: usize, table: Load, shows_foot: bool) -> Vec<Load> {
-        let rows = SIZE.1 - first_row;
-        let space = space([160.0; 2], [159.5, 60.0 - first_row as f64]);
-        let rays: Vec<[f64; 3]> = (0..SIZE.0 * rows)
-            .map(|i| space.camera().ray((i % SIZE.0) as f64, (i / SIZE.0) as f64))
+        carried_in(0.0, [0, first_row], thing, table, shows_foot)
+    }
+
+    /// The same of a camera that looks so far down, in an image that begins at this column and row.
+    fn carried_in(
+        down_deg: f64,
+        [first_column, first_row]: [usize; 2],
+        thing: usize,
+        table: Load,
+        shows_foot: bool,
+    ) -> Vec<Load> {
+        let [columns, rows] = [SIZE.0 - first_column, SIZE.1 - first_row];
+        let space = space([160.0; 2], [159.5 - first_column as f64, 60.0 - first_row as f64]);
+        let level_from_camera = DQuat::from_rotation_x(-down_deg.to_radians());
+        let up_direction = level_from_camera.inverse() * DVec3::NEG_Y;
+        let rays = (0..columns * rows).map(|i| {
+            let ray = space.camera().ray((i % columns) as f64, (i / columns) as f64);
+            let level = level_from_camera * DVec3::from(ray);
+            level / level.z
+        });
+        let seen: Vec<(i32, [f32; 3])> = rays
+            .map(|ray| {
+                let (region, z_m) = seen(ray.to_array());
+                (region, (level_from_camera.inverse() * (ray * z_m)).as_vec3().to_array())
+            })
             .collect();
-        let seen: Vec<(i32, f64)> = rays.iter().map(|&ray| seen(ray)).collect();
-        let labels = Raster::from_vec(SIZE.0, rows, seen.iter().map(|hit| hit.0).collect()).unwrap();
-        let points = rays.iter().zip(&seen).map(|(ray, hit)| ray.map(|part| (part * hit.1) as f32));
-        let points_m = labels.with_data(points.collect());
+        let labels = Raster::from_vec(columns, rows, seen.iter().map(|hit| hit.0).collect()).unwrap();
+        let points_m = labels.with_data(seen.iter().map(|hit| hit.1).collect());
         let normals = points_m.map(|_| [0.0; 3]);
+        let direction = up_direction.as_vec3().to_array();
         let level = |offset_m: f64| StructurePlane {
-            normal: [0.0, -1.0, 0.0],
+            normal: direction,
             offset_m: offset_m as f32,
             inlier_share: 0.4,
         };
-        let up = Up { direction: [0.0, -1.0, 0.0], source: UpSource::Plane };
+        let up = Up { direction, source: UpSource::Plane };
         let regions = Segments::from_numbered(labels, 2 + UPRIGHT.len());
         let scene = SupportScene {
             regions: &regions,
@@ -155,7 +220,7 @@ mod tests {
         let is_furniture = |region| table == Load::Furniture && region == 1;
         let pixels = (0..seen.len()).filter(|&i| seen[i].0 == thing as i32);
         pixels
-            .filter_map(|i| what_is_carried(&scene, DVec3::NEG_Y, i, thing, shows_foot, is_furniture))
+            .filter_map(|i| what_is_carried(&scene, up_direction, i, thing, shows_foot, is_furniture))
             .collect()
     }
 
@@ -194,6 +259,16 @@ mod tests {
             free.len() > 10 && free.iter().all(|&load| load == Load::Nothing),
             "nothing hides the post: {free:?}"
         );
+    }
+
+    /// The leg of a table was an object, because the columns above it left the image through the leg.
+    #[test]
+    fn a_leg_that_leaves_the_image_carries_the_table_beside_it() {
+        // Where a camera looks down, what is upright leans to the side: the upper end of the leg is left of the image, and the table beside it in the
+        // image.
+        let leaves = carried_in(30.0, [118, 0], 6, Load::Structure, true);
+        let carry = leaves.iter().filter(|&&load| load == Load::Structure).count();
+        assert!(leaves.len() > 100 && carry > leaves.len() / 2, "{carry} of {}", leaves.len());
     }
 
     /// The column had no end: its places come ever nearer to one pixel.

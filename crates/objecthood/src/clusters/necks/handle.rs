@@ -11,6 +11,9 @@ const QUANTILES: [f64; 2] = [0.05, 0.95];
 /// The end of a part is what lies this near (m) to its joint.
 const END_M: f64 = 0.03;
 
+/// A width of fewer quanta than this is noise: of what stands upright only the front is seen.
+const WIDTH_QUANTA: f64 = 2.0;
+
 /// How a part is joined to a body, in the plan view.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Joint {
@@ -22,8 +25,8 @@ pub(super) struct Joint {
     pub(super) slimness: f64,
 }
 
-/// Measures the joint of a part with a body; `contacts`: the pixels of the part that touch it. `None` when there are none, or too little is
-/// seen of the part.
+/// Measures the joint of a part with a body; `contacts`: the pixels of the part that touch it. `None` when there are none, or the part is seen
+/// from its narrow side only.
 /// O(sampled pixels · log(sampled pixels)).
 pub(super) fn joint(
     clusters: &Clusters<'_>,
@@ -33,7 +36,8 @@ pub(super) fn joint(
 ) -> Option<Joint> {
     let scene = clusters.scene;
     let level = |point: DVec3| point - up * up.dot(point);
-    let touching: Vec<DVec3> = contacts.iter().map(|&i| level(scene.point_at(i))).collect();
+    let points: Vec<DVec3> = contacts.iter().map(|&i| scene.point_at(i)).collect();
+    let touching: Vec<DVec3> = points.iter().map(|&point| level(point)).collect();
     let own: Vec<DVec3> = sampled(&clusters.get(part).pixels).map(|i| level(scene.point_at(i))).collect();
     let mean = |points: &[DVec3]| points.iter().sum::<DVec3>() / points.len() as f64;
     let from = mean(&touching);
@@ -46,12 +50,13 @@ pub(super) fn joint(
         Some(values.get(high)? - values.get(low)?)
     };
     let length_m = extent(&mut own.iter().map(|p| away.dot(p - from)).collect())?;
-    let is_end = |p: &&DVec3| away.dot(**p - from) < END_M;
+    let is_end = |p: &&DVec3| away.dot(**p - from).abs() < END_M;
     let width_m = extent(&mut own.iter().filter(is_end).map(|p| aside.dot(p - from)).collect())?;
     let joint_m = extent(&mut touching.iter().map(|p| aside.dot(p - from)).collect())?;
     let borders = clusters.get(part).neighbours.get(&Some(body))?;
     let all = borders.touch + borders.level + borders.in_front + borders.behind;
-    (width_m > 0.0).then(|| Joint {
+    let noise_m = scene.space.step_m(WIDTH_QUANTA, mean(&points).z);
+    (width_m > noise_m).then(|| Joint {
         closed_share: f64::from(borders.touch) / f64::from(all),
         width_share: joint_m / width_m,
         slimness: length_m / width_m,

@@ -1,8 +1,9 @@
 //! How clearly colour changes across a body, place by place along one of its edges.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use crate::color::image::LabImage;
+use crate::color::weighted;
 use crate::shapes::seams::body::{Body, BodyPixel, Face};
 use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::DisparitySpace;
@@ -151,8 +152,8 @@ impl Places {
     fn contrast_at(&self, sums: &[Sum], place: usize) -> Option<f32> {
         let mean = |from: usize, to: usize| {
             let count = sums[to].count - sums[from].count;
-            let color = Vec3::from_array(std::array::from_fn(|k| sums[to].color[k] - sums[from].color[k]));
-            (count >= LEAST_PX).then_some(color / count)
+            let color = std::array::from_fn(|k| (sums[to].color[k] - sums[from].color[k]) / count);
+            (count >= LEAST_PX).then(|| weighted(color))
         };
         let below = |end: usize| mean(end.saturating_sub(self.window), end);
         let above = |start: usize| mean(start.min(self.count), (start + self.window).min(self.count));

@@ -73,6 +73,8 @@ fn print_is_no_joint() {
 
 #[test]
 fn shading_and_the_same_color_are_no_joint() {
+    let bluish_shadow = |u: usize, _: usize| if u < 50 { [50.0, 50.0, 28.0] } else { [64.0, 50.0, 20.0] };
+    assert_eq!(count(bluish_shadow), 1);
     assert_eq!(count(|_, _| RED), 1);
     assert_eq!(count(|u, _| [30.0 + 0.4 * u as f32, RED[1], RED[2]]), 1, "light that falls off");
     assert_eq!(count(|u, _| [if u < 50 { 50.0 } else { 60.0 }, RED[1], RED[2]]), 1, "a pale shadow");
