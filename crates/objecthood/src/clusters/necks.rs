@@ -48,7 +48,7 @@ const STANDING_SHARE: f64 = 0.3;
 const FOOT_OF_TOP: f64 = 0.35;
 /// The top of a part is this quantile of its heights.
 const TOP_SHARE: f64 = 0.98;
-/// A part stands on the one below if they touch within this (m) of the height of its foot.
+/// A part stands on the one below if that touches it within this (m) of the height of its foot.
 const STANDS_M: f64 = 0.005;
 /// A handle touches its body along this share of their border: what is merely pushed against another leaves gaps,
 const CLOSED_SHARE: f64 = 0.7;
@@ -219,12 +219,12 @@ impl Compare<'_> {
     /// The checks by which one of two parts is a handle of the other; `None` when one fails, or the upper one, with its foot at `foot_m`, stands on
     /// the lower.
     fn handle_checks(&self, [upper, lower]: [SegmentId; 2], foot_m: f64) -> Option<Vec<Check>> {
-        let contacts = self.contacts(upper, lower);
-        let pixels: Vec<u32> = contacts.iter().map(|&i| i as u32).collect();
+        let carrying = self.contacts(lower, upper);
+        let pixels: Vec<u32> = carrying.iter().map(|&i| i as u32).collect();
         if foot_m > FOOT_M && (height_m(self.clusters.scene, &pixels, 0.5) - foot_m).abs() < STANDS_M {
             return None;
         }
-        let ways = [([upper, lower], contacts), ([lower, upper], self.contacts(lower, upper))];
+        let ways = [([upper, lower], self.contacts(upper, lower)), ([lower, upper], carrying)];
         ways.into_iter().find_map(|([part, body], contacts)| {
             let Joint { closed_share, width_share, slimness } =
                 handle::joint(self.clusters, self.up, [part, body], &contacts)?;
@@ -431,7 +431,7 @@ mod tests {
         assert_eq!(hammer([12, 40], RED, 1), two, "it does not touch the head");
     }
 
-    /// A plank, seen from above, and at its right end a cube of the same wood that stands on it, or whose foot is on the table.
+    /// A plank, seen from above, and at its right end a cube of the same wood that stands on it.
     #[test]
     fn what_stands_on_the_end_of_a_plank_is_no_part_of_it() {
         let joined_at = |top_m: f64| {
@@ -442,7 +442,7 @@ mod tests {
             };
             // The front face of the cube rises from the plank.
             let height_m =
-                |u: usize, v: usize| [0.0, 0.024, (0.024 + 0.004 * (u as f64 - 48.0)).min(top_m)][of(u, v)];
+                |u: usize, v: usize| [0.0, 0.024, (0.028 + 0.004 * (u as f64 - 48.0)).min(top_m)][of(u, v)];
             let mut table = Table::new((72, 44), |u, v| Some((of(u, v) as i32, height_m(u, v))));
             table.lab = Some(LabImage::drawn((72, 44), |u, v| [BLUE, RED, RED][of(u, v)]));
             joined(&table)
