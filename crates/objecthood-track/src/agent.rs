@@ -1,10 +1,12 @@
 //! Agents: what is nearer than the rested scene and stays connected to the border of the image (ours, after the design note).
 
+use std::collections::BTreeSet;
+
 use serde::{Deserialize, Serialize};
 
 use crate::bits::Bits;
 use crate::pace::Pace;
-use crate::scene::Scene;
+use crate::scene::{Key, Scene};
 use crate::view::View;
 
 /// Least size of what may be an agent (px at VGA size).
@@ -20,7 +22,8 @@ const LEAST_ALIVE: f64 = 0.02;
 const SCENE_S: f64 = 5.0;
 /// It has to be there so long (s).
 const LEAST_S: f64 = 0.2;
-/// It may be away from the border so long (s), once it was there twice as long as it has to be: what flies in is soon away.
+/// It may be away from the border so long (s), once it was there twice as long as it has to be: what flies in is soon away. One that has lifted a thing
+/// may be away for any time.
 const PATIENCE_S: f64 = 0.1;
 
 /// A hand with its arm, a person.
@@ -31,8 +34,18 @@ pub(crate) struct Agent {
     pub(crate) mask: Bits,
     frames: usize,
     away: usize,
+    /// Whether it has lifted a thing: then it may come away from the border, as a gripper without an arm.
+    has_lifted: bool,
     /// Frames for which it has not changed, if it stands before nothing that was in reach of the sensor.
     still: usize,
+}
+
+/// The tracks that the last frame showed of things.
+pub(crate) struct Things {
+    /// Those that were seen by themselves away from the border.
+    pub(crate) free: BTreeSet<Key>,
+    /// Those that are known.
+    pub(crate) known: BTreeSet<Key>,
 }
 
 /// All agents of a frame.
@@ -51,8 +64,7 @@ impl Agents {
         Self { all: Vec::new(), region: Bits::none(size), free: Vec::new(), next: 1 }
     }
 
-    /// Finds them in a frame. `is_free_thing`: whether a pixel showed, in the last frame, a thing that was seen by itself away from the border.
-    /// What comes to the border as such a thing is none. O(n).
+    /// Finds them in a frame. What comes to the border as a free thing is no agent, nor is what an agent lets go. O(n).
     pub(crate) fn update(
         &mut self,
         view: &View,
@@ -60,7 +72,7 @@ impl Agents {
         changed: &Bits,
         camera_moves: bool,
         pace: Pace,
-        is_free_thing: impl Fn(usize) -> bool,
+        things: &Things,
     ) {
         let open = view.length_px(if camera_moves { 2.0 } else { 1.0 });
         let close = view.length_px(5.0);
@@ -81,12 +93,25 @@ impl Agents {
             component.iter().for_each(|&pixel| mask.insert(pixel));
             let same = old.iter().enumerate().map(|(k, agent)| (agent.mask.common(&mask), k)).max();
             let before = same.filter(|&(common, _)| common > 0).map(|(_, k)| old.swap_remove(k));
-            let away = if touches { 0 } else { before.as_ref().map_or(usize::MAX, |agent| agent.away + 1) };
+            let away = if touches {
+                0
+            } else {
+                before.as_ref().map_or(usize::MAX, |agent| agent.away.saturating_add(1))
+            };
             let is_old = before.as_ref().is_some_and(|agent| agent.frames >= 2 * pace.frames(LEAST_S));
             let is_agent = before.as_ref().is_some_and(|agent| agent.number > 0);
-            let free = component.iter().filter(|&&pixel| is_free_thing(pixel)).count();
-            let is_free = !is_agent && 2 * free > component.len();
-            if is_free || away > if is_old { pace.frames(PATIENCE_S) } else { 0 } {
+            let count =
+                |holds: &dyn Fn(usize) -> bool| component.iter().filter(|&&pixel| holds(pixel)).count();
+            let is_free =
+                !is_agent && 2 * count(&|pixel| things.free.contains(&scene.seen[pixel])) > component.len();
+            let has_lifted = before.as_ref().is_some_and(|agent| agent.has_lifted);
+            let may_be_away =
+                match has_lifted && count(&|pixel| !things.known.contains(&scene.seen[pixel])) >= least_px {
+                    true => usize::MAX,
+                    false if is_old => pace.frames(PATIENCE_S),
+                    false => 0,
+                };
+            if is_free || away > may_be_away {
                 if !camera_moves {
                     self.free.push(component);
                 }
@@ -101,7 +126,8 @@ impl Agents {
                 && share(&|pixel| changed.has(pixel)) < LEAST_ALIVE;
             let still = if is_still { before.as_ref().map_or(0, |agent| agent.still + 1) } else { 0 };
             let (number, frames) = before.map_or((0, 0), |agent| (agent.number, agent.frames));
-            self.all.push(Agent { number, mask, frames: frames + usize::from(is_measured), away, still });
+            let frames = frames + usize::from(is_measured);
+            self.all.push(Agent { number, mask, frames, away, has_lifted, still });
         }
         let least = pace.frames(LEAST_S);
         self.region = Bits::none(view.size);
@@ -113,6 +139,16 @@ impl Agents {
                 self.next += 1;
             }
             self.region.unite(&agent.mask);
+        }
+    }
+
+    /// These agents have something in the air.
+    pub(crate) fn note_lifts(&mut self, numbers: impl Iterator<Item = u32>) {
+        for number in numbers {
+            self.all
+                .iter_mut()
+                .filter(|agent| agent.number == number)
+                .for_each(|agent| agent.has_lifted = true);
         }
     }
 

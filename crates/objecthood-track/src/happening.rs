@@ -133,6 +133,11 @@ impl Happenings {
         self.handled.remove(&key);
     }
 
+    /// The agents that have lifted something, and have not let go.
+    pub(crate) fn lifting(&self) -> impl Iterator<Item = u32> {
+        self.handled.values().filter(|handling| handling.lifted_s.is_some()).map(|handling| handling.agent)
+    }
+
     pub(crate) fn is_handled(&self, key: Key) -> bool {
         self.handled.contains_key(&key)
     }

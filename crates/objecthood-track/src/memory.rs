@@ -6,7 +6,7 @@ use glam::DVec3;
 use objecthood::Discovery;
 use serde::{Deserialize, Serialize};
 
-use crate::agent::Agents;
+use crate::agent::{Agents, Things};
 use crate::associate::{MEMORY_S, YOUNG_MEMORY_FRAMES};
 use crate::bits::Bits;
 use crate::camera::{CameraMotion, Place};
@@ -110,10 +110,12 @@ impl Memory {
         }
         let changed = self.scene.changed(view, place.moves);
         if self.has(Ingredient::Agents) {
-            let is_free = |(key, track): (&Key, &Track)| track.was_free(self.pace).then_some(*key);
-            let free: BTreeSet<Key> = self.tracks.iter().filter_map(is_free).collect();
-            let is_free_thing = |pixel: usize| free.contains(&self.scene.seen[pixel]);
-            self.agents.update(view, &self.scene, &changed, place.moves, self.pace, is_free_thing);
+            let keys = |is_such: &dyn Fn(&Track) -> bool| -> BTreeSet<Key> {
+                self.tracks.iter().filter(|(_, track)| is_such(track)).map(|(&key, _)| key).collect()
+            };
+            let things =
+                Things { free: keys(&|track| track.was_free(self.pace)), known: keys(&Track::is_known) };
+            self.agents.update(view, &self.scene, &changed, place.moves, self.pace, &things);
         }
         let predicted = match self.has(Ingredient::Motion) {
             true => predict(&self.scene, view, &changed, &mut self.tracks, self.pace.frame_s),
@@ -122,6 +124,7 @@ impl Memory {
 
         let look = self.identify(found, view, &changed, place, &predicted);
         self.observe(&look);
+        self.agents.note_lifts(self.happenings.lifting());
         let rests = |key| {
             let track = self.tracks.get(&key);
             track.is_some_and(|track| track.rests() && !track.is_doubted) && !self.happenings.is_handled(key)

@@ -227,6 +227,24 @@ fn what_a_hand_holds_keeps_its_number() {
     }
 }
 
+/// A gripper comes from the border, lifts the thing and is then seen as a whole. A regression: it became an object.
+#[test]
+fn what_has_lifted_a_thing_is_an_agent_away_from_the_border_too() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..110_i32 {
+        let reach = (40 - 4 * (number - 20)).clamp(0, 160);
+        let up = (2 * (number - 35)).clamp(0, 20);
+        let aside = (3 * (number - 58)).clamp(0, 40);
+        let thing = Patch { left: THING.left - aside, top: THING.top - up, ..THING };
+        let (left, top) = (thing.left + 18 + reach, thing.top + 6);
+        let gripper = Patch { left, top, width: 90, height: 10, depth_m: 0.96, color: [40, 70, 190] };
+        let (frame, found) = frame(&[thing, gripper], &[0], number as u64);
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        assert!(number < 40 || tracked.agents.len() == 1, "frame {number}: {} agents", tracked.agents.len());
+        assert!(numbers(&tracked).iter().all(|&track| track == 1), "frame {number}: {:?}", numbers(&tracked));
+    }
+}
+
 /// An arm lifts a thing and sets it down in a tray. Meanwhile no frame shows the thing as an object of its own, nor what holds it.
 #[test]
 fn what_is_set_down_in_a_tray_is_in_it_while_the_hand_is_there() {
