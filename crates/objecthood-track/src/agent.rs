@@ -40,7 +40,7 @@ pub(crate) struct Agent {
     still: usize,
 }
 
-/// The tracks that the last frame showed of things.
+/// The tracks of things, by which these are told from agents.
 pub(crate) struct Things {
     /// Those that were seen by themselves away from the border.
     pub(crate) free: BTreeSet<Key>,
@@ -93,11 +93,7 @@ impl Agents {
             component.iter().for_each(|&pixel| mask.insert(pixel));
             let same = old.iter().enumerate().map(|(k, agent)| (agent.mask.common(&mask), k)).max();
             let before = same.filter(|&(common, _)| common > 0).map(|(_, k)| old.swap_remove(k));
-            let away = if touches {
-                0
-            } else {
-                before.as_ref().map_or(usize::MAX, |agent| agent.away.saturating_add(1))
-            };
+            let away = if touches { 0 } else { before.as_ref().map_or(usize::MAX, |agent| agent.away + 1) };
             let is_old = before.as_ref().is_some_and(|agent| agent.frames >= 2 * pace.frames(LEAST_S));
             let is_agent = before.as_ref().is_some_and(|agent| agent.number > 0);
             let count =

@@ -183,8 +183,7 @@ impl Memory {
         let is_part = common as f64 > MOST_OF_IT * segment.px as f64 && segment.changed < 0.5;
         let is_seen = tracks_of.contains(&Some(key));
         let is_behind_agent = track.rest.is_some() && track.rests() && track.last.reached_by.is_some();
-        let is_undisturbed = track.rest_s > 0.0 && track.last.reached_by.is_none();
-        let is_as_before = is_undisturbed && segment.changed < RESTING_CHANGE && track.oneness.holds();
+        let is_as_before = track.is_left_alone() && segment.changed < RESTING_CHANGE && track.oneness.holds();
         (is_part && is_seen && (is_behind_agent || is_as_before)).then_some(key)
     }
 

@@ -71,8 +71,7 @@ impl Memory {
         for (k, key) in keys.iter().enumerate() {
             let Some(track) = self.tracks.get_mut(key) else { continue };
             let is_first = !keys[..k].contains(key);
-            let rests = track.rest_s > 0.0 && track.last.reached_by.is_none();
-            if is_first && rests && segments[k].changed < RESTING_CHANGE {
+            if is_first && track.is_left_alone() && segments[k].changed < RESTING_CHANGE {
                 track.oneness.count(shown[key] == 1 && !in_pieces.contains(key), self.pace);
             }
         }

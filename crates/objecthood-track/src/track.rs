@@ -282,9 +282,14 @@ impl Track {
         self.rest_s >= KNOWN_S
     }
 
-    /// Whether it rests, and no agent is near.
+    /// Whether it rested in the last frame, and no agent reached it.
+    pub(crate) fn is_left_alone(&self) -> bool {
+        self.rest_s > 0.0 && self.last.reached_by.is_none()
+    }
+
+    /// Whether it rests, and no agent reaches it.
     pub(crate) fn is_undisturbed(&self) -> bool {
-        self.rests() && self.last.reached_by.is_none()
+        self.rests() && self.is_left_alone()
     }
 
     /// Whether it is elsewhere than where it last rested.

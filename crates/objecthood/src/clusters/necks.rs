@@ -163,15 +163,16 @@ impl Compare<'_> {
             return None;
         }
         let overlap = self.color_overlap(pair);
+        let carrying = self.contacts(lower, upper);
         let alike =
             Check::new("overlap of their colours", "", overlap, Bound::AtLeast, self.params.color_overlap)
                 .set_by("necks.color_overlap");
         if alike.holds()
-            && let Some(handle) = self.handle_checks([upper, lower], foot_m)
+            && let Some(handle) = self.handle_checks([upper, lower], &carrying, foot_m)
         {
             return Some(Pair { parts: [upper, lower], overlap, checks: [vec![alike], handle].concat() });
         }
-        let Slopes { level_share, sliding_share } = self.slopes(upper, lower);
+        let Slopes { level_share, sliding_share } = self.slopes(lower, &carrying);
         let [upper_px, lower_px] = [upper, lower].map(|id| self.clusters.get(id).pixels.len() as f64);
         let slides = [
             Check::new(
@@ -217,17 +218,21 @@ impl Compare<'_> {
     }
 
     /// The checks by which one of two parts is a handle of the other; `None` when one fails, or the upper one, with its foot at `foot_m`, stands on
-    /// the lower.
-    fn handle_checks(&self, [upper, lower]: [SegmentId; 2], foot_m: f64) -> Option<Vec<Check>> {
-        let carrying = self.contacts(lower, upper);
+    /// the lower. `carrying`: the pixels of the lower one that touch the upper.
+    fn handle_checks(
+        &self,
+        [upper, lower]: [SegmentId; 2],
+        carrying: &[usize],
+        foot_m: f64,
+    ) -> Option<Vec<Check>> {
         let pixels: Vec<u32> = carrying.iter().map(|&i| i as u32).collect();
         if foot_m > FOOT_M && (height_m(self.clusters.scene, &pixels, 0.5) - foot_m).abs() < STANDS_M {
             return None;
         }
-        let ways = [([upper, lower], self.contacts(upper, lower)), ([lower, upper], carrying)];
+        let ways = [([upper, lower], &*self.contacts(upper, lower)), ([lower, upper], carrying)];
         ways.into_iter().find_map(|([part, body], contacts)| {
             let Joint { closed_share, width_share, slimness } =
-                handle::joint(self.clusters, self.up, [part, body], &contacts)?;
+                handle::joint(self.clusters, self.up, [part, body], contacts)?;
             let check = |name, value, bound, limit| Check::new(name, "", value, bound, limit);
             let width = "width of the joint, over that of the end of the slim part";
             let checks = vec![
@@ -304,15 +309,14 @@ impl Compare<'_> {
         self.clusters.get(of).pixels.iter().map(|&i| i as usize).filter(meets).collect()
     }
 
-    /// How the lower part slopes around its contact with the upper one.
-    fn slopes(&self, upper: SegmentId, lower: SegmentId) -> Slopes {
+    /// How the lower part slopes around its contacts with the upper one.
+    fn slopes(&self, lower: SegmentId, contacts: &[usize]) -> Slopes {
         let scene = self.clusters.scene;
         let width = scene.disparity.width();
         let pixels = &self.clusters.get(lower).pixels;
-        let contacts = self.contacts(lower, upper);
         let step = contacts.len().div_ceil(CONTACTS).max(1);
         let around: Vec<(usize, DVec3)> =
-            contacts.into_iter().step_by(step).map(|i| (i, scene.point_at(i))).collect();
+            contacts.iter().step_by(step).map(|&i| (i, scene.point_at(i))).collect();
         let focal_px = scene.space.camera().fx_px.max(scene.space.camera().fy_px);
         let is_near = |&i: &usize| {
             let at = position(i, width);
@@ -434,20 +438,17 @@ mod tests {
     /// A plank, seen from above, and at its right end a cube of the same wood that stands on it.
     #[test]
     fn what_stands_on_the_end_of_a_plank_is_no_part_of_it() {
-        let joined_at = |top_m: f64| {
-            let of = |u: usize, v: usize| match (u, v) {
-                (8..48, 14..30) => 1,
-                (48..60, 14..30) => 2,
-                _ => 0,
-            };
-            // The front face of the cube rises from the plank.
-            let height_m =
-                |u: usize, v: usize| [0.0, 0.024, (0.028 + 0.004 * (u as f64 - 48.0)).min(top_m)][of(u, v)];
-            let mut table = Table::new((72, 44), |u, v| Some((of(u, v) as i32, height_m(u, v))));
-            table.lab = Some(LabImage::drawn((72, 44), |u, v| [BLUE, RED, RED][of(u, v)]));
-            joined(&table)
+        let of = |u: usize, v: usize| match (u, v) {
+            (8..48, 14..30) => 1,
+            (48..60, 14..30) => 2,
+            _ => 0,
         };
-        assert_eq!(joined_at(0.054), [Some(0), Some(1)]);
+        // The front face of the cube rises from the plank.
+        let height_m =
+            |u: usize, v: usize| [0.0, 0.024, 0.028 + 0.004 * (u as f64 - 48.0).min(6.5)][of(u, v)];
+        let mut table = Table::new((72, 44), |u, v| Some((of(u, v) as i32, height_m(u, v))));
+        table.lab = Some(LabImage::drawn((72, 44), |u, v| [BLUE, RED, RED][of(u, v)]));
+        assert_eq!(joined(&table), [Some(0), Some(1)]);
     }
 
     /// A lying cylinder and, across a gap without depth, a thing whose left and right end have these heights (m). Both are far from the middle of

@@ -10,7 +10,6 @@ use crate::regions::SegmentId;
 const QUANTILES: [f64; 2] = [0.05, 0.95];
 /// The end of a part is what lies this near (m) to its joint.
 const END_M: f64 = 0.03;
-
 /// A width of fewer quanta than this is noise: of what stands upright only the front is seen.
 const WIDTH_QUANTA: f64 = 2.0;
 
@@ -26,8 +25,7 @@ pub(super) struct Joint {
 }
 
 /// Measures the joint of a part with a body; `contacts`: the pixels of the part that touch it. `None` when there are none, or the part is seen
-/// from its narrow side only.
-/// O(sampled pixels · log(sampled pixels)).
+/// from its narrow side only. O(sampled pixels · log(sampled pixels)).
 pub(super) fn joint(
     clusters: &Clusters<'_>,
     up: DVec3,
