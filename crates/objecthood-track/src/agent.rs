@@ -64,6 +64,11 @@ impl Agents {
         Self { all: Vec::new(), region: Bits::none(size), free: Vec::new(), next: 1 }
     }
 
+    /// Forgets where they are. New ones get new numbers.
+    pub(crate) fn lose(&mut self, size: (usize, usize)) {
+        *self = Self { next: self.next, ..Self::none(size) };
+    }
+
     /// Finds them in a frame. What comes to the border as a free thing is no agent, nor is what an agent lets go. O(n).
     pub(crate) fn update(
         &mut self,

@@ -88,10 +88,23 @@ pub(crate) fn fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> (f64, 
         let now = rigid.point(point.at);
         let Some(residual) = residual(point, now, view) else { continue };
         in_view += 1;
-        let is_there = residual.depth.abs() < FIT[0] * view.sigma_m(now.z);
-        fitting += usize::from(is_there && residual.grey.abs() < FIT[1] * SIGMA_GREY);
+        fitting += usize::from(residual.fits(now.z, view));
     }
     (fitting as f64 / in_view.max(1) as f64, in_view as f64 / points.len().max(1) as f64)
+}
+
+/// The share of the points that fit, of those in view before which nothing nearer stands. 0 when these are too few.
+pub(crate) fn open_fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> f64 {
+    let (mut open, mut fitting) = (0_usize, 0_usize);
+    for point in points {
+        let now = rigid.point(point.at);
+        let Some(residual) = residual(point, now, view).filter(|residual| residual.depth > -COVERED_M) else {
+            continue;
+        };
+        open += 1;
+        fitting += usize::from(residual.fits(now.z, view));
+    }
+    if open < LEAST_POINTS { 0.0 } else { fitting as f64 / open as f64 }
 }
 
 /// By how much one motion explains better what is seen than another, such as rest, does: the difference of the means of squared residuals in
@@ -120,6 +133,11 @@ struct Residual {
 }
 
 impl Residual {
+    /// Whether it is within noise.
+    fn fits(&self, z: f64, view: &View) -> bool {
+        self.depth.abs() < FIT[0] * view.sigma_m(z) && self.grey.abs() < FIT[1] * SIGMA_GREY
+    }
+
     fn square(&self, z: f64, view: &View) -> f64 {
         (self.depth / view.sigma_m(z)).abs().min(FIT[0]).powi(2)
             + (self.grey / SIGMA_GREY).abs().min(FIT[1]).powi(2)

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::assignment::maximize;
+use crate::memory::FORGET_S;
 use crate::pace::Pace;
 use crate::segment::Segment;
 use crate::track::{KNOWN_S, Track};
@@ -167,7 +168,11 @@ fn pair(rows: &[usize], columns: &[u32], value: impl Fn(usize, u32) -> f64, trac
 /// How well a segment fits a track that is not where it was: 1 less the cost; `None` when it cannot be.
 pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pace) -> Option<f64> {
     let away_s = now_s - track.last.stamp_s;
-    let memory_s = if track.is_confirmed() { MEMORY_S } else { YOUNG_MEMORY_FRAMES * pace.frame_s };
+    let memory_s = match track.is_confirmed() {
+        true if track.is_covered => FORGET_S,
+        true => MEMORY_S,
+        false => YOUNG_MEMORY_FRAMES * pace.frame_s,
+    };
     if away_s > memory_s || track.part_of.is_some() {
         return None;
     }

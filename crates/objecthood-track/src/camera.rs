@@ -4,7 +4,7 @@ use glam::DVec3;
 use objecthood::Camera;
 use serde::{Deserialize, Serialize};
 
-use crate::align::{Motion, SurfacePoint, align, fit, gain};
+use crate::align::{Motion, SurfacePoint, align, fit, gain, open_fit};
 use crate::rigid::Rigid;
 use crate::view::View;
 
@@ -91,7 +91,9 @@ impl CameraMotion {
         } else if fit(&self.key, view, &self.from_key).0 > STANDS_FIT {
             Rigid::IDENTITY
         } else {
-            match align(&self.key, view, &self.from_key).filter(|motion| motion.fit > LOST_FIT) {
+            // What stands before the scene, such as a person, says nothing of the camera.
+            let fits = |motion: &Motion| open_fit(&self.key, view, &motion.rigid) > LOST_FIT;
+            match align(&self.key, view, &self.from_key).filter(fits) {
                 Some(motion) => {
                     let gain = gain(&self.key, view, &motion.rigid, &self.from_key);
                     if gain.is_some_and(|gain| gain < LEAST_GAIN) {

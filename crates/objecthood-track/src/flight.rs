@@ -5,7 +5,7 @@ use crate::track::Sample;
 /// Acceleration of free fall (m/s²).
 const GRAVITY: f64 = 9.81;
 /// A flight has at least so many frames.
-const LEAST_FRAMES: usize = 5;
+pub(crate) const LEAST_FRAMES: usize = 5;
 /// Heights lie on the parabola: root mean square, largest, at the ends (m).
 const RMS_M: f64 = 0.010;
 const LARGEST_M: f64 = 0.022;

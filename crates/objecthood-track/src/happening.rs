@@ -11,6 +11,7 @@ use crate::scene::Key;
 use crate::support::Parent;
 use crate::track::{Deed, Rest, Sample, Track};
 use crate::tracked::{EventKind, Relation};
+use crate::vessel::Lay;
 
 /// Lifted: its lowest point rose by this (m), and its mean point by half of that.
 const LIFTED_M: f64 = 0.02;
@@ -133,9 +134,22 @@ impl Happenings {
         self.handled.remove(&key);
     }
 
+    /// A track turned out to be part of another: what is done to it is done to that.
+    pub(crate) fn hand_over(&mut self, part: Key, whole: Key) {
+        if let Some(handling) = self.handled.remove(&part) {
+            self.handled.entry(whole).or_insert(handling);
+        }
+    }
+
     /// The agents that have lifted something, and have not let go.
     pub(crate) fn lifting(&self) -> impl Iterator<Item = u32> {
-        self.handled.values().filter(|handling| handling.lifted_s.is_some()).map(|handling| handling.agent)
+        self.carried().map(|(_, agent)| agent)
+    }
+
+    /// What agents have lifted, and have not let go, and which agent.
+    pub(crate) fn carried(&self) -> impl Iterator<Item = (Key, u32)> {
+        let lifted = self.handled.iter().filter(|(_, handling)| handling.lifted_s.is_some());
+        lifted.map(|(&key, handling)| (key, handling.agent))
     }
 
     pub(crate) fn is_handled(&self, key: Key) -> bool {
@@ -175,13 +189,17 @@ impl Happenings {
         if self.is_handled(key) && is_let_go {
             self.end(key, track, pace, false);
         }
-        if track.rests() {
+        if track.rests() || track.forgets_soon() {
             self.fly(key, track);
+        }
+        if track.rests() {
             if track.is_still_for(STILL_S, pace.frame_s) {
                 self.end(key, track, pace, false);
             }
+            // What lies farther away or on another face than before shows fewer pixels.
             let is_whole = track.rest.is_none_or(|rest| track.last.px as f64 > AS_WHOLE * rest.px as f64);
-            if !self.handled.contains_key(&key) && is_whole {
+            let is_over = is_whole || track.is_left_alone() && track.rest_s > UNTOUCHED_S;
+            if !self.handled.contains_key(&key) && is_over {
                 track.settle();
             }
         }
@@ -303,8 +321,11 @@ impl Happenings {
         if handling.goes_along || self.is_lifted_along(key) {
             track.settle();
         } else if handling.lifted_s.is_some() {
+            // A video may end while a hand holds it still.
+            let is_down = !is_last_word || self.is_put_down(key, track);
             self.told.extend(handling.lift);
-            self.told.extend(put_down(key, track, handling.begun, pace));
+            self.told.extend(is_down.then(|| put_down(key, track, handling.begun, pace)).flatten());
+            track.lay = Some(Lay::after_handling(track, flew(track, handling.begun)));
             track.settle();
         } else {
             let net_m = (track.last.center - handling.before.center).length();

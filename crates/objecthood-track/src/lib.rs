@@ -35,6 +35,9 @@
 //! | `whole.rs` | things that were cut in pieces, and are seen whole |
 //! | `support.rs` | what holds what, over time |
 //! | `flight.rs`, `happening.rs` | free flight, and what happened: pure functions of where things were |
+//! | `vessel.rs` | what goes into a vessel, or out of it, by itself |
+//! | `hindsight.rs` | what the whole video proved, written backwards |
+//! | `numbering.rs` | the numbers of frames, those too that show nothing |
 //! | `state.rs`, `ingredient.rs` | a tracker in a file; a tracker without some of its ingredients |
 //! | `output.rs` | numbers, labels and states |
 
@@ -49,6 +52,7 @@ mod field;
 mod flight;
 mod hand;
 mod happening;
+mod hindsight;
 mod identify;
 mod ingredient;
 mod knowledge;
@@ -56,6 +60,7 @@ mod look;
 mod memory;
 mod missing;
 mod moved_part;
+mod numbering;
 mod observe;
 mod oneness;
 mod opened;
@@ -75,10 +80,12 @@ mod track;
 mod tracked;
 mod tracker;
 mod uncover;
+mod vessel;
 mod view;
 mod whole;
 
 pub use error::{Error, Result};
+pub use hindsight::Hindsight;
 pub use ingredient::Ingredient;
 pub use rigid::Rigid;
 pub use tracked::{

@@ -25,7 +25,11 @@ use crate::tracked::{Event, Relation, TrackNotice, Tracked};
 use crate::view::View;
 
 /// A track that is hidden is forgotten after this (s).
-const FORGET_S: f64 = 30.0;
+pub(crate) const FORGET_S: f64 = 30.0;
+/// What moves is in the air so far (m) above where it rested, or when it rises or falls this fast (m/s): what rolls down a slope of 30 degrees
+/// does not for its first tenth of a second.
+const IN_AIR_M: f64 = 0.02;
+const IN_AIR_M_PER_S: f64 = 0.3;
 
 /// What is known after a frame.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -102,6 +106,7 @@ impl Memory {
         let place = self.camera.follow(view, pose.or(still), wide(found.up.direction));
         if place.is_lost {
             notices.push(TrackNotice::CameraLost);
+            self.lose_places(view.size);
         }
         if place.moves {
             self.scene.carry(&place, view);
@@ -141,6 +146,16 @@ impl Memory {
         tracked
     }
 
+    /// Nobody knows any more what was seen at which pixel: else all that is nearer now would be an agent. Tracks are found again by their looks.
+    fn lose_places(&mut self, size: (usize, usize)) {
+        self.scene = Scene::empty(size);
+        self.rested = Rested::empty(size);
+        self.agents.lose(size);
+        for track in self.tracks.values_mut() {
+            track.halt();
+        }
+    }
+
     pub(crate) fn has(&self, ingredient: Ingredient) -> bool {
         !self.without.contains(&ingredient)
     }
@@ -148,7 +163,11 @@ impl Memory {
     /// Drops tracks that will not come back.
     fn forget(&mut self) {
         let (now_s, frame_s) = (self.stamp_s, self.pace.frame_s);
-        let is_gone = |track: &Track| {
+        let shown = self.shown_now();
+        let is_gone = |key: Key, track: &Track| {
+            if shown.contains(&key) {
+                return false;
+            }
             let away_s = now_s - track.last.stamp_s;
             match track.is_confirmed() {
                 true => away_s > if track.is_covered { FORGET_S } else { MEMORY_S },
@@ -156,7 +175,7 @@ impl Memory {
             }
         };
         let gone: Vec<Key> =
-            self.tracks.iter().filter(|(_, track)| is_gone(track)).map(|(&key, _)| key).collect();
+            self.tracks.iter().filter(|&(&key, track)| is_gone(key, track)).map(|(&key, _)| key).collect();
         for key in gone {
             self.tracks.remove(&key);
             for part in self.tracks.values_mut().filter(|part| part.part_of == Some(key)) {
@@ -168,10 +187,12 @@ impl Memory {
     }
 
     pub(crate) fn finish(&mut self) -> Vec<Event> {
-        for (&key, track) in &mut self.tracks {
+        for (&key, track) in self.tracks.iter_mut().filter(|(_, track)| track.part_of.is_none()) {
             self.happenings.close(key, track, self.pace);
         }
+        self.tell_appearances();
         self.tell_no_lids(f64::INFINITY);
+        self.tell_vessels(true);
         let told = self.happenings.take();
         self.numbers.events(told, &mut self.tracks)
     }
@@ -185,14 +206,13 @@ impl Memory {
         key
     }
 
-    /// The relation of a track to what holds it.
-    pub(crate) fn held_by(&self, key: Key) -> Option<(Option<Key>, Relation)> {
+    /// The relation of a track to what holds it; nothing does while it is in the air. `is_carried`: by what holds it.
+    pub(crate) fn held_by(&self, key: Key, is_carried: bool, up: DVec3) -> Option<(Option<Key>, Relation)> {
         let track = self.tracks.get(&key)?;
-        let is_in_air = track.is_moving
-            && track.last.bottom_m > track.rest.map_or(f64::INFINITY, |rest| rest.bottom_m + 0.02);
-        if is_in_air || track.rest_s == 0.0 && self.happenings.is_lifted(key) {
-            return None;
-        }
-        track.votes.winner()
+        let above_m = track.rest.map_or(0.0, |rest| track.last.bottom_m - rest.bottom_m);
+        let is_in_air =
+            track.is_moving && (above_m > IN_AIR_M || track.velocity.dot(up).abs() > IN_AIR_M_PER_S);
+        let is_lifted = track.rest_s == 0.0 && self.happenings.is_lifted(key);
+        if !is_carried && (is_in_air || is_lifted) { None } else { track.votes.winner() }
     }
 }

@@ -15,14 +15,16 @@ const BEFORE_M: f64 = 0.02;
 const HIDDEN: f64 = 0.9;
 /// for so long (s).
 const HIDDEN_S: f64 = 0.1;
-/// A thing is gone once it is not seen in so many frames.
-const GONE_FRAMES: u64 = 3;
+/// A thing is gone once it is not seen for so long (s).
+const GONE_S: f64 = 0.1;
 /// What leaves the image has gone so far (m) from where it rested: an arm that comes in hides what lies at the border bit by bit.
 const LEAVING_M: f64 = 0.05;
 /// When it was seen last it moved, or so much of it changed (share of its pixels).
 const LEAVING_CHANGED: f64 = 0.35;
 /// It moves faster than this (m/s).
 const LEAVING_M_PER_S: f64 = 0.02;
+/// What is new is a thing of its own once it has rested so long (s).
+const SETTLED_S: f64 = 0.25;
 
 /// Why a track is not seen.
 struct Absence {
@@ -39,8 +41,8 @@ struct Absence {
 impl Memory {
     /// Tracks that are not seen: what stands before them?
     pub(crate) fn miss(&mut self, look: &Look<'_>, remains: &BTreeMap<Key, Remains>) {
-        let is_missing =
-            |(_, track): &(&Key, &Track)| track.last.frame != self.frame && track.part_of.is_none();
+        let shown = self.shown_now();
+        let is_missing = |(key, track): &(&Key, &Track)| track.part_of.is_none() && !shown.contains(key);
         let missing: Vec<Key> = self.tracks.iter().filter(is_missing).map(|(&key, _)| key).collect();
         let carried = self.carried();
         for key in missing {
@@ -73,6 +75,7 @@ impl Memory {
     /// Tells that a track went behind something or out of the image, once that is sure. `is_carried`: what carries it moves, so it is not where
     /// it rested.
     fn tell_absence(&mut self, key: Key, absence: &Absence, is_carried: bool) {
+        let gone_frames = self.pace.frames(GONE_S) as u64;
         let Some(track) = self.tracks.get_mut(&key) else { return };
         let happening = |frame, time_s, kind, other, evidence: &str| Happening {
             frame,
@@ -108,7 +111,7 @@ impl Memory {
             && is_thing
             && went
             && !track.is_agent_part()
-            && absence.frames >= GONE_FRAMES
+            && absence.frames >= gone_frames
             && !absence.is_covered
             && track.velocity.length() > LEAVING_M_PER_S
             && track.rest.is_none_or(|rest| (track.last.center - rest.center).length() > LEAVING_M);
@@ -121,7 +124,7 @@ impl Memory {
         track.hidden_since = Some(absence.since);
         track.is_covered = absence.is_covered;
         track.rest_s = if absence.is_covered { track.rest_s } else { 0.0 };
-        if absence.frames == GONE_FRAMES + 1 {
+        if absence.frames == gone_frames + 1 {
             self.happenings.fly(key, track);
         }
     }
@@ -133,8 +136,10 @@ impl Memory {
                 && track.is_confirmed()
                 && !track.is_agent_part()
                 && track.part_of.is_none();
-            let has_settled = track.rest_s > 0.25 || track.seen_to.contains(&Deed::Flew);
-            if is_new && has_settled {
+            let has_settled = track.rest_s > SETTLED_S || track.seen_to.contains(&Deed::Flew);
+            // What rolls through the image never rests.
+            let went_by_itself = track.was_free(self.pace) && track.path_m > track.area_m2.sqrt();
+            if is_new && (has_settled || went_by_itself) {
                 track.told_appeared = true;
                 let came = track.samples.iter().take(6).any(|sample| sample.changed > 0.5);
                 if came {

@@ -44,7 +44,9 @@ impl Memory {
                 }
                 if let Some(motion) = track.motion.as_ref().filter(|_| track.is_moving) {
                     let step = center - motion.rigid.inverse().point(center);
-                    track.drift += look.place.world_from_camera.direction(step);
+                    let world = look.place.world_from_camera;
+                    track.drift += world.direction(step);
+                    track.turn = motion.rigid.turn_seen_from(&world) * track.turn;
                 }
                 let noise_m = look.view.sigma_m(center.z);
                 track.see(&look.segments[k], sample, frame_s, noise_m);
@@ -54,7 +56,7 @@ impl Memory {
         self.compare(look);
         let carried = self.carried();
         for (&key, track) in &mut self.tracks {
-            if track.last.frame == self.frame {
+            if track.last.frame == self.frame && track.part_of.is_none() {
                 self.happenings.look(key, track, carried.contains(&key), look.place.up, self.pace);
             }
         }
@@ -65,6 +67,7 @@ impl Memory {
         self.tell_drawers();
         self.join_drawers();
         self.tell_no_lids(self.stamp_s);
+        self.tell_vessels(false);
         self.miss(look, &remains);
         self.tell_appearances();
     }
@@ -144,7 +147,7 @@ impl Memory {
                 && let Some(track) = self.tracks.get_mut(&key)
                 && !track.is_moving
             {
-                track.votes.add(parent, relation);
+                track.votes.add(parent, relation, self.pace);
             }
         }
     }

@@ -2,19 +2,23 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
 use objecthood::{PixelBox, Raster};
 use serde::{Deserialize, Serialize};
 
 use crate::bits::Bits;
 use crate::happening::{Happening, Other};
 use crate::memory::{Look, Memory};
+use crate::rigid::Rigid;
 use crate::scene::Key;
 use crate::track::Track;
 use crate::tracked::{
-    Event, EventKind, LostTrack, MotionEstimate, SeenAgent, SupportRelation, TrackId, TrackNotice,
+    Event, EventKind, LostTrack, MotionEstimate, Relation, SeenAgent, SupportRelation, TrackId, TrackNotice,
     TrackState, Tracked, TrackedObject,
 };
 
+/// What moved when it was last seen is expected to move on for so long (s).
+const ALONG_S: f64 = 0.25;
 /// A track is shown when it has so many pixels (at VGA size).
 const SHOWN_PX: f64 = 100.0;
 
@@ -26,6 +30,12 @@ pub(crate) struct Numbers {
 }
 
 impl Numbers {
+    /// Agents are found anew, and get new numbers.
+    pub(crate) fn without_agents(mut self) -> Self {
+        self.agents.clear();
+        self
+    }
+
     fn next(&mut self) -> Option<TrackId> {
         self.given = self.given.checked_add(1)?;
         Some(TrackId(self.given))
@@ -38,6 +48,10 @@ impl Numbers {
         let id = self.next()?;
         self.agents.insert(number, id);
         Some(id)
+    }
+
+    fn known_agent(&self, number: u32) -> Option<TrackId> {
+        self.agents.get(&number).copied()
     }
 
     /// Events of tracks that have numbers; those of others are no one's.
@@ -192,6 +206,8 @@ impl Memory {
                     state: if track.id.is_some() { TrackState::Confirmed } else { TrackState::Tentative },
                     found: found.map(|_| k),
                     center_m: look.segments[k].center_in_camera.as_vec3().to_array(),
+                    pose: Rigid::of(track.turn, track.last.center),
+                    parts: track.parts.clone(),
                     velocity_m_per_s: if track.is_moving { track.velocity.to_array() } else { [0.0; 3] },
                     motion: motion.map(|motion| MotionEstimate {
                         rigid: motion.rigid,
@@ -211,26 +227,38 @@ impl Memory {
     }
 
     fn lost(&self, look: &Look<'_>) -> Vec<LostTrack> {
+        let shown = self.shown_now();
         let from_world = look.place.world_from_camera.inverse();
         let mut lost: Vec<LostTrack> = self
             .tracks
-            .values()
-            .filter(|track| {
-                track.last.frame != self.frame && track.part_of.is_none() && !track.is_agent_part()
-            })
-            .filter_map(|track| {
+            .iter()
+            .filter(|(key, track)| !shown.contains(key) && track.part_of.is_none() && !track.is_agent_part())
+            .filter_map(|(_, track)| {
                 let for_s = self.stamp_s - track.last.stamp_s;
                 let state = if track.is_covered { TrackState::Occluded } else { TrackState::Lost };
+                let center = self.expected_center(track);
                 Some(LostTrack {
                     track: track.id?,
                     state,
-                    center_m: from_world.point(track.last.center).to_array(),
+                    center_m: from_world.point(center).to_array(),
+                    pose: Rigid::of(track.turn, center),
                     for_s,
                 })
             })
             .collect();
         lost.sort_by_key(|lost| lost.track);
         lost
+    }
+
+    /// Where the mean point of a track should be that is not seen (m), in the world.
+    fn expected_center(&self, track: &Track) -> DVec3 {
+        let carrier = track.votes.winner().and_then(|(below, _)| self.tracks.get(&self.root(below?)));
+        let went_along = carrier.map(|carrier| {
+            let then = carrier.samples.iter().rfind(|sample| sample.frame <= track.last.frame);
+            then.map_or(DVec3::ZERO, |then| carrier.last.center - then.center)
+        });
+        let along_s = if track.last.moves { (self.stamp_s - track.last.stamp_s).min(ALONG_S) } else { 0.0 };
+        track.last.center + went_along.unwrap_or(DVec3::ZERO) + track.velocity * along_s
     }
 
     fn seen_agents(&mut self, look: &Look<'_>) -> Vec<SeenAgent> {
@@ -248,19 +276,26 @@ impl Memory {
         seen.collect()
     }
 
-    fn relations(&self, objects: &[(Key, TrackedObject)], _look: &Look<'_>) -> Vec<SupportRelation> {
+    fn relations(&self, objects: &[(Key, TrackedObject)], look: &Look<'_>) -> Vec<SupportRelation> {
+        let (carried, shown) = (self.carried(), self.shown_now());
+        let carriers: BTreeMap<Key, u32> = self.happenings.carried().collect();
+        let held = objects.iter().filter_map(|(key, object)| {
+            let parent = self.numbers.known_agent(*carriers.get(key)?);
+            Some(SupportRelation { child: object.track?, parent: Some(parent?), kind: Relation::Held })
+        });
+        let held: Vec<SupportRelation> = held.collect();
         let relation = |(key, object): &(Key, TrackedObject)| {
             let child = object.track?;
-            let (parent, kind) = self.held_by(*key)?;
-            let parent = parent.and_then(|key| self.tracks.get(&self.root(key)));
-            let parent = parent.filter(|track| track.last.frame == self.frame && !track.is_agent_part());
+            let (parent, kind) = self.held_by(*key, carried.contains(key), look.place.up)?;
+            let parent = parent.map(|key| self.root(key)).filter(|key| shown.contains(key));
+            let parent = parent.and_then(|key| self.tracks.get(&key)).filter(|track| !track.is_agent_part());
             Some(SupportRelation {
                 child,
                 parent: parent.and_then(|track| track.id).filter(|&id| id != child),
                 kind,
             })
         };
-        objects.iter().filter_map(relation).collect()
+        objects.iter().filter_map(relation).chain(held).collect()
     }
 }
 

@@ -41,27 +41,50 @@ impl Memory {
         }
         if self.has(Ingredient::Knowledge) {
             for (a, b) in self.knowledge.learn(&touching, &self.tracks, look.place.moves) {
-                let keeper = self.join(a, b);
-                self.tracks.entry(keeper).and_modify(|track| track.note(Deed::PartsMovedAsOne));
+                let px = |key: Key| self.tracks[&key].last.px;
+                let whole = if px(b) > px(a) { self.join(b, a) } else { self.join(a, b) };
+                self.tracks.entry(whole).and_modify(|track| track.note(Deed::PartsMovedAsOne));
             }
         }
         self.touched = touching;
     }
 
-    /// Two tracks turned out to be one: the one with the lower number goes on, and one with a number before one without. Returns it.
-    pub(crate) fn join(&mut self, a: Key, b: Key) -> Key {
-        let order = |key: Key| (self.tracks[&key].id.map_or(u16::MAX, |id| id.0), key);
-        let [a, b] = [self.root(a), self.root(b)].map(order);
-        let (keeper, part) = (a.min(b).1, a.max(b).1);
-        self.make_part(keeper, part);
-        keeper
+    /// Two tracks turned out to be one. The one that is seen goes on, with the lower of their numbers: else what is known of it would
+    /// never be brought up to date. Returns it.
+    pub(crate) fn join(&mut self, seen: Key, other: Key) -> Key {
+        let (whole, part) = (self.root(seen), self.root(other));
+        let [own, parts] = [whole, part].map(|key| self.tracks[&key].id);
+        if parts.is_some_and(|parts| own.is_none_or(|own| parts < own)) {
+            self.tracks.entry(whole).and_modify(|track| track.id = parts);
+            self.tracks.entry(part).and_modify(|track| track.id = own);
+        }
+        self.make_part(whole, part);
+        whole
     }
 
     /// Makes one track part of another, both of them roots, so that no circle arises.
     fn make_part(&mut self, whole: Key, part: Key) {
-        if whole != part {
-            self.tracks.entry(part).and_modify(|track| track.part_of = Some(whole));
+        if whole == part {
+            return;
         }
+        let Some(of_part) = self.tracks.get_mut(&part) else { return };
+        of_part.part_of = Some(whole);
+        let (was_there_first, told_appeared) = (of_part.was_there_first, of_part.told_appeared);
+        let (deeds, number) = (std::mem::take(&mut of_part.seen_to), of_part.id);
+        let parts = std::mem::take(&mut of_part.parts);
+        self.happenings.hand_over(part, whole);
+        self.tracks.entry(whole).and_modify(|track| {
+            track.was_there_first |= was_there_first;
+            track.told_appeared |= told_appeared;
+            deeds.into_iter().for_each(|deed| track.note(deed));
+            track.parts.extend(number.into_iter().chain(parts));
+        });
+    }
+
+    /// Whether the last frame showed a track or a part of it.
+    pub(crate) fn shown_now(&self) -> BTreeSet<Key> {
+        let seen = self.tracks.iter().filter(|(_, track)| track.last.frame == self.frame);
+        seen.map(|(&key, _)| self.root(key)).collect()
     }
 
     /// What stood before a thing is gone, and one surface shows its part too.

@@ -18,9 +18,11 @@ const CHANGED_SHARE: f64 = 0.06;
 const MOST_POINTS: usize = 700;
 /// A motion counts when more of its points fit,
 const LEAST_FIT: f64 = 0.35;
-/// and it is more than noise: shift (m), turn (rad).
+/// and it is more than noise: shift (m), turn (rad) in a thirtieth of a second. In shorter frames a motion is smaller; in longer ones noise is
+/// no larger.
 const LEAST_SHIFT_M: f64 = 0.0025;
 const LEAST_TURN_RAD: f64 = 0.02;
+const LEAST_IN_S: f64 = 1.0 / 30.0;
 /// and it explains what is seen better than rest does, by this mean square of standard deviations: what a hand passes only seems to move.
 const LEAST_GAIN: f64 = 1.0;
 
@@ -56,8 +58,9 @@ pub(crate) fn predict(
         let Some(track) = tracks.get_mut(key) else { continue };
         let Some(motion) = best_motion(points, view, track.velocity * frame_s) else { continue };
         let center = points.iter().map(|point| point.at).sum::<DVec3>() / points.len().max(1) as f64;
-        let is_more = motion.rigid.displacement_m(center) > LEAST_SHIFT_M * f64::from(view.noise)
-            || motion.rigid.angle_rad() > LEAST_TURN_RAD * f64::from(view.noise);
+        let least = f64::from(view.noise) * (frame_s / LEAST_IN_S).min(1.0);
+        let is_more = motion.rigid.displacement_m(center) > LEAST_SHIFT_M * least
+            || motion.rigid.angle_rad() > LEAST_TURN_RAD * least;
         let gain = gain(points, view, &motion.rigid, &Rigid::IDENTITY);
         let is_more = is_more && gain.is_none_or(|gain| gain > LEAST_GAIN);
         if motion.fit > LEAST_FIT {

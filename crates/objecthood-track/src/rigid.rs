@@ -59,6 +59,16 @@ impl Rigid {
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
+    /// Its rotation, as seen in the frame of coordinates to which another motion takes.
+    pub(crate) fn turn_seen_from(&self, world: &Self) -> DQuat {
+        (world.rotation * self.rotation * world.rotation.inverse()).normalize()
+    }
+
+    /// From a rotation and a translation (m).
+    pub(crate) fn of(rotation: DQuat, translation: DVec3) -> Self {
+        Self { rotation, translation }
+    }
+
     /// A small step: turns about `center` by `turn` (rad, along the axis), then moves by `shift` (m).
     pub(crate) fn step(turn: DVec3, shift: DVec3, center: DVec3) -> Self {
         let half = 0.5 * turn;

@@ -6,10 +6,11 @@ use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result};
 use crate::memory::Memory;
+use crate::numbering::Numbering;
 use crate::tracker::Tracker;
 
 /// What a state begins with; the number changes with what the tracker remembers.
-const HEAD: &[u8] = b"objecthood tracker, state 6\n";
+const HEAD: &[u8] = b"objecthood tracker, state 7\n";
 /// Bytes of the checksum that follows.
 const SUM: usize = 32;
 
@@ -19,6 +20,7 @@ struct State<M> {
     version: String,
     noise: Option<(f64, [f64; 3], u32)>,
     up: Option<[f32; 3]>,
+    numbering: Numbering,
     memory: M,
 }
 
@@ -31,8 +33,8 @@ impl Tracker {
     pub fn save(&self) -> Result<Vec<u8>> {
         let noise = self.estimates.map(|e| (e.noise.white, e.noise.blocks_quanta, e.frames));
         let up = self.estimates.and_then(|e| e.up);
-        let version = env!("CARGO_PKG_VERSION").to_owned();
-        let body = postcard::to_stdvec(&State { version, noise, up, memory: &self.memory });
+        let (version, numbering) = (env!("CARGO_PKG_VERSION").to_owned(), self.numbering.clone());
+        let body = postcard::to_stdvec(&State { version, noise, up, numbering, memory: &self.memory });
         let body = body.map_err(|e| Error::Save { reason: e.to_string() })?;
         Ok([HEAD, Sha256::digest(&body).as_slice(), &body].concat())
     }
@@ -56,7 +58,7 @@ impl Tracker {
         }
         let mut tracker = Self::new(params);
         tracker.without = state.memory.as_ref().map(|memory| memory.without.clone()).unwrap_or_default();
-        tracker.memory = state.memory;
+        (tracker.memory, tracker.numbering) = (state.memory, state.numbering);
         tracker.estimates = state.noise.map(|(white, blocks_quanta, frames)| {
             let mut estimates = Estimates::of_noise(Noise { white, blocks_quanta }, frames);
             estimates.up = state.up;

@@ -4,10 +4,11 @@ use objecthood::discovery::{NodeKind, SupportKind};
 use objecthood::{Discovery, ObjectId};
 use serde::{Deserialize, Serialize};
 
+use crate::pace::Pace;
 use crate::tracked::Relation;
 
-/// The weight of earlier frames.
-const MEMORY: f32 = 0.9;
+/// Frames are forgotten with this time constant (s).
+const VOTES_S: f64 = 0.32;
 
 /// What holds a thing: a track, or nothing that is followed.
 pub(crate) type Parent = Option<u32>;
@@ -19,8 +20,9 @@ pub(crate) struct Votes {
 }
 
 impl Votes {
-    pub(crate) fn add(&mut self, parent: Parent, relation: Relation) {
-        self.candidates.iter_mut().for_each(|candidate| candidate.2 *= MEMORY);
+    pub(crate) fn add(&mut self, parent: Parent, relation: Relation, pace: Pace) {
+        let earlier = libm::exp(-pace.frame_s / VOTES_S) as f32;
+        self.candidates.iter_mut().for_each(|candidate| candidate.2 *= earlier);
         match self.candidates.iter_mut().find(|candidate| (candidate.0, candidate.1) == (parent, relation)) {
             Some(candidate) => candidate.2 += 1.0,
             None => self.candidates.push((parent, relation, 1.0)),

@@ -2,10 +2,11 @@
 
 use std::collections::VecDeque;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::align::Motion;
+use crate::flight::{LEAST_FRAMES as FLIGHT_FRAMES, flights};
 use crate::happening::are_alike;
 use crate::look::Look;
 use crate::oneness::Oneness;
@@ -14,6 +15,7 @@ use crate::segment::Segment;
 use crate::support::Votes;
 use crate::surface::Surface;
 use crate::tracked::TrackId;
+use crate::vessel::Lay;
 use crate::whole::Sight;
 
 /// So many samples are kept: 3 s at 60 frames a second.
@@ -119,6 +121,10 @@ pub(crate) struct Track {
     pub(crate) rest_s: f64,
     pub(crate) rest: Option<Rest>,
     pub(crate) first_rest: Option<Rest>,
+    /// Where it lay when it last rested for long.
+    pub(crate) lay: Option<Lay>,
+    /// How it is turned against how it was first seen, as far as its motions were found, in the world.
+    pub(crate) turn: DQuat,
     /// Path since it was last at rest, and in all (m).
     pub(crate) path_m: f64,
     /// The sum of its motions since it last rested (m), in the world.
@@ -132,6 +138,8 @@ pub(crate) struct Track {
     pub(crate) oneness: Oneness,
     /// The track that it turned out to be part of.
     pub(crate) part_of: Option<u32>,
+    /// The numbers of tracks that turned out to be parts of it.
+    pub(crate) parts: Vec<TrackId>,
     /// What was seen of it that makes it an object.
     pub(crate) seen_to: Vec<Deed>,
     /// Why it is not seen, if it is not.
@@ -183,6 +191,8 @@ impl Track {
             rest_s: 0.0,
             rest: None,
             first_rest: None,
+            lay: None,
+            turn: DQuat::IDENTITY,
             path_m: 0.0,
             drift: DVec3::ZERO,
             agent_score: if segment.of_agent > 0.5 { 4 } else { 0 },
@@ -190,6 +200,7 @@ impl Track {
             votes: Votes::default(),
             oneness: Oneness::default(),
             part_of: None,
+            parts: Vec::new(),
             seen_to: Vec::new(),
             is_covered: false,
             hidden_since: None,
@@ -335,6 +346,13 @@ impl Track {
         let since_s = self.last.stamp_s - seconds;
         let recent = self.samples.iter().rev().take_while(|sample| sample.stamp_s >= since_s);
         recent.filter_map(|sample| sample.reached_by).next()
+    }
+
+    /// Whether samples that were not analysed will soon be dropped, and the last ones are not amid a flight.
+    pub(crate) fn forgets_soon(&self) -> bool {
+        let open = self.since(self.analysed_to).count();
+        let last: Vec<Sample> = self.samples.iter().rev().take(FLIGHT_FRAMES).rev().copied().collect();
+        open > MOST_SAMPLES / 2 && flights(&last).is_empty()
     }
 
     /// The samples since a frame.

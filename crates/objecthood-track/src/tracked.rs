@@ -39,8 +39,12 @@ pub struct TrackedObject {
     pub found: Option<usize>,
     /// Mean visible point (m), in the frame of the camera.
     pub center_m: [f32; 3],
-    /// Velocity of that (m/s), in the world.
+    /// Where that is in the world, and how the object is turned against how it was first seen, as far as its motions were found.
+    pub pose: Rigid,
+    /// Velocity of its mean visible point (m/s), in the world.
     pub velocity_m_per_s: [f64; 3],
+    /// The numbers of tracks that turned out to be parts of it.
+    pub parts: Vec<TrackId>,
     /// Motion since the last frame, in the frame of the camera, with the camera's own taken out; `None` when it rests, or
     /// when it could not be found.
     pub motion: Option<MotionEstimate>,
@@ -75,8 +79,11 @@ pub struct LostTrack {
     pub track: TrackId,
     /// Occluded or lost.
     pub state: TrackState,
-    /// Where it should be (m), in the frame of the camera.
+    /// Where its mean visible point should be (m), in the frame of the camera: with what carries it, on along its way for a quarter of a
+    /// second, or where it was last seen.
     pub center_m: [f64; 3],
+    /// The same in the world, with its turn as in [`TrackedObject::pose`].
+    pub pose: Rigid,
     /// Since when it is not seen (s).
     pub for_s: f64,
 }
@@ -98,7 +105,7 @@ pub struct SeenAgent {
 pub struct SupportRelation {
     /// What is held.
     pub child: TrackId,
-    /// What holds it; `None` = the table, the floor, furniture.
+    /// What holds it: an object, or the agent that carries it; `None` = the table, the floor, furniture.
     pub parent: Option<TrackId>,
     /// How.
     pub kind: Relation,
@@ -256,7 +263,7 @@ pub enum TrackNotice {
     },
     /// The camera moved so far that its motion could not be found: things are found again by their looks.
     CameraLost,
-    /// The frame has another size: everything begins anew.
+    /// The frame has another size: everything begins anew, and numbers go on.
     OtherSize,
     /// There are more objects than 65535.
     TooMany,

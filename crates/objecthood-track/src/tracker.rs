@@ -7,6 +7,7 @@ use objecthood::{Discovery, Estimates, Frame, Params, Pipeline};
 use crate::error::Result;
 use crate::ingredient::Ingredient;
 use crate::memory::Memory;
+use crate::numbering::Numbering;
 use crate::rigid::Rigid;
 use crate::tracked::{Event, TrackNotice, Tracked};
 use crate::view::View;
@@ -21,13 +22,14 @@ pub struct Tracker {
     pub(crate) without: BTreeSet<Ingredient>,
     pub(crate) estimates: Option<Estimates>,
     pub(crate) memory: Option<Memory>,
+    pub(crate) numbering: Numbering,
 }
 
 impl Tracker {
     /// A tracker that has seen nothing; `params` are those of the discovery.
     pub fn new(params: Params) -> Self {
-        let (pipeline, without) = (Pipeline::default(), BTreeSet::new());
-        Self { params, pipeline, without, estimates: None, memory: None }
+        let (pipeline, without, numbering) = (Pipeline::default(), BTreeSet::new(), Numbering::default());
+        Self { params, pipeline, without, estimates: None, memory: None, numbering }
     }
 
     /// The same tracker without some of its ingredients, to measure what each gains. Without all of them tracks are paired with objects by
@@ -40,7 +42,12 @@ impl Tracker {
 
     /// Forgets everything. Numbers begin at 1 again.
     pub fn reset(&mut self) {
-        (self.memory, self.estimates) = (None, None);
+        (self.memory, self.estimates, self.numbering) = (None, None, Numbering::default());
+    }
+
+    /// Passes over a frame that could not be read or shows nothing: it is counted, and nothing is known of it.
+    pub fn skip(&mut self) {
+        self.numbering.skip();
     }
 
     /// Takes the next frame: finds its objects and follows them. `stamp_s`: when it was taken, which has to rise. `pose`: takes
@@ -76,17 +83,39 @@ impl Tracker {
         let noise =
             found.estimates.map_or(1.0, |estimates| estimates.noise.white.max(estimates.noise.waves()));
         let view = View::of(frame, (noise as f32).clamp(1.0, 5.0));
-        let mut notices = Vec::new();
+        let (mut notices, mut ended) = (Vec::new(), Vec::new());
         if self.memory.as_ref().is_some_and(|memory| memory.scene.size() != view.size) {
             notices.push(TrackNotice::OtherSize);
-            self.memory = None;
+            ended = self.finish();
+            self.numbering.begin_anew();
+            let numbers = self.memory.take().map(|memory| memory.numbers);
+            let fresh = Memory::new(view.size, stamp_s, self.without.clone());
+            self.memory = Some(Memory { numbers: numbers.unwrap_or_default().without_agents(), ..fresh });
         }
         let memory = self.memory.get_or_insert_with(|| Memory::new(view.size, stamp_s, self.without.clone()));
-        Ok(memory.update(&view, found, stamp_s, pose, notices))
+        self.numbering.take(memory.frame);
+        let mut tracked = memory.update(&view, found, stamp_s, pose, notices);
+        self.number(&mut tracked.events);
+        tracked.frame = self.numbering.of(tracked.frame);
+        tracked.events.splice(0..0, ended);
+        Ok(tracked)
     }
 
     /// Events that become certain when the video ends.
     pub fn finish(&mut self) -> Vec<Event> {
-        self.memory.as_mut().map_or_else(Vec::new, Memory::finish)
+        let mut events = self.memory.as_mut().map_or_else(Vec::new, Memory::finish);
+        self.number(&mut events);
+        events
+    }
+
+    /// Gives events the numbers of the frames that were given.
+    fn number(&self, events: &mut [Event]) {
+        for event in events {
+            event.frame = self.numbering.of(event.frame);
+            (event.start, event.end) = (
+                event.start.map(|frame| self.numbering.of(frame)),
+                event.end.map(|frame| self.numbering.of(frame)),
+            );
+        }
     }
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use objecthood::discovery::{Object, OrientedBox, PixelBox};
 use objecthood::{Camera, Discovery, Frame, ObjectId, Params, Raster};
-use objecthood_track::{EventKind, Tracked, Tracker};
+use objecthood_track::{EventKind, TrackNotice, Tracked, Tracker};
 
 const SIZE: (usize, usize) = (160, 120);
 
@@ -144,6 +144,83 @@ fn two_that_most_frames_show_as_one_are_one_unless_they_were_clearly_two() {
     };
     assert_eq!(seen_after(8), [1]);
     assert_eq!(seen_after(60), [1, 2]);
+}
+
+/// A regression: of two tracks that turned out to be one the one that was seen no more went on; after 5 s it was forgotten, and the thing had
+/// another number.
+#[test]
+fn two_that_are_one_keep_the_lower_number() {
+    let mut tracker = Tracker::new(Params::default());
+    let left = Patch { width: 12, ..THING };
+    // The right part is larger: a segment that shows both shows its track.
+    let parts = [left, Patch { left: 72, width: 24, ..THING }];
+    for number in 0..240 {
+        let tracked = if number < 8 {
+            follow(&mut tracker, &parts, number)
+        } else {
+            follow(&mut tracker, &[THING], number)
+        };
+        assert!(number < 40 || numbers(&tracked) == [1], "frame {number}: {:?}", numbers(&tracked));
+        if number == 239 {
+            assert_eq!(tracked.objects[0].parts.iter().map(|part| part.0).collect::<Vec<_>>(), [2]);
+            assert!(tracked.lost.is_empty(), "{:?}", tracked.lost);
+        }
+    }
+}
+
+/// A regression: when the camera was knocked towards the scene, all that was nearer than before was an agent for good.
+#[test]
+fn a_knock_makes_no_agent() {
+    let mut tracker = Tracker::new(Params::default());
+    let mut notices = Vec::new();
+    for number in 0..90 {
+        let nearer_m = if number < 30 { 0.0 } else { 0.1 };
+        let all = Patch {
+            left: 0,
+            top: 0,
+            width: 160,
+            height: 120,
+            depth_m: 1.2 - nearer_m,
+            color: [180, 180, 175],
+        };
+        let thing = Patch { depth_m: THING.depth_m - nearer_m, ..THING };
+        let (frame, found) = frame(&[thing, all], &[0], number);
+        let tracked = tracker.update_found(&frame, &found, number as f64 / 30.0, None).unwrap();
+        assert!(tracked.agents.is_empty(), "frame {number}");
+        assert!(number < 4 || numbers(&tracked) == [1], "frame {number}: {:?}", numbers(&tracked));
+        notices.extend(tracked.notices);
+    }
+    assert_eq!(notices, [TrackNotice::CameraLost]);
+}
+
+/// Every second column and row of a frame, and of its labels.
+fn halved((frame, found): &(Frame, Discovery)) -> (Frame, Discovery) {
+    fn half<T: Copy>(raster: &Raster<T>) -> Raster<T> {
+        let pixels = (0..SIZE.1).step_by(2).flat_map(|v| (0..SIZE.0).step_by(2).map(move |u| v * SIZE.0 + u));
+        let values = pixels.map(|pixel| raster.as_slice()[pixel]).collect();
+        Raster::from_vec(SIZE.0 / 2, SIZE.1 / 2, values).unwrap()
+    }
+    let camera = Camera::new(65.5, 65.5, 39.5, 29.5).unwrap();
+    let small = Frame::new(half(frame.depth_m()), frame.color().map(half), camera).unwrap();
+    (small, Discovery::new(found.objects.clone(), half(&found.labels)))
+}
+
+#[test]
+fn frames_are_counted_as_they_are_given_and_numbers_are_used_once() {
+    let mut tracker = Tracker::new(Params::default());
+    tracker.skip();
+    let mut told = Vec::new();
+    for number in 1..20_u64 {
+        let frame = frame(&[THING], &[0], number);
+        let (frame, found) = if number < 10 { frame } else { halved(&frame) };
+        let tracked = tracker.update_found(&frame, &found, number as f64 / 30.0, None).unwrap();
+        assert_eq!(tracked.frame, number);
+        told.push(numbers(&tracked));
+        if number == 9 {
+            tracker = Tracker::restore(Params::default(), &tracker.save().unwrap()).unwrap();
+        }
+    }
+    assert_eq!((&told[8][..], &told[18][..]), (&[1][..], &[2][..]));
 }
 
 /// A regression: a mug that rolled to the border of the image was an agent from then on.

@@ -1,0 +1,117 @@
+//! What goes into a vessel, or out of it, by itself: poured, or let fall (ours).
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::happening::{Happening, Other, are_alike};
+use crate::memory::Memory;
+use crate::scene::Key;
+use crate::track::{Deed, Sample, Track};
+use crate::tracked::{EventKind, Relation};
+
+/// A thing lies where it lies once it has rested so long (s): until then the votes of earlier frames may win.
+const LIES_S: f64 = 0.6;
+/// It lies elsewhere than before when it has moved by more than this (m).
+const MOVED_M: f64 = 0.05;
+/// It is down when its mean point is this close (m) to where it comes to rest.
+const DOWN_M: f64 = 0.015;
+/// It is outside when it is farther from the vessel's mean point than this share of the vessel's size (the root of its area).
+const OUTSIDE_SHARE: f64 = 0.6;
+
+/// Where a thing lay when it last rested for long.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Lay {
+    center: DVec3,
+    /// The vessel in which it lay.
+    vessel: Option<Key>,
+}
+
+impl Lay {
+    fn of(track: &Track) -> Self {
+        let vessel = match track.votes.winner() {
+            Some((vessel, Relation::In)) => vessel,
+            _ => None,
+        };
+        Self { center: track.last.center, vessel }
+    }
+
+    /// After an agent lifted it: what was put down lies where it is, and what was let fall lay in nothing.
+    pub(crate) fn after_handling(track: &Track, flew: bool) -> Self {
+        let far = Self { center: DVec3::INFINITY, vessel: None };
+        if flew { far } else { Self::of(track) }
+    }
+}
+
+impl Memory {
+    /// Tells of things that came to rest in a vessel, or out of one, and that no agent handled. `is_last_word`: the video ends.
+    pub(crate) fn tell_vessels(&mut self, is_last_word: bool) {
+        let least_s = if is_last_word { f64::MIN_POSITIVE } else { LIES_S };
+        let is_thing =
+            |track: &Track| !track.is_agent_part() && track.part_of.is_none() && track.is_confirmed();
+        let lies = |track: &Track| track.rest_s >= least_s && track.last.frame + 1 >= self.frame;
+        let keys: Vec<Key> = self
+            .tracks
+            .iter()
+            .filter(|(_, track)| is_thing(track) && lies(track))
+            .map(|(&key, _)| key)
+            .collect();
+        for key in keys {
+            let track = &self.tracks[&key];
+            let now = Lay::of(track);
+            // What was handled was told with that.
+            let told =
+                if self.happenings.is_handled(key) { Vec::new() } else { self.passages(key, track, now) };
+            told.into_iter().for_each(|happening| self.happenings.tell(happening));
+            self.tracks.entry(key).and_modify(|track| track.lay = Some(now));
+        }
+    }
+
+    /// What happened between where a thing lay and where it lies now.
+    fn passages(&self, key: Key, track: &Track, now: Lay) -> Vec<Happening> {
+        // What flew into the image lay in nothing.
+        let before = track.lay.or(track.seen_to.contains(&Deed::Flew).then_some(Lay { vessel: None, ..now }));
+        let is_elsewhere =
+            track.lay.is_none_or(|lay| (lay.center - now.center).length() > MOVED_M) && are_whole(track);
+        let Some(before) = before.filter(|before| is_elsewhere && before.vessel != now.vessel) else {
+            return Vec::new();
+        };
+        let passage = |sample: &Sample, kind, vessel, evidence: &str| {
+            Happening::at(sample, key, kind, Other::Track(vessel), 0.6, evidence.to_owned())
+        };
+        let mut told = Vec::new();
+        if let Some(vessel) = before.vessel {
+            let evidence = "it lay in it, and came to rest elsewhere";
+            told.push(passage(&self.outside(track, vessel), EventKind::TakenOut, vessel, evidence));
+        }
+        if let Some(vessel) = now.vessel {
+            let evidence = "it came to rest in it";
+            told.push(passage(&down(track), EventKind::PutIn, vessel, evidence));
+        }
+        told
+    }
+
+    /// The first sample after which a thing stayed outside of a vessel.
+    fn outside(&self, track: &Track, vessel: Key) -> Sample {
+        let vessel = self.tracks.get(&self.root(vessel));
+        let is_inside = |sample: &&Sample| {
+            vessel.is_some_and(|vessel| {
+                let near = vessel.samples.iter().rfind(|other| other.frame <= sample.frame);
+                let reach_m = OUTSIDE_SHARE * vessel.area_m2.sqrt();
+                near.is_some_and(|near| (near.center - sample.center).length() < reach_m)
+            })
+        };
+        let last = track.samples.iter().rfind(is_inside).map_or(0, |sample| sample.frame + 1);
+        track.since(last).next().copied().unwrap_or(track.last)
+    }
+}
+
+/// The first sample of those in which a thing lay where it lies now.
+fn down(track: &Track) -> Sample {
+    let is_down = |sample: &&Sample| (sample.center - track.last.center).length() < DOWN_M;
+    track.samples.iter().rev().take_while(is_down).last().copied().unwrap_or(track.last)
+}
+
+/// Whether a thing is seen as whole as when it last rested.
+fn are_whole(track: &Track) -> bool {
+    track.rest.is_some_and(|rest| are_alike(rest.px, track.last.px))
+}
