@@ -47,6 +47,10 @@ class Tracker:
         events: list[dict[str, Any]] = json.loads(self._native.finish())
         return events
 
+    def skip(self) -> None:
+        """Passes over a frame that could not be read or shows nothing: it is counted, and nothing is known of it."""
+        self._native.skip()
+
     def reset(self) -> None:
         """Forgets everything. Numbers begin at 1 again."""
         self._native.reset()
@@ -71,7 +75,8 @@ class Tracked:
 
     @property
     def objects(self) -> list[dict[str, Any]]:
-        """The objects: track (None while it is tentative), state, center_m, velocity_m_per_s, motion, xyxy, box_m, objectness."""
+        """The objects: track (None while it is tentative), state, center_m, pose, parts, velocity_m_per_s, motion, xyxy, box_m,
+        objectness."""
         objects: list[dict[str, Any]] = self.data["objects"]
         return objects
 

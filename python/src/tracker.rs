@@ -70,6 +70,11 @@ impl Tracker {
         })
     }
 
+    /// Passes over a frame of which nothing is known.
+    fn skip(&self, py: Python<'_>) {
+        py.detach(|| self.state.lock().unwrap_or_else(PoisonError::into_inner).0.skip());
+    }
+
     /// Forgets everything.
     fn reset(&self, py: Python<'_>) {
         py.detach(|| self.state.lock().unwrap_or_else(PoisonError::into_inner).0.reset());
@@ -87,7 +92,13 @@ impl Tracked {
     fn data(&self) -> String {
         let tracked = &self.inner;
         let lost = tracked.lost.iter().map(|lost| {
-            json!({ "track": lost.track, "state": lost.state, "center_m": lost.center_m, "for_s": lost.for_s })
+            json!({
+                "track": lost.track,
+                "state": lost.state,
+                "center_m": lost.center_m,
+                "pose": pose(&lost.pose),
+                "for_s": lost.for_s,
+            })
         });
         let agents = tracked
             .agents
@@ -116,6 +127,8 @@ fn object(object: &TrackedObject) -> Value {
         "track": object.track,
         "state": object.state,
         "center_m": object.center_m,
+        "pose": pose(&object.pose),
+        "parts": object.parts,
         "velocity_m_per_s": object.velocity_m_per_s,
         "motion": object.motion.as_ref().map(|motion| pose(&motion.rigid)),
         "size_px": object.size_px,

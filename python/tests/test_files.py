@@ -109,6 +109,10 @@ def test_a_tracker_keeps_its_numbers(scene: oh.Capture) -> None:
     for pose in (([0, 0], [0, 0, 0, 1]), ([0, 0, 0], [0, 0, 0, 0]), ("x", "y")):
         with pytest.raises(oh.InputError, match="pose"):
             tracker.update(scene, stamp=9.0, pose=pose)
+    tracker.skip()
+    after = tracker.update(scene, stamp=9.1)
+    assert after.data["frame"] == 5, "the frame that was passed over counts"
+    assert after.objects[0]["pose"]["rotation_xyzw"] == [0, 0, 0, 1] and after.objects[0]["parts"] == []
     assert isinstance(tracker.finish(), list)
     tracker.reset()
     assert tracker.update(scene, stamp=0.0).data["frame"] == 0

@@ -3,15 +3,17 @@
 mod files;
 mod progress;
 mod report;
+mod smooth;
 mod summary;
 
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
-use objecthood::Params;
+use objecthood::{Params, Raster};
 use objecthood_io::scope::Scope;
-use objecthood_io::{Capture, output};
-use objecthood_track::{Event, Rigid, Tracker};
+use objecthood_io::{Capture, label_image, output};
+use objecthood_track::{Event, Hindsight, Rigid, Tracked, Tracker};
 use objecthood_view::Mark;
 
 use crate::args::{CameraArg, TrackArgs};
@@ -22,6 +24,9 @@ use crate::{config, crew, inputs, interrupt, terminal};
 use files::Lines;
 use progress::Going;
 use report::Filming;
+
+/// With `--resume` what is known is kept this often: a run that is killed loses no more.
+const KEPT_EVERY: Duration = Duration::from_secs(30);
 
 /// What to do; nothing is in doubt any more.
 struct Plan<'a> {
@@ -41,6 +46,10 @@ struct Told {
     done: usize,
     failed: usize,
     last_stamp_s: Option<f64>,
+    /// Columns and rows of the last frame.
+    last_size: Option<(usize, usize)>,
+    /// With `--smooth`.
+    hindsight: Option<Hindsight>,
 }
 
 /// Follows the objects of the frames named on the command line.
@@ -68,6 +77,8 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
     told.failed += unreadable.len();
     bar.inc(done as u64);
+    told.hindsight = args.smooth.then(Hindsight::default);
+    let mut kept = Instant::now();
     let pool = crew::pool(args.settings.threads())?;
     pool.install(|| -> Result<()> {
         for (k, input) in frames.iter().enumerate().skip(done).take_while(|_| !interrupt::is_asked()) {
@@ -79,6 +90,11 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
                 }
             }
             bar.inc(1);
+            if args.resume && kept.elapsed() > KEPT_EVERY {
+                plan.write_lists(&told)?;
+                plan.keep(&tracker, &told, unreadable.len(), &fingerprints)?;
+                kept = Instant::now();
+            }
         }
         Ok(())
     })?;
@@ -89,6 +105,10 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     let late = tracker.finish();
     late.iter().for_each(|event| told.lines.event(event));
     filming.map(|filming| filming.finish(&late)).transpose()?;
+    if let Some(mut hindsight) = told.hindsight.take() {
+        hindsight.learn_events(&late);
+        plan.smooth(&mut told, hindsight)?;
+    }
     told.events.extend(late);
     plan.write_lists(&told)?;
     let outcome = plan.sum_up(&told, frames.len() + unreadable.len())?;
@@ -121,17 +141,24 @@ impl<'a> Plan<'a> {
         told: &mut Told,
         filming: Option<&mut Filming>,
     ) -> Result<()> {
-        let capture = self.args.frames.read(input, &self.scope)?;
         let named = || input.path.display().to_string();
-        let stamp_s = capture.stamp_s(number, told.last_stamp_s, self.args.fps);
-        let pose = pose_of(&capture).filter(|_| self.args.poses);
-        let tracked = tracker.update(&capture.frame, stamp_s, pose).with_context(named)?;
-        told.last_stamp_s = Some(stamp_s);
+        let (capture, tracked) = match self.track(tracker, input, number, told.last_stamp_s) {
+            Ok(found) => found,
+            Err(e) => {
+                tracker.skip();
+                let size = told.last_size.filter(|_| is_blank(&e)).ok_or(e)?;
+                terminal::note(&format!("{}: no pixel has depth: nothing is said of this frame", named()));
+                let nothing = Raster::from_vec(size.0, size.1, vec![0; size.0 * size.1])?;
+                self.write_labels(number, &nothing, Vec::new())?;
+                told.lines.blank(number);
+                return Ok(());
+            }
+        };
+        (told.last_stamp_s, told.last_size) = (Some(tracked.stamp_s), Some(tracked.labels.size()));
         for notice in &tracked.notices {
             terminal::note(&format!("{}: {notice}", named()));
         }
-        let name = self.args.out.join("labels").join(&input.name);
-        let mut files = vec![(with_png(name), objecthood_io::label_image::encode(&tracked.labels)?)];
+        let mut files = Vec::new();
         if self.args.write.is_some() {
             let events = told.events.iter().chain(&tracked.events);
             let marks: Vec<Mark> =
@@ -142,14 +169,49 @@ impl<'a> Plan<'a> {
                 objecthood_view::png(&picture)?,
             ));
         }
-        make_folders_of(&files)?;
-        output::write_together(&files)?;
+        self.write_labels(number, &tracked.labels, files)?;
         if let Some(filming) = filming {
             filming.frame(number, &input.title(), &self.params, &capture, &tracked)?;
         }
         told.lines.frame(&tracked);
+        if let Some(hindsight) = &mut told.hindsight {
+            hindsight.learn(&tracked);
+        }
         told.events.extend(tracked.events);
         Ok(())
+    }
+
+    /// Reads a frame and follows the objects into it.
+    fn track(
+        &self,
+        tracker: &mut Tracker,
+        input: &Input,
+        number: usize,
+        last_stamp_s: Option<f64>,
+    ) -> Result<(Capture, Tracked)> {
+        let capture = self.args.frames.read(input, &self.scope)?;
+        let stamp_s = capture.stamp_s(number, last_stamp_s, self.args.fps);
+        let pose = pose_of(&capture).filter(|_| self.args.poses);
+        let tracked = tracker.update(&capture.frame, stamp_s, pose);
+        let tracked = tracked.with_context(|| input.path.display().to_string())?;
+        Ok((capture, tracked))
+    }
+
+    /// Where the label image of a frame is.
+    fn label_image(&self, number: usize) -> PathBuf {
+        with_png(self.args.out.join("labels").join(&self.inputs.frames[number].name))
+    }
+
+    /// Writes the label image of a frame together with other files of it.
+    fn write_labels(
+        &self,
+        number: usize,
+        labels: &Raster<u16>,
+        mut files: Vec<(PathBuf, Vec<u8>)>,
+    ) -> Result<()> {
+        files.push((self.label_image(number), label_image::encode(labels)?));
+        make_folders_of(&files)?;
+        Ok(output::write_together(&files)?)
     }
 
     /// Writes the lists.
@@ -185,6 +247,11 @@ impl<'a> Plan<'a> {
             (false, _) => Outcome::SomeFailed,
         })
     }
+}
+
+/// Whether a frame failed only because the sensor measured nothing.
+fn is_blank(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| cause.downcast_ref().is_some_and(objecthood_io::Error::is_blank))
 }
 
 fn pose_of(capture: &Capture) -> Option<Rigid> {

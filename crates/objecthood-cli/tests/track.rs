@@ -109,6 +109,37 @@ fn a_run_that_was_stopped_goes_on_in_the_middle() {
 }
 
 #[test]
+fn a_frame_without_depth_is_passed_over() {
+    let folder = pick();
+    folder.run("track clips/pick1 --out whole", 0);
+    let depth: Vec<String> = {
+        let mut names = folder.names("clips/pick1/depth");
+        names.sort();
+        names
+    };
+    let path = folder.path().join("clips/pick1/depth").join(&depth[3]);
+    image::ImageBuffer::<image::Luma<u16>, Vec<u16>>::new(320, 240).save(&path).unwrap();
+    let run = folder.run("track clips/pick1 --out blank", 0);
+    assert!(run.stderr.contains("no pixel has depth"), "{}", run.stderr);
+    let files = folder.files("blank");
+    let frames = lines(&files["tracks.jsonl"]);
+    let numbers: Vec<u64> = frames.iter().filter_map(|line| line["frame"].as_u64()).collect();
+    assert_eq!(numbers, (0..depth.len() as u64).collect::<Vec<_>>());
+    assert!(frames[3]["objects"].as_array().unwrap().is_empty());
+    assert_eq!(folder.names("blank/labels"), folder.names("whole/labels"));
+}
+
+#[test]
+fn where_motion_proves_nothing_hindsight_changes_nothing() {
+    let folder = pick();
+    folder.run("track clips/pick1 --out plain", 0);
+    folder.run("track clips/pick1 --out smooth --smooth", 0);
+    assert!(folder.files("plain") == folder.files("smooth"));
+    let run = folder.run("track clips/pick1 --out smooth --smooth --resume", 2);
+    assert!(run.stderr.contains("--resume"), "{}", run.stderr);
+}
+
+#[test]
 fn a_lid_that_is_opened_is_neither_lifted_nor_pushed() {
     let folder = Folder::new();
     folder.run("synth --out clips --video lid --seed 1 --fps 15 --size 320x240", 0);

@@ -306,6 +306,15 @@ impl Error {
     pub fn at(self, path: &Path) -> Self {
         Self::At { path: path.to_owned(), error: Box::new(self) }
     }
+
+    /// Whether the frame could be read, but no pixel of it has depth.
+    pub fn is_blank(&self) -> bool {
+        match self {
+            Self::At { error, .. } => error.is_blank(),
+            Self::Frame(error) => matches!(error, objecthood::Error::NoValidDepth),
+            _ => false,
+        }
+    }
 }
 
 /// The endings that are looked for in folders, as one reads them: `.pcd`.

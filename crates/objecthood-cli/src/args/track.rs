@@ -40,6 +40,11 @@ pub(crate) struct TrackArgs {
     #[arg(long, conflicts_with = "resume")]
     pub(crate) report: bool,
 
+    /// At the end, write backwards what motion proved: parts that moved as one have one number from the first frame on, and things that came
+    /// apart have two while they stood where they were parted.
+    #[arg(long, conflicts_with = "resume")]
+    pub(crate) smooth: bool,
+
     /// Tell what happened, in sentences.
     #[arg(long)]
     pub(crate) summary: bool,

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use objecthood_track::{Event, TrackId, Tracked};
-use serde_json::json;
+use objecthood_track::{Event, Relation, Rigid, SupportRelation, TrackId, Tracked};
+use serde_json::{Value, json};
 
 /// The lines of all lists.
 #[derive(Default)]
@@ -27,6 +27,7 @@ impl Lines {
                     "track": track,
                     "state": object.state,
                     "center_m": object.center_m,
+                    "pose": pose(&object.pose),
                     "velocity_m_per_s": object.velocity_m_per_s,
                     "motion": object.motion.map(|motion| json!({
                         "translation_m": motion.rigid.translation_m(),
@@ -42,6 +43,8 @@ impl Lines {
                     })),
                     "size_px": object.size_px,
                     "objectness": object.objectness,
+                    "parts": object.parts,
+                    "held_by": tracked.support.iter().find(|edge| is_held(edge) && edge.child == track).map(|edge| edge.parent),
                     "evidence": object.seen_to,
                 }))
             })
@@ -50,7 +53,9 @@ impl Lines {
         let lost: Vec<_> = tracked
             .lost
             .iter()
-            .map(|lost| json!({ "track": lost.track, "state": lost.state, "center_m": lost.center_m, "for_s": lost.for_s }))
+            .map(|lost| {
+                json!({ "track": lost.track, "state": lost.state, "center_m": lost.center_m, "pose": pose(&lost.pose), "for_s": lost.for_s })
+            })
             .collect();
         let agents: Vec<_> = tracked
             .agents
@@ -73,7 +78,7 @@ impl Lines {
             },
         });
         push(&mut self.tracks, &line);
-        for edge in &tracked.support {
+        for edge in tracked.support.iter().filter(|edge| !is_held(edge)) {
             let parent = edge.parent.map_or(0, |parent| parent.0);
             let line =
                 json!({ "frame": tracked.frame, "child": edge.child, "parent": parent, "kind": edge.kind });
@@ -82,6 +87,11 @@ impl Lines {
         for event in &tracked.events {
             self.event(event);
         }
+    }
+
+    /// Adds a frame that shows nothing.
+    pub(super) fn blank(&mut self, frame: usize) {
+        push(&mut self.tracks, &json!({ "frame": frame, "objects": [], "lost": [], "agents": [] }));
     }
 
     pub(super) fn event(&mut self, event: &Event) {
@@ -94,7 +104,23 @@ impl Lines {
     }
 }
 
-fn push(text: &mut String, line: &serde_json::Value) {
+/// Whether an agent holds a thing: that is said of the thing, and is no support.
+fn is_held(edge: &SupportRelation) -> bool {
+    edge.kind == Relation::Held
+}
+
+fn pose(rigid: &Rigid) -> Value {
+    json!({ "position_m": rigid.translation_m(), "rotation_xyzw": rigid.rotation_xyzw() })
+}
+
+/// Lines of JSON.
+pub(super) fn lines_of(values: &[Value]) -> String {
+    let mut text = String::new();
+    values.iter().for_each(|value| push(&mut text, value));
+    text
+}
+
+fn push(text: &mut String, line: &Value) {
     text.push_str(&line.to_string());
     text.push('\n');
 }
