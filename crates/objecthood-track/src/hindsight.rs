@@ -28,7 +28,7 @@ struct Parting {
     /// The one that had the number of both, and the one that got a new one.
     old: TrackId,
     new: TrackId,
-    /// Pixels of both; empty once they cannot be told apart any more.
+    /// Pixels of both.
     shown: [Vec<usize>; 2],
 }
 
@@ -77,7 +77,7 @@ impl Hindsight {
         }
         let mut parted = Vec::new();
         let Self { first, partings, .. } = self;
-        for parting in partings {
+        for parting in partings.iter_mut().rev() {
             let began = first.get(&parting.new).copied().unwrap_or(u64::MAX);
             let pixels = |labels: &Raster<u16>, track: TrackId| -> Vec<usize> {
                 let labels = labels.as_slice();
@@ -91,19 +91,19 @@ impl Hindsight {
                 continue;
             }
             let both = pixels(labels, parting.old);
-            parting.shown = part(&both, &parting.shown, labels.size());
-            let [_, new] = &parting.shown;
-            new.iter().for_each(|&pixel| labels.as_mut_slice()[pixel] = parting.new.0);
-            if !new.is_empty() {
+            // A frame that shows them elsewhere, or only one of them, stays as it is.
+            if let Some(shown) = part(&both, &parting.shown, labels.size()) {
+                shown[1].iter().for_each(|&pixel| labels.as_mut_slice()[pixel] = parting.new.0);
                 parted.push((parting.new, parting.old));
+                parting.shown = shown;
             }
         }
         parted
     }
 }
 
-/// Parts the pixels of two by where a later frame shows each: every pixel goes to the nearer. Both are empty when that is elsewhere. O(n).
-fn part(both: &[usize], shown: &[Vec<usize>; 2], (width, height): (usize, usize)) -> [Vec<usize>; 2] {
+/// Parts the pixels of two by where a later frame shows each: every pixel goes to the nearer. `None` when that is elsewhere. O(n).
+fn part(both: &[usize], shown: &[Vec<usize>; 2], (width, height): (usize, usize)) -> Option<[Vec<usize>; 2]> {
     const NOBODY: u8 = 2;
     let mut owner = vec![NOBODY; width * height];
     let mut is_open = vec![false; width * height];
@@ -119,7 +119,7 @@ fn part(both: &[usize], shown: &[Vec<usize>; 2], (width, height): (usize, usize)
     }
     let all = both.len() + shown[0].len() + shown[1].len() - common;
     if shown.iter().any(Vec::is_empty) || (common as f64) < LEAST_IOU * all as f64 {
-        return [Vec::new(), Vec::new()];
+        return None;
     }
     while let Some(pixel) = next.pop_front() {
         let (u, v) = (pixel % width, pixel / width);
@@ -133,7 +133,7 @@ fn part(both: &[usize], shown: &[Vec<usize>; 2], (width, height): (usize, usize)
         }
     }
     let of = |k: u8| both.iter().copied().filter(|&pixel| owner[pixel] == k).collect();
-    [of(0), of(1)]
+    Some([of(0), of(1)])
 }
 
 #[cfg(test)]
