@@ -2,7 +2,7 @@
 """Videos with truth by MuJoCo, a simulator that is not ours: what leans on the looks of our own synthetic world shows here.
 
     pip install mujoco numpy pillow scipy          # renders by EGL; libegl1 and libgl1-mesa-dri are enough
-    python mujoco_clips.py drop 1 clips/drop1      # kinds: drop throw push pick orbit static
+    python mujoco_clips.py drop 1 clips/drop1      # kinds: drop throw push pick wait orbit static
     objecthood track clips/drop1 --out found/drop1
     objecthood eval --tracks found/drop1 --truth clips/drop1
 
@@ -25,9 +25,10 @@ WIDTH, HEIGHT, FIELD_DEG = 640, 480, 48.0
 FOCAL_PX = HEIGHT / 2 / np.tan(np.radians(FIELD_DEG / 2))
 STEP_S = 0.001
 DEPTH_SCALE = 5000.0
-SECONDS = {"drop": 5.0, "throw": 4.0, "push": 6.0, "pick": 6.0, "orbit": 5.0, "static": 3.4}
-THINGS = {"drop": 5, "throw": 8, "push": 5, "pick": 5, "orbit": 8, "static": 8}
+SECONDS = {"drop": 5.0, "throw": 4.0, "push": 6.0, "pick": 6.0, "wait": 6.0, "orbit": 5.0, "static": 3.4}
+THINGS = {"drop": 5, "throw": 8, "push": 5, "pick": 5, "wait": 5, "orbit": 8, "static": 8}
 FLOOR, WALL, TABLE, FIRST_THING, HAND = 1, 2, 5, 10, 90
+WITH_HAND = ("push", "pick", "wait")
 SKIN, SLEEVE = 'rgba="0.8 0.6 0.5 1"', 'rgba="0.2 0.25 0.4 1"'
 
 
@@ -82,14 +83,14 @@ def paint(rng, name):
     return f'{texture} width="64" height="64"/><material name="{name}" texture="{name}"/>', f'material="{name}"'
 
 
-def hand(ground_m):
+def hand(at):
     fingers = [((0.02, 0.07, -0.01), 0.03), ((-0.005, 0.075, -0.01), 0.032), ((-0.03, 0.065, -0.01), 0.028)]
     parts = [geom("box", [0.035, 0.045, 0.015], looks=SKIN)]
     parts += [geom("capsule", [0.011, half], at, (90, 0, 0), SKIN) for at, half in fingers]
     parts.append(geom("capsule", [0.012, 0.025], (0.045, 0.02, -0.015), (90, 30, 0), SKIN))
     parts.append(geom("capsule", [0.03, 0.12], (0, -0.15, 0.03), (75, 0, 0), SKIN))
     parts.append(geom("capsule", [0.045, 0.3], (0, -0.55, 0.16), (72, 0, 0), SLEEVE))
-    return f'<body name="hand" mocap="true" pos="0 -1.3 {ground_m + 0.35}">{"".join(parts)}</body>'
+    return f'<body name="hand" mocap="true" pos="{numbers(at)}">{"".join(parts)}</body>'
 
 
 class World:
@@ -98,9 +99,11 @@ class World:
     def __init__(self, kind, seed):
         self.kind, self.rng = kind, np.random.default_rng([seed, sum(map(ord, kind))])
         rng = self.rng
-        has_table = kind in ("drop", "push", "pick") and seed % 3 != 2
+        has_table = kind in ("drop", *WITH_HAND) and seed % 3 != 2
         self.ground_m = 0.75 if has_table else 0.0
         self.heights_m, self.parked, self.moves, self.grips = [], {}, [], []
+        # Where the hand is at first: out of the image, or at rest in it.
+        self.hand_m = [0.1, -0.42, self.ground_m + 0.12] if kind == "wait" else [0, -1.3, self.ground_m + 0.35]
         self.azimuth, self.elevation = np.radians(rng.uniform([-110, 28], [-70, 55]))
         self.distance_m = rng.uniform(1.1, 1.5)
         self.model = mujoco.MjModel.from_xml_string(self.describe(has_table))
@@ -142,7 +145,7 @@ class World:
             half = (self.ground_m - 0.04) / 2
             for x in (-0.55, 0.55):
                 room += "".join(geom("box", [0.025, 0.025, half], (x, y, half), looks=looks) for y in (-0.4, 0.4))
-        has_hand = self.kind in ("push", "pick")
+        has_hand = self.kind in WITH_HAND
         welds = "".join(f'<weld name="weld{k}" body1="hand" body2="thing{k}" active="false"/>' for k in range(count))
         return f"""<mujoco><option timestep="{STEP_S}"/>
             <visual><global offwidth="{WIDTH}" offheight="{HEIGHT}" fovy="{FIELD_DEG}"/><map znear="0.05" zfar="20"/></visual>
@@ -150,14 +153,14 @@ class World:
             <worldbody>
                 <light pos="{rng.uniform(-1, 1)} -1 3" dir="0 .2 -1" diffuse=".7 .7 .7"/>
                 <light pos="1 1 3" dir="-.2 -.2 -1" diffuse=".3 .3 .3" castshadow="false"/>
-                {room}{things}{hand(self.ground_m) if has_hand else ""}<camera name="camera"/>
+                {room}{things}{hand(self.hand_m) if has_hand else ""}<camera name="camera"/>
             </worldbody>
             <equality>{welds if has_hand else ""}</equality></mujoco>"""
 
     def instances_of_geoms(self):
         model, names = self.model, {"floor": FLOOR, "wall": WALL}
         of_body = {body: FIRST_THING + k for k, body in enumerate(self.bodies)}
-        if self.kind in ("push", "pick"):
+        if self.kind in WITH_HAND:
             of_body[model.body("hand").id] = HAND
         of_geom = lambda g: of_body.get(model.geom_bodyid[g], names.get(model.geom(g).name, TABLE))  # noqa: E731
         return np.array([of_geom(g) for g in range(model.ngeom)])
@@ -169,7 +172,7 @@ class World:
 
     def plan(self):
         """The ways of the hand: (start, target, duration), and what it grips and lets go: (time, thing, whether it grips)."""
-        if self.kind not in ("push", "pick"):
+        if self.kind not in WITH_HAND:
             return
         away, ground_m, at = [0, -1.3, self.ground_m + 0.35], self.ground_m, self.data.xpos
         order = self.rng.permutation(len(self.bodies))
@@ -231,7 +234,7 @@ class World:
         begun = [move for move in self.moves if move[0] <= time_s]
         if begun:
             start_s, target, duration_s = begun[-1]
-            origin = begun[-2][1] if len(begun) > 1 else [0, -1.3, self.ground_m + 0.35]
+            origin = begun[-2][1] if len(begun) > 1 else self.hand_m
             share = np.clip((time_s - start_s) / duration_s, 0, 1)
             self.data.mocap_pos[0] = np.array(origin) + (np.array(target) - origin) * share**2 * (3 - 2 * share)
         for at_s, thing, grips in self.grips:
@@ -269,7 +272,7 @@ class World:
         return touching
 
     def is_held(self, k):
-        return self.kind == "pick" and bool(self.data.eq_active[self.model.equality(f"weld{k}").id])
+        return self.kind in ("pick", "wait") and bool(self.data.eq_active[self.model.equality(f"weld{k}").id])
 
 
 def kinect(depth_m, rng):
@@ -339,7 +342,7 @@ def write_clip(kind, seed, folder):
             lists["events.jsonl"].append(json.dumps(event))
     for name, lines in lists.items():
         (folder / name).write_text("".join(f"{line}\n" for line in lines))
-    agents = [HAND] if kind in ("push", "pick") else []
+    agents = [HAND] if kind in WITH_HAND else []
     roles = {FLOOR: "room", WALL: "room", TABLE: "furniture"}
     roles |= {instance: "object" for instance in flights} | {agent: "agent" for agent in agents}
     solids = [dict(instance=instance, role=role) for instance, role in roles.items()]

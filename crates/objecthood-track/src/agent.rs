@@ -33,6 +33,9 @@ pub(crate) struct Agent {
     pub(crate) number: u32,
     pub(crate) mask: Bits,
     frames: usize,
+    /// Frames since it was first seen, and whether it has become sure in this one.
+    pub(crate) age: usize,
+    pub(crate) is_new: bool,
     away: usize,
     /// Whether it has lifted a thing: then it may come away from the border, as a gripper without an arm.
     has_lifted: bool,
@@ -46,6 +49,8 @@ pub(crate) struct Things {
     pub(crate) free: BTreeSet<Key>,
     /// Those that are known.
     pub(crate) known: BTreeSet<Key>,
+    /// Arms that were there from the first frame on: where these still are, nothing is nearer than what rested there.
+    pub(crate) arms: BTreeSet<Key>,
 }
 
 /// All agents of a frame.
@@ -81,7 +86,11 @@ impl Agents {
     ) {
         let open = view.length_px(if camera_moves { 2.0 } else { 1.0 });
         let close = view.length_px(5.0);
-        let front = scene.in_front(view).eroded(open).dilated(open).dilated(close).eroded(close);
+        let mut front = scene.in_front(view).eroded(open).dilated(open);
+        if !things.arms.is_empty() {
+            front.unite(&Bits::of(view.size, |pixel| things.arms.contains(&scene.seen[pixel])));
+        }
+        let front = front.dilated(close).eroded(close);
         let width = view.size.0;
         let on_border = |&&pixel: &&usize| view.field.is_border(pixel % width, pixel / width, 0);
         let (least_px, least_border) = (view.px(LEAST_PX), view.length_px(LEAST_BORDER_PX));
@@ -126,9 +135,10 @@ impl Agents {
             let is_still = share(&|pixel| scene.is_before_nothing(pixel)) > MOST_BEFORE_NOTHING
                 && share(&|pixel| changed.has(pixel)) < LEAST_ALIVE;
             let still = if is_still { before.as_ref().map_or(0, |agent| agent.still + 1) } else { 0 };
-            let (number, frames) = before.map_or((0, 0), |agent| (agent.number, agent.frames));
+            let (number, frames, age) =
+                before.map_or((0, 0, 0), |agent| (agent.number, agent.frames, agent.age + 1));
             let frames = frames + usize::from(is_measured);
-            self.all.push(Agent { number, mask, frames, away, has_lifted, still });
+            self.all.push(Agent { number, mask, frames, age, is_new: false, away, has_lifted, still });
         }
         let least = pace.frames(LEAST_S);
         self.region = Bits::none(view.size);
@@ -136,7 +146,7 @@ impl Agents {
         let is_agent = |agent: &&mut Agent| agent.frames >= least && agent.still < most_still;
         for agent in self.all.iter_mut().filter(is_agent) {
             if agent.number == 0 {
-                agent.number = self.next;
+                (agent.number, agent.is_new) = (self.next, true);
                 self.next += 1;
             }
             self.region.unite(&agent.mask);

@@ -22,6 +22,7 @@
 //! | `scene.rs` | what is remembered of every pixel: where the frame changed, labels steadied at rest |
 //! | `field.rs` | where the sensor measures depth |
 //! | `agent.rs` | hands and people: what is nearer than the rested scene and stays connected to the border of the image |
+//! | `arm.rs` | agents that are there from the first frame on |
 //! | `predict.rs`, `surface.rs` | the motion of every object, and where it should be seen; the surface of what is moved |
 //! | `identify.rs`, `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
 //! | `uncover.rs` | what comes out from behind a hand beside a known thing, and that a frame takes for one with it |
@@ -43,6 +44,7 @@
 
 mod agent;
 mod align;
+mod arm;
 pub mod assignment;
 mod associate;
 mod bits;

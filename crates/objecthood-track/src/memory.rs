@@ -118,8 +118,11 @@ impl Memory {
             let keys = |is_such: &dyn Fn(&Track) -> bool| -> BTreeSet<Key> {
                 self.tracks.iter().filter(|(_, track)| is_such(track)).map(|(&key, _)| key).collect()
             };
-            let things =
-                Things { free: keys(&|track| track.was_free(self.pace)), known: keys(&Track::is_known) };
+            let things = Things {
+                free: keys(&|track| track.was_free(self.pace)),
+                known: keys(&Track::is_known),
+                arms: keys(&|track| track.is_arm && track.is_agent_part()),
+            };
             self.agents.update(view, &self.scene, &changed, place.moves, self.pace, &things);
         }
         let predicted = match self.has(Ingredient::Motion) {

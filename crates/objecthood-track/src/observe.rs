@@ -54,6 +54,7 @@ impl Memory {
         }
         self.vote(look);
         self.compare(look);
+        self.find_arms(look);
         let carried = self.carried();
         for (&key, track) in &mut self.tracks {
             if track.last.frame == self.frame && track.part_of.is_none() {

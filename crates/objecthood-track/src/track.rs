@@ -131,6 +131,8 @@ pub(crate) struct Track {
     pub(crate) drift: DVec3,
     /// Part of an agent when above 3.
     pub(crate) agent_score: i32,
+    /// Whether it is an arm that was there from the first frame on.
+    pub(crate) is_arm: bool,
     /// Frames in which a part of an agent was outside of its region.
     pub(crate) free_frames: u32,
     pub(crate) votes: Votes,
@@ -196,6 +198,7 @@ impl Track {
             path_m: 0.0,
             drift: DVec3::ZERO,
             agent_score: if segment.of_agent > 0.5 { 4 } else { 0 },
+            is_arm: false,
             free_frames: 0,
             votes: Votes::default(),
             oneness: Oneness::default(),
@@ -389,6 +392,12 @@ impl Track {
     pub(crate) fn halt(&mut self) {
         (self.is_moving, self.motion, self.velocity) = (false, None, DVec3::ZERO);
         self.surface = Surface::default();
+    }
+
+    /// It is an agent's, and never was a thing.
+    pub(crate) fn become_arm(&mut self) {
+        self.is_arm = true;
+        (self.rest, self.first_rest, self.lay, self.agent_score) = (None, None, None, 6);
     }
 
     /// It rests as it was just seen.

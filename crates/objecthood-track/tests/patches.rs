@@ -193,6 +193,30 @@ fn a_knock_makes_no_agent() {
     assert_eq!(notices, [TrackNotice::CameraLost]);
 }
 
+/// An arm that is there and still from the first frame on is taken for two things, until it moves.
+#[test]
+fn an_arm_that_was_there_first_is_an_agent_once_it_moves() {
+    let mut tracker = Tracker::new(Params::default());
+    let skin = [220, 170, 150];
+    let mut told = Vec::new();
+    for number in 0..100_i32 {
+        let gone = 2 * (number - 40).clamp(0, 20);
+        let hand = Patch { left: 20 + gone, top: 60, width: 18, height: 20, depth_m: 0.9, color: skin };
+        let arm =
+            Patch { left: 24 + gone, top: 80, width: 10, height: 40, depth_m: 0.9, color: [60, 70, 120] };
+        let tracked = follow(&mut tracker, &[THING, hand, arm], number as u64);
+        told.extend(tracked.events.clone());
+        if number == 30 {
+            assert_eq!(numbers(&tracked).len(), 3);
+        }
+        if number > 60 {
+            assert_eq!((numbers(&tracked), tracked.agents.len()), (vec![1], 1), "frame {number}");
+        }
+    }
+    told.extend(tracker.finish());
+    assert!(told.is_empty(), "{told:?}");
+}
+
 /// Every second column and row of a frame, and of its labels.
 fn halved((frame, found): &(Frame, Discovery)) -> (Frame, Discovery) {
     fn half<T: Copy>(raster: &Raster<T>) -> Raster<T> {
