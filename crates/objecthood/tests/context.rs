@@ -299,3 +299,17 @@ fn parameters_at_the_ends_of_their_ranges_are_no_error() {
         discover(&frame, &params).unwrap();
     }
 }
+
+/// A regression: nothing was known of what carries a thing, and it lost as much as if nothing carried it.
+#[test]
+fn without_a_surface_that_carries_support_says_nothing() {
+    let is_box = |u: usize, v: usize| {
+        [100, 350].iter().any(|&left| (left..left + 100).contains(&u)) && (190..290).contains(&v)
+    };
+    let depth_m = |i: usize| if is_box(i % 640, i / 640) { 0.7 } else { f32::NAN };
+    let depth_m = Raster::from_vec(640, 480, (0..640 * 480).map(depth_m).collect()).unwrap();
+    let camera = Camera::new(525.0, 525.0, 319.5, 239.5).unwrap();
+    let (found, _) = checked(&Frame::new(depth_m, None, camera).unwrap());
+    assert_eq!((found.structure_planes.len(), found.objects.len()), (0, 2));
+    assert!(found.objects.iter().all(|object| object.parts.support == 1.0), "{:?}", found.objects);
+}

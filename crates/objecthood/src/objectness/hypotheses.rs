@@ -171,6 +171,10 @@ pub fn find_cluster_hypotheses(
             let parts = &mut hypothesis.parts;
             parts.size = parts.size.min(rate_rise(rise_m, footing.cut[region], objectness));
         }
+        if scene.supports.is_empty() {
+            // No level surface is seen, so nothing can be said of what carries it.
+            hypothesis.parts.support = 1.0;
+        }
         hypothesis.top_m = candidates.top_m(hypothesis.region, clusters);
         hypothesis.joins = candidates.joins(hypothesis.region, clusters);
         if let Some(flat) = candidates.flat(hypothesis.region, clusters, scene.facets) {
