@@ -21,7 +21,7 @@ const ROLL_OVER: f64 = 0.4;
 /// Least plausibility of a normal that lies to the side.
 const LEAST_ROLL: f64 = 0.05;
 /// A surface whose normal lies less than this above the horizon (sine; 17 degrees) is seen from straight above, or is a wall.
-const FACED: f64 = 0.3;
+pub(super) const FACED: f64 = 0.3;
 /// A turned camera sees its ground at an angle: the normal is this far above its horizon (sine; 30 degrees).
 const OBLIQUE: f64 = 0.5;
 /// This far (sine; 14 degrees) is enough for a surface on which most things rest.
@@ -54,6 +54,8 @@ pub(super) struct Evidence {
     pub(super) resting: f64,
     /// Its share of the image.
     pub(super) share: f64,
+    /// Whether it may be the ground, by what is known besides its votes.
+    pub(super) may_be_ground: bool,
 }
 
 impl Evidence {
@@ -159,7 +161,8 @@ impl Rated {
             own.reduce(|most, other| if other.0 > most.0 { other } else { most }).unwrap_or((-1.0, 0));
         Self {
             surface,
-            can_be_ground: attitude.knowledge != Knowledge::Measured || normal.dot(up) > NEAR_GRAVITY,
+            can_be_ground: leader.may_be_ground
+                && (attitude.knowledge != Knowledge::Measured || normal.dot(up) > NEAR_GRAVITY),
             above: normal.dot(up),
             above_if_turned,
             turned_deg,
@@ -250,6 +253,7 @@ mod tests {
             things: votes.trunc(),
             resting: votes.trunc(),
             share: votes.fract(),
+            may_be_ground: true,
         });
         choose_ground(&evidence, 10.0, attitude)
     }
@@ -316,8 +320,13 @@ mod tests {
         assert_eq!(ground(9.0, 0.1, &measured(WALL)).unwrap().surface, 1, "a camera that looks down");
         assert_eq!(ground(9.0, 9.0, &measured(DVec3::X)), None);
         let missed = |up: DVec3| {
-            let stand =
-                |(normal, resting): (DVec3, f64)| Evidence { normal, things: resting, resting, share: 0.3 };
+            let stand = |(normal, resting): (DVec3, f64)| Evidence {
+                normal,
+                things: resting,
+                resting,
+                share: 0.3,
+                may_be_ground: true,
+            };
             missed_gravity_deg(&[(FLOOR, 4.0), (WALL, 1.0)].map(stand), &measured(up))
         };
         assert_eq!(missed(FLOOR.normalize()), None);

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::choice::{Choice, Evidence, choose_ground, missed_gravity_deg};
+use super::choice::{Choice, Evidence, FACED, choose_ground, missed_gravity_deg};
 use super::surface::StructureSurface;
 use crate::attitude::Attitude;
 use crate::raster::Raster;
@@ -61,20 +61,39 @@ pub(super) fn find_supports(
     attitude: &Attitude,
 ) -> Supports {
     let seen = Seen::new(labels, disparity, space);
-    let (evidence, things) = count_things(&seen, surfaces);
+    let (mut evidence, things) = count_things(&seen, surfaces);
     let Some(ground) = choose_ground(&evidence, things, attitude) else {
         return Supports {
             missed_gravity_deg: missed_gravity_deg(&evidence, attitude),
             ..Supports::default()
         };
     };
-    let Choice { surface, turned_deg, is_clear, .. } = ground;
-    let mut surfaces: Vec<usize> =
-        (0..evidence.len()).filter(|&k| evidence[surface].is_parallel_to(&evidence[k])).collect();
-    surfaces.retain(|&k| k < large || evidence[k].things >= 1.0);
+    let (mut ground, mut surfaces) = (ground, supports_beside(ground.surface, &evidence, large));
+    if surfaces.is_empty() {
+        // An empty board is no structure. Another surface may be the ground, but no wall.
+        for k in 0..evidence.len() {
+            let is_faced = evidence[k].normal.dot(attitude.up) < FACED;
+            evidence[k].may_be_ground = !is_faced && is_structure(k, &evidence, large);
+        }
+        let Some(second) = choose_ground(&evidence, things, attitude) else { return Supports::default() };
+        (ground, surfaces) = (second, supports_beside(second.surface, &evidence, large));
+    }
+    let Choice { turned_deg, is_clear, .. } = ground;
     let votes = |k: usize| evidence[k].things + evidence[k].share;
     surfaces.sort_by(|&a, &b| votes(b).total_cmp(&votes(a)));
     Supports { surfaces, turned_deg, is_clear, missed_gravity_deg: None }
+}
+
+/// Whether a surface is structure: it is among the `large` ones, or a board on which a thing stands.
+fn is_structure(k: usize, evidence: &[Evidence], large: usize) -> bool {
+    k < large || evidence[k].things >= 1.0
+}
+
+/// The structure that is parallel to a surface, with itself.
+fn supports_beside(surface: usize, evidence: &[Evidence], large: usize) -> Vec<usize> {
+    let is_support =
+        |&k: &usize| evidence[surface].is_parallel_to(&evidence[k]) && is_structure(k, evidence, large);
+    (0..evidence.len()).filter(is_support).collect()
 }
 
 impl Supports {
@@ -92,8 +111,13 @@ impl Supports {
 /// Counts the things on each surface: pieces of what lies on no surface that hang together, have a graspable size, and touch this
 /// surface more than the others. Also returns how many could surely rest on one.
 fn count_things(scene: &Seen<'_>, surfaces: &[StructureSurface]) -> (Vec<Evidence>, f64) {
-    let evidence =
-        |s: &StructureSurface| Evidence { normal: s.normal, things: 0.0, resting: 0.0, share: 0.0 };
+    let evidence = |s: &StructureSurface| Evidence {
+        normal: s.normal,
+        things: 0.0,
+        resting: 0.0,
+        share: 0.0,
+        may_be_ground: true,
+    };
     let mut evidence: Vec<Evidence> = surfaces.iter().map(evidence).collect();
     let cells = (scene.columns * scene.rows).max(1) as f64;
     for s in (0..scene.columns * scene.rows).filter_map(|cell| scene.surface(cell)) {

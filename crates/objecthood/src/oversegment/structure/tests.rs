@@ -187,6 +187,19 @@ fn boards_that_are_parallel_are_supports() {
     assert_eq!(supports, [0, 1]);
 }
 
+/// A regression: an empty board with more votes than the floor was taken for the ground, then left out, and there was none at all.
+#[test]
+fn an_empty_board_is_no_ground() {
+    let board = DVec3::new(0.0, -0.95, -0.31).normalize();
+    let found = seen(|i| match i / SIZE.0 {
+        0..105 => plane(i, WALL, 1.0),
+        105..145 => plane(i, table_normal(), 1.0),
+        _ => plane(i, board, 0.22),
+    });
+    let [ground] = found.supports.surfaces[..] else { panic!("{:?}", found.supports) };
+    assert!(found.surfaces[ground].normal.dot(table_normal()) > 0.99, "{:?}", found.surfaces);
+}
+
 #[test]
 fn nothing_is_found_in_nothing_and_in_noise() {
     let nothing = seen(|_| f64::NAN);
