@@ -5,9 +5,13 @@ use glam::Vec3;
 use crate::params;
 use crate::raster::{Raster, marked, part};
 use crate::regions::{RegionGraph, Segments};
+use crate::surface::disparity::DisparitySpace;
 
 /// The number of directions of the walks: right, down, down-right and down-left.
 const DIRECTIONS: usize = 4;
+
+/// Points in contact may lie this many steps of the sensor apart (quanta): each is off by up to one.
+const CONTACT_QUANTA: f64 = 2.0;
 
 /// Counts, for any two regions, the pairs of points in contact.
 ///
@@ -19,7 +23,7 @@ pub fn find_contacts(
     points_m: &Raster<[f32; 3]>,
     params: &params::Contact,
 ) -> RegionGraph<u32> {
-    let pairs = find_touching_pairs(segments, points_m, params).into_iter();
+    let pairs = find_touching_pairs(segments, points_m, Nearness::at_any_depth(params)).into_iter();
     let regions = pairs.filter_map(|(p, q)| Some((segments.at(p as usize)?, segments.at(q as usize)?)));
     RegionGraph::from_pairs(segments.count(), regions)
 }
@@ -31,7 +35,7 @@ pub fn find_contacts(
 pub(crate) fn find_touching_pairs(
     segments: &Segments,
     points_m: &Raster<[f32; 3]>,
-    params: &params::Contact,
+    nearness: Nearness,
 ) -> Vec<(u32, u32)> {
     let (width, height) = segments.labels().size();
     let mut pairs = Vec::new();
@@ -44,10 +48,40 @@ pub(crate) fn find_touching_pairs(
             Walk { step: width - 1, ahead: down.min(left), behind: v.min(right) },
         ];
         for walk in walks {
-            walk.find_pairs(v * width + u, segments.labels().as_slice(), points_m, params, &mut pairs);
+            walk.find_pairs(v * width + u, segments.labels().as_slice(), points_m, nearness, &mut pairs);
         }
     }
     pairs
+}
+
+/// How near two points in contact are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nearness {
+    /// In the image (px).
+    pub(crate) reach_px: usize,
+    /// In space (m), at least ...
+    least_m: f32,
+    /// ... or this times the square of depth (1/m).
+    per_m: f32,
+}
+
+impl Nearness {
+    /// The same at any depth.
+    pub(crate) fn at_any_depth(params: &params::Contact) -> Self {
+        Self { reach_px: params.reach_px, least_m: params.distance_m, per_m: 0.0 }
+    }
+
+    /// No less than the sensor resolves, and pixels at a focal length of 525 px.
+    pub(crate) fn of_sensor(params: &params::Contact, space: &DisparitySpace) -> Self {
+        let steps = CONTACT_QUANTA * space.noise().step_scale();
+        let (reach_px, per_m) = (space.length_px(params.reach_px), space.step_m(steps, 1.0) as f32);
+        Self { reach_px, least_m: params.distance_m, per_m }
+    }
+
+    /// The greatest distance (m) of points at a depth (m).
+    pub(crate) fn distance_m(&self, z_m: f32) -> f32 {
+        self.least_m.max(self.per_m * z_m * z_m)
+    }
 }
 
 /// A walk in one direction.
@@ -67,10 +101,11 @@ impl Walk {
         i: usize,
         labels: &[i32],
         points_m: &Raster<[f32; 3]>,
-        &params::Contact { reach_px, distance_m }: &params::Contact,
+        nearness: Nearness,
         pairs: &mut Vec<(u32, u32)>,
     ) {
         let own = labels[i];
+        let reach_px = nearness.reach_px;
         if self.ahead == 0 || labels[i + self.step] == own {
             return;
         }
@@ -81,6 +116,7 @@ impl Walk {
         let Some(t) = (1..=self.ahead.min(reach_px)).find(is_other) else { return };
         let q = i + t * self.step;
         let met = Vec3::from(points_m[q]);
+        let distance_m = nearness.distance_m(met.z);
         for k in 0..=self.behind.min(reach_px - t) {
             let p = i - k * self.step;
             if labels[p] != own {
@@ -128,6 +164,20 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::testing::kinect;
+
+    /// A thing 3 m away, one step of a Kinect behind what it stands on.
+    #[test]
+    fn far_away_contacts_are_as_far_apart_as_the_sensor_resolves() {
+        let touching = |z_m: f32, apart_m: f32| {
+            let points = Raster::from_vec(2, 1, vec![[0.0, 0.0, z_m], [0.0, 0.0, z_m + apart_m]]).unwrap();
+            let regions = Segments::from_labels(&Raster::from_vec(2, 1, vec![0, 1]).unwrap());
+            let nearness = Nearness::of_sensor(&params::Contact::default(), &kinect());
+            find_touching_pairs(&regions, &points, nearness).len()
+        };
+        assert_eq!([touching(3.0, 0.026), touching(3.0, 0.06)], [1, 0]);
+        assert_eq!([touching(1.0, 0.019), touching(1.0, 0.026)], [1, 0]);
+    }
 
     proptest! {
         #[test]

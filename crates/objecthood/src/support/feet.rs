@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use crate::params;
 use crate::raster::Raster;
 use crate::regions::Segments;
+use crate::shapes::contact::Nearness;
 use crate::support::body::Bodies;
 
 /// The pixels of a region's foot, counted by their surroundings below.
@@ -30,11 +30,11 @@ pub(crate) fn find_feet(
     regions: &Segments,
     points_m: &Raster<[f32; 3]>,
     bodies: &Bodies<'_>,
-    params: &params::Contact,
+    nearness: Nearness,
 ) -> Vec<Foot> {
     let mut feet = vec![Foot::default(); regions.count()];
     let (width, height) = points_m.size();
-    let reach = params.reach_px.min(width.max(height)) as i64;
+    let reach = nearness.reach_px.min(width.max(height)) as i64;
     let feet_of = |thing: usize| bodies.all[thing].foot.iter().map(move |&i| (i as usize, thing));
     for (i, region) in bodies.things().flat_map(feet_of) {
         let Some(step) = bodies.plan.step_down(points_m[i]) else { continue };
@@ -52,7 +52,7 @@ pub(crate) fn find_feet(
             continue;
         }
         let [a, b] = [i, j].map(|k| Vec3::from(points_m[k]));
-        let is_open = b.z > a.z && a.distance(b) >= params.distance_m;
+        let is_open = b.z > a.z && a.distance(b) >= nearness.distance_m(a.z);
         *(if is_open { &mut feet[region].open } else { &mut feet[region].ended }) += 1;
     }
     feet

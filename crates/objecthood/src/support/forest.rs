@@ -11,7 +11,7 @@ use glam::Vec3;
 use crate::discovery::ids::NodeId;
 use crate::discovery::support_graph::{NodeKind, SupportEdge, SupportGraph, SupportKind, SupportNode};
 use crate::params;
-use crate::shapes::contact::find_touching_pairs;
+use crate::shapes::contact::{Nearness, find_touching_pairs};
 use crate::support::acyclic::Acyclic;
 use crate::support::body::{Bodies, Body, SECTORS};
 use crate::support::feet::{Foot, find_feet};
@@ -64,11 +64,11 @@ pub fn build_forest(
     objectness: &params::Objectness,
 ) -> SupportGraph {
     let &SupportScene { regions, points_m, space, .. } = scene;
-    let contact = params::Contact { reach_px: space.length_px(contact.reach_px), ..*contact };
+    let nearness = Nearness::of_sensor(contact, space);
     let (bodies, touching) =
-        rayon::join(|| Bodies::new(scene), || find_touching_pairs(regions, points_m, &contact));
+        rayon::join(|| Bodies::new(scene), || find_touching_pairs(regions, points_m, nearness));
     let (feet, meetings) = rayon::join(
-        || find_feet(regions, points_m, &bodies, &contact),
+        || find_feet(regions, points_m, &bodies, nearness),
         || find_meetings(&touching, regions, points_m, &bodies),
     );
     let max_side_m = f64::from(objectness.max_side_m);

@@ -129,7 +129,7 @@ mod tests {
     use crate::discovery::up::{Up, UpSource};
     use crate::params;
     use crate::planes::StructurePlane;
-    use crate::shapes::contact::find_touching_pairs;
+    use crate::shapes::contact::{Nearness, find_touching_pairs};
     use crate::support::scene::SupportScene;
     use crate::testing::{kinect, raster};
 
@@ -153,7 +153,7 @@ mod tests {
                 regions: &regions, points_m: &points, normals: &normals, planes, up: &up, space: &kinect(),
             };
             let bodies = Bodies::new(&scene);
-            let touching = find_touching_pairs(&regions, &points, &params::Contact::default());
+            let touching = find_touching_pairs(&regions, &points, Nearness::at_any_depth(&params::Contact::default()));
             let mut expected: BTreeMap<(usize, usize), Meeting> = BTreeMap::new();
             for (upper, lower) in touching.iter().flat_map(|&(i, j)| [(i, j), (j, i)]) {
                 let [of_upper, of_lower] = [upper, lower].map(|i| regions.at(i as usize).unwrap().index());
