@@ -105,6 +105,43 @@ mod tests {
         assert_eq!(doubts(|z| (1000.0 * z).round() / 1000.0, in_place), []);
     }
 
+    /// A table seen from this height (m), with noise of this deviation (mm), in these units a metre; 0 = none.
+    fn seen_from_near(height_m: f64, noise_mm: f64, per_m: f64) -> Vec<Doubt> {
+        let [width, height] = [640, 480];
+        let mut random = Lcg::new(5);
+        let depth = |i: usize| {
+            let inverse = (1.0 + 1e-3 * ((i / width) as f64 - 240.0)) / height_m;
+            // The sum of twelve even numbers is nearly normal.
+            let normal = (0..12).map(|_| random.below(1000) as f64 / 1000.0).sum::<f64>() - 6.0;
+            let z = 1.0 / inverse + 0.001 * noise_mm * normal;
+            (if per_m > 0.0 { (z * per_m).round() / per_m } else { z }) as f32
+        };
+        let depths = Raster::from_vec(width, height, (0..width * height).map(depth).collect()).unwrap();
+        find_doubts(&Frame::new(depths, None, Camera::new(525.0, 525.0, 319.5, 239.5).unwrap()).unwrap())
+    }
+
+    /// A regression: a good sensor that looks at something near was told that its depth is twice too small.
+    #[test]
+    fn a_near_sensor_may_have_steps_of_a_millimetre_and_noise() {
+        assert_eq!(seen_from_near(0.33, 0.3, 1000.0), []);
+        assert_eq!(seen_from_near(0.4, 0.7, 1000.0), []);
+        assert_eq!(seen_from_near(0.4, 0.7, 0.0), []);
+        assert!(matches!(seen_from_near(0.4, 2.0, 1000.0)[..], [Doubt::TooNear { .. }]));
+    }
+
+    /// A regression: without noise the floor below a camera was taken for the number that stands for no depth.
+    #[test]
+    fn a_floor_seen_straight_from_above_is_no_greatest_depth() {
+        let seen = |floor_m: f32| {
+            let is_box = |i: usize| (60..200).contains(&(i % 320)) && (50..150).contains(&(i / 320));
+            let depths = (0..320 * 240).map(|i| if is_box(i) { 0.75 } else { floor_m }).collect();
+            let camera = Camera::new(262.5, 262.5, 159.5, 119.5).unwrap();
+            find_doubts(&Frame::new(Raster::from_vec(320, 240, depths).unwrap(), None, camera).unwrap())
+        };
+        assert_eq!(seen(1.0), []);
+        assert!(matches!(seen(4.0)[..], [Doubt::DepthSaturated { .. }]));
+    }
+
     #[test]
     fn other_units_are_doubted() {
         for times in [5.0, 10.0, 100.0, 1000.0] {

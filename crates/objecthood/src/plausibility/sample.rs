@@ -18,6 +18,19 @@ const JUMP: f32 = 0.05;
 /// Noise is this quantile of how far triples of neighbours miss a line: half of them may lie on pixels that rounding made equal.
 const NOISE_SHARE: f64 = 0.75;
 
+/// Units a metre in which integer depth is stored.
+const UNITS_PER_M: [f64; 4] = [1.0, 1000.0, 5000.0, 10_000.0];
+
+/// Depths are whole numbers of a unit when they are as near to them as 32 bits allow.
+const WHOLE: f64 = 0.01;
+
+/// A depth (m) as a number of 16 bits, if it is a whole number of these units.
+pub(super) fn whole(z: f32, per_m: f64) -> Option<u16> {
+    let number = f64::from(z) * per_m;
+    let whole = libm::round(number);
+    ((number - whole).abs() < WHOLE && whole <= f64::from(u16::MAX)).then_some(whole as u16)
+}
+
 /// What a grid of pixels shows of a depth image.
 pub(super) struct Sample {
     /// The grid: each so many columns and rows.
@@ -28,7 +41,9 @@ pub(super) struct Sample {
     pub(super) is_fine: bool,
     /// Share of the neighbours in rows, and in columns, whose depth jumps; 0 if there are none, or they do not tell.
     pub(super) jumps: [f64; 2],
-    /// [`NOISE_SHARE`] of all triples of neighbours miss a line by less, over depth squared (1/m); 0 if there are none, or they do not tell.
+    /// Units a metre of which all depths of the grid are whole numbers, if these are usual.
+    pub(super) units_per_m: Option<f64>,
+    /// [`NOISE_SHARE`] of all triples of neighbours miss a line by less than this beyond one unit, over depth squared (1/m); 0 if there are none, or they do not tell.
     pub(super) noise_per_m: f64,
 }
 
@@ -38,8 +53,15 @@ impl Sample {
         let (width, height) = depth_m.size();
         let grid_px = grid_px(width);
         let depths = depth_m.as_slice();
-        let mut sample = Self { grid_px, is_fine, depths_m: Vec::new(), jumps: [0.0; 2], noise_per_m: 0.0 };
-        let mut noise = Vec::new();
+        let mut sample = Self {
+            grid_px,
+            is_fine,
+            depths_m: Vec::new(),
+            jumps: [0.0; 2],
+            units_per_m: None,
+            noise_per_m: 0.0,
+        };
+        let mut bends = Vec::new();
         let (mut jumps, mut pairs) = ([0_usize; 2], [0_usize; 2]);
         for v in (1..height.saturating_sub(1)).step_by(grid_px) {
             for u in (1..width.saturating_sub(1)).step_by(grid_px) {
@@ -55,15 +77,20 @@ impl Sample {
                         pairs[axis] += 1;
                         jumps[axis] += usize::from((after - z).abs() > JUMP * z.max(after));
                     }
-                    let bend = (before + after - 2.0 * z).abs() / (z * z);
+                    let bend = (before + after - 2.0 * z).abs();
                     if !bend.is_nan() {
-                        noise.push(f64::from(bend));
+                        bends.push([bend, z].map(f64::from));
                     }
                 }
             }
         }
         sample.depths_m.sort_unstable_by(f32::total_cmp);
+        let is_whole = |per_m: &f64| sample.depths_m.iter().all(|&z| whole(z, *per_m).is_some());
+        sample.units_per_m = UNITS_PER_M.into_iter().find(is_whole);
         if is_fine {
+            let unit_m = sample.units_per_m.map_or(0.0, f64::recip);
+            let per_m = |&[bend, z]: &[f64; 2]| (bend - unit_m).max(0.0) / (z * z);
+            let mut noise: Vec<f64> = bends.iter().map(per_m).collect();
             sample.jumps = [0, 1].map(|axis| jumps[axis] as f64 / pairs[axis].max(1) as f64);
             sample.noise_per_m = element_at(&mut noise, NOISE_SHARE);
         }

@@ -20,6 +20,9 @@ const NEAREST_M: f64 = 0.2;
 /// Noise of second differences, over depth squared (1/m), that no sensor exceeds.
 const MOST_NOISE_PER_M: f64 = 0.009;
 
+/// .. or over depth, where that allows more: time of flight has such noise at half a metre.
+const MOST_NOISE_SHARE: f64 = 0.005;
+
 /// Steps of inverse depth (1/m) that no sensor exceeds. Kinect v1 and Xtion, the coarsest, have 0.0029.
 const COARSEST_STEP_PER_M: f64 = 0.0045;
 
@@ -51,7 +54,8 @@ pub(super) fn doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
         noise_per_m > COARSEST_STEP_PER_M
             && disparity_step_per_m(depth_m).is_some_and(|step| step > COARSEST_STEP_PER_M)
     };
-    if median_m < NEAREST_M || noise_per_m > MOST_NOISE_PER_M || has_coarse_steps() {
+    let most_noise_per_m = MOST_NOISE_PER_M.max(MOST_NOISE_SHARE / median_m);
+    if median_m < NEAREST_M || noise_per_m > most_noise_per_m || has_coarse_steps() {
         let times = likely(median_m, noise_per_m, |times| times);
         return Some(Doubt::TooNear { median_m, noise_m: noise_per_m * median_m * median_m, times });
     }

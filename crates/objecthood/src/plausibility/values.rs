@@ -1,7 +1,7 @@
 //! Depths that no sensor measures, and disparity in the place of depth.
 
 use super::doubt::Doubt;
-use super::sample::Sample;
+use super::sample::{Sample, whole};
 use crate::raster::Raster;
 
 /// Depth of a scene does not jump between so many neighbours.
@@ -9,12 +9,6 @@ const MOST_JUMPS: f64 = 0.2;
 
 /// Where rows are scrambled, jumps within them are fewer than across them by this factor.
 const ALONG_ROWS: f64 = 0.4;
-
-/// Units a metre in which integer depth is stored.
-const UNITS_PER_M: [f64; 4] = [1.0, 1000.0, 5000.0, 10_000.0];
-
-/// Depths are whole numbers of a unit when they are as near to them as 32 bits allow.
-const WHOLE: f64 = 0.01;
 
 /// With the bytes the right way round, neighbours differ less by this factor at least.
 const SMOOTHER: f64 = 4.0;
@@ -24,6 +18,13 @@ const SATURATED: f64 = 0.03;
 
 /// .. if all others are nearer than this share of it.
 const BEHIND: f32 = 0.9;
+
+/// Without noise the greatest depth may be a floor that is seen straight from above, with things on it up to half as high as the camera: the
+/// others are nearer than this share of it.
+const FAR_BEHIND: f32 = 0.5;
+
+/// Noise over depth squared (1/m) that no sensor is below.
+const NOISELESS_PER_M: f64 = 1e-4;
 
 /// A surface is measured at three places, apart by this share of the width.
 const BASELINE: f64 = 1.0 / 12.0;
@@ -56,20 +57,17 @@ pub(super) fn doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
     let greatest = *depths.last()?;
     let others = depths.partition_point(|&z| z < greatest);
     let share = (depths.len() - others) as f64 / depths.len() as f64;
-    let is_apart = others > 0 && depths[others - 1] < BEHIND * greatest;
+    // A floor that is seen straight from above is even where there is no noise.
+    let is_noiseless = sample.is_fine && sample.noise_per_m < NOISELESS_PER_M;
+    let behind = if is_noiseless { FAR_BEHIND } else { BEHIND };
+    let is_apart = others > 0 && depths[others - 1] < behind * greatest;
     (share > SATURATED && is_apart).then_some(Doubt::DepthSaturated { depth_m: f64::from(greatest), share })
 }
 
 /// How much less neighbours differ with the two bytes of each number exchanged; `None` if that is hardly less, or depths
 /// are no whole numbers of a usual unit.
 fn smoother_swapped(depth_m: &Raster<f32>, sample: &Sample) -> Option<f64> {
-    let whole = |z: f32, per_m: f64| {
-        let number = f64::from(z) * per_m;
-        let whole = libm::round(number);
-        ((number - whole).abs() < WHOLE && whole <= f64::from(u16::MAX)).then_some(whole as u16)
-    };
-    let is_unit = |&per_m: &f64| sample.depths_m.iter().all(|&z| whole(z, per_m).is_some());
-    let per_m = UNITS_PER_M.into_iter().find(is_unit)?;
+    let per_m = sample.units_per_m?;
     let depths = depth_m.as_slice();
     let (mut plain, mut swapped) = (0_u64, 0_u64);
     for row in depths.chunks_exact(depth_m.width()).step_by(sample.grid_px) {
