@@ -128,7 +128,17 @@ fn between(place: usize, length: usize, value: impl Fn(usize) -> f32) -> Option<
     let before = (1..=WIDEST_PX.min(place)).find(|k| !value(place - k).is_nan())?;
     let after = (1..=WIDEST_PX.min(length - 1 - place)).find(|k| !value(place + k).is_nan())?;
     let [a, b] = [value(place - before), value(place + after)];
-    let is_bridge = before + after <= WIDEST_PX + 1 && (b - a).abs() <= AGREE_QUANTA;
+    // The slope that the surface has beyond each side, where the next place is measured.
+    let behind = (place > before).then(|| a - value(place - before - 1)).filter(|slope| !slope.is_nan());
+    let ahead =
+        (place + after + 1 < length).then(|| value(place + after + 1) - b).filter(|slope| !slope.is_nan());
+    let slope = match (behind, ahead) {
+        (Some(behind), Some(ahead)) => (behind + ahead) / 2.0,
+        (one, other) => one.or(other).unwrap_or(0.0),
+    };
+    let rise = (before + after) as f32 * slope;
+    let agrees = (b - a).abs() <= AGREE_QUANTA || (b - a - rise).abs() <= AGREE_QUANTA;
+    let is_bridge = before + after <= WIDEST_PX + 1 && agrees;
     is_bridge.then(|| a + (b - a) * before as f32 / (before + after) as f32)
 }
 
@@ -150,6 +160,25 @@ mod tests {
         assert_eq!(bridged(&[[1.0, 2.0, 3.0], [1.0, X, 3.0], [1.0, 3.0, 3.0]])[4], 2.25);
         let two = bridged(&[[5.0; 4], [5.0, X, X, 6.5], [5.0, X, X, 6.5], [5.0, 5.0, 5.0, 6.5]]);
         assert_eq!([5, 6].map(|i| two[i]), [5.25, 5.5]);
+    }
+
+    /// A regression: holes in what is near, steep or seen at a short focal length stayed.
+    #[test]
+    fn holes_of_a_steep_surface_are_bridged_and_its_steps_are_not() {
+        let slope = 3.0;
+        let seen = |step: f32| {
+            let value = |i: usize| slope * (i % 40) as f32 + if i % 40 > 20 { step } else { 0.0 };
+            let is_hole = |i: usize| i % 40 % 5 == 1 && i / 40 % 5 == 2;
+            let seen = |i: usize| if is_hole(i) { X } else { value(i) };
+            let mut raster = Raster::from_vec(40, 40, (0..1600).map(seen).collect()).unwrap();
+            bridge_holes(&mut raster);
+            let left: Vec<usize> = (0..1600).filter(|&i| raster[i].is_nan()).map(|i| i % 40).collect();
+            let is_true = |&i: &usize| raster[i].is_nan() || (raster[i] - value(i)).abs() < 0.5;
+            assert_eq!((0..1600).find(|i| !is_true(i)), None);
+            left
+        };
+        assert_eq!(seen(0.0), []);
+        assert_eq!(seen(8.0), [21; 8]);
     }
 
     #[test]
