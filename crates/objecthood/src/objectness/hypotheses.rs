@@ -12,7 +12,7 @@ use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::up::Up;
 use crate::objectness::compactness::measure_compactness;
 use crate::objectness::outline::{SeamsAt, measure_outlines};
-use crate::objectness::size::{rate_resolution, rate_rise, rate_size};
+use crate::objectness::size::{rate_height, rate_resolution, rate_rise, rate_size};
 use crate::oriented_box::fit_oriented_box;
 use crate::params;
 use crate::planes::StructurePlane;
@@ -169,7 +169,8 @@ pub fn find_cluster_hypotheses(
         if let Some(plane) = hidden[region].and_then(|carrier| planes.get(carrier.0 as usize)) {
             let rise_m = top_above_m(&hypothesis.box_m, plane);
             let parts = &mut hypothesis.parts;
-            parts.size = parts.size.min(rate_rise(rise_m, footing.cut[region], objectness));
+            let rise = rate_rise(rise_m, footing.cut[region], objectness);
+            parts.size = parts.size.min(rise).min(rate_height(rise_m));
         }
         if scene.supports.is_empty() {
             // No level surface is seen, so nothing can be said of what carries it.

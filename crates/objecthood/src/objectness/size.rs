@@ -4,6 +4,8 @@ use crate::discovery::object::OrientedBox;
 use crate::params;
 use crate::surface::disparity::DisparitySpace;
 
+/// The top of a thing to grasp is no higher than this above the plane that it stands on, unseen (m): people and cupboards are.
+const HIGHEST_M: f32 = 2.0;
 /// Where a sensor smears edges, its waves are up to 40 px long (at 525 px). A thing of this area (px) is surely more than one of them ...
 const RESOLVED_PX: usize = 1600;
 /// ... and one that is this many octaves smaller, the smallest hypothesis, may be one ...
@@ -48,6 +50,14 @@ pub(crate) fn rate_rise(rise_m: f32, cut: f32, params: &params::Objectness) -> f
     1.0 - cut * (1.0 - within(rise_m / params.max_side_m))
 }
 
+/// Rates the height of a thing whose foot is hidden above the plane that carries it, whether it is cut or not: 1 up to 2 m, 0 from 4 m on,
+/// linear in the logarithm between.
+///
+/// Source: ours, because what hangs from a ceiling or a wall is as far above the floor as nothing to grasp that stands on it.
+pub(crate) fn rate_height(rise_m: f32) -> f32 {
+    1.0 - libm::log2f((rise_m / HIGHEST_M).max(1.0)).min(1.0)
+}
+
 /// Rates whether a thing is larger in the image than the waves of a sensor that smears edges (docs/CONTEXT.md 6.1): from 0.65 for a thing as
 /// small as the smallest hypothesis to 1 from 40 x 40 px on, linear in the logarithm.
 ///
@@ -89,6 +99,12 @@ mod tests {
             let got = part(extents_m, visibility);
             assert!((got - expected).abs() < 1e-6, "{extents_m:?}, {visibility}: {got}");
         }
+    }
+
+    #[test]
+    fn what_hangs_high_above_its_support_is_no_thing() {
+        assert_eq!([0.1, 2.0, 4.0, 9.0].map(rate_height), [1.0, 1.0, 0.0, 0.0]);
+        assert!((rate_height(8.0_f32.sqrt()) - 0.5).abs() < 1e-6);
     }
 
     #[test]
