@@ -300,6 +300,27 @@ fn parameters_at_the_ends_of_their_ranges_are_no_error() {
     }
 }
 
+/// A level table 0.6 m straight below the camera, with things of these heights (m) by place on the table (m right, m down).
+fn seen_from_above(height_m: impl Fn(f64, f64) -> f64) -> Frame {
+    let camera = Camera::new(525.0, 525.0, 319.5, 239.5).expect("these are intrinsics of a camera");
+    let depth_m = |i: usize| {
+        let [x, y, _] = camera.ray((i % 640) as f64, (i / 640) as f64);
+        (0.6 - height_m(0.6 * x, 0.6 * y)) as f32
+    };
+    let depth_m = Raster::from_vec(640, 480, (0..640 * 480).map(depth_m).collect());
+    Frame::new(depth_m.expect("one depth a pixel"), None, camera).expect("the table has depth")
+}
+
+/// A regression: what is thinner than 2 cm in two directions was no object, however clearly it was seen.
+#[test]
+fn a_marker_is_an_object() {
+    let is_marker = |x: f64, y: f64| (0.0..0.13).contains(&x) && (0.0..0.014).contains(&y);
+    let found =
+        discover(&seen_from_above(|x, y| if is_marker(x, y) { 0.014 } else { 0.0 }), &context()).unwrap();
+    assert_eq!(found.objects.len(), 1);
+    assert!(found.objects[0].size_px > 1200, "{:?}", found.objects[0]);
+}
+
 /// A regression: nothing was known of what carries a thing, and it lost as much as if nothing carried it.
 #[test]
 fn without_a_surface_that_carries_support_says_nothing() {

@@ -35,6 +35,11 @@ impl AddAssign for BorderCounts {
 }
 
 impl BorderCounts {
+    /// All pairs.
+    pub(crate) fn all(&self) -> u32 {
+        self.touch + self.level + self.in_front + self.behind
+    }
+
     /// The same border, seen from the other cluster.
     pub(crate) fn mirrored(self) -> Self {
         Self { in_front: self.behind, behind: self.in_front, ..self }

@@ -90,6 +90,11 @@ impl Candidates {
         clusters.get(self.cluster(region))?.top_m
     }
 
+    /// The share of the border of a region's cluster that is with the background, in [0, 1].
+    pub(crate) fn alone(&self, region: SegmentId, clusters: &Clustering) -> f32 {
+        clusters.get(self.cluster(region)).map_or(0.0, |cluster| cluster.alone)
+    }
+
     /// The flat thing in a region's cluster.
     pub(crate) fn flat<'a>(
         &self,

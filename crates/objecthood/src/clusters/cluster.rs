@@ -30,6 +30,15 @@ pub(crate) struct Cluster {
     convexity: OnceLock<f64>,
 }
 
+impl Cluster {
+    /// The share of its border that is with the background, in [0, 1]; 1 without a border.
+    fn alone(&self) -> f32 {
+        let all: u32 = self.neighbours.values().map(BorderCounts::all).sum();
+        let bare = self.neighbours.get(&None).map_or(0, BorderCounts::all);
+        if all == 0 { 1.0 } else { bare as f32 / all as f32 }
+    }
+}
+
 /// The clusters of a frame. Merging keeps their borders, events and facets up to date.
 pub(crate) struct Clusters<'a> {
     pub scene: &'a Scene<'a>,
@@ -124,6 +133,7 @@ impl<'a> Clusters<'a> {
         let left = self.alive().into_iter().map(|id| FinalCluster {
             id,
             top_m: self.own_top_m(id).map(|top_m| top_m as f32),
+            alone: self.get(id).alone(),
             joins: self.joins(id).cloned().collect(),
             pixels: Vec::new(),
         });

@@ -12,6 +12,8 @@ pub(crate) struct FinalCluster {
     pub(crate) pixels: Vec<u32>,
     /// Height of its top above the support surface (m), if there is one.
     pub(crate) top_m: Option<f32>,
+    /// The share of its border that is with the background, in [0, 1].
+    pub(crate) alone: f32,
     /// The joins of its parts that do not touch as one surface; each with the facet that hides the gap, if one does.
     pub(crate) joins: Vec<(Join, Option<SegmentId>)>,
 }

@@ -79,9 +79,7 @@ pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
     let is_part = |id: SegmentId| clusters.get(id).pixels.len() >= least_px;
     let mut pairs = Vec::new();
     for id in clusters.alive().into_iter().filter(|&id| is_part(id)) {
-        let is_beside = |borders: &BorderCounts| {
-            borders.touch + borders.level + borders.in_front + borders.behind >= least_touch
-        };
+        let is_beside = |borders: &BorderCounts| borders.all() >= least_touch;
         let beside = clusters.get(id).neighbours.iter().filter(|(_, borders)| is_beside(borders));
         let others = beside.filter_map(|(other, _)| *other).filter(|&other| other > id && is_part(other));
         pairs.extend(others.map(|other| [id, other]));

@@ -12,7 +12,7 @@ use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::up::Up;
 use crate::objectness::compactness::measure_compactness;
 use crate::objectness::outline::{SeamsAt, measure_outlines};
-use crate::objectness::size::{rate_height, rate_resolution, rate_rise, rate_size};
+use crate::objectness::size::{rate_height, rate_resolution, rate_rise, rate_size, resolved_side_m};
 use crate::oriented_box::fit_oriented_box;
 use crate::params;
 use crate::planes::StructurePlane;
@@ -20,6 +20,9 @@ use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
 use crate::support::standing::Standing;
 use crate::surface::disparity::DisparitySpace;
+
+/// A thing lies alone if this share of its border is with the background: slivers lie beside what they are slivers of.
+const ALONE_SHARE: f32 = 0.98;
 
 /// A region that may be an object, with its objectness.
 #[derive(Clone, Debug)]
@@ -105,7 +108,7 @@ fn judge_regions(
         let box_m = fit_oriented_box(&points, up.direction);
         let visibility = outlines[region].visibility();
         let parts = ObjectnessParts {
-            size: rate_size(&box_m, visibility, objectness),
+            size: rate_size(&box_m, objectness.min_second_side_m, visibility, objectness),
             support: carried[region],
             footing: footing.map_or(1.0, |footing| footing[region]),
             compactness: compactness[region],
@@ -166,6 +169,11 @@ pub fn find_cluster_hypotheses(
     let hidden = graph.hidden_carriers();
     for hypothesis in &mut hypotheses {
         let region = hypothesis.region.index();
+        if !scene.is_smeared && candidates.alone(hypothesis.region, clusters) >= ALONE_SHARE {
+            let least_m = resolved_side_m(&hypothesis.box_m, space, objectness);
+            let parts = &mut hypothesis.parts;
+            parts.size = rate_size(&hypothesis.box_m, least_m, parts.visibility, objectness);
+        }
         if let Some(plane) = hidden[region].and_then(|carrier| planes.get(carrier.0 as usize)) {
             let rise_m = top_above_m(&hypothesis.box_m, plane);
             let parts = &mut hypothesis.parts;

@@ -1,9 +1,14 @@
 //! Size: how graspable an oriented box is (PARITY.md 6).
 
+use crate::camera::Camera;
 use crate::discovery::object::OrientedBox;
 use crate::params;
 use crate::surface::disparity::DisparitySpace;
 
+/// What lies alone may be as thin as the window of a plane fit is wide (px at 525 px): of what is narrower no pixel has a slope of its own.
+const WINDOW_PX: usize = 7;
+/// Nothing to grasp is thinner in two directions than a thin pen (m).
+const LEAST_SIDE_M: f32 = 0.008;
 /// The top of a thing to grasp is no higher than this above the plane that it stands on, unseen (m): people and cupboards are.
 const HIGHEST_M: f32 = 2.0;
 /// Where a sensor smears edges, its waves are up to 40 px long (at 525 px). A thing of this area (px) is surely more than one of them ...
@@ -25,15 +30,33 @@ pub fn longest_side_m(box_m: &OrientedBox) -> f32 {
 /// are soft: the rating is 1/2 at the limit, 1 an octave inside, 0 an octave outside, and linear in the logarithm between. A thing may
 /// be larger than its visible part, so the lower limit counts by the share of the outline that is its own (`visibility`). A single
 /// point has no size: 0.
-pub(crate) fn rate_size(box_m: &OrientedBox, visibility: f32, params: &params::Objectness) -> f32 {
+pub(crate) fn rate_size(
+    box_m: &OrientedBox,
+    least_second_m: f32,
+    visibility: f32,
+    params: &params::Objectness,
+) -> f32 {
     let [_, second_m, longest_m] = box_m.sides_m();
     if longest_m == 0.0 {
         return 0.0;
     }
-    let thin = 1.0 - within(params.min_second_side_m / second_m);
+    let thin = 1.0 - within(least_second_m / second_m);
     let within_largest =
         within(longest_m / params.max_side_m).min(within(second_m / params.max_second_side_m));
     (1.0 - visibility * thin).min(within_largest)
+}
+
+/// The least second-longest side (m) of a thing that lies alone in this box: what the sensor resolves at its depth, but neither more than
+/// `min_second_side_m` nor less than anything to grasp has.
+pub(crate) fn resolved_side_m(
+    box_m: &OrientedBox,
+    space: &DisparitySpace,
+    params: &params::Objectness,
+) -> f32 {
+    let Camera { fx_px, fy_px, .. } = space.camera();
+    let window_px = space.length_px(WINDOW_PX) as f32;
+    let resolved_m = window_px * box_m.center_m[2] / (fx_px * fy_px).sqrt() as f32;
+    resolved_m.max(LEAST_SIDE_M).min(params.min_second_side_m)
 }
 
 /// The rating of a length in multiples of its upper limit: 1/2 at the limit, 1 an octave below, 0 an octave above, linear in the logarithm
@@ -80,7 +103,7 @@ mod tests {
         let (min_m, max_m) = (params.min_second_side_m, params.max_side_m);
         let part = |extents_m, visibility| {
             let of_origin = fit_oriented_box(&[], [0.0, -1.0, 0.0]);
-            rate_size(&OrientedBox { extents_m, ..of_origin }, visibility, &params)
+            rate_size(&OrientedBox { extents_m, ..of_origin }, params.min_second_side_m, visibility, &params)
         };
         let expected = [
             ([0.0, 0.0, 0.0], 1.0, 0.0),
@@ -99,6 +122,21 @@ mod tests {
             let got = part(extents_m, visibility);
             assert!((got - expected).abs() < 1e-6, "{extents_m:?}, {visibility}: {got}");
         }
+    }
+
+    #[test]
+    fn how_thin_a_thing_may_be_follows_what_the_sensor_resolves() {
+        let params = params::Objectness::default();
+        let of_origin = fit_oriented_box(&[], [0.0, -1.0, 0.0]);
+        let pen = OrientedBox { extents_m: [0.14, 0.012, 0.009], ..of_origin };
+        let at = |focal_px: f64, z_m: f32| {
+            let box_m = OrientedBox { center_m: [0.0, 0.0, z_m], ..pen };
+            resolved_side_m(&box_m, &space([focal_px; 2], [319.5, 239.5]), &params)
+        };
+        assert_eq!([at(525.0, 0.3), at(525.0, 3.0)], [0.008, 0.02]);
+        assert!([525.0, 1050.0].iter().all(|&focal_px| (at(focal_px, 1.0) - 7.0 / 525.0).abs() < 1e-6));
+        let rated = |z_m| rate_size(&pen, at(525.0, z_m), 1.0, &params);
+        assert!(rated(0.6) > 0.7 && rated(2.0) < 0.2, "{} {}", rated(0.6), rated(2.0));
     }
 
     #[test]
