@@ -341,6 +341,7 @@ impl Happenings {
                     let kind = EventKind::PickedUp;
                     self.told.push(Happening::at(&taken, key, kind, other, 0.6, evidence));
                     self.told.extend(put_down(key, track, taken.frame, pace));
+                    track.lay = Some(Lay::after_handling(track, flew(track, taken.frame)));
                 }
                 None => self.told.extend(pushed(key, track, &handling, pace)),
             }

@@ -21,6 +21,7 @@ const OUTSIDE_SHARE: f64 = 0.6;
 /// Where a thing lay when it last rested for long.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lay {
+    frame: u64,
     center: DVec3,
     /// The vessel in which it lay.
     vessel: Option<Key>,
@@ -32,13 +33,13 @@ impl Lay {
             Some((vessel, Relation::In)) => vessel,
             _ => None,
         };
-        Self { center: track.last.center, vessel }
+        Self { frame: track.last.frame, center: track.last.center, vessel }
     }
 
     /// After an agent lifted it: what was put down lies where it is, and what was let fall lay in nothing.
     pub(crate) fn after_handling(track: &Track, flew: bool) -> Self {
-        let far = Self { center: DVec3::INFINITY, vessel: None };
-        if flew { far } else { Self::of(track) }
+        let lay = Self::of(track);
+        if flew { Self { center: DVec3::INFINITY, vessel: None, ..lay } } else { lay }
     }
 }
 
@@ -72,7 +73,12 @@ impl Memory {
         let before = track.lay.or(track.seen_to.contains(&Deed::Flew).then_some(Lay { vessel: None, ..now }));
         let is_elsewhere =
             track.lay.is_none_or(|lay| (lay.center - now.center).length() > MOVED_M) && are_whole(track);
-        let Some(before) = before.filter(|before| is_elsewhere && before.vessel != now.vessel) else {
+        // A frame may have said of what lies in a vessel that it lies on it.
+        let goes_along =
+            |before: &Lay| now.vessel.is_some_and(|vessel| self.went_along(vessel, *before, now));
+        let Some(before) =
+            before.filter(|before| is_elsewhere && before.vessel != now.vessel && !goes_along(before))
+        else {
             return Vec::new();
         };
         let passage = |sample: &Sample, kind, vessel, evidence: &str| {
@@ -88,6 +94,14 @@ impl Memory {
             told.push(passage(&down(track), EventKind::PutIn, vessel, evidence));
         }
         told
+    }
+
+    /// Whether a vessel was moved as far as a thing.
+    fn went_along(&self, vessel: Key, before: Lay, now: Lay) -> bool {
+        let Some(vessel) = self.tracks.get(&self.root(vessel)) else { return false };
+        let then =
+            vessel.samples.iter().rfind(|sample| sample.frame <= before.frame).unwrap_or(&vessel.first);
+        ((now.center - before.center) - (vessel.last.center - then.center)).length() < MOVED_M
     }
 
     /// The first sample after which a thing stayed outside of a vessel.
