@@ -7,6 +7,8 @@ use crate::surface::disparity::DisparitySpace;
 
 /// What lies alone may be as thin as the window of a plane fit is wide (px at 525 px): of what is narrower no pixel has a slope of its own.
 const WINDOW_PX: usize = 7;
+/// It is longer than so many of these windows: a wave of noise on a table is no longer than a few.
+const LONG_WINDOWS: f32 = 4.0;
 /// Nothing to grasp is thinner in two directions than a thin pen (m).
 const LEAST_SIDE_M: f32 = 0.008;
 /// The top of a thing to grasp is no higher than this above the plane that it stands on, unseen (m): people and cupboards are.
@@ -46,8 +48,8 @@ pub(crate) fn rate_size(
     (1.0 - visibility * thin).min(within_largest)
 }
 
-/// The least second-longest side (m) of a thing that lies alone in this box: what the sensor resolves at its depth, but neither more than
-/// `min_second_side_m` nor less than anything to grasp has.
+/// The least second-longest side (m) of a thing that lies alone in this box: what the sensor resolves at its depth if it is long, but neither
+/// more than `min_second_side_m` nor less than anything to grasp has.
 pub(crate) fn resolved_side_m(
     box_m: &OrientedBox,
     space: &DisparitySpace,
@@ -56,7 +58,10 @@ pub(crate) fn resolved_side_m(
     let Camera { fx_px, fy_px, .. } = space.camera();
     let window_px = space.length_px(WINDOW_PX) as f32;
     let resolved_m = window_px * box_m.center_m[2] / (fx_px * fy_px).sqrt() as f32;
-    resolved_m.max(LEAST_SIDE_M).min(params.min_second_side_m)
+    match longest_side_m(box_m) > LONG_WINDOWS * resolved_m {
+        true => resolved_m.max(LEAST_SIDE_M).min(params.min_second_side_m),
+        false => params.min_second_side_m,
+    }
 }
 
 /// The rating of a length in multiples of its upper limit: 1/2 at the limit, 1 an octave below, 0 an octave above, linear in the logarithm
@@ -137,6 +142,9 @@ mod tests {
         assert!([525.0, 1050.0].iter().all(|&focal_px| (at(focal_px, 1.0) - 7.0 / 525.0).abs() < 1e-6));
         let rated = |z_m| rate_size(&pen, at(525.0, z_m), 1.0, &params);
         assert!(rated(0.6) > 0.7 && rated(2.0) < 0.2, "{} {}", rated(0.6), rated(2.0));
+        // A wave of noise.
+        let speck = OrientedBox { extents_m: [0.045, 0.014, 0.01], center_m: [0.0, 0.0, 1.0], ..of_origin };
+        assert_eq!(resolved_side_m(&speck, &space([525.0; 2], [319.5, 239.5]), &params), 0.02);
     }
 
     #[test]
