@@ -24,7 +24,7 @@ use self::ground::find_supports;
 use self::labels::label_pixels;
 use self::planes::fit_planes;
 use self::size::SurfaceSize;
-use self::skirts::{SkirtReach, reclaim_skirts};
+use self::skirts::reclaim_skirts;
 pub use self::surface::StructureSurface;
 use self::tilt::{Alike, least_square};
 use crate::attitude::Attitude;
@@ -60,9 +60,6 @@ const DOMINANT_SHARE: f64 = 0.2;
 const DOMINANT_M2: f64 = 0.03;
 /// A surface as long as structure with a larger area than this is a board: structure if things stand on it.
 const BOARD_M2: f64 = 0.06;
-/// Beyond a step in depth a skirt goes on for at most this (px at a focal length of 525 px), unless depth is smeared: sharp edges of depth miss
-/// those of colour by no more.
-const ACROSS_PX: usize = 6;
 /// Where depth is smeared (docs/CONTEXT.md 0.7) a skirt reaches farther by this factor: such depth comes of large matching windows.
 const SMEARED_REACH: usize = 2;
 
@@ -91,14 +88,9 @@ pub fn find_structure(
         renumber(&mut labels, &kept);
     }
     let planes = fit_planes(&surfaces, &labels, depth_m, &space.camera());
-    let is_smeared = surfaces_at.sharpened_share > 0.0;
-    let reach_px = params.skirt_reach_px * if is_smeared { SMEARED_REACH } else { 1 };
+    let reach_px = params.skirt_reach_px * if surfaces_at.sharpened_share > 0.0 { SMEARED_REACH } else { 1 };
     let skirts = match surfaces_at.lab_for_shapes() {
-        Some(lab) if reach_px > 0 => {
-            let across_px = if is_smeared { reach_px } else { ACROSS_PX };
-            let reach = SkirtReach { px: space.length_px(reach_px), across_px: space.length_px(across_px) };
-            reclaim_skirts(&mut labels, disparity, lab, reach)
-        }
+        Some(lab) if reach_px > 0 => reclaim_skirts(&mut labels, disparity, lab, space.length_px(reach_px)),
         _ => Vec::new(),
     };
     Structure { surfaces, labels, skirts, supports, planes }

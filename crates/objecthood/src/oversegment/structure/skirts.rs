@@ -16,8 +16,6 @@ use crate::raster::Raster;
 const ALIKE: f32 = 11.0;
 /// Colours on both sides of an edge differ by more than this (Lab, lightness weighted).
 const EDGE: f32 = 16.0;
-/// Neighbouring cells that differ by more (quanta) lie on both sides of a step in depth.
-const STEP_QUANTA: f32 = 15.0;
 /// How much of each step in colour the colour that is looked for follows: a shadow at a foot darkens slowly, a blurred edge fast.
 const FOLLOWED: f32 = 0.25;
 /// The colour of a surface is the mean within this distance (cells).
@@ -27,15 +25,6 @@ const BEYOND: usize = 2;
 /// Islands of a surface smaller than this share of it count once the flood comes to them: a plate's bottom lies within the tolerance of the
 /// table, but looks otherwise.
 const ISLAND_SHARE: f32 = 0.01;
-
-/// How far a skirt reaches (px of this image).
-#[derive(Clone, Copy)]
-pub(super) struct SkirtReach {
-    /// Where depth rises slowly.
-    pub(super) px: usize,
-    /// Beyond a step in depth.
-    pub(super) across_px: usize,
-}
 
 /// Gives skirts back to the surfaces that they belong to.
 ///
@@ -47,10 +36,10 @@ pub(super) fn reclaim_skirts(
     labels: &mut Raster<i32>,
     disparity: &Raster<f32>,
     lab: &LabImage,
-    reach: SkirtReach,
+    reach_px: usize,
 ) -> Vec<u32> {
     let cells = Cells::of(labels, disparity);
-    let flood = Flood::from_surfaces(&cells, lab, reach);
+    let flood = Flood::from_surfaces(&cells, lab, (reach_px / 2).max(1) as u32);
     let mut skirts = Vec::new();
     for (cell, surface) in flood.skirts(lab) {
         for i in cells.pixels(cell) {
@@ -71,8 +60,6 @@ struct Reached {
     surface: i32,
     /// Steps from that surface.
     steps: u32,
-    /// Steps after which the flood ends.
-    most: u32,
     /// The colour that is looked for from here.
     color: [f32; 3],
 }
@@ -89,21 +76,21 @@ enum End {
 /// The cells that look like a surface near them.
 struct Flood<'a> {
     cells: &'a Cells,
+    reach: u32,
     reached: Vec<Option<Reached>>,
     /// The cells that it took, in its order.
     taken: Vec<usize>,
 }
 
 impl<'a> Flood<'a> {
-    fn from_surfaces(cells: &'a Cells, lab: &LabImage, reach: SkirtReach) -> Self {
-        let [most, across] = [reach.px, reach.across_px].map(|px| (px / 2).max(1) as u32);
-        let mut flood = Self { cells, reached: vec![None; cells.count()], taken: Vec::new() };
+    fn from_surfaces(cells: &'a Cells, lab: &LabImage, reach: u32) -> Self {
+        let mut flood = Self { cells, reach, reached: vec![None; cells.count()], taken: Vec::new() };
         let mut open = VecDeque::new();
         let is_island = cells.islands(ISLAND_SHARE);
         let start = |cell: usize| {
             let surface = cells.of[cell];
             let color = cells.mean_color(cell, AROUND, lab, |other| cells.of[other] == surface);
-            color.map(|color| Reached { surface, steps: 0, most, color })
+            color.map(|color| Reached { surface, steps: 0, color })
         };
         for cell in (0..cells.count()).filter(|&cell| cells.is_surface(cell) && !is_island[cell]) {
             if cells.around(cell).into_iter().any(|next| cells.of[next] == BARE) {
@@ -112,7 +99,7 @@ impl<'a> Flood<'a> {
             }
         }
         while let Some(cell) = open.pop_front() {
-            let Some(from) = flood.reached[cell].filter(|from| from.steps < from.most) else { continue };
+            let Some(from) = flood.reached[cell].filter(|from| from.steps < reach) else { continue };
             for next in cells.around(cell) {
                 let may_take = cells.of[next] == BARE || is_island[next];
                 if !may_take || flood.reached[next].is_some() {
@@ -126,9 +113,7 @@ impl<'a> Flood<'a> {
                 if is_island[next] {
                     flood.reached[next] = start(next);
                 } else {
-                    let is_step = (cells.disparity[next] - cells.disparity[cell]).abs() > STEP_QUANTA;
-                    let most = if is_step { from.most.min(from.steps + across) } else { from.most };
-                    flood.reached[next] = Some(Reached { steps: from.steps + 1, most, color, ..from });
+                    flood.reached[next] = Some(Reached { steps: from.steps + 1, color, ..from });
                     flood.taken.push(next);
                 }
                 open.push_back(next);
@@ -166,7 +151,7 @@ impl<'a> Flood<'a> {
         let mut end = None;
         for beyond in self.cells.around(cell).into_iter().filter(|&next| self.is_bare(next)) {
             let color = self.cells.mean_color(beyond, BEYOND, lab, |other| self.is_bare(other))?;
-            let is_edge = reached.steps < reached.most && difference(color, reached.color) > EDGE;
+            let is_edge = reached.steps < self.reach && difference(color, reached.color) > EDGE;
             if !is_edge {
                 return Some(End::Open);
             }
@@ -190,25 +175,19 @@ mod tests {
     use super::*;
 
     const SIZE: (usize, usize) = (120, 60);
-    const REACH: SkirtReach = SkirtReach { px: 20, across_px: 4 };
+    const REACH_PX: usize = 20;
     const TABLE: [f32; 3] = [70.0, 10.0, 20.0];
     const THING: [f32; 3] = [40.0, 40.0, -30.0];
 
     /// The surface after skirts were given back: it ends at column 40, and colours begin at the given columns.
     fn reclaimed(colors: &[(usize, [f32; 3])]) -> usize {
-        reclaimed_before(400.0, colors)
-    }
-
-    /// The same with what is before the surface at this disparity (quanta); that of the surface is 400.
-    fn reclaimed_before(before: f32, colors: &[(usize, [f32; 3])]) -> usize {
         let color =
             |u: usize| colors.iter().rev().find(|(from, _)| u >= *from).map_or(TABLE, |found| found.1);
         let lab = LabImage::drawn(SIZE, |u, _| color(u));
-        let seen = |i: usize| if i % SIZE.0 < 40 { (0, 400.0) } else { (-1, before) };
-        let disparity = Raster::from_vec(SIZE.0, SIZE.1, (0..SIZE.0 * SIZE.1).map(|i| seen(i).1).collect());
-        let disparity = disparity.unwrap();
-        let mut labels = disparity.with_data((0..disparity.len()).map(|i| seen(i).0).collect());
-        reclaim_skirts(&mut labels, &disparity, &lab, REACH);
+        let disparity = Raster::filled(SIZE.0, SIZE.1, 400.0_f32).unwrap();
+        let label = |i: usize| if i % SIZE.0 < 40 { 0 } else { -1 };
+        let mut labels = disparity.with_data((0..disparity.len()).map(label).collect());
+        reclaim_skirts(&mut labels, &disparity, &lab, REACH_PX);
         let ends: Vec<usize> =
             labels.as_slice().chunks(SIZE.0).map(|row| row.iter().filter(|&&s| s == 0).count()).collect();
         assert!(ends.iter().all(|&end| end == ends[0]), "{ends:?}");
@@ -229,15 +208,6 @@ mod tests {
         assert_eq!(reclaimed(&[(60, THING)]), 40, "farther than a skirt reaches");
     }
 
-    /// A regression: the white margin of a box went to the white wall behind it.
-    #[test]
-    fn across_a_step_in_depth_a_skirt_is_as_narrow_as_sideways_noise() {
-        for (edge, end) in [(42, 42), (44, 40), (50, 40)] {
-            assert_eq!(reclaimed_before(450.0, &[(edge, THING)]), end, "{edge}");
-        }
-        assert_eq!(reclaimed_before(410.0, &[(50, THING)]), 50, "no step");
-    }
-
     #[test]
     fn a_small_island_that_looks_otherwise_is_no_place_to_start_from() {
         // A plate of one colour on a table of another; its bottom is taken for the table.
@@ -252,7 +222,7 @@ mod tests {
         };
         let before: Raster<i32> = disparity.with_data((0..disparity.len()).map(label).collect());
         let mut labels = before.clone();
-        reclaim_skirts(&mut labels, &disparity, &lab, REACH);
+        reclaim_skirts(&mut labels, &disparity, &lab, REACH_PX);
         assert_eq!(labels.as_slice(), before.as_slice());
     }
 }

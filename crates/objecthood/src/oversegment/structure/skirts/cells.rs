@@ -14,8 +14,6 @@ const OUTSIDE: i32 = -3;
 pub(super) struct Cells {
     /// The surface of all its measured pixels, [`BARE`], [`HOLE`] or [`OUTSIDE`].
     pub of: Vec<i32>,
-    /// The disparity (quanta) of its nearest pixel of this kind; `NaN` without one.
-    pub disparity: Vec<f32>,
     /// Cells in a row, with the two outside.
     columns: usize,
     /// Columns and rows of the image.
@@ -28,25 +26,21 @@ impl Cells {
         let (width, height) = labels.size();
         let columns = width.div_ceil(2) + 2;
         let mut of = vec![OUTSIDE; columns * (height.div_ceil(2) + 2)];
-        let mut nearest = vec![f32::NAN; of.len()];
         let row = |v: usize| v * width..(v + 1) * width;
-        let both = of.chunks_exact_mut(columns).zip(nearest.chunks_exact_mut(columns));
-        for ((cells, nearest), top) in both.skip(1).zip((0..height).step_by(2)) {
+        for (cells, top) in of.chunks_exact_mut(columns).skip(1).zip((0..height).step_by(2)) {
             cells[1..columns - 1].fill(HOLE);
             for v in top..(top + 2).min(height) {
                 let (labels, disparity) = (&labels.as_slice()[row(v)], &disparity.as_slice()[row(v)]);
                 let pixels = labels.chunks(2).zip(disparity.chunks(2));
-                let own = cells[1..].iter_mut().zip(&mut nearest[1..]);
-                for ((cell, nearest), (labels, disparity)) in own.zip(pixels) {
-                    for (&label, &d) in labels.iter().zip(disparity) {
+                for (cell, (labels, disparity)) in cells[1..].iter_mut().zip(pixels) {
+                    for (&label, d) in labels.iter().zip(disparity) {
                         let own = if label >= 0 { label } else { HOLE + i32::from(!d.is_nan()) };
                         *cell = if own == BARE || *cell == BARE { BARE } else { own.max(*cell) };
-                        *nearest = nearest.max(d);
                     }
                 }
             }
         }
-        Self { of, disparity: nearest, columns, size: (width, height) }
+        Self { of, columns, size: (width, height) }
     }
 
     pub(super) fn count(&self) -> usize {
