@@ -258,7 +258,7 @@ impl Memory {
             then.map_or(DVec3::ZERO, |then| carrier.last.center - then.center)
         });
         let along_s = if track.last.moves { (self.stamp_s - track.last.stamp_s).min(ALONG_S) } else { 0.0 };
-        track.last.center + went_along.unwrap_or(DVec3::ZERO) + track.velocity * along_s
+        track.last.center + went_along.unwrap_or(track.velocity * along_s)
     }
 
     fn seen_agents(&mut self, look: &Look<'_>) -> Vec<SeenAgent> {
@@ -283,7 +283,6 @@ impl Memory {
             let parent = self.numbers.known_agent(*carriers.get(key)?);
             Some(SupportRelation { child: object.track?, parent: Some(parent?), kind: Relation::Held })
         });
-        let held: Vec<SupportRelation> = held.collect();
         let relation = |(key, object): &(Key, TrackedObject)| {
             let child = object.track?;
             let (parent, kind) = self.held_by(*key, carried.contains(key), look.place.up)?;

@@ -353,9 +353,11 @@ impl Track {
 
     /// Whether samples that were not analysed will soon be dropped, and the last ones are not amid a flight.
     pub(crate) fn forgets_soon(&self) -> bool {
-        let open = self.since(self.analysed_to).count();
-        let last: Vec<Sample> = self.samples.iter().rev().take(FLIGHT_FRAMES).rev().copied().collect();
-        open > MOST_SAMPLES / 2 && flights(&last).is_empty()
+        let is_amid_flight = || {
+            let last: Vec<Sample> = self.samples.iter().rev().take(FLIGHT_FRAMES).rev().copied().collect();
+            !flights(&last).is_empty()
+        };
+        self.since(self.analysed_to).count() > MOST_SAMPLES / 2 && !is_amid_flight()
     }
 
     /// The samples since a frame.
