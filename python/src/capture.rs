@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use numpy::{PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
-use objecthood::{Camera, Frame, Raster};
-use objecthood_io::images::{metres_of_floats, metres_of_units};
+use objecthood::{Camera, Raster};
+use objecthood_io::images::{capture_of, metres_of_floats, metres_of_units};
+use objecthood_io::{Given, GridCamera};
 use pyo3::prelude::*;
 
 use crate::arrays;
-use crate::errors::{InputError, core};
+use crate::errors::{InputError, core, input};
 
 /// One RGB-D image with its camera. It never changes.
 #[pyclass(frozen, module = "objecthood")]
@@ -30,9 +31,9 @@ impl Capture {
     ) -> PyResult<Self> {
         let color = color.map(arrays::color).transpose()?;
         let [fx, fy, cx, cy] = camera;
-        let camera = Camera::new(fx, fy, cx, cy).map_err(core)?;
-        let frame = Frame::new(depth_m, color, camera).map_err(core)?;
-        Ok(Self::new(objecthood_io::Capture::new(frame), String::new()))
+        let camera = GridCamera { camera: Camera::new(fx, fy, cx, cy).map_err(core)?, size: None };
+        let given = Given { camera: Some(camera), ..Given::default() };
+        Ok(Self::new(capture_of(color, depth_m, &given).map_err(input)?, String::new()))
     }
 }
 

@@ -15,6 +15,12 @@ pub(crate) fn core(error: objecthood::Error) -> PyErr {
     }
 }
 
+/// What is wrong with images that are arrays.
+#[expect(clippy::needless_pass_by_value, reason = "the shape of map_err")]
+pub(crate) fn input(error: objecthood_io::Error) -> PyErr {
+    InputError::new_err(error.to_string())
+}
+
 /// What is wrong with a file, or with what a file's content is to become.
 #[expect(clippy::needless_pass_by_value, reason = "the shape of map_err")]
 pub(crate) fn file(error: objecthood_io::Error) -> PyErr {

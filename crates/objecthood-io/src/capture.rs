@@ -5,6 +5,7 @@ use std::ffi::OsString;
 use glam::{DQuat, DVec3};
 use objecthood::{Frame, Raster};
 
+use crate::images::Resized;
 use crate::organize::{CameraFit, GridCamera, PointList};
 
 /// A frame, and what else its file says.
@@ -26,6 +27,8 @@ pub struct Capture {
     pub truth: Option<Raster<u32>>,
     /// How well the camera fits the points; `None` unless it was fitted to them.
     pub camera_fit: Option<CameraFit>,
+    /// How the colour image came to the size of the depth; `None` if it had it.
+    pub resized: Option<Resized>,
     /// What became of each point of an unorganized cloud.
     pub list: Option<PointList>,
     /// Whether it was made of points, which are in metres: no depth scale acts on it.
@@ -45,6 +48,7 @@ impl Capture {
             said: Said::default(),
             truth: None,
             camera_fit: None,
+            resized: None,
             list: None,
             is_metric: false,
             turned: false,

@@ -14,7 +14,8 @@
 //!   file reached its end.
 //! * Colours of 16 bits are rounded to 8. Alpha is ignored: it says how to paint a pixel, not what was seen. An Exif
 //!   orientation is ignored too, because the depth has none: pixels lie as they are stored.
-//! * Both images have one size and are registered pixel by pixel.
+//! * Both images are registered pixel by pixel. Colour of the same field of view but of another size is brought to the size of the depth
+//!   ([`Resized`]).
 //!
 //! Memory is bounded before any is taken: an image of more than `max_pixels` is refused by its header.
 
@@ -25,6 +26,7 @@ mod exr;
 mod jpeg;
 mod mask;
 pub(crate) mod npy;
+mod one_view;
 mod picture;
 mod tiff;
 
@@ -33,6 +35,7 @@ pub(crate) use depth::{check_unit, decode as depth_of_file, depth_of_image, of_p
 pub use depth::{metres_of_floats, metres_of_units};
 pub use error::ImageError;
 pub use mask::{decode_mask, open_mask};
+pub use one_view::Resized;
 pub(crate) use picture::{Picture, Samples};
 
 use std::ffi::OsString;
@@ -112,14 +115,19 @@ pub fn decode_images(color: Option<&[u8]>, depth: &[u8], given: &Given) -> Resul
     capture_of(color, depth_m, given)
 }
 
-/// The frame of a depth and a colour image, seen by the camera that is given.
-pub(crate) fn capture_of(
-    color: Option<Raster<[u8; 3]>>,
-    depth_m: Raster<f32>,
-    given: &Given,
-) -> Result<Capture> {
-    let camera = given.camera.ok_or(ImageError::NoCamera)?.camera;
-    Ok(Capture::new(Frame::new(depth_m, color, camera)?))
+/// The frame of a depth (m) and a colour image, seen by the camera that is given. Colour of the same field of view is brought to the size of the
+/// depth; a camera that is given for the colour image is scaled likewise.
+///
+/// # Errors
+/// [`Error::Image`](crate::Error::Image): no camera, or that of an image of another size. [`Error::Frame`](crate::Error::Frame): colour of another
+/// field of view, no depth anywhere.
+pub fn capture_of(color: Option<Raster<[u8; 3]>>, depth_m: Raster<f32>, given: &Given) -> Result<Capture> {
+    let (size, camera) = (depth_m.size(), given.camera.ok_or(ImageError::NoCamera)?);
+    let smaller = color.as_ref().and_then(|color| one_view::resized(color, size)).transpose()?;
+    let from = color.as_ref().map(Raster::size).filter(|_| smaller.is_some());
+    let (camera, with_camera) = one_view::camera_of_depth(camera, size, from)?;
+    let resized = from.map(|from| Resized { from, with_camera });
+    Ok(Capture { resized, ..Capture::new(Frame::new(depth_m, smaller.or(color), camera)?) })
 }
 
 /// Whether a file that begins with `head` is an image of a format that is read.

@@ -21,6 +21,7 @@ pub use view::{ImageSize, PinholeCamera, SensorNoise, StructurePlane, UpDirectio
 
 use crate::capture::Capture;
 use crate::error::Result;
+use crate::images::Resized;
 use crate::json;
 use crate::organize::PointList;
 
@@ -125,9 +126,18 @@ pub fn notices(capture: &Capture, discovery: &Discovery) -> Vec<String> {
              focal length of {focal_px:.1} px, which sees {percent:.1} % of them"
         )
     });
+    let of_colors = capture.resized.map(|Resized { from, with_camera }| {
+        let (width, height) = capture.frame.size();
+        let and_camera =
+            if with_camera { "; the camera is that of the colour and was scaled likewise" } else { "" };
+        format!(
+            "colour of {}x{} px was brought to the {width}x{height} px of the depth{and_camera}",
+            from.0, from.1
+        )
+    });
     let of_looking =
         discovery.notices.iter().map(|notice| notice.to_string() + &unit_advice(notice, capture));
-    of_reading.into_iter().chain(of_view).chain(of_looking).collect()
+    of_reading.into_iter().chain(of_view).chain(of_colors).chain(of_looking).collect()
 }
 
 /// What a doubt about the unit means for how the frame was given; empty for other notices.

@@ -4,7 +4,8 @@
 use std::io::Cursor;
 
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb, Rgba};
-use objecthood_io::images::{ImageError, decode_images, decode_mask};
+use objecthood::Camera;
+use objecthood_io::images::{ImageError, Resized, decode_images, decode_mask};
 use objecthood_io::{Capture, Error, Given};
 use proptest::prelude::*;
 use tiff::encoder::{TiffEncoder, colortype};
@@ -175,6 +176,24 @@ fn what_is_no_colour_is_refused() {
     let wide = png(ImageBuffer::from_pixel(WIDTH + 1, HEIGHT, Rgb([90_u8; 3])));
     let said = decode_images(Some(&wide), &depth_png(), &mm).unwrap_err().to_string();
     assert!(said.contains("8x5") && said.contains("7x5"), "{said}");
+}
+
+/// Phones record colour of many more pixels than depth: it was refused.
+#[test]
+fn colour_of_one_view_is_brought_to_the_size_of_the_depth() {
+    let colors = ImageBuffer::from_fn(3 * WIDTH, 3 * HEIGHT, |u, _| Rgb([(u / 3) as u8 * 30, 90, 0]));
+    let of = |camera: &str| {
+        let given = Given { camera: Some(camera.parse().unwrap()), ..setup(Some(1000.0)) };
+        decode_images(Some(&png(colors.clone())), &depth_png(), &given)
+    };
+    for (camera, with_camera) in [("21,21,10,7", true), ("21,21,10,7,21,15", true), ("7,7,3,2", false)] {
+        let capture = of(camera).unwrap();
+        assert_eq!(capture.resized, Some(Resized { from: (21, 15), with_camera }));
+        assert_eq!(capture.frame.camera(), Camera::new(7.0, 7.0, 3.0, 2.0).unwrap(), "{camera}");
+        let row: Vec<i32> = (0..7).map(|u| i32::from(capture.frame.color().unwrap()[u][0])).collect();
+        assert!(row.iter().zip(0..).all(|(&red, u)| (red - 30 * u).abs() <= 8), "{row:?}");
+    }
+    assert!(of("7,7,3,2,14,10").is_err());
 }
 
 #[test]

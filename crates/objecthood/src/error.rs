@@ -21,7 +21,7 @@ pub enum Error {
     },
     /// Colour and depth of different size.
     #[error(
-        "colour is {}x{} but depth is {}x{} pixels: give them registered to each other (aligned), in one size",
+        "colour is {}x{} but depth is {}x{} pixels: give them registered to each other (aligned), of one field of view",
         color.0, color.1, depth.0, depth.1
     )]
     SizeMismatch {

@@ -38,11 +38,6 @@ pub(crate) fn of_picture(picture: Picture, given: &Given) -> Result<Raster<f32>>
             (metres_of_floats(samples.into_iter().step_by(channels), scale), scale)
         }
     };
-    if let Some(of_camera) = given.camera.and_then(|camera| camera.size)
-        && of_camera != size
-    {
-        return Err(ImageError::CameraSize { given: of_camera, image: size }.into());
-    }
     check_unit(&depth_m, scale)?;
     Ok(Raster::from_vec(size.0, size.1, depth_m)?)
 }
