@@ -116,7 +116,11 @@ impl CameraMotion {
         if moves || is_first {
             self.intrinsics = Some(view.camera);
         }
-        self.world_from_camera = given.unwrap_or_else(|| self.world_from_camera.after(&step.inverse()));
+        // A given motion too small to follow stays in what is left between here and the next given pose, so that slow ones sum up.
+        self.world_from_camera = match given {
+            Some(pose) if is_first || !is_still => pose,
+            _ => self.world_from_camera.after(&step.inverse()),
+        };
         self.from_key = step.after(&self.from_key);
         let (fits, seen) = fit(&self.key, view, &self.from_key);
         if seen < LEAST_SEEN || fits < LEAST_FIT || is_lost {

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use objecthood::discovery::{Object, OrientedBox, PixelBox};
 use objecthood::{Camera, Discovery, Frame, ObjectId, Params, Raster};
-use objecthood_track::{EventKind, TrackNotice, Tracked, Tracker};
+use objecthood_track::{EventKind, Rigid, TrackNotice, Tracked, Tracker};
 
 const SIZE: (usize, usize) = (160, 120);
 
@@ -100,6 +100,39 @@ fn noise_moves_nothing() {
         assert!(tracked.events.is_empty(), "{:?}", tracked.events);
     }
     assert!(tracker.finish().is_empty());
+}
+
+/// A regression: a camera whose given poses moved it by less than noise from frame to frame stood still for the tracker, and the scene moved.
+#[test]
+fn a_slow_given_motion_of_the_camera_moves_nothing() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..150_u32 {
+        let right_m = 0.0003 * f64::from(number);
+        let thing = Patch { left: 60 - (131.0 * right_m).round() as i32, ..THING };
+        let (frame, found) = frame(&[thing], &[0], u64::from(number));
+        let pose = Rigid::new([0.0, 0.0, 0.0, 1.0], [right_m, 0.0, 0.0]);
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, pose).unwrap();
+        assert_eq!(numbers(&tracked), [1], "frame {number}");
+        assert!(number < 6 || tracked.objects[0].motion.is_none(), "frame {number} moves");
+        assert!(tracked.events.is_empty(), "{:?}", tracked.events);
+    }
+}
+
+/// What a screen hides is known for half a minute.
+#[test]
+fn what_stands_behind_a_screen_keeps_its_number() {
+    let screen = Patch { left: 50, top: 30, width: 56, height: 50, depth_m: 0.7, color: [40, 90, 160] };
+    let mut tracker = Tracker::new(Params::default());
+    let mut at = |number: u64, patches: &[Patch]| {
+        let (frame, found) = frame(patches, &[0], number);
+        tracker.update_found(&frame, &found, number as f64 / 5.0, None).unwrap()
+    };
+    (0..10).for_each(|number| drop(at(number, &[THING])));
+    for number in 10..150 {
+        assert_eq!(numbers(&at(number, &[THING, screen])), [0_u16; 0], "frame {number}");
+    }
+    (150..155).for_each(|number| drop(at(number, &[THING])));
+    assert_eq!(numbers(&at(155, &[THING])), [1]);
 }
 
 /// [`THING`], or its left and its right half as two.
