@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Maps, cut_box, observed, pole_before_two_boxes, stack, two_boxes};
+use common::{Maps, covered_box, cut_box, observed, pole_before_two_boxes, stack, two_boxes};
 use objecthood::discovery::{JoinEvidence, NodeKind, UpSource};
 use objecthood::{Camera, Discovery, Frame, Method, Notice, Object, Params, Raster, discover};
 
@@ -319,6 +319,18 @@ fn a_marker_is_an_object() {
         discover(&seen_from_above(|x, y| if is_marker(x, y) { 0.014 } else { 0.0 }), &context()).unwrap();
     assert_eq!(found.objects.len(), 1);
     assert!(found.objects[0].size_px > 1200, "{:?}", found.objects[0]);
+}
+
+/// A regression: to a time of flight, which sees sides set back behind the edges of tops, most boxes were two objects.
+#[test]
+fn a_level_top_is_one_with_the_side_below_its_edge_and_a_board_is_not() {
+    let objects = |board_m, overhang_m| {
+        let found = discover(&covered_box(board_m, overhang_m), &context()).unwrap();
+        found.objects.len()
+    };
+    assert_eq!(objects(0.002, 0.012), 1, "a lid");
+    assert_eq!(objects(0.030, 0.012), 2, "a board has a side of its own");
+    assert_eq!(objects(0.002, 0.060), 2, "a tray on a box is wider");
 }
 
 /// A regression: nothing was known of what carries a thing, and it lost as much as if nothing carried it.

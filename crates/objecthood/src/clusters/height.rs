@@ -7,11 +7,17 @@ use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
 use crate::params;
 use crate::regions::SegmentId;
+use crate::surface::disparity::DisparitySpace;
 
 /// `min_top_m` holds where noise is less than this (m), the default; farther away the limit grows with the noise.
 const NEAR_M: f64 = 0.010;
-/// Heights below this many quanta of a Kinect are noise: six standard deviations of a depth, where few pixels of a patch are right.
+/// Heights below this many quanta of a Kinect are noise where a cluster has few pixels: six standard deviations of a depth.
 const NOISE_QUANTA: f64 = 6.0;
+/// Noise of pixels averages out over a large cluster, and what is left are waves: the tolerance of structure on a Kinect, in proportion more
+/// with a sensor of larger waves.
+const WAVE_QUANTA: f64 = 2.5;
+/// A cluster of this many pixels (at 525 px), the largest fragment, is small. Pixels average out with the root of their number.
+const SMALL_PX: usize = 250;
 
 /// Gives clusters whose top is less than `min_top_m` above the support surface to the background. They are remains of the table, or
 /// small pieces at the edge of the view. Flat things have other evidence and stay. Does nothing without a support surface. O(pixels of clusters).
@@ -45,8 +51,15 @@ fn least_top_m(clusters: &Clusters<'_>, id: SegmentId, params: &params::Height) 
     let middle = pixels[pixels.len() / 2] as usize;
     let point = clusters.scene.point_at(middle);
     let along = normal.map_or(0.0, |normal| normal.dot(point / point.z).abs());
-    let growth = (along * space.step_m(NOISE_QUANTA, point.z) / NEAR_M).max(1.0);
+    let growth = (along * space.step_m(least_quanta(pixels.len(), space), point.z) / NEAR_M).max(1.0);
     space.noise().step_scale() * growth * params.min_top_m
+}
+
+/// How high (quanta) noise and waves make a cluster of so many pixels.
+fn least_quanta(size_px: usize, space: &DisparitySpace) -> f64 {
+    let waves = (WAVE_QUANTA * space.noise().waves().max(1.0)).min(NOISE_QUANTA);
+    let small = (space.area_px(SMALL_PX) as f64 / size_px as f64).sqrt().min(1.0);
+    waves + (NOISE_QUANTA - waves) * small
 }
 
 #[cfg(test)]
@@ -83,6 +96,18 @@ mod tests {
         let better = table.scene().space.with_noise(Noise { white: 0.1, blocks_quanta: [0.01; 3] });
         assert!(!is_kept(&table.scene()));
         assert!(is_kept(&Scene { space: &better, ..table.scene() }));
+    }
+
+    /// A regression: the limit was six quanta for any cluster, 68 mm at 2 m.
+    #[test]
+    fn what_is_large_is_kept_where_noise_of_few_pixels_is_as_high() {
+        let space = crate::testing::kinect();
+        let least_m = |size_px: usize, z_m: f64| space.step_m(least_quanta(size_px, &space), z_m);
+        assert!(least_m(100, 2.0) > 0.06 && least_m(100, 2.0) == least_m(250, 2.0));
+        assert!(least_m(4000, 2.0) < 0.04);
+        assert!(least_m(1_000_000, 1.0) < 0.0075);
+        let stereo = space.with_noise(Noise { white: 2.0, blocks_quanta: [0.6, 0.6, 0.5] });
+        assert_eq!(least_quanta(1_000_000, &stereo), 6.0, "its waves are as high");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod handle;
 mod hanging;
+mod top;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -68,6 +69,8 @@ const CONTACTS: usize = 16;
 /// Of two that share their colours one may also be a handle: slim, and joined to the other with all of its end.
 ///
 /// A small part that is seen to hang in the air is joined with what it hangs on, whether or not they touch.
+///
+/// A level part is the top of another of its width that begins as a side at its edge, whatever their colours.
 ///
 /// Source: ours, because a neck or fold is a valley between convex parts (paper, future work: concavity). O(pairs side by side · pixels of
 /// both); parallel over pairs. Does nothing without a support; without colour only what would slide off or hangs is joined.
@@ -156,6 +159,9 @@ impl Compare<'_> {
         let is_first_upper = feet_m[0] >= feet_m[1];
         let [upper, lower] = if is_first_upper { pair } else { [pair[1], pair[0]] };
         let foot_m = feet_m[0].max(feet_m[1]);
+        if let Some(checks) = top::checks(self.clusters, self.up, [upper, lower]) {
+            return Some(Pair { parts: [upper, lower], overlap: 1.0, checks });
+        }
         let borders = self.clusters.get(upper).neighbours.get(&Some(lower))?;
         if borders.touch < self.least_touch {
             return None;
@@ -171,23 +177,7 @@ impl Compare<'_> {
             return Some(Pair { parts: [upper, lower], overlap, checks: [vec![alike], handle].concat() });
         }
         let Slopes { level_share, sliding_share } = self.slopes(lower, &carrying);
-        let [upper_px, lower_px] = [upper, lower].map(|id| self.clusters.get(id).pixels.len() as f64);
-        let slides = [
-            Check::new(
-                "share of the lower part around it from which it would slide off",
-                "",
-                sliding_share,
-                Bound::AtLeast,
-                SLIDING_SHARE,
-            ),
-            Check::new(
-                "pixels of the upper part, over those of the lower",
-                "",
-                upper_px / lower_px,
-                Bound::AtMost,
-                SMALLER_SHARE,
-            ),
-        ];
+        let slides = self.slides([upper, lower], sliding_share);
         let mut checks = vec![
             Check::new("foot of the upper part above its support", "m", foot_m, Bound::Above, FOOT_M),
             Check::new(
@@ -204,6 +194,27 @@ impl Compare<'_> {
             checks.extend(slides);
         }
         Some(Pair { parts: [upper, lower], overlap, checks })
+    }
+
+    /// The checks by which the upper part would slide off the lower, from which a thing slides around their contact with this share.
+    fn slides(&self, [upper, lower]: [SegmentId; 2], sliding_share: f64) -> [Check; 2] {
+        let [upper_px, lower_px] = [upper, lower].map(|id| self.clusters.get(id).pixels.len() as f64);
+        [
+            Check::new(
+                "share of the lower part around it from which it would slide off",
+                "",
+                sliding_share,
+                Bound::AtLeast,
+                SLIDING_SHARE,
+            ),
+            Check::new(
+                "pixels of the upper part, over those of the lower",
+                "",
+                upper_px / lower_px,
+                Bound::AtMost,
+                SMALLER_SHARE,
+            ),
+        ]
     }
 
     /// The overlap of the colours of two parts; 0 without colour.

@@ -30,6 +30,16 @@ pub(crate) fn stack() -> Frame {
     ])
 }
 
+/// A board on a box, which it overhangs by this much on all sides.
+pub(crate) fn covered_box(board_m: f64, overhang_m: f64) -> Frame {
+    let size_m = [0.2, 0.15, 0.12];
+    let board = [size_m[0] + 2.0 * overhang_m, size_m[1] + 2.0 * overhang_m, board_m];
+    snapshot(&[
+        Solid { base_m: [0.0, 0.0, 0.0], size_m, yaw_deg: 20.0, color: RED },
+        Solid { base_m: [0.0, 0.0, size_m[2]], size_m: board, yaw_deg: 20.0, color: BLUE },
+    ])
+}
+
 /// A pole before a wide box, which it cuts in two in the image.
 pub(crate) fn cut_box() -> Frame {
     snapshot(&[
