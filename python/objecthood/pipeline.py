@@ -78,7 +78,7 @@ def discover(
 
     `depth`: HxW along the optical axis, float32 in metres (NaN or 0 = none), or uint16 with `depth_scale`, the number of units in a
     metre; or a `Capture`, which has everything. `K`: 3x3 or (fx, fy, cx, cy) in pixels. `color`: HxWx3 uint8 RGB, registered to the depth;
-    with more or fewer pixels if it shows the same field of view.
+    with more pixels if it shows the same field of view.
     `method`: context (default) or paper. `gravity`: the direction in which things fall in the camera frame (x right, y down, z forward), if it
     was measured, or "poses" for a capture with a pose. `profile`: kind of the sensor. `threads`: one a core, unless given.
 

@@ -14,7 +14,7 @@
 //!   file reached its end.
 //! * Colours of 16 bits are rounded to 8. Alpha is ignored: it says how to paint a pixel, not what was seen. An Exif
 //!   orientation is ignored too, because the depth has none: pixels lie as they are stored.
-//! * Both images are registered pixel by pixel. Colour of the same field of view but of another size is brought to the size of the depth
+//! * Both images are registered pixel by pixel. Larger colour of the same field of view is brought to the size of the depth
 //!   ([`Resized`]).
 //!
 //! Memory is bounded before any is taken: an image of more than `max_pixels` is refused by its header.
@@ -115,7 +115,7 @@ pub fn decode_images(color: Option<&[u8]>, depth: &[u8], given: &Given) -> Resul
     capture_of(color, depth_m, given)
 }
 
-/// The frame of a depth (m) and a colour image, seen by the camera that is given. Colour of the same field of view is brought to the size of the
+/// The frame of a depth (m) and a colour image, seen by the camera that is given. Larger colour of the same field of view is brought to the size of the
 /// depth; a camera that is given for the colour image is scaled likewise.
 ///
 /// # Errors
