@@ -118,23 +118,6 @@ fn a_slow_given_motion_of_the_camera_moves_nothing() {
     }
 }
 
-/// What a screen hides is known for half a minute.
-#[test]
-fn what_stands_behind_a_screen_keeps_its_number() {
-    let screen = Patch { left: 50, top: 30, width: 56, height: 50, depth_m: 0.7, color: [40, 90, 160] };
-    let mut tracker = Tracker::new(Params::default());
-    let mut at = |number: u64, patches: &[Patch]| {
-        let (frame, found) = frame(patches, &[0], number);
-        tracker.update_found(&frame, &found, number as f64 / 5.0, None).unwrap()
-    };
-    (0..10).for_each(|number| drop(at(number, &[THING])));
-    for number in 10..150 {
-        assert_eq!(numbers(&at(number, &[THING, screen])), [0_u16; 0], "frame {number}");
-    }
-    (150..155).for_each(|number| drop(at(number, &[THING])));
-    assert_eq!(numbers(&at(155, &[THING])), [1]);
-}
-
 /// [`THING`], or its left and its right half as two.
 fn in_pieces(pieces: bool) -> Vec<Patch> {
     let half = Patch { width: 18, ..THING };
