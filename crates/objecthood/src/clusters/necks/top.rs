@@ -122,11 +122,11 @@ impl Limits {
         begins.iter().filter(|&&begins| begins).count() as f64 / STRIPES as f64
     }
 
-    /// Whether a pixel of the body shows a side that begins at a pixel of the top's edge: it is as far, or set back a little.
+    /// Whether a pixel of the body shows a side that begins at a pixel of the top's edge, set back a little. Where it is not, the fold has voted.
     fn is_below(&self, scene: &Scene<'_>, edge: usize, side: usize) -> bool {
         let [edge, at] = [edge, side].map(|i| scene.point_at(i));
         let noise_m = scene.space.step_m(NOISE_QUANTA, at.z);
         let is_rim = (self.level_m - self.up.dot(edge)).abs() < RIM_M.max(noise_m);
-        is_rim && (-noise_m..SET_BACK_M).contains(&(at.z - edge.z)) && !is_level(scene, self.up, side)
+        is_rim && (noise_m..SET_BACK_M).contains(&(at.z - edge.z)) && !is_level(scene, self.up, side)
     }
 }
