@@ -116,7 +116,7 @@ impl CameraMotion {
         if moves || is_first {
             self.intrinsics = Some(view.camera);
         }
-        // A given motion too small to follow stays in what is left between here and the next given pose, so that slow ones sum up.
+        // A given pose that differs by less than noise is not taken over. So the steps of a slow motion sum up until they are followed.
         self.world_from_camera = match given {
             Some(pose) if is_first || !is_still => pose,
             _ => self.world_from_camera.after(&step.inverse()),
