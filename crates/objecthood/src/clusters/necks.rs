@@ -12,7 +12,7 @@ use crate::clusters::borders::BorderCounts;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
 use crate::clusters::necks::handle::Joint;
-use crate::clusters::scene::{Scene, sampled};
+use crate::clusters::scene::{LEVEL_DEG, Scene, sampled};
 use crate::color::histogram::ColorHistogram;
 use crate::neighbours::four_neighbours;
 use crate::params;
@@ -30,8 +30,6 @@ const FOOT_SHARE: f64 = 0.05;
 const FOOT_M: f64 = 0.015;
 /// The lower part is looked at this far (m) around the contact: where a foot would stand.
 const AROUND_M: f64 = 0.03;
-/// A pixel within this angle of level can carry a foot (degrees): what stands on more slides off.
-const LEVEL_DEG: f64 = 25.0;
 /// With a larger share of level pixels around the contact the lower part carries the upper one.
 const LEVEL_SHARE: f64 = 0.3;
 /// A pixel steeper than this is a side (degrees): it says nothing of what stands above it.

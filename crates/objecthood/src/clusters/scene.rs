@@ -18,6 +18,9 @@ use crate::surface::surfaces::Surfaces;
 /// About this many pixels of a cluster are looked at, where quantiles of them are wanted.
 const SAMPLED_PX: usize = 200;
 
+/// A pixel within this angle of level can carry a foot (degrees): what stands on more slides off.
+pub(crate) const LEVEL_DEG: f64 = 25.0;
+
 /// The inputs of the rules besides the clusters. The rules do not change them.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
@@ -55,6 +58,16 @@ pub(crate) fn sampled(pixels: &[u32]) -> impl Iterator<Item = usize> {
     pixels.iter().step_by(step).map(|&i| i as usize)
 }
 
+/// The share of the pixels of a cluster that face up, to [`LEVEL_DEG`].
+pub(crate) fn level_share(scene: &Scene<'_>, up: DVec3, pixels: &[u32]) -> f64 {
+    let (mut level, mut all) = (0_u32, 0_u32);
+    for i in sampled(pixels) {
+        level += u32::from(scene.is_level(up, i));
+        all += 1;
+    }
+    f64::from(level) / f64::from(all.max(1))
+}
+
 impl<'a> Scene<'a> {
     /// The scene of a frame. `filled`: the facets after [`fill_facets`](crate::clusters::fill::fill_facets).
     pub fn new(
@@ -90,6 +103,11 @@ impl<'a> Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
+    /// Whether a pixel faces up, to [`LEVEL_DEG`].
+    pub(crate) fn is_level(&self, up: DVec3, i: usize) -> bool {
+        up.dot(DVec3::from(self.normals[i].map(f64::from))) > libm::cos(LEVEL_DEG.to_radians())
+    }
+
     /// The surface on which most stands.
     pub(crate) fn ground(&self) -> Option<&'a StructureSurface> {
         self.supports.first().map(|&ground| &self.surfaces[ground])

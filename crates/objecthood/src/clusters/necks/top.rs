@@ -4,14 +4,12 @@ use glam::DVec3;
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::scene::{Scene, sampled};
+use crate::clusters::scene::{Scene, level_share, sampled};
 use crate::neighbours::four_neighbours;
 use crate::quantile::element_at;
 use crate::regions::SegmentId;
 
-/// A pixel within this angle of level belongs to a top face (degrees) ...
-const LEVEL_DEG: f64 = 25.0;
-/// ... which such pixels make up to this share.
+/// Level pixels make up a top face to this share.
 const LEVEL_SHARE: f64 = 0.75;
 /// The edge of a top is this far below its level at most (m): what is thicker shows a side of its own.
 const RIM_M: f64 = 0.008;
@@ -64,19 +62,6 @@ pub(super) fn checks(clusters: &Clusters<'_>, up: DVec3, [top, body]: [SegmentId
     checks.iter().all(Check::holds).then_some(checks)
 }
 
-fn level_share(scene: &Scene<'_>, up: DVec3, pixels: &[u32]) -> f64 {
-    let (mut level, mut all) = (0_u32, 0_u32);
-    for i in sampled(pixels) {
-        level += u32::from(is_level(scene, up, i));
-        all += 1;
-    }
-    f64::from(level) / f64::from(all.max(1))
-}
-
-fn is_level(scene: &Scene<'_>, up: DVec3, i: usize) -> bool {
-    up.dot(DVec3::from(scene.normals[i].map(f64::from))) > libm::cos(LEVEL_DEG.to_radians())
-}
-
 /// How far pixels reach along a direction (m).
 struct Extent {
     from_m: f64,
@@ -127,6 +112,6 @@ impl Limits {
         let [edge, at] = [edge, side].map(|i| scene.point_at(i));
         let noise_m = scene.space.step_m(NOISE_QUANTA, at.z);
         let is_rim = (self.level_m - self.up.dot(edge)).abs() < RIM_M.max(noise_m);
-        is_rim && (noise_m..SET_BACK_M).contains(&(at.z - edge.z)) && !is_level(scene, self.up, side)
+        is_rim && (noise_m..SET_BACK_M).contains(&(at.z - edge.z)) && !scene.is_level(self.up, side)
     }
 }
