@@ -84,6 +84,7 @@ fn kind(decision: &Decision) -> Option<Kind> {
                 | Rule::VesselRim
                 | Rule::VesselRemainder
                 | Rule::OpenBox
+                | Rule::BoxWalls
                 | Rule::VesselBottom,
             ),
             _,

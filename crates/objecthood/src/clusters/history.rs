@@ -26,6 +26,8 @@ pub enum Rule {
     VesselRemainder,
     /// Upright walls around a patch of background are an open box (docs/CONTEXT.md 4.4.4).
     OpenBox,
+    /// Thin upright panels of one height that meet at their ends are the walls of a box (docs/CONTEXT.md 4.4.5).
+    BoxWalls,
     /// Background that a vessel encloses is its bottom (ours).
     VesselBottom,
     /// A surface goes on behind something nearer (docs/CONTEXT.md 4.6).

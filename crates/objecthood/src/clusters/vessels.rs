@@ -1,16 +1,18 @@
 //! Vessels: joins the inside and the wall of a cup or bowl to one cluster (docs/CONTEXT.md 4.4).
 //!
 //! A camera sees the far part of a vessel's inside and the near part of its wall. Between them is a step in depth at the rim, so no
-//! convex border joins the two. Four rules join them:
+//! convex border joins the two. Five rules join them:
 //!
 //! 1. [`insides`]: concave pieces that touch are one inside.
 //! 2. [`walls`]: an inside and the wall in front of it, equally high, are one vessel.
 //! 3. [`remainders`]: a small cluster that touches hardly anything but a vessel belongs to it.
 //! 4. [`boxes`]: upright walls of equal height around a patch of the support are an open box.
+//! 5. [`panels`]: thin upright panels of equal height that meet or face each other are the walls of a box. It comes before rule 4.
 
 mod boxes;
 mod insides;
 mod limits;
+mod panels;
 mod remainders;
 mod walls;
 
@@ -19,6 +21,7 @@ use std::collections::BTreeSet;
 use self::boxes::join_box;
 use self::insides::join_insides;
 use self::limits::Limits;
+use self::panels::join_panels;
 use self::remainders::join_remainder;
 use self::walls::join_wall;
 use crate::clusters::cluster::Clusters;
@@ -39,6 +42,7 @@ pub(crate) fn join_vessels(clusters: &mut Clusters<'_>, params: &params::Vessels
     repeat(clusters, INSIDE_MERGES, |clusters, misses| join_insides(clusters, limits, misses));
     repeat(clusters, MERGES, |clusters, misses| join_wall(clusters, limits, &mut vessels, misses));
     repeat(clusters, MERGES, |clusters, misses| join_remainder(clusters, limits, &vessels, misses));
+    join_panels(clusters, limits);
     repeat(clusters, MERGES, |clusters, misses| join_box(clusters, limits, misses));
 }
 

@@ -154,6 +154,7 @@ impl Explainer {
                         | Rule::VesselRim
                         | Rule::VesselRemainder
                         | Rule::OpenBox
+                        | Rule::BoxWalls
                         | Rule::VesselBottom
                 )
             },

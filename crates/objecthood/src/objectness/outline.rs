@@ -49,6 +49,13 @@ enum End {
     Cut,
 }
 
+/// What rises this much (m) above the structure beside it is clear too: the rim of a plate is too low for a step ...
+const RISE_M: f64 = 0.01;
+/// ... if this is more than so many quanta, for each time that the sensor's waves exceed a Kinect's: as a step is.
+const RISE_QUANTA: f64 = STEP_QUANTA;
+/// The rise is read this far from the outline (px at 525 px): nearer, a pixel may show both surfaces.
+const RISE_ASIDE_PX: usize = 2;
+
 /// Rows whose outlines one task collects.
 const BAND_ROWS: usize = 16;
 
@@ -61,8 +68,11 @@ struct View<'a> {
     seams: Option<SeamsAt<'a>>,
     /// Farthest distance (px) at which the pixel beyond a hole is searched.
     reach: usize,
-    /// Distance (px) from the border at which normals are read.
+    /// Distance (px) from the border at which normals are read, and heights.
     aside: usize,
+    rise_aside: usize,
+    /// Regions below this number are structure.
+    structure: usize,
 }
 
 /// The seams between facets.
@@ -98,8 +108,9 @@ pub fn measure_outlines(
     seams: Option<SeamsAt<'_>>,
 ) -> Vec<Outline> {
     let height = regions.labels().height();
-    let [reach, aside] = [REACH_PX, ASIDE_PX].map(|px| space.length_px(px));
-    let view = View { regions, points_m, normals, space, params, seams, reach, aside };
+    let [reach, aside, rise_aside] = [REACH_PX, ASIDE_PX, RISE_ASIDE_PX].map(|px| space.length_px(px));
+    let structure = first;
+    let view = View { regions, points_m, normals, space, params, seams, reach, aside, rise_aside, structure };
     regions.find_runs();
     let band = |band: usize| view.band(band * BAND_ROWS..height.min((band + 1) * BAND_ROWS), first);
     let bands: Vec<Vec<OutlineSide>> = (0..height.div_ceil(BAND_ROWS)).into_par_iter().map(band).collect();
@@ -195,15 +206,28 @@ impl View<'_> {
                 if self.seams.is_some_and(|seams| seams.part(i, j)) {
                     return Some(length_m);
                 }
-                let fold = Fold {
-                    angle_deg: fold_angle_deg(self.surface(i, -step)?, self.surface(j, step)?),
-                    length_m,
-                };
+                let beyond = self.surface(j, step)?;
+                if self.rises(i, -step, j, beyond) {
+                    return Some(length_m);
+                }
+                let fold = Fold { angle_deg: fold_angle_deg(self.surface(i, -step)?, beyond), length_m };
                 Some((length_m - fold.vote_m(self.params)) / 2.0)
             };
             return Some((End::Own, clear_m()));
         }
         None
+    }
+
+    /// Whether the region of `i` rises above the structure at `j`, whose point and normal are given.
+    fn rises(&self, i: usize, step: isize, j: usize, (point, normal): (DVec3, DVec3)) -> bool {
+        if self.regions.at(j).is_none_or(|region| region.index() >= self.structure) {
+            return false;
+        }
+        let inside = i.checked_add_signed(step * self.rise_aside as isize);
+        let is_own = |&k: &usize| k < self.points_m.len() && self.regions.at(k) == self.regions.at(i);
+        let own = DVec3::from(self.points_m[inside.filter(is_own).unwrap_or(i)].map(f64::from));
+        let quanta = RISE_QUANTA * self.space.noise().waves();
+        normal.dot(own - point) > self.space.step_m(quanta, own.z).max(RISE_M)
     }
 
     /// Point and normal in the region of `i`, some pixels away from the border; nearer where the region is narrow.
@@ -252,6 +276,7 @@ mod tests {
     use super::*;
     use crate::clusters::scene::Scene;
     use crate::clusters::testing::Table;
+    use crate::noise::Noise;
     use crate::testing::{raster, small_size};
 
     /// The outlines of the table and the things of a drawing, in sides of pixels at the depth of the table.
@@ -293,6 +318,26 @@ mod tests {
         assert_eq!((a.own_m, a.hidden_m, a.judged_m, a.separation()), (0.0, 0.0, 0.0, 1.0));
         let [_, ring] = drawn(&["aaaa", "a..a", "aaaa"], &[0.3])[..] else { panic!("two regions") };
         assert_eq!((ring.own_m, ring.visibility()), (0.0, 0.0), "only the border of the image cuts it");
+    }
+
+    #[test]
+    fn what_is_too_low_for_a_step_is_clear_where_the_sensor_has_small_waves() {
+        let mut rows = vec!["_".repeat(40); 10];
+        rows.extend(vec![["_".repeat(10), "a".repeat(20), "_".repeat(10)].concat(); 20]);
+        rows.extend(vec!["_".repeat(40); 10]);
+        let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+        let table = Table::drawn(&rows, &[0.014]);
+        let scene = table.scene();
+        let params = params::Contraction::default();
+        let separation = |noise: Noise| {
+            let (segments, space) = (&scene.facets.segments, scene.space.with_noise(noise));
+            let all = measure_outlines(segments, 1, scene.points_m, scene.normals, &space, &params, None);
+            all[1].separation()
+        };
+        let fine =
+            Noise { blocks_quanta: Noise::KINECT.blocks_quanta.map(|wave| wave / 3.0), ..Noise::KINECT };
+        assert!(separation(Noise::KINECT) < 0.6, "{}", separation(Noise::KINECT));
+        assert_eq!(separation(fine), 1.0);
     }
 
     #[test]
@@ -344,7 +389,8 @@ mod tests {
             let Scene { facets, points_m, normals, space, .. } = table.scene();
             let (regions, params) = (&facets.segments, &params::Contraction::default());
             let [reach, aside] = [REACH_PX, ASIDE_PX].map(|px| space.length_px(px));
-            let view = View { regions, points_m, normals, space, params, seams: None, reach, aside };
+            let (rise_aside, structure) = (RISE_ASIDE_PX, first);
+            let view = View { regions, points_m, normals, space, params, seams: None, reach, aside, rise_aside, structure };
             let mut expected = vec![Outline::default(); regions.count()];
             for (i, region) in regions.members().filter(|&(_, region)| region >= first) {
                 let mut sides = Vec::new();

@@ -1,0 +1,150 @@
+//! A panel: a thin, flat, upright piece, as each wall of a box shows one.
+
+use glam::DVec3;
+
+use crate::clusters::cluster::Clusters;
+use crate::clusters::scene::{Scene, sampled};
+use crate::oversegment::structure::StructureSurface;
+use crate::quantile::element_at;
+use crate::regions::SegmentId;
+
+/// Least number of pixels of a panel (px at a focal length of 525 px).
+const PANEL_PX: usize = 150;
+/// Greatest sine of a panel's slant, 25 degrees: the walls of totes lean by up to 15, so that they stack, and stereo smears their feet.
+const SLANT: f64 = 0.42;
+/// A panel is flat to this (m): half of the thickness that a wall may have ...
+const FLAT_M: f64 = 0.015;
+/// ... or to this many quanta, for each time that the sensor's waves exceed a Kinect's,
+const NOISE_QUANTA: f64 = 4.0;
+/// between these quantiles of its pixels.
+const FLAT_QUANTILES: [f64; 2] = [0.1, 0.9];
+/// A panel is at least so long and so high (m): less is the rim of a thing.
+const LENGTH_M: f64 = 0.04;
+const HEIGHT_M: f64 = 0.02;
+/// Lengths and heights reach from the first to the second of these quantiles: outlines are noisy.
+const QUANTILES: [f64; 2] = [0.02, 0.98];
+/// A wall is thinner than this (m): behind its rim the camera sees past it, down to something farther by `BEHIND_M`.
+const THICKNESS_M: f64 = 0.03;
+const BEHIND_M: f64 = 0.02;
+/// It does so along this share of the rim whose back it sees,
+const THIN_SHARE: f64 = 0.7;
+/// and it sees the back of this share of the rim.
+const SIGHT_SHARE: f64 = 0.3;
+/// The rim is what lies so close below the top (m).
+const RIM_M: f64 = 0.01;
+/// About this many pixels of a rim are looked at.
+const RIM_SAMPLES: usize = 60;
+
+/// Distances (m) below this are noise, for pixels at depth `z_m`.
+pub(super) fn noise_m(scene: &Scene<'_>, z_m: f64) -> f64 {
+    let quanta = NOISE_QUANTA * scene.space.noise().waves().max(1.0);
+    scene.space.step_m(quanta, z_m).max(FLAT_M)
+}
+
+/// A thin upright wall in the plan view. Levels and heights are those over the ground.
+#[derive(Clone, Debug)]
+pub(super) struct Panel {
+    /// The cluster that it is, or that its facet belongs to.
+    pub cluster: SegmentId,
+    /// Level, towards the camera.
+    pub normal: DVec3,
+    /// Level, along the wall.
+    pub along: DVec3,
+    /// Of the wall's plane: `normal · point` (m).
+    pub offset_m: f64,
+    /// Where the wall begins and ends: `along · point` (m).
+    pub ends_m: [f64; 2],
+    /// Where it begins and ends in height (m).
+    pub foot_m: f64,
+    pub top_m: f64,
+    /// Distances below this are noise (m).
+    pub noise_m: f64,
+}
+
+/// The clusters that are panels, and of the others the facets that are, each in the order of their numbers. O(pixels).
+pub(super) fn find_panels(clusters: &Clusters<'_>, ground: &StructureSurface) -> Vec<Panel> {
+    let (scene, facets) = (clusters.scene, clusters.scene.facets);
+    let panel = |cluster: SegmentId, pixels: &[u32]| Panel::of(scene, ground, cluster, pixels);
+    let mut panels: Vec<Panel> = clusters
+        .alive()
+        .into_iter()
+        .filter_map(|cluster| panel(cluster, &clusters.get(cluster).pixels))
+        .collect();
+    let is_found = |cluster: SegmentId| panels.iter().any(|panel| panel.cluster == cluster);
+    let of_facets = facets.segments.runs_of_each().map(|facet, runs| {
+        let cluster = clusters.of_facet(facet.checked_sub(facets.structure)?)?;
+        let pixels: Vec<u32> = runs.iter().cloned().flatten().map(|i| i as u32).collect();
+        (!is_found(cluster)).then(|| panel(cluster, &pixels)).flatten()
+    });
+    panels.extend(of_facets.into_iter().flatten());
+    panels
+}
+
+impl Panel {
+    /// `None` if the pixels of the cluster show nothing upright, flat and thin, or too little of it.
+    fn of(scene: &Scene<'_>, ground: &StructureSurface, cluster: SegmentId, pixels: &[u32]) -> Option<Self> {
+        if pixels.len() < scene.space.area_px(PANEL_PX) {
+            return None;
+        }
+        let up = ground.normal;
+        let normals = sampled(pixels).map(|i| DVec3::from(scene.normals[i].map(f64::from)));
+        let facing = normals.sum::<DVec3>().try_normalize()?;
+        if facing.dot(up).abs() > SLANT {
+            return None;
+        }
+        let normal = (facing - up * up.dot(facing)).try_normalize()?;
+        let along = up.cross(normal);
+        let points: Vec<DVec3> = sampled(pixels).map(|i| scene.point_at(i)).collect();
+        let reach = |direction: DVec3, shares: [f64; 2]| {
+            let mut values: Vec<f64> = points.iter().map(|point| direction.dot(*point)).collect();
+            shares.map(|share| element_at(&mut values, share))
+        };
+        let noise_m = noise_m(scene, points[points.len() / 2].z);
+        let [near_m, far_m] = reach(facing, FLAT_QUANTILES);
+        let ends_m = reach(along, QUANTILES);
+        let mut heights_m: Vec<f64> = sampled(pixels).map(|i| scene.height_m(i, ground)).collect();
+        let [foot_m, top_m] = QUANTILES.map(|share| element_at(&mut heights_m, share));
+        let [offset_m, _] = reach(normal, [0.5; 2]);
+        let is_flat = (far_m - near_m).abs() < noise_m;
+        let is_wall = ends_m[1] - ends_m[0] >= LENGTH_M && top_m - foot_m >= HEIGHT_M;
+        let panel = Self { cluster, normal, along, offset_m, ends_m, foot_m, top_m, noise_m };
+        (is_flat && is_wall && panel.is_thin(scene, ground, pixels)).then_some(panel)
+    }
+
+    /// Whether the camera sees past the wall at the height of its rim.
+    fn is_thin(&self, scene: &Scene<'_>, ground: &StructureSurface, pixels: &[u32]) -> bool {
+        let below_m = |i: usize| self.top_m - scene.height_m(i, ground);
+        let rim: Vec<usize> = pixels.iter().map(|&i| i as usize).filter(|&i| below_m(i) < RIM_M).collect();
+        let (mut past, mut solid, mut all) = (0_u32, 0_u32, 0_u32);
+        for &i in rim.iter().step_by(rim.len().div_ceil(RIM_SAMPLES).max(1)) {
+            all += 1;
+            let behind = scene.point_at(i) + ground.normal * below_m(i) - self.normal * THICKNESS_M;
+            let Some(j) = scene.space.camera().pixel_at(behind, scene.disparity.size()) else { continue };
+            let farther_m = scene.space.depth_m(scene.disparity[j].into()) - behind.z;
+            let limit_m = BEHIND_M.max(noise_m(scene, behind.z));
+            past += u32::from(farther_m > limit_m);
+            solid += u32::from(farther_m.abs() <= limit_m);
+        }
+        let known = f64::from(past + solid);
+        past > 0 && known >= SIGHT_SHARE * f64::from(all) && f64::from(past) >= THIN_SHARE * known
+    }
+
+    /// Its ends in the plan view (m).
+    pub(super) fn ends(&self) -> [DVec3; 2] {
+        self.ends_m.map(|end_m| self.at(end_m))
+    }
+
+    /// Its middle in the plan view (m).
+    pub(super) fn middle(&self) -> DVec3 {
+        self.at(f64::midpoint(self.ends_m[0], self.ends_m[1]))
+    }
+
+    fn at(&self, along_m: f64) -> DVec3 {
+        self.along * along_m + self.normal * self.offset_m
+    }
+
+    /// Its length (m).
+    pub(super) fn length_m(&self) -> f64 {
+        self.ends_m[1] - self.ends_m[0]
+    }
+}
