@@ -68,8 +68,9 @@ struct View<'a> {
     seams: Option<SeamsAt<'a>>,
     /// Farthest distance (px) at which the pixel beyond a hole is searched.
     reach: usize,
-    /// Distance (px) from the border at which normals are read, and heights.
+    /// Distance (px) from the border at which normals are read.
     aside: usize,
+    /// Distance (px) from the border at which heights are read.
     rise_aside: usize,
     /// Regions below this number are structure.
     structure: usize,
