@@ -71,7 +71,10 @@ pub(super) fn join_panels(clusters: &mut Clusters<'_>, limits: Limits<'_>) {
             (0..panels.len()).filter(|&k| boxes.find(k) == root).map(|k| &panels[k]).collect();
         if let Some(interior) = Interior::of(&walls) {
             let into = SegmentId(joined.find(walls[0].cluster.index()) as u32);
-            interior.join(clusters, limits.support, into);
+            // The walls of a box in a box may be a piece of the outer one by now.
+            if !clusters.get(into).pixels.is_empty() {
+                interior.join(clusters, limits.support, into);
+            }
         }
     }
 }
