@@ -18,6 +18,8 @@ const FLAT_M: f64 = 0.015;
 const NOISE_QUANTA: f64 = 4.0;
 /// between these quantiles of its pixels.
 const FLAT_QUANTILES: [f64; 2] = [0.1, 0.9];
+/// The left and the right half of a panel face the same way: the cosine of 20 degrees. The wall of a cup is no panel.
+const STRAIGHT_COSINE: f64 = 0.94;
 /// A panel is at least so long and so high (m): less is the rim of a thing.
 const LENGTH_M: f64 = 0.04;
 const HEIGHT_M: f64 = 0.02;
@@ -99,6 +101,9 @@ impl Panel {
             let mut values: Vec<f64> = points.iter().map(|point| direction.dot(*point)).collect();
             shares.map(|share| element_at(&mut values, share))
         };
+        if !is_straight(scene, pixels, up, along) {
+            return None;
+        }
         let noise_m = noise_m(scene, points[points.len() / 2].z);
         let [near_m, far_m] = reach(facing, FLAT_QUANTILES);
         let ends_m = reach(along, QUANTILES);
@@ -147,4 +152,17 @@ impl Panel {
     pub(super) fn length_m(&self) -> f64 {
         self.ends_m[1] - self.ends_m[0]
     }
+}
+
+/// Whether the halves of a wall on both sides of its middle face the same way in the plan view.
+fn is_straight(scene: &Scene<'_>, pixels: &[u32], up: DVec3, along: DVec3) -> bool {
+    let mut places_m: Vec<f64> = sampled(pixels).map(|i| along.dot(scene.point_at(i))).collect();
+    let middle_m = element_at(&mut places_m, 0.5);
+    let mut facing = [DVec3::ZERO; 2];
+    for i in sampled(pixels) {
+        let normal = DVec3::from(scene.normals[i].map(f64::from));
+        facing[usize::from(along.dot(scene.point_at(i)) > middle_m)] += normal - up * up.dot(normal);
+    }
+    let [left, right] = facing.map(DVec3::normalize_or_zero);
+    left.dot(right) >= STRAIGHT_COSINE
 }
