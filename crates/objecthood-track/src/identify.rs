@@ -24,10 +24,10 @@ const BESIDE_PX: f64 = 16.0;
 const LEAST_OF_ITS_COLORS: f64 = 0.5;
 
 impl Memory {
-    /// Which track each segment shows; writes the tracks that are seen to the scene.
+    /// Which track each segment shows; writes the tracks that are seen to the scene. `doubtful`: the pixels of hypotheses that are no objects.
     pub(crate) fn identify<'a>(
         &mut self,
-        found: &'a Discovery,
+        (found, doubtful): (&'a Discovery, &[Vec<usize>]),
         view: &'a View,
         changed: &'a Bits,
         place: Place,
@@ -35,10 +35,11 @@ impl Memory {
     ) -> Look<'a> {
         let measure = Measure { view, changed, scene: &self.scene, agents: &self.agents, place: &place };
         let (mut labels, count) = labels(found, view, &self.scene, &self.agents);
+        let finds = self.has(Ingredient::Finding);
+        let count = if finds { self.recognise(doubtful, predicted, &mut labels, count) } else { count };
         let mut segments = segments(&labels, count, &measure);
         let mut overlap = self.overlap(&labels, view, predicted);
         let (mut cut, mut moved, mut inside) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
-        let finds = self.has(Ingredient::Finding);
         if finds {
             self.part_uncovered(&mut labels, &mut segments, &overlap, predicted, &measure);
             cut = self.part_opened(&mut labels, &mut segments, &overlap, &measure);

@@ -25,6 +25,7 @@
 //! | `arm.rs` | agents that are there from the first frame on |
 //! | `predict.rs`, `surface.rs` | the motion of every object, and where it should be seen; the surface of what is moved |
 //! | `identify.rs`, `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
+//! | `doubtful.rs` | hypotheses that a frame alone takes for no objects, and that show known things |
 //! | `uncover.rs` | what comes out from behind a hand beside a known thing, and that a frame takes for one with it |
 //! | `moved_part.rs` | the part of a thing that is moved, such as a lid, and what stays |
 //! | `hand.rs` | what belongs to a hand rather than to the thing that it holds, by colour |
@@ -49,6 +50,7 @@ pub mod assignment;
 mod associate;
 mod bits;
 mod camera;
+mod doubtful;
 mod error;
 mod field;
 mod flight;

@@ -89,7 +89,7 @@ impl Memory {
     pub(crate) fn update(
         &mut self,
         view: &View,
-        found: &Discovery,
+        (found, doubtful): (&Discovery, &[Vec<usize>]),
         stamp_s: f64,
         pose: Option<Rigid>,
         mut notices: Vec<TrackNotice>,
@@ -130,7 +130,7 @@ impl Memory {
             false => self.scene.seen.clone(),
         };
 
-        let look = self.identify(found, view, &changed, place, &predicted);
+        let look = self.identify((found, doubtful), view, &changed, place, &predicted);
         self.observe(&look);
         self.agents.note_lifts(self.happenings.lifting());
         let rests = |key| {

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use objecthood::{Discovery, Estimates, Frame, Params, Pipeline};
 
+use crate::doubtful::Doubtful;
 use crate::error::Result;
 use crate::ingredient::Ingredient;
 use crate::memory::Memory;
@@ -59,9 +60,12 @@ impl Tracker {
     pub fn update(&mut self, frame: &Frame, stamp_s: f64, pose: Option<Rigid>) -> Result<Tracked> {
         let mut pipeline = std::mem::take(&mut self.pipeline);
         let known = frame.clone().with_estimates(self.estimates);
-        let tracked = pipeline.discover(&known, &self.params).map_err(Into::into).and_then(|found| {
+        let params = self.params.clone();
+        let mut doubtful = Doubtful::new(&params);
+        let found = pipeline.discover_observed(&known, &params, &mut doubtful);
+        let tracked = found.map_err(Into::into).and_then(|found| {
             self.estimates = found.estimates.or(self.estimates);
-            self.update_found(frame, found, stamp_s, pose)
+            self.follow(frame, (found, &doubtful.hypotheses), stamp_s, pose)
         });
         self.pipeline = pipeline;
         tracked
@@ -76,6 +80,17 @@ impl Tracker {
         &mut self,
         frame: &Frame,
         found: &Discovery,
+        stamp_s: f64,
+        pose: Option<Rigid>,
+    ) -> Result<Tracked> {
+        self.follow(frame, (found, &[]), stamp_s, pose)
+    }
+
+    /// Follows the objects of a frame, and known things among the hypotheses that are no objects.
+    fn follow(
+        &mut self,
+        frame: &Frame,
+        (found, doubtful): (&Discovery, &[Vec<usize>]),
         stamp_s: f64,
         pose: Option<Rigid>,
     ) -> Result<Tracked> {
@@ -94,7 +109,7 @@ impl Tracker {
         }
         let memory = self.memory.get_or_insert_with(|| Memory::new(view.size, stamp_s, self.without.clone()));
         self.numbering.take(memory.frame);
-        let mut tracked = memory.update(&view, found, stamp_s, pose, notices);
+        let mut tracked = memory.update(&view, (found, doubtful), stamp_s, pose, notices);
         self.number(&mut tracked.events);
         tracked.frame = self.numbering.of(tracked.frame);
         tracked.events.splice(0..0, ended);
