@@ -335,13 +335,14 @@ impl Happenings {
             }
             match taken_unseen(track, handling.before) {
                 Some(_) if !is_last_word && !track.is_still_for(STILL_S, pace.frame_s) => return,
-                Some(taken) => {
+                Some((frame, stamp_s)) => {
                     let evidence = "a hand hid it, and it rests elsewhere now".to_owned();
                     let other = Other::Agent(handling.agent);
                     let kind = EventKind::PickedUp;
+                    let taken = Sample { frame, stamp_s, ..track.last };
                     self.told.push(Happening::at(&taken, key, kind, other, 0.6, evidence));
-                    self.told.extend(put_down(key, track, taken.frame, pace));
-                    track.lay = Some(Lay::after_handling(track, flew(track, taken.frame)));
+                    self.told.extend(put_down(key, track, frame, pace));
+                    track.lay = Some(Lay::after_handling(track, flew(track, frame)));
                 }
                 None => self.told.extend(pushed(key, track, &handling, pace)),
             }
@@ -434,15 +435,18 @@ fn pushed(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Optio
     Some(Happening::at(&first, key, EventKind::Pushed, other, 0.8, evidence))
 }
 
-/// The last time that a thing was seen where it rested, if it then was hidden for long and is elsewhere now.
-fn taken_unseen(track: &Track, before: Rest) -> Option<Sample> {
+/// When a thing that was hidden for long, and is elsewhere now, was taken: its place was bare, or else it was last seen there.
+fn taken_unseen(track: &Track, before: Rest) -> Option<(u64, f64)> {
     // What the border cuts seems to move when a hand hides part of it.
     let is_far = (track.last.center - before.center).length() > CARRIED_M && !track.last.at_border;
     let is_whole = track.last.px as f64 > AS_WHOLE * before.px as f64;
     let seen: Vec<&Sample> = track.since(before.frame).collect();
     let hidden_s = |pair: &&[&Sample]| pair[1].stamp_s - pair[0].stamp_s;
     let longest = seen.windows(2).max_by(|a, b| hidden_s(a).total_cmp(&hidden_s(b)))?;
-    (is_far && is_whole && hidden_s(&longest) > UNSEEN_S).then(|| *longest[0])
+    let hidden = longest[0].frame..longest[1].frame;
+    let last_seen = (longest[0].frame, longest[0].stamp_s);
+    let taken = track.gone_since.filter(|(frame, _)| hidden.contains(frame)).unwrap_or(last_seen);
+    (is_far && is_whole && hidden_s(&longest) > UNSEEN_S).then_some(taken)
 }
 
 /// Whether a thing of a size (m) lies where it came to rest. While a hand hides part of it, its mean visible point tells less, and what its

@@ -15,6 +15,8 @@ const BEFORE_M: f64 = 0.02;
 const HIDDEN: f64 = 0.9;
 /// for so long (s).
 const HIDDEN_S: f64 = 0.1;
+/// It is not where it rested when so much of its place is bare (share of its pixels).
+const BARE: f64 = 0.5;
 /// A thing is gone once it is not seen for so long (s).
 const GONE_S: f64 = 0.1;
 /// What leaves the image has gone so far (m) from where it rested: an arm that comes in hides what lies at the border bit by bit.
@@ -36,6 +38,8 @@ struct Absence {
     by: Other,
     /// Share of where it rested that something nearer hides.
     hidden: f64,
+    /// Share of where it rested at which it is gone.
+    bare: f64,
 }
 
 impl Memory {
@@ -68,8 +72,10 @@ impl Memory {
             let thing = (other > 0 && other != key).then_some(Other::Track(other));
             agent.map(|agent| Other::Agent(agent.number)).or(thing)
         });
-        let hidden = remains.hidden as f64 / remains.all.max(1) as f64;
-        Absence { since, frames: self.frame - since + 1, is_covered, by: by.unwrap_or(Other::Nobody), hidden }
+        let share = |px: usize| px as f64 / remains.all.max(1) as f64;
+        let (hidden, bare) = (share(remains.hidden), share(remains.bare));
+        let (frames, by) = (self.frame - since + 1, by.unwrap_or(Other::Nobody));
+        Absence { since, frames, is_covered, by, hidden, bare }
     }
 
     /// Tells that a track went behind something or out of the image, once that is sure. `is_carried`: what carries it moves, so it is not where
@@ -88,6 +94,9 @@ impl Memory {
             evidence: evidence.to_owned(),
         };
         let is_known = track.rest.is_some() && !track.is_agent_part();
+        if absence.bare > BARE && is_known {
+            track.gone_since = track.gone_since.or(Some((self.frame, self.stamp_s)));
+        }
         let from = match track.covered_since {
             _ if absence.hidden < HIDDEN => None,
             None => Some((self.frame, self.stamp_s)),
@@ -96,7 +105,8 @@ impl Memory {
         track.covered_since = from;
         let covered =
             from.filter(|&(frame, _)| (self.frame - frame + 1) as usize >= self.pace.frames(HIDDEN_S));
-        let is_there = is_known && !is_carried && !self.happenings.is_lifted(key);
+        let is_in_hand = self.happenings.is_lifted(key) || track.gone_since.is_some();
+        let is_there = is_known && !is_carried && !is_in_hand && !track.is_scenery();
         let is_hidden = absence.is_covered && !track.told_hidden && is_there;
         if let Some((frame, time_s)) = covered.filter(|_| is_hidden) {
             track.told_hidden = true;

@@ -44,6 +44,8 @@ pub(crate) struct Remains {
     pub(crate) all: usize,
     /// Behind something nearer.
     pub(crate) hidden: usize,
+    /// Farther than it was: what is seen there stood behind it.
+    pub(crate) bare: usize,
     /// Its surface stayed.
     pub(crate) stays: usize,
     /// Its surface is gone, what is seen lies behind it, and its surface stayed on three of four sides of that.
@@ -148,7 +150,10 @@ impl Rested {
             let depth = 1.0 / is - 1.0 / self.surface[pixel];
             if agents.has(pixel) || is > 0.0 && depth < -BEFORE_M {
                 of.hidden += 1;
-            } else if let (Some(&floor), Some(point)) = (floors.get(&key), look.view.point(pixel))
+                continue;
+            }
+            of.bare += usize::from(is > 0.0 && depth > THERE_M);
+            if let (Some(&floor), Some(point)) = (floors.get(&key), look.view.point(pixel))
                 && look.place.height_m(point) > floor
             {
                 let (u, v) = (pixel % self.size.0, pixel / self.size.0);

@@ -150,6 +150,8 @@ pub(crate) struct Track {
     /// Frame and time (s) since when something hides where it rested.
     pub(crate) covered_since: Option<(u64, f64)>,
     pub(crate) told_hidden: bool,
+    /// Frame and time (s) since when its place is bare and it is seen nowhere else.
+    pub(crate) gone_since: Option<(u64, f64)>,
     /// Frame and time (s) since when its inside is seen.
     pub(crate) ajar_since: Option<(u64, f64)>,
     pub(crate) told_opened: bool,
@@ -159,6 +161,8 @@ pub(crate) struct Track {
     pub(crate) analysed_to: u64,
     /// Whether it was in view before as no thing, and is one only since an agent hides what is beside it.
     pub(crate) is_doubted: bool,
+    /// Whether it was doubted when it was first seen.
+    pub(crate) was_doubted: bool,
     /// The track with which it was one until it was first seen.
     pub(crate) came_off: Option<u32>,
     /// Whether it has been seen whole.
@@ -209,6 +213,7 @@ impl Track {
             hidden_since: None,
             covered_since: None,
             told_hidden: false,
+            gone_since: None,
             ajar_since: None,
             told_opened: false,
             was_there_first,
@@ -216,6 +221,7 @@ impl Track {
             told_left: false,
             analysed_to: sample.frame,
             is_doubted: false,
+            was_doubted: false,
             came_off: None,
             sight: Sight::NEW,
             lost_part: false,
@@ -299,6 +305,11 @@ impl Track {
     /// Whether it rested in the last frame, and no agent reached it.
     pub(crate) fn is_left_alone(&self) -> bool {
         self.rest_s > 0.0 && self.last.reached_by.is_none()
+    }
+
+    /// Whether it was in view as no thing before, and was not seen to be one.
+    pub(crate) fn is_scenery(&self) -> bool {
+        self.was_doubted && self.seen_to.is_empty()
     }
 
     /// Whether it rests, and no agent reaches it.
@@ -405,6 +416,7 @@ impl Track {
     /// It rests as it was just seen.
     pub(crate) fn settle(&mut self) {
         let Sample { frame, center, height_m, bottom_m, top_m, px, .. } = self.last;
+        self.gone_since = None;
         self.rest = Some(Rest { frame, center, height_m, bottom_m, top_m, px });
         self.first_rest = self.first_rest.or(self.rest);
     }
