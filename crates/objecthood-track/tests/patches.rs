@@ -344,6 +344,29 @@ fn what_a_hand_holds_keeps_its_number() {
     }
 }
 
+/// A hand hides the whole thing, stays, takes it away and leaves it there. A regression: it was picked up when the hand hid it.
+#[test]
+fn what_a_hand_hides_is_picked_up_when_its_place_is_bare() {
+    let mut tracker = Tracker::new(Params::default());
+    let mut events = Vec::new();
+    for number in 0..130_i32 {
+        let reach = 160 - (5 * (number - 12)).clamp(0, 160) + (5 * (number - 85)).clamp(0, 160);
+        let down = (3 * (number - 60)).clamp(0, 45);
+        let thing = Patch { top: THING.top + down, ..THING };
+        let (left, top) = (thing.left - 3 + reach, thing.top - 3);
+        let hand = Patch { left, top, width: 200, height: 36, depth_m: 0.94, color: [40, 70, 190] };
+        let (frame, found) = frame(&[thing, hand], &[0], number as u64);
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        events.extend(tracked.events);
+    }
+    events.extend(tracker.finish());
+    let told: Vec<(EventKind, u64)> = events.iter().map(|event| (event.kind, event.frame)).collect();
+    let [(EventKind::Occluded, 44), (EventKind::PickedUp, taken), (EventKind::PlacedOn, _)] = told[..] else {
+        panic!("{told:?}")
+    };
+    assert!((65..70).contains(&taken), "half of its place is bare in frame 66: {told:?}");
+}
+
 /// A gripper comes from the border, lifts the thing and is then seen as a whole. A regression: it became an object.
 #[test]
 fn what_has_lifted_a_thing_is_an_agent_away_from_the_border_too() {
