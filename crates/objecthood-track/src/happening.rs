@@ -35,6 +35,8 @@ pub(crate) const REACHED_S: f64 = 0.33;
 /// What a hand hid for so long (s), and which then rests so far away (m), was carried.
 const UNSEEN_S: f64 = 0.2;
 const CARRIED_M: f64 = 0.05;
+/// What is carried unseen is let go in the last one of so many parts of that time.
+const LETS_GO: u64 = 3;
 /// What rested so long (s) is not being pushed, even by an agent that still touches it.
 const UNTOUCHED_S: f64 = 0.6;
 /// In a hand: this share of its pixels or more belongs to an agent's region.
@@ -227,9 +229,11 @@ impl Happenings {
         let last = track.last;
         let shift_m = (last.center - before.center).length();
         // What is far from where it rested was moved, even if a hand hides how.
-        let is_far = shift_m > LIFTED_M && are_alike(last.px, before.px);
+        let is_gone = track.gone_since.is_some() && shift_m > CARRIED_M;
+        let is_far = is_gone || shift_m > LIFTED_M && are_alike(last.px, before.px);
         let is_displaced = shift_m > BEGUN_M && track.is_moving || is_far;
-        let Some(agent) = track.reached_within(REACHED_S) else { return };
+        let agent = track.reached_within(REACHED_S).or_else(|| track.taken_by(REACHED_S));
+        let Some(agent) = agent else { return };
         if track.rest_s == 0.0 && (is_displaced || last.bottom_m - before.bottom_m > OFF_M && track.is_moving)
         {
             let (held_by, begun) = (track.votes.winner(), last.frame);
@@ -237,6 +241,24 @@ impl Happenings {
             let handling = Handling { before, agent, held_by, goes_along, begun, lifted_s, lift };
             self.handled.insert(key, handling);
         }
+    }
+
+    /// A thing that an agent hid is seen nowhere, and its place is bare since a frame and time (s): the agent has it.
+    pub(crate) fn take_unseen(&mut self, key: Key, track: &mut Track, since: (u64, f64)) {
+        let (Some(before), Some(agent)) = (track.rest, track.taken_by(REACHED_S)) else { return };
+        if self.is_handled(key) || track.last.at_border || track.is_open() {
+            return;
+        }
+        let (begun, stamp_s) = taken_at(&track.last, since);
+        let held_by = track.votes.winner();
+        let at = Sample { frame: begun, stamp_s, ..track.last };
+        let evidence = "a hand hid it, and its place is bare".to_owned();
+        let lift = picked_up(key, &at, agent, held_by, 0.6, evidence);
+        let lifted_s = Some(stamp_s);
+        let handling = Handling { before, agent, held_by, goes_along: false, begun, lifted_s, lift };
+        self.handled.insert(key, handling);
+        track.note(Deed::Lifted);
+        track.votes.clear();
     }
 
     /// Tells of a lift as soon as it is sure.
@@ -269,15 +291,9 @@ impl Happenings {
             .last();
         let first = since.copied().unwrap_or(track.last);
         handling.lifted_s = Some(first.stamp_s);
-        let other = Other::Agent(handling.agent);
         let rise_mm = 1000.0 * (track.last.bottom_m - before.bottom_m);
         let evidence = format!("its lowest point rose by {rise_mm:.0} mm in reach of the agent");
-        handling.lift.push(Happening::at(&first, key, EventKind::PickedUp, other, 0.9, evidence));
-        if let Some((Some(vessel), Relation::In)) = handling.held_by {
-            let evidence = "it lay in it before it was lifted".to_owned();
-            let vessel = Other::Track(vessel);
-            handling.lift.push(Happening::at(&first, key, EventKind::TakenOut, vessel, 0.9, evidence));
-        }
+        handling.lift = picked_up(key, &first, handling.agent, handling.held_by, 0.9, evidence);
         track.note(Deed::Lifted);
         track.votes.clear();
     }
@@ -415,6 +431,24 @@ pub(crate) fn are_alike(a: usize, b: usize) -> bool {
     a >= AS_WHOLE * b && b >= AS_WHOLE * a
 }
 
+/// The lift of a thing by an agent, out of the vessel that held it.
+fn picked_up(
+    key: Key,
+    at: &Sample,
+    agent: u32,
+    held_by: Option<(Parent, Relation)>,
+    confidence: f32,
+    evidence: String,
+) -> Vec<Happening> {
+    let mut lift =
+        vec![Happening::at(at, key, EventKind::PickedUp, Other::Agent(agent), confidence, evidence)];
+    if let Some((Some(vessel), Relation::In)) = held_by {
+        let evidence = "it lay in it before it was lifted".to_owned();
+        lift.push(Happening::at(at, key, EventKind::TakenOut, Other::Track(vessel), confidence, evidence));
+    }
+    lift
+}
+
 /// The push of a thing that was displaced without being lifted.
 fn pushed(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Option<Happening> {
     let (before, last) = (handling.before, track.last);
@@ -439,14 +473,31 @@ fn pushed(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Optio
 fn taken_unseen(track: &Track, before: Rest) -> Option<(u64, f64)> {
     // What the border cuts seems to move when a hand hides part of it.
     let is_far = (track.last.center - before.center).length() > CARRIED_M && !track.last.at_border;
-    let is_whole = track.last.px as f64 > AS_WHOLE * before.px as f64;
     let seen: Vec<&Sample> = track.since(before.frame).collect();
     let hidden_s = |pair: &&[&Sample]| pair[1].stamp_s - pair[0].stamp_s;
     let longest = seen.windows(2).max_by(|a, b| hidden_s(a).total_cmp(&hidden_s(b)))?;
     let hidden = longest[0].frame..longest[1].frame;
-    let last_seen = (longest[0].frame, longest[0].stamp_s);
-    let taken = track.gone_since.filter(|(frame, _)| hidden.contains(frame)).unwrap_or(last_seen);
+    let gone = track.gone_since.filter(|(frame, _)| hidden.contains(frame));
+    // What lies farther away or on another face than before shows fewer pixels.
+    let is_whole = gone.is_some() || track.last.px as f64 > AS_WHOLE * before.px as f64;
+    let taken = gone.map_or((longest[0].frame, longest[0].stamp_s), |gone| taken_at(longest[0], gone));
     (is_far && is_whole && hidden_s(&longest) > UNSEEN_S).then_some(taken)
+}
+
+/// Frame and time (s) at which a thing was taken that nobody saw taken: in the middle between when it was seen last and when its place was bare.
+fn taken_at(last_seen: &Sample, (bare, bare_s): (u64, f64)) -> (u64, f64) {
+    (u64::midpoint(last_seen.frame, bare), f64::midpoint(last_seen.stamp_s, bare_s))
+}
+
+/// The sample of a thing that was put down unseen after the frame `begun`: a hand carries it for most of the time for which it is not seen, then
+/// lets it go.
+fn put_down_at(first_seen: &Sample, track: &Track, begun: u64, pace: Pace) -> Sample {
+    let before = track.samples.iter().rev().find(|sample| sample.frame < first_seen.frame);
+    let is_unseen = before.is_some_and(|before| first_seen.stamp_s - before.stamp_s > UNSEEN_S);
+    let from = before.map_or(begun, |before| before.frame.max(begun));
+    let earlier = if is_unseen { first_seen.frame.saturating_sub(from) / LETS_GO } else { 0 };
+    let stamp_s = first_seen.stamp_s - earlier as f64 * pace.frame_s;
+    Sample { frame: first_seen.frame - earlier, stamp_s, ..*first_seen }
 }
 
 /// Whether a thing of a size (m) lies where it came to rest. While a hand hides part of it, its mean visible point tells less, and what its
@@ -471,7 +522,7 @@ fn put_down(key: Key, track: &mut Track, begun: u64, pace: Pace) -> Option<Happe
     let recent = track.samples.iter().rev();
     let moved = recent.clone().zip(recent.skip(1)).find(|(later, earlier)| is_up(later) && is_up(earlier));
     let down = moved.map_or(begun, |(sample, _)| sample.frame.max(begun)) + 1;
-    let at = track.since(down).next().copied().unwrap_or(track.last);
+    let at = put_down_at(track.since(down).next().unwrap_or(&track.last), track, begun, pace);
     let (kind, other) = match track.votes.winner() {
         Some((Some(vessel), Relation::In)) => (EventKind::PutIn, Other::Track(vessel)),
         Some((Some(below), _)) => (EventKind::PlacedOn, Other::Track(below)),

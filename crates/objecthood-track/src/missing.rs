@@ -17,6 +17,8 @@ const HIDDEN: f64 = 0.9;
 const HIDDEN_S: f64 = 0.1;
 /// It is not where it rested when so much of its place is bare (share of its pixels).
 const BARE: f64 = 0.5;
+/// An agent has what it hid when the place is bare, and the thing is seen nowhere, for so long (s): of what is pushed something is seen before.
+const TAKEN_S: f64 = 1.0;
 /// A thing is gone once it is not seen for so long (s).
 const GONE_S: f64 = 0.1;
 /// What leaves the image has gone so far (m) from where it rested: an arm that comes in hides what lies at the border bit by bit.
@@ -96,6 +98,9 @@ impl Memory {
         let is_known = track.rest.is_some() && !track.is_agent_part();
         if absence.bare > BARE && is_known {
             track.gone_since = track.gone_since.or(Some((self.frame, self.stamp_s)));
+        }
+        if let Some(since) = track.gone_since.filter(|(_, time_s)| self.stamp_s - time_s > TAKEN_S) {
+            self.happenings.take_unseen(key, track, since);
         }
         let from = match track.covered_since {
             _ if absence.hidden < HIDDEN => None,

@@ -362,6 +362,14 @@ impl Track {
         recent.filter_map(|sample| sample.reached_by).next()
     }
 
+    /// The agent that took it, if its place was found bare: the one that reached it in this time (s) before it was seen there last.
+    pub(crate) fn taken_by(&self, seconds: f64) -> Option<u32> {
+        let (gone, _) = self.gone_since?;
+        let mut before = self.samples.iter().rev().skip_while(|sample| sample.frame >= gone).peekable();
+        let since_s = before.peek()?.stamp_s - seconds;
+        before.take_while(|sample| sample.stamp_s >= since_s).find_map(|sample| sample.reached_by)
+    }
+
     /// Whether samples that were not analysed will soon be dropped, and the last ones are not amid a flight.
     pub(crate) fn forgets_soon(&self) -> bool {
         let is_amid_flight = || {
