@@ -246,7 +246,7 @@ impl Happenings {
     /// A thing that an agent hid is seen nowhere, and its place is bare since a frame and time (s): the agent has it.
     pub(crate) fn take_unseen(&mut self, key: Key, track: &mut Track, since: (u64, f64)) {
         let (Some(before), Some(agent)) = (track.rest, track.taken_by(REACHED_S)) else { return };
-        if self.is_handled(key) || track.last.at_border || track.is_open() {
+        if self.is_lifted(key) || track.last.at_border || track.is_open() {
             return;
         }
         let (begun, stamp_s) = taken_at(&track.last, since);
@@ -514,7 +514,8 @@ fn is_down(sample: &Sample, rest: &Sample, size_m: f64) -> bool {
 
 /// How a thing that was lifted after the frame `begun` came to rest, unless it was let fall.
 fn put_down(key: Key, track: &mut Track, begun: u64, pace: Pace) -> Option<Happening> {
-    if !track.is_still_for(STILL_S, pace.frame_s) || flew(track, begun) {
+    let is_seen = track.last.frame > begun;
+    if !is_seen || !track.is_still_for(STILL_S, pace.frame_s) || flew(track, begun) {
         return None;
     }
     // A hand that leaves may spoil a frame.

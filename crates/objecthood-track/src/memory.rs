@@ -135,7 +135,9 @@ impl Memory {
         self.agents.note_lifts(self.happenings.lifting());
         let rests = |key| {
             let track = self.tracks.get(&key);
-            track.is_some_and(|track| track.rests() && !track.is_doubted) && !self.happenings.is_handled(key)
+            let is_seen = |track: &Track| track.last.frame == self.frame;
+            track.is_some_and(|track| is_seen(track) && track.rests() && !track.is_doubted)
+                && !self.happenings.is_handled(key)
         };
         self.rested.learn(&self.scene.seen, view, &changed, rests);
         match self.has(Ingredient::Steadying) {

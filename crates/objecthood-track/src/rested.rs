@@ -89,7 +89,8 @@ impl Rested {
         }
     }
 
-    /// Takes in the frame: `seen` is the track at each pixel, `rests` whether one rests, and nobody handles it. O(n).
+    /// Takes in the frame: `seen` is the track at each pixel, `rests` whether one is seen and rests, and nobody handles it.
+    /// O(n).
     pub(crate) fn learn(&mut self, seen: &[Key], view: &View, changed: &Bits, rests: impl Fn(Key) -> bool) {
         let mut last = (0, false);
         let mut known = |key: Key| {

@@ -344,15 +344,15 @@ fn what_a_hand_holds_keeps_its_number() {
     }
 }
 
-/// A hand hides the whole thing, stays, takes it away and leaves it there. A regression: it was picked up when the hand hid it.
-#[test]
-fn what_a_hand_hides_is_picked_up_when_its_place_is_bare() {
+/// What is told when a hand hides the whole thing, from frame 44 on. `carried`: how far right and down the thing is in a frame, and how far the hand
+/// has withdrawn from it, in pixels.
+fn told_when_hidden(carried: impl Fn(i32) -> (i32, i32, i32)) -> Vec<(EventKind, u64)> {
     let mut tracker = Tracker::new(Params::default());
     let mut events = Vec::new();
     for number in 0..130_i32 {
-        let reach = 160 - (5 * (number - 12)).clamp(0, 160) + (5 * (number - 85)).clamp(0, 160);
-        let down = (3 * (number - 60)).clamp(0, 45);
-        let thing = Patch { top: THING.top + down, ..THING };
+        let (right, down, withdrawn) = carried(number);
+        let thing = Patch { left: THING.left + right, top: THING.top + down, ..THING };
+        let reach = 160 - (5 * (number - 12)).clamp(0, 160) + withdrawn;
         let (left, top) = (thing.left - 3 + reach, thing.top - 3);
         let hand = Patch { left, top, width: 200, height: 36, depth_m: 0.94, color: [40, 70, 190] };
         let (frame, found) = frame(&[thing, hand], &[0], number as u64);
@@ -360,11 +360,26 @@ fn what_a_hand_hides_is_picked_up_when_its_place_is_bare() {
         events.extend(tracked.events);
     }
     events.extend(tracker.finish());
-    let told: Vec<(EventKind, u64)> = events.iter().map(|event| (event.kind, event.frame)).collect();
+    events.iter().map(|event| (event.kind, event.frame)).collect()
+}
+
+/// A regression: it was picked up when the hand hid it.
+#[test]
+fn what_a_hand_hides_and_takes_is_picked_up_before_its_place_is_bare() {
+    let told =
+        told_when_hidden(|number| (0, (3 * (number - 60)).clamp(0, 45), (5 * (number - 85)).clamp(0, 160)));
     let [(EventKind::Occluded, 44), (EventKind::PickedUp, taken), (EventKind::PlacedOn, _)] = told[..] else {
         panic!("{told:?}")
     };
-    assert!((65..70).contains(&taken), "half of its place is bare in frame 66: {told:?}");
+    assert!((50..62).contains(&taken), "half of its place is bare in frame 66: {told:?}");
+}
+
+/// A regression: nothing was told of it.
+#[test]
+fn what_a_hand_takes_away_is_picked_up() {
+    let told = told_when_hidden(|number| ((4 * (number - 60)).clamp(0, 160), 0, 0));
+    let [(EventKind::Occluded, 44), (EventKind::PickedUp, taken)] = told[..] else { panic!("{told:?}") };
+    assert!((50..62).contains(&taken), "half of its place is bare in frame 65: {told:?}");
 }
 
 /// A gripper comes from the border, lifts the thing and is then seen as a whole. A regression: it became an object.
