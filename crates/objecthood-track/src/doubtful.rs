@@ -1,14 +1,16 @@
 //! Hypotheses that a frame alone takes for no objects, and that show a known thing: what a hand lifts stands on nothing.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use objecthood::{Observer, Output, Params};
 
-use crate::associate::{HOLDS, LEAST_IOU};
+use crate::associate::{HOLDS, LEAST_IOU, Overlap};
 use crate::memory::Memory;
 use crate::scene::Key;
+use crate::segment::is_looked_at;
+use crate::track::Track;
 
-/// The pixels of every hypothesis of a frame that is no object.
+/// Collects the pixels of each hypothesis that is not an object.
 pub(crate) struct Doubtful<'a> {
     params: &'a Params,
     pub(crate) hypotheses: Vec<Vec<usize>>,
@@ -33,7 +35,7 @@ impl Observer for Doubtful<'_> {
 
 impl Memory {
     /// Labels the hypotheses that show known things that move or are handled, counted on from `count`; gives the new count. A known thing is shown by the hypothesis that
-    /// overlaps most with where the thing should be seen, unless objects cover most of that. O(n) if there are hypotheses.
+    /// overlaps most with where the thing should be seen, unless objects cover most of that. O(n) if anything moves.
     pub(crate) fn recognise(
         &self,
         hypotheses: &[Vec<usize>],
@@ -41,45 +43,48 @@ impl Memory {
         labels: &mut [u16],
         mut count: usize,
     ) -> usize {
-        if hypotheses.is_empty() {
+        let is_away = |key: Key, track: &Track| self.happenings.is_handled(key) || track.is_moving;
+        let may_be =
+            |key: Key, track: &Track| track.is_known() && track.is_confirmed() && is_away(key, track);
+        let open = self.tracks.iter().filter(|&(&key, track)| may_be(key, track));
+        let mut expected: BTreeMap<Key, (usize, usize)> = open.map(|(&key, _)| (key, (0, 0))).collect();
+        if hypotheses.is_empty() || expected.is_empty() {
             return count;
         }
-        let mut expected: BTreeMap<Key, (usize, usize)> = BTreeMap::new();
-        for (&key, &label) in predicted.iter().zip(labels.iter()).filter(|&(&key, _)| key > 0) {
-            let (all, covered) = expected.entry(key).or_default();
-            *all += 1;
-            *covered += usize::from(label > 0);
-        }
-        let is_open = |key: Key, &(all, covered): &(usize, usize)| {
-            let track = self.tracks.get(&key);
-            let is_known = track.is_some_and(|track| track.is_known() && track.is_confirmed());
-            let is_away = self.happenings.is_handled(key) || track.is_some_and(|track| track.is_moving);
-            is_known && is_away && (covered as f64) < HOLDS * all as f64
-        };
-        expected.retain(|&key, counts| is_open(key, counts));
-        let mut best: BTreeMap<Key, (f64, usize)> = BTreeMap::new();
-        for (k, pixels) in hypotheses.iter().enumerate() {
-            let mut common: BTreeMap<Key, usize> = BTreeMap::new();
-            pixels.iter().for_each(|&pixel| *common.entry(predicted[pixel]).or_default() += 1);
-            for (key, common) in common {
-                let Some(&(all, _)) = expected.get(&key) else { continue };
-                let iou = common as f64 / (all + pixels.len() - common) as f64;
-                let known = best.entry(key).or_insert((LEAST_IOU, usize::MAX));
-                if iou > known.0 {
-                    *known = (iou, k);
-                }
+        for (key, &label) in predicted.iter().zip(labels.iter()) {
+            if let Some((all, covered)) = expected.get_mut(key) {
+                *all += 1;
+                *covered += usize::from(label > 0);
             }
         }
-        let mut shown: Vec<usize> =
-            best.into_values().filter(|&(_, k)| k < usize::MAX).map(|(_, k)| k).collect();
-        shown.sort_unstable();
-        shown.dedup();
+        expected.retain(|_, (all, covered)| (*covered as f64) < HOLDS * *all as f64);
+        let predicted_px = expected.iter().map(|(&key, &(all, _))| (key, all)).collect();
+        let mut overlap = Overlap { predicted: predicted_px, ..Overlap::default() };
+        for (k, pixels) in hypotheses.iter().enumerate() {
+            for key in pixels.iter().map(|&pixel| predicted[pixel]).filter(|key| expected.contains_key(key)) {
+                *overlap.common.entry((k, key)).or_default() += 1;
+            }
+        }
+        let mut best: BTreeMap<Key, (f64, usize)> = BTreeMap::new();
+        for &(k, key) in overlap.common.keys() {
+            let iou = overlap.iou(k, hypotheses[k].len(), key);
+            if iou > LEAST_IOU && best.get(&key).is_none_or(|&(known, _)| iou > known) {
+                best.insert(key, (iou, k));
+            }
+        }
+        let shown: BTreeSet<usize> = best.values().map(|&(_, k)| k).collect();
+        let width = self.scene.size().0;
         for k in shown.into_iter().take(usize::from(u16::MAX) - count) {
-            count += 1;
-            for &pixel in &hypotheses[k] {
-                if labels[pixel] == 0 {
-                    labels[pixel] = count as u16;
-                }
+            // What is predicted to show another thing is not taken from it.
+            let is_its_own = |key: Key| {
+                let is_part = self.tracks.get(&key).is_none_or(Track::is_agent_part);
+                is_part || best.get(&key).is_some_and(|&(_, other)| other == k)
+            };
+            let is_free = |&pixel: &usize| labels[pixel] == 0 && is_its_own(predicted[pixel]);
+            let free: Vec<usize> = hypotheses[k].iter().copied().filter(is_free).collect();
+            if free.iter().any(|&pixel| is_looked_at(pixel, width)) {
+                count += 1;
+                free.into_iter().for_each(|pixel| labels[pixel] = count as u16);
             }
         }
         count
@@ -90,7 +95,6 @@ impl Memory {
 mod tests {
     use super::*;
     use crate::segment::Segment;
-    use crate::track::Track;
 
     /// Rows of ten pixels, four of them with the thing 1; gives the labels after a hypothesis of these columns was looked at.
     fn labels(columns: std::ops::Range<usize>, is_moving: bool, object_columns: usize) -> Vec<u16> {

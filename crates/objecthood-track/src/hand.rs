@@ -12,8 +12,8 @@ use crate::view::View;
 /// Where a thing is expected, a colour has to be so many times as frequent in the hand as in the thing to be the hand's.
 const EXPECTED: f32 = 4.0;
 
-/// A segment is the hand's when more than this share of it has colours of the hand.
-const MOST: f64 = 0.5;
+/// A segment has few of the hand's colours when at most this share of it has any.
+const FEW: f64 = 0.5;
 
 /// The colours of the agents of a frame.
 pub(crate) struct HandColors<'a> {
@@ -43,9 +43,9 @@ impl<'a> HandColors<'a> {
         Self { view, region: region.clone(), look }
     }
 
-    /// Whether most of a segment has colours of the hand. Never without colour.
-    pub(crate) fn has_most(&self, look: &Look) -> bool {
-        look.share_of(&self.look).is_some_and(|share| share > MOST)
+    /// Whether a segment has few of the hand's colours. Never without colour.
+    pub(crate) fn has_few(&self, look: &Look) -> bool {
+        look.share_of(&self.look).is_some_and(|share| share <= FEW)
     }
 
     /// Whether a pixel that a segment gives to a known thing is the hand's. `is_expected`: whether the thing should be there.

@@ -14,7 +14,7 @@ use crate::tracked::{EventKind, Relation};
 use crate::vessel::Lay;
 
 /// Lifted: its lowest point rose by this (m), and its mean point by half of that.
-const LIFTED_M: f64 = 0.02;
+pub(crate) const LIFTED_M: f64 = 0.02;
 /// It stays where it is when this share of its pixels or more shows what rested there.
 const STAYS: f64 = 0.8;
 /// First moved, upwards (m).
@@ -35,8 +35,10 @@ pub(crate) const REACHED_S: f64 = 0.33;
 /// What a hand hid for so long (s), and which then rests so far away (m), was carried.
 const UNSEEN_S: f64 = 0.2;
 const CARRIED_M: f64 = 0.05;
-/// What is carried unseen is let go in the last one of so many parts of that time.
-const LETS_GO: u64 = 3;
+/// What is put down unseen is taken to be put down when one of so many parts of the unseen time is left.
+const UNSEEN_PARTS: u64 = 3;
+/// and no longer than this (s) before it is seen again.
+const UNSEEN_DOWN_S: f64 = 0.5;
 /// What rested so long (s) is not being pushed, even by an agent that still touches it.
 const UNTOUCHED_S: f64 = 0.6;
 /// In a hand: this share of its pixels or more belongs to an agent's region.
@@ -220,6 +222,9 @@ impl Happenings {
     /// The last word on a track: it is gone, or the video ends.
     pub(crate) fn close(&mut self, key: Key, track: &mut Track, pace: Pace) {
         self.fly(key, track);
+        if let Some(since) = track.gone_since.filter(|&(frame, _)| frame > track.last.frame) {
+            self.take_unseen(key, track, since);
+        }
         self.end(key, track, pace, true);
     }
 
@@ -246,7 +251,10 @@ impl Happenings {
     /// A thing that an agent hid is seen nowhere, and its place is bare since a frame and time (s): the agent has it.
     pub(crate) fn take_unseen(&mut self, key: Key, track: &mut Track, since: (u64, f64)) {
         let (Some(before), Some(agent)) = (track.rest, track.taken_by(REACHED_S)) else { return };
-        if self.is_lifted(key) || track.last.at_border || track.is_open() {
+        // What was pushed or fell away before it was hidden left its place by itself.
+        let was_low = track.last.bottom_m - before.bottom_m < LIFTED_M;
+        let went = track.is_away() && track.last.in_place < STAYS && was_low;
+        if self.is_lifted(key) || track.last.at_border || track.is_open() || went {
             return;
         }
         let (begun, stamp_s) = taken_at(&track.last, since);
@@ -353,10 +361,8 @@ impl Happenings {
                 Some(_) if !is_last_word && !track.is_still_for(STILL_S, pace.frame_s) => return,
                 Some((frame, stamp_s)) => {
                     let evidence = "a hand hid it, and it rests elsewhere now".to_owned();
-                    let other = Other::Agent(handling.agent);
-                    let kind = EventKind::PickedUp;
                     let taken = Sample { frame, stamp_s, ..track.last };
-                    self.told.push(Happening::at(&taken, key, kind, other, 0.6, evidence));
+                    self.told.extend(picked_up(key, &taken, handling.agent, handling.held_by, 0.6, evidence));
                     self.told.extend(put_down(key, track, frame, pace));
                     track.lay = Some(Lay::after_handling(track, flew(track, frame)));
                 }
@@ -469,7 +475,8 @@ fn pushed(key: Key, track: &mut Track, handling: &Handling, pace: Pace) -> Optio
     Some(Happening::at(&first, key, EventKind::Pushed, other, 0.8, evidence))
 }
 
-/// When a thing that was hidden for long, and is elsewhere now, was taken: its place was bare, or else it was last seen there.
+/// Frame and time (s) at which a thing that was hidden, and is far away now, was taken: midway between when it was seen last and when its place
+/// was bare; if nobody saw its place bare, when it was seen last. `None` if it was not taken.
 fn taken_unseen(track: &Track, before: Rest) -> Option<(u64, f64)> {
     // What the border cuts seems to move when a hand hides part of it.
     let is_far = (track.last.center - before.center).length() > CARRIED_M && !track.last.at_border;
@@ -489,14 +496,17 @@ fn taken_at(last_seen: &Sample, (bare, bare_s): (u64, f64)) -> (u64, f64) {
     (u64::midpoint(last_seen.frame, bare), f64::midpoint(last_seen.stamp_s, bare_s))
 }
 
-/// The sample of a thing that was put down unseen after the frame `begun`: a hand carries it for most of the time for which it is not seen, then
-/// lets it go.
+/// The sample at which a thing was put down after the frame `begun`: the one that shows it first, moved back by a third of the time for which it was
+/// not seen before: a hand carries a thing, then lets it go.
 fn put_down_at(first_seen: &Sample, track: &Track, begun: u64, pace: Pace) -> Sample {
     let before = track.samples.iter().rev().find(|sample| sample.frame < first_seen.frame);
-    let is_unseen = before.is_some_and(|before| first_seen.stamp_s - before.stamp_s > UNSEEN_S);
-    let from = before.map_or(begun, |before| before.frame.max(begun));
-    let earlier = if is_unseen { first_seen.frame.saturating_sub(from) / LETS_GO } else { 0 };
-    let stamp_s = first_seen.stamp_s - earlier as f64 * pace.frame_s;
+    let Some(before) = before.filter(|before| first_seen.stamp_s - before.stamp_s > UNSEEN_S) else {
+        return *first_seen;
+    };
+    let unseen = first_seen.frame - before.frame.max(begun).min(first_seen.frame);
+    let earlier = (unseen / UNSEEN_PARTS).min(pace.frames(UNSEEN_DOWN_S) as u64);
+    let frame_s = (first_seen.stamp_s - before.stamp_s) / (first_seen.frame - before.frame) as f64;
+    let stamp_s = first_seen.stamp_s - earlier as f64 * frame_s;
     Sample { frame: first_seen.frame - earlier, stamp_s, ..*first_seen }
 }
 

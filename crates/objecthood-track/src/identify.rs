@@ -7,7 +7,7 @@ use objecthood::Discovery;
 use crate::associate::{Overlap, by_overlap, find_again};
 use crate::bits::Bits;
 use crate::camera::Place;
-use crate::hand::HandColors;
+use crate::face::unite;
 use crate::ingredient::Ingredient;
 use crate::memory::{Look, Memory};
 use crate::rested::Beside;
@@ -23,11 +23,6 @@ const IN_PLACE: f64 = 0.8;
 const BESIDE_PX: f64 = 16.0;
 /// What came off a thing has its colours in this share of its pixels.
 const LEAST_OF_ITS_COLORS: f64 = 0.5;
-
-/// Another view of a thing is larger by this factor at most: a cube shows its diagonal.
-const OTHER_FACE: f64 = 1.73;
-/// The middles of two of its faces are so far apart at most, in sizes (the root of its visible area): it may be four times as long as wide.
-const BESIDE_IT: f64 = 2.0;
 
 impl Memory {
     /// Which track each segment shows; writes the tracks that are seen to the scene. `doubtful`: the pixels of hypotheses that are no objects.
@@ -72,11 +67,11 @@ impl Memory {
         let is_part = |k: usize| cut.contains_key(&k) || moved.contains_key(&k) || inside.contains_key(&k);
         let is_unknown = |&k: &usize| tracks_of[k].is_none() && segments[k].of_agent > 0.5 && !is_part(k);
         let unknown: Vec<usize> = (0..segments.len()).filter(is_unknown).filter(|_| finds).collect();
-        let in_hands = self.in_hands(&unknown, &segments, (view, predicted), &tracks_of);
+        let faces = self.other_faces(&unknown, &segments, &labels, (view, predicted), &tracks_of);
         for (k, segment) in segments.iter().enumerate() {
-            let whole = tracks_of[k]
-                .or_else(|| in_hands.get(&k).copied())
-                .or_else(|| self.fragment_of(k, segment, &overlap, &tracks_of));
+            let face = || faces.get(&k).and_then(|&known| tracks_of[known]);
+            let whole =
+                tracks_of[k].or_else(face).or_else(|| self.fragment_of(k, segment, &overlap, &tracks_of));
             keys.push(whole.unwrap_or_else(|| {
                 fresh.push((k, self.next));
                 self.next += 1;
@@ -88,7 +83,6 @@ impl Memory {
             let sample = self.sample(&segments[k], &[]);
             let mut track = Track::new(&segments[k], sample, self.frame == 0);
             track.is_doubted = self.was_no_thing(k, &segments[k], &labels, view);
-            track.was_doubted = track.is_doubted;
             track.inside_of = inside.get(&k).copied();
             track.came_off =
                 if track.inside_of.is_none() { self.came_off(k, &segments[k], &overlap) } else { None };
@@ -102,7 +96,8 @@ impl Memory {
         for (k, whole) in cut.into_iter().chain(moved) {
             self.move_off(keys[k], whole);
         }
-        self.unite(&mut labels, &mut segments, (&keys, &in_hands), (view, changed, &place));
+        let measure = Measure { view, changed, scene: &self.scene, agents: &self.agents, place: &place };
+        unite(&faces, (&mut labels, &mut segments, &mut overlap), &measure);
         let mut look = Look { found, labels, view, changed, place, segments, keys };
         self.settle_doubts(&look);
         self.write_seen(&mut look, predicted, &overlap);
@@ -124,6 +119,7 @@ impl Memory {
             let is_in_place = look.segments[k].in_place > IN_PLACE;
             self.tracks.entry(look.keys[k]).and_modify(|track| {
                 track.is_doubted = is_beside && is_in_place && !track.is_moving;
+                track.was_doubted |= track.is_doubted;
             });
         }
     }
@@ -200,51 +196,6 @@ impl Memory {
         let is_behind_agent = track.rest.is_some() && track.rests() && track.last.reached_by.is_some();
         let is_as_before = track.is_left_alone() && segment.changed < RESTING_CHANGE && track.oneness.holds();
         (is_part && is_seen && (is_behind_agent || is_as_before)).then_some(key)
-    }
-
-    /// Segments without a track that show another face of a thing that an agent carries: they have not the hand's colours, and are beside the
-    /// segment that shows it; both together are not much larger than it. O(n) if there may be any.
-    fn in_hands(
-        &self,
-        unknown: &[usize],
-        segments: &[Segment],
-        (view, predicted): (&View, &[Key]),
-        tracks_of: &[Option<Key>],
-    ) -> BTreeMap<usize, Key> {
-        let shown = |key: Key| tracks_of.iter().position(|&known| known == Some(key));
-        let carried: Vec<(Key, usize)> =
-            self.happenings.carried().filter_map(|(key, _)| Some((key, shown(key)?))).collect();
-        if carried.is_empty() || unknown.is_empty() {
-            return BTreeMap::new();
-        }
-        let hand = HandColors::of(view, predicted, &self.agents.region, &self.tracks);
-        let shows = |segment: &Segment, (key, known): (Key, usize)| {
-            let (track, known) = (self.tracks.get(&key)?, &segments[known]);
-            let is_beside = (segment.center - known.center).length() < BESIDE_IT * track.area_m2.sqrt();
-            let fits = segment.area_m2 + known.area_m2 <= OTHER_FACE * track.area_m2;
-            (!hand.has_most(&segment.look) && is_beside && fits).then_some(key)
-        };
-        let whole =
-            |k: usize| carried.iter().find_map(|&thing| shows(&segments[k], thing)).map(|key| (k, key));
-        unknown.iter().filter_map(|&k| whole(k)).collect()
-    }
-
-    /// The faces of a thing in a hand become one segment with the one that shows it already. O(n) if there are any.
-    fn unite(
-        &self,
-        labels: &mut [u16],
-        segments: &mut [Segment],
-        (keys, in_hands): (&[Key], &BTreeMap<usize, Key>),
-        (view, changed, place): (&View, &Bits, &Place),
-    ) {
-        let measure = Measure { view, changed, scene: &self.scene, agents: &self.agents, place };
-        for (&face, key) in in_hands {
-            let shows = |&k: &usize| keys[k] == *key && !in_hands.contains_key(&k);
-            let Some(known) = (0..keys.len()).find(shows) else { continue };
-            let (face_label, label) = (face as u16 + 1, known as u16 + 1);
-            labels.iter_mut().filter(|at| **at == face_label).for_each(|at| *at = label);
-            segments[known] = measure.segment(&pixels_by_label(labels, view.size, segments.len())[known]);
-        }
     }
 
     /// Whether a fresh segment shows what was there before, where no thing rested. O(n) if it does not move.

@@ -28,6 +28,7 @@
 //! | `doubtful.rs` | hypotheses that a frame alone takes for no objects, and that show known things |
 //! | `uncover.rs` | what comes out from behind a hand beside a known thing, and that a frame takes for one with it |
 //! | `moved_part.rs` | the part of a thing that is moved, such as a lid, and what stays |
+//! | `face.rs` | another face of a thing in a hand |
 //! | `hand.rs` | what belongs to a hand rather than to the thing that it holds, by colour |
 //! | `seen.rs` | which track is seen at each pixel; known things that no segment shows are held |
 //! | `observe.rs`, `missing.rs` | tracks that are seen, and tracks that are not |
@@ -52,6 +53,7 @@ mod bits;
 mod camera;
 mod doubtful;
 mod error;
+mod face;
 mod field;
 mod flight;
 mod hand;

@@ -173,7 +173,8 @@ impl Memory {
             if shown.contains(&key) {
                 return false;
             }
-            let away_s = now_s - track.last.stamp_s;
+            let gone_s = track.gone_since.map_or(track.last.stamp_s, |(_, gone_s)| gone_s);
+            let away_s = now_s - gone_s.max(track.last.stamp_s);
             match track.is_confirmed() {
                 true => away_s > if track.is_covered { FORGET_S } else { MEMORY_S },
                 false => away_s > YOUNG_MEMORY_FRAMES * frame_s,

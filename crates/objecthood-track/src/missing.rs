@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::happening::{Happening, Other};
+use crate::happening::{Happening, LIFTED_M, Other};
 use crate::memory::{Look, Memory};
 use crate::rested::Remains;
 use crate::scene::Key;
@@ -17,7 +17,7 @@ const HIDDEN: f64 = 0.9;
 const HIDDEN_S: f64 = 0.1;
 /// It is not where it rested when so much of its place is bare (share of its pixels).
 const BARE: f64 = 0.5;
-/// An agent has what it hid when the place is bare, and the thing is seen nowhere, for so long (s): of what is pushed something is seen before.
+/// An agent is said to have what it hid once the place is bare, and the thing unseen, for so long (s). What is pushed is seen again sooner.
 const TAKEN_S: f64 = 1.0;
 /// A thing is gone once it is not seen for so long (s).
 const GONE_S: f64 = 0.1;
@@ -40,7 +40,7 @@ struct Absence {
     by: Other,
     /// Share of where it rested that something nearer hides.
     hidden: f64,
-    /// Share of where it rested at which it is gone.
+    /// Share of where it rested at which something farther is seen now.
     bare: f64,
 }
 
@@ -96,11 +96,16 @@ impl Memory {
             evidence: evidence.to_owned(),
         };
         let is_known = track.rest.is_some() && !track.is_agent_part();
-        if absence.bare > BARE && is_known {
-            track.gone_since = track.gone_since.or(Some((self.frame, self.stamp_s)));
+        let was_raised = track.rest.is_some_and(|rest| track.last.bottom_m - rest.bottom_m > LIFTED_M);
+        if track.gone_since.is_some_and(|(frame, _)| frame <= track.last.frame) && !was_raised {
+            // It was seen again since, and not in a hand.
+            track.gone_since = None;
         }
-        if let Some(since) = track.gone_since.filter(|(_, time_s)| self.stamp_s - time_s > TAKEN_S) {
-            self.happenings.take_unseen(key, track, since);
+        if absence.bare > BARE && is_known && !is_carried {
+            let &mut (frame, time_s) = track.gone_since.get_or_insert((self.frame, self.stamp_s));
+            if self.stamp_s - time_s > TAKEN_S {
+                self.happenings.take_unseen(key, track, (frame, time_s));
+            }
         }
         let from = match track.covered_since {
             _ if absence.hidden < HIDDEN => None,

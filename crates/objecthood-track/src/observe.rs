@@ -14,6 +14,8 @@ use crate::tracked::Relation;
 
 /// An agent reaches what is this close to it (px at VGA size).
 const REACH_PX: f64 = 6.0;
+/// What was carried is so far away (m).
+const CARRIED_M: f64 = 0.05;
 /// What goes with what carries it was moved at most this much (m) farther.
 const WITH_IT_M: f64 = 0.015;
 /// The foot of a thing is at a surface that is this close (m).
@@ -98,7 +100,11 @@ impl Memory {
         let goes_with = |track: &Track, below: &Track| moved_m(track) < moved_m(below) + WITH_IT_M;
         let is_carried = |track: &Track| match track.votes.winner() {
             Some((Some(below), _)) => self.tracks.get(&below).is_some_and(|carrier| {
-                (carrier.is_moving || self.happenings.is_handled(below)) && goes_with(track, carrier)
+                // What was hidden in it when it was moved went with it.
+                let then = carrier.since(track.last.frame).next();
+                let went_m = then.map_or(0.0, |then| (carrier.last.center - then.center).length());
+                let moves = carrier.is_moving || self.happenings.is_handled(below);
+                (moves || went_m > CARRIED_M) && goes_with(track, carrier)
             }),
             _ => false,
         };

@@ -153,19 +153,20 @@ impl Rested {
                 of.hidden += 1;
                 continue;
             }
-            of.bare += usize::from(is > 0.0 && depth > THERE_M);
+            let beside = self.at(pixel, look.view).map(|(_, beside)| beside);
+            of.bare += usize::from(beside == Some(Beside::Behind));
             if let (Some(&floor), Some(point)) = (floors.get(&key), look.view.point(pixel))
                 && look.place.height_m(point) > floor
             {
                 let (u, v) = (pixel % self.size.0, pixel / self.size.0);
                 // What is pushed away from the camera is behind where it was too, but moves.
-                match self.at(pixel, look.view).filter(|_| !look.changed.has(pixel)) {
-                    Some((_, Beside::There)) => {
+                match beside.filter(|_| !look.changed.has(pixel)) {
+                    Some(Beside::There) => {
                         of.stays += 1;
                         rows.add(key, v, u);
                         columns.add(key, u, v);
                     }
-                    Some((_, Beside::Behind)) => behind.push((key, u, v)),
+                    Some(Beside::Behind) => behind.push((key, u, v)),
                     _ => {}
                 }
             }

@@ -150,7 +150,7 @@ pub(crate) struct Track {
     /// Frame and time (s) since when something hides where it rested.
     pub(crate) covered_since: Option<(u64, f64)>,
     pub(crate) told_hidden: bool,
-    /// Frame and time (s) since when its place is bare and it is seen nowhere else.
+    /// Frame and time (s) when its place was first found bare while it was not seen. Kept until it rests again.
     pub(crate) gone_since: Option<(u64, f64)>,
     /// Frame and time (s) since when its inside is seen.
     pub(crate) ajar_since: Option<(u64, f64)>,
@@ -161,7 +161,7 @@ pub(crate) struct Track {
     pub(crate) analysed_to: u64,
     /// Whether it was in view before as no thing, and is one only since an agent hides what is beside it.
     pub(crate) is_doubted: bool,
-    /// Whether it was doubted when it was first seen.
+    /// Whether that was so in any frame.
     pub(crate) was_doubted: bool,
     /// The track with which it was one until it was first seen.
     pub(crate) came_off: Option<u32>,
@@ -307,7 +307,7 @@ impl Track {
         self.rest_s > 0.0 && self.last.reached_by.is_none()
     }
 
-    /// Whether it was in view as no thing before, and was not seen to be one.
+    /// Whether its surface was in view before it was a track, and nothing was seen to happen to it: it is likely part of the room.
     pub(crate) fn is_scenery(&self) -> bool {
         self.was_doubted && self.seen_to.is_empty()
     }

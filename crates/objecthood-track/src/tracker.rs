@@ -60,18 +60,18 @@ impl Tracker {
     pub fn update(&mut self, frame: &Frame, stamp_s: f64, pose: Option<Rigid>) -> Result<Tracked> {
         let mut pipeline = std::mem::take(&mut self.pipeline);
         let known = frame.clone().with_estimates(self.estimates);
-        let params = self.params.clone();
-        let mut doubtful = Doubtful::new(&params);
-        let found = pipeline.discover_observed(&known, &params, &mut doubtful);
+        let mut doubtful = Doubtful::new(&self.params);
+        let found = pipeline.discover_observed(&known, &self.params, &mut doubtful);
+        let hypotheses = doubtful.hypotheses;
         let tracked = found.map_err(Into::into).and_then(|found| {
             self.estimates = found.estimates.or(self.estimates);
-            self.follow(frame, (found, &doubtful.hypotheses), stamp_s, pose)
+            self.follow(frame, (found, &hypotheses), stamp_s, pose)
         });
         self.pipeline = pipeline;
         tracked
     }
 
-    /// As [`Self::update`], with objects that were found by anyone.
+    /// As [`Self::update`], with objects that were found by anyone. Known things are not looked for among hypotheses that are no objects.
     ///
     /// # Errors
     /// [`Error::Stamp`](crate::Error::Stamp) when the stamp does not rise, [`Error::Size`](crate::Error::Size) when the labels have another size than the
