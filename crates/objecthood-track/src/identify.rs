@@ -83,6 +83,7 @@ impl Memory {
             let sample = self.sample(&segments[k], &[]);
             let mut track = Track::new(&segments[k], sample, self.frame == 0);
             track.is_doubted = self.was_no_thing(k, &segments[k], &labels, view);
+            track.was_doubted = track.is_doubted && !self.agents.all.is_empty();
             track.inside_of = inside.get(&k).copied();
             track.came_off =
                 if track.inside_of.is_none() { self.came_off(k, &segments[k], &overlap) } else { None };
@@ -119,7 +120,6 @@ impl Memory {
             let is_in_place = look.segments[k].in_place > IN_PLACE;
             self.tracks.entry(look.keys[k]).and_modify(|track| {
                 track.is_doubted = is_beside && is_in_place && !track.is_moving;
-                track.was_doubted |= track.is_doubted;
             });
         }
     }

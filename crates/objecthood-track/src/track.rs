@@ -161,7 +161,7 @@ pub(crate) struct Track {
     pub(crate) analysed_to: u64,
     /// Whether it was in view before as no thing, and is one only since an agent hides what is beside it.
     pub(crate) is_doubted: bool,
-    /// Whether that was so in any frame.
+    /// Whether it was first seen as what was in view before as no thing, while an agent, or what may be one, was in view.
     pub(crate) was_doubted: bool,
     /// The track with which it was one until it was first seen.
     pub(crate) came_off: Option<u32>,
