@@ -12,7 +12,7 @@ use crate::track::Track;
 
 /// Least overlap (intersection over union) of a hypothesis with where a thing should be seen. More than of an object: a ball in a cup is part of
 /// where the cup should be.
-const LEAST_IOU: f64 = 0.5;
+const RECOGNISED_IOU: f64 = 0.5;
 
 /// Collects the pixels of each hypothesis that is not an object.
 pub(crate) struct Doubtful<'a> {
@@ -38,8 +38,8 @@ impl Observer for Doubtful<'_> {
 }
 
 impl Memory {
-    /// Labels the hypotheses that show known things that move or are handled, counted on from `count`; gives the new count. A known thing is shown by the hypothesis that
-    /// overlaps most with where the thing should be seen, unless objects cover most of that. O(n) if anything moves.
+    /// Labels the hypotheses that show known things which move or are handled. Labels go on from `count`; gives the new count. A thing is shown by
+    /// the hypothesis that overlaps most with where it should be seen, unless objects cover most of that. O(n) if anything moves.
     pub(crate) fn recognise(
         &self,
         hypotheses: &[Vec<usize>],
@@ -72,7 +72,7 @@ impl Memory {
         let mut best: BTreeMap<Key, (f64, usize)> = BTreeMap::new();
         for &(k, key) in overlap.common.keys() {
             let iou = overlap.iou(k, hypotheses[k].len(), key);
-            if iou > LEAST_IOU && best.get(&key).is_none_or(|&(known, _)| iou > known) {
+            if iou > RECOGNISED_IOU && best.get(&key).is_none_or(|&(known, _)| iou > known) {
                 best.insert(key, (iou, k));
             }
         }

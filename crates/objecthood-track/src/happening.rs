@@ -34,7 +34,7 @@ const AS_WHOLE: f64 = 0.75;
 pub(crate) const REACHED_S: f64 = 0.33;
 /// What a hand hid for so long (s), and which then rests so far away (m), was carried.
 const UNSEEN_S: f64 = 0.2;
-const CARRIED_M: f64 = 0.05;
+pub(crate) const CARRIED_M: f64 = 0.05;
 /// What is put down unseen is taken to be put down when one of so many parts of the unseen time is left.
 const UNSEEN_PARTS: u64 = 3;
 /// and no longer than this (s) before it is seen again.

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec3;
 
 use crate::bits::Bits;
+use crate::happening::CARRIED_M;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::segment::Segment;
@@ -14,8 +15,6 @@ use crate::tracked::Relation;
 
 /// An agent reaches what is this close to it (px at VGA size).
 const REACH_PX: f64 = 6.0;
-/// What was carried is so far away (m).
-const CARRIED_M: f64 = 0.05;
 /// What goes with what carries it was moved at most this much (m) farther.
 const WITH_IT_M: f64 = 0.015;
 /// The foot of a thing is at a surface that is this close (m).
