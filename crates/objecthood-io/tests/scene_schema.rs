@@ -165,6 +165,10 @@ fn joins() -> Vec<(JoinEvidence, Value)> {
             JoinEvidence::VesselRim { rim },
             json!({"kind": "vessel_rim", "rim_radius_m": 0.06, "rim_residual_m": 0.002}),
         ),
+        (
+            JoinEvidence::VesselTurned { radius_m: 0.07, covered: 0.75 },
+            json!({"kind": "vessel_turned", "radius_m": 0.07, "covered": 0.75}),
+        ),
         (JoinEvidence::OpenBox { enclosed_share: 0.75 }, json!({"kind": "open_box", "enclosed_share": 0.75})),
         (
             JoinEvidence::VesselBottom { contact_share: 0.9375 },

@@ -83,6 +83,7 @@ fn kind(decision: &Decision) -> Option<Kind> {
                 | Rule::VesselWall
                 | Rule::VesselRim
                 | Rule::VesselRemainder
+                | Rule::VesselTurned
                 | Rule::OpenBox
                 | Rule::BoxWalls
                 | Rule::VesselBottom,

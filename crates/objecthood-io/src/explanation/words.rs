@@ -35,6 +35,7 @@ pub(super) fn reason(reason: Reason) -> &'static str {
         Reason::Rule(Rule::VesselWall) => "the inside of a vessel and the wall before it",
         Reason::Rule(Rule::VesselRim) => "within the rim of a vessel",
         Reason::Rule(Rule::VesselRemainder) => "a remainder of a vessel",
+        Reason::Rule(Rule::VesselTurned) => "pieces of one round vessel",
         Reason::Rule(Rule::BoxWalls) => "the walls of a box",
         Reason::Rule(Rule::OpenBox) => "the walls and the bottom of an open box",
         Reason::Rule(Rule::VesselBottom) => "the bottom of a vessel",

@@ -143,6 +143,15 @@ pub enum JoinEvidence {
         #[schemars(range(min = 0))]
         rim_residual_m: f64,
     },
+    /// Pieces of one round vessel, whose surface turns about an upright axis.
+    VesselTurned {
+        /// Radius of the surface (m).
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        radius_m: f64,
+        /// Share of the circle about its axis on which the pieces lie.
+        #[schemars(range(min = 0, max = 1))]
+        covered: f64,
+    },
     /// The bottom of a plate or bowl, which lies as low as the table.
     VesselBottom {
         /// Share of its border that touches the vessel without a step, but for what stands on it.
@@ -252,6 +261,9 @@ impl From<discovery::JoinEvidence> for JoinEvidence {
             },
             discovery::JoinEvidence::VesselRim { rim } => {
                 Self::VesselRim { rim_radius_m: rim.radius_m, rim_residual_m: rim.residual_m }
+            }
+            discovery::JoinEvidence::VesselTurned { radius_m, covered } => {
+                Self::VesselTurned { radius_m, covered }
             }
             discovery::JoinEvidence::VesselBottom { contact_share } => Self::VesselBottom { contact_share },
             discovery::JoinEvidence::OpenBox { enclosed_share } => Self::OpenBox { enclosed_share },

@@ -8,6 +8,7 @@ use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::scene::Scene;
 use crate::discovery::join::RimCircle;
+use crate::linear::length;
 use crate::oversegment::structure::StructureSurface;
 use crate::regions::SegmentId;
 use crate::tangents::tangents;
@@ -35,7 +36,7 @@ const BULGE_M: f64 = 0.012;
 const BULGE_SHARE: f64 = 0.12;
 
 /// The foot of a point on the support plane: its coordinates (m) along the plane's tangents.
-fn foot_m(scene: &Scene<'_>, i: u32, support: &StructureSurface) -> [f64; 2] {
+pub(crate) fn foot_m(scene: &Scene<'_>, i: u32, support: &StructureSurface) -> [f64; 2] {
     let point = Vec3::from(scene.points_m[i as usize]).as_dvec3();
     tangents(support.normal).map(|t| t.dot(point))
 }
@@ -118,38 +119,50 @@ impl FeetMoments {
         let y_center = (yr * xx - xr * xy) / (2.0 * determinant);
         let radius_m = (x_center * x_center + y_center * y_center + (xx + yy) / n).sqrt();
 
-        let mut held = [0_usize; SECTORS];
-        let mut squared_error = 0.0;
-        for [x, y] in self.about_mean(feet_m) {
-            let (x, y) = (x - x_center, y - y_center);
-            let off_m = (x * x + y * y).sqrt() - radius_m;
-            squared_error += off_m * off_m;
-            let turn = (libm::atan2(y, x) + PI) / TAU;
-            held[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] += 1;
-        }
-        let least_hold = LEAST_HOLD.max(feet_m.len() / POINTS_PER_HOLD);
-        let covered = held.iter().filter(|&&points| points >= least_hold).count();
+        let from_center = || self.about_mean(feet_m).map(|[x, y]| [x - x_center, y - y_center]);
+        let squared_error: f64 = from_center().map(|offset| (length(offset) - radius_m).powi(2)).sum();
         RimCircle {
             center_m: [mean[0] + x_center, mean[1] + y_center],
             radius_m,
             residual_m: (squared_error / n).sqrt(),
-            covered: covered as f64 / SECTORS as f64,
+            covered: measure_covered(from_center()),
         }
     }
+}
+
+/// The share of a circle's sectors that hold points; `from_center`: the points, from its centre (m). O(points).
+pub(crate) fn measure_covered(from_center: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let mut held = [0_usize; SECTORS];
+    let mut count = 0;
+    for [x, y] in from_center {
+        let turn = (libm::atan2(y, x) + PI) / TAU;
+        held[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] += 1;
+        count += 1;
+    }
+    let least_hold = LEAST_HOLD.max(count / POINTS_PER_HOLD);
+    held.iter().filter(|&&points| points >= least_hold).count() as f64 / SECTORS as f64
 }
 
 /// Checks that a circle can be the rim of a vessel.
 pub(crate) fn check_circle(circle: &RimCircle) -> [Check; 4] {
     let &RimCircle { radius_m, residual_m, covered, .. } = circle;
-    let radius = |bound, limit_m| Check::new("radius of the rim", "m", radius_m, bound, limit_m);
+    let [low, high] = check_radius("radius of the rim", radius_m);
     let residual_limit_m = RESIDUAL_M.max(RESIDUAL_SHARE * radius_m);
-    let least_covered = LEAST_SECTORS as f64 / SECTORS as f64;
-    [
-        radius(Bound::AtLeast, RADIUS_M.start),
-        radius(Bound::Below, RADIUS_M.end),
-        Check::new("distance of the rim from a circle", "m", residual_m, Bound::Below, residual_limit_m),
-        Check::new("share of the circle that is seen", "", covered, Bound::AtLeast, least_covered),
-    ]
+    let residual =
+        Check::new("distance of the rim from a circle", "m", residual_m, Bound::Below, residual_limit_m);
+    [low, high, residual, check_covered(covered)]
+}
+
+/// Checks that a radius is that of a vessel that a hand can hold.
+pub(crate) fn check_radius(what: &'static str, radius_m: f64) -> [Check; 2] {
+    let radius = |bound, limit_m| Check::new(what, "m", radius_m, bound, limit_m);
+    [radius(Bound::AtLeast, RADIUS_M.start), radius(Bound::Below, RADIUS_M.end)]
+}
+
+/// Checks that more than half of a circle is seen: from outside, a camera sees less of a solid thing.
+pub(crate) fn check_covered(covered: f64) -> Check {
+    let least = LEAST_SECTORS as f64 / SECTORS as f64;
+    Check::new("share of the circle that is seen", "", covered, Bound::AtLeast, least)
 }
 
 /// The share of a cluster's pixels that stand within the circle or hardly outside, from every third pixel.

@@ -1,19 +1,22 @@
 //! Vessels: joins the inside and the wall of a cup or bowl to one cluster (docs/CONTEXT.md 4.4).
 //!
 //! A camera sees the far part of a vessel's inside and the near part of its wall. Between them is a step in depth at the rim, so no
-//! convex border joins the two. Five rules join them:
+//! convex border joins the two. Six rules join them:
 //!
 //! 1. [`insides`]: concave pieces that touch are one inside.
 //! 2. [`walls`]: an inside and the wall in front of it, equally high, are one vessel.
 //! 3. [`remainders`]: a small cluster that touches hardly anything but a vessel belongs to it.
-//! 4. [`boxes`]: upright walls of equal height around a patch of the support are an open box.
-//! 5. [`panels`]: thin upright panels of equal height that meet or face each other are the walls of a box. It comes before rule 4.
+//! 4. [`turned`]: pieces of one surface of revolution that things in it part are one vessel.
+//! 5. [`boxes`]: upright walls of equal height around a patch of the support are an open box.
+//! 6. [`panels`]: thin upright panels of equal height that meet or face each other are the walls of a box. It comes before rule 5.
 
 mod boxes;
 mod insides;
 mod limits;
 mod panels;
 mod remainders;
+mod revolution;
+mod turned;
 mod walls;
 
 use std::collections::BTreeSet;
@@ -23,6 +26,7 @@ use self::insides::join_insides;
 use self::limits::Limits;
 use self::panels::join_panels;
 use self::remainders::join_remainder;
+use self::turned::join_turned;
 use self::walls::join_wall;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::Miss;
@@ -30,7 +34,7 @@ use crate::params;
 
 /// Most joins of the first rule in one frame.
 const INSIDE_MERGES: usize = 6;
-/// Most joins of the second rule in one frame, most of the third, and most of the fourth.
+/// Most joins of each rule from the second to the fifth in one frame.
 const MERGES: usize = 12;
 
 /// Joins the parts of vessels. Does nothing without a support surface or with `concavity` 0.
@@ -42,6 +46,7 @@ pub(crate) fn join_vessels(clusters: &mut Clusters<'_>, params: &params::Vessels
     repeat(clusters, INSIDE_MERGES, |clusters, misses| join_insides(clusters, limits, misses));
     repeat(clusters, MERGES, |clusters, misses| join_wall(clusters, limits, &mut vessels, misses));
     repeat(clusters, MERGES, |clusters, misses| join_remainder(clusters, limits, &vessels, misses));
+    repeat(clusters, MERGES, |clusters, misses| join_turned(clusters, limits, misses));
     join_panels(clusters, limits);
     repeat(clusters, MERGES, |clusters, misses| join_box(clusters, limits, misses));
 }

@@ -47,6 +47,13 @@ pub enum JoinEvidence {
         /// The circle.
         rim: RimCircle,
     },
+    /// Two pieces of one surface of revolution about up (docs/CONTEXT.md 4.4.6).
+    VesselTurned {
+        /// Radius of the surface (m).
+        radius_m: f64,
+        /// Share of the circle about its axis on which the pieces lie.
+        covered: f64,
+    },
     /// The bottom of a plate or bowl, which lies as low as the table (ours).
     VesselBottom {
         /// Share of its border that touches the vessel without a step, but for what stands on it.

@@ -153,6 +153,7 @@ impl Explainer {
                         | Rule::VesselWall
                         | Rule::VesselRim
                         | Rule::VesselRemainder
+                        | Rule::VesselTurned
                         | Rule::OpenBox
                         | Rule::BoxWalls
                         | Rule::VesselBottom

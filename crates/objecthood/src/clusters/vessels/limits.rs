@@ -9,6 +9,9 @@ use crate::oversegment::structure::StructureSurface;
 use crate::params;
 use crate::regions::SegmentId;
 
+/// Least number of pixels of an inside, of a wall, and of a piece of a round vessel (px at a focal length of 525 px).
+pub(super) const PART_PX: usize = 100;
+
 /// Pieces of one inside touch along at least this many pixel pairs (px at a focal length of 525 px). The same limit applies
 /// to a piece that touches an inside within the rim.
 pub(super) const INSIDE_TOUCH_PX: usize = 8;

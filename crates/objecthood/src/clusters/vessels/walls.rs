@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 
-use super::limits::{CONCAVITY, INSIDE_TOUCH_PX, Limits, RIM_HEIGHT};
+use super::limits::{CONCAVITY, INSIDE_TOUCH_PX, Limits, PART_PX, RIM_HEIGHT};
 use crate::check::{Bound, Check};
 use crate::clusters::borders::BorderCounts;
 use crate::clusters::cluster::Clusters;
@@ -16,8 +16,6 @@ use crate::discovery::join::{JoinEvidence, RimCircle};
 use crate::hull::Hull;
 use crate::regions::SegmentId;
 
-/// Least number of pixels of an inside, and of a wall (px at a focal length of 525 px).
-const PART_PX: usize = 100;
 /// An inside bends outwards by at most this convexity, a wall inwards by at most this.
 const FLAT: f64 = 0.1;
 /// A wall is in front of the inside along at least this many pixel pairs (px at 525 px).
