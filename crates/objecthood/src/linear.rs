@@ -6,6 +6,11 @@ pub(crate) fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
+/// The angle of the principal axis of a 2x2 covariance [xx, xy, yy], counter-clockwise from x (radians, within a quarter turn).
+pub(crate) fn principal_angle([xx, xy, yy]: [f64; 3]) -> f64 {
+    0.5 * libm::atan2(2.0 * xy, xx - yy)
+}
+
 /// Solves `matrix` · x = `right` by Gaussian elimination with partial pivoting. An unknown that no equation determines is 0.
 /// O(K^3).
 pub(crate) fn solve<const K: usize>(mut matrix: [[f64; K]; K], mut right: [f64; K]) -> [f64; K] {

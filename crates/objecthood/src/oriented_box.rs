@@ -3,6 +3,7 @@
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use crate::discovery::object::OrientedBox;
+use crate::linear::principal_angle;
 use crate::simd::vectorized;
 
 /// Share of the points beyond each face of the box, because sensors have outliers.
@@ -22,7 +23,6 @@ pub fn fit_oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
     let (east, north) = up.any_orthonormal_pair();
     let points = || points_m.iter().map(|&p| Vec3::from(p).as_dvec3());
 
-    // The principal axis of a 2x2 covariance lies at half the angle of (cxx - cyy, 2 cxy).
     let mean = points().sum::<DVec3>() / points_m.len().max(1) as f64;
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     for p in points() {
@@ -31,7 +31,7 @@ pub fn fit_oriented_box(points_m: &[[f32; 3]], up: [f32; 3]) -> OrientedBox {
         xy += x * y;
         yy += y * y;
     }
-    let angle = 0.5 * libm::atan2(2.0 * xy, xx - yy);
+    let angle = principal_angle([xx, xy, yy]);
     let axis = east * libm::cos(angle) + north * libm::sin(angle);
     let leading = axis.to_array().into_iter().find(|part| part.abs() > 1e-6);
     let x = if leading.is_some_and(|part| part < 0.0) { -axis } else { axis };

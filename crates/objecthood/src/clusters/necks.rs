@@ -2,6 +2,7 @@
 
 mod handle;
 mod hanging;
+mod symmetry;
 mod top;
 
 use glam::DVec3;
@@ -67,6 +68,8 @@ const CONTACTS: usize = 16;
 /// Of two that share their colours one may also be a handle: slim, and joined to the other with all of its end.
 ///
 /// A small part that is seen to hang in the air is joined with what it hangs on, whether or not they touch.
+///
+/// The axis of a slim part may be an axis of symmetry of what it ends at, as that of a handle is: they are joined, whatever their colours.
 ///
 /// A level part is the top of another of its width that begins as a side at its edge, whatever their colours.
 ///
@@ -159,6 +162,12 @@ impl Compare<'_> {
         let foot_m = feet_m[0].max(feet_m[1]);
         if let Some(checks) = top::checks(self.clusters, self.up, [upper, lower]) {
             return Some(Pair { parts: [upper, lower], overlap: 1.0, checks });
+        }
+        let shaft = [pair, [pair[1], pair[0]]]
+            .into_iter()
+            .find_map(|parts| Some((parts, symmetry::checks(self.clusters, self.up, parts)?)));
+        if let Some((parts, checks)) = shaft {
+            return Some(Pair { parts, overlap: 1.0, checks });
         }
         let borders = self.clusters.get(upper).neighbours.get(&Some(lower))?;
         if borders.touch < self.least_touch {
@@ -417,17 +426,27 @@ mod tests {
         assert_eq!(joined(&depth_only), one);
     }
 
-    /// A hammer as seen from above: a head, and from its middle to the right a handle of this width and length (px), of this colour, which begins
-    /// so far (px) from the head, with the table between.
-    fn hammer([width, length]: [usize; 2], color: [f32; 3], gap: usize) -> Vec<Option<u32>> {
+    /// A hammer as seen from above: a head, and from its middle to the right, or so far (px) above it, a handle of this width and length (px), of
+    /// this colour, which begins so far (px) from the head, with the table between. The head is as high (m) at its side with the handle.
+    fn hammer(
+        side_m: f64,
+        [width, length]: [usize; 2],
+        color: [f32; 3],
+        [gap, above]: [usize; 2],
+    ) -> Vec<Option<u32>> {
         let of = |u: usize, v: usize| {
             let is_head = (6..14).contains(&u) && (4..40).contains(&v);
-            let first = 14 + gap;
+            let (first, middle) = (14 + gap, 22 - above);
             let is_handle =
-                (first..first + length).contains(&u) && (22 - width / 2..22 + width / 2).contains(&v);
+                (first..first + length).contains(&u) && (middle - width / 2..middle + width / 2).contains(&v);
             usize::from(is_head) + 2 * usize::from(is_handle)
         };
-        let mut table = Table::new((72, 44), |u, v| Some((of(u, v) as i32, [0.0, 0.04, 0.024][of(u, v)])));
+        // The handle is round.
+        let height_m = |u: usize, v: usize| {
+            let from_axis = (v as f64 - (21.5 - above as f64)) / (width as f64 / 2.0);
+            [0.0, if u < 12 { 0.04 } else { side_m }, 0.026 - 0.002 * from_axis * from_axis][of(u, v)]
+        };
+        let mut table = Table::new((72, 44), |u, v| Some((of(u, v) as i32, height_m(u, v))));
         table.lab = Some(LabImage::drawn((72, 44), |u, v| [BLUE, RED, color][of(u, v)]));
         joined(&table)
     }
@@ -436,10 +455,19 @@ mod tests {
     #[test]
     fn a_slim_part_that_is_joined_with_all_of_its_end_is_a_handle() {
         let (one, two) = (vec![Some(0), Some(0)], vec![Some(0), Some(1)]);
-        assert_eq!(hammer([12, 40], RED, 0), one);
-        assert_eq!(hammer([12, 40], BLUE, 0), two, "other colours");
-        assert_eq!(hammer([12, 20], RED, 0), two, "it is not slim");
-        assert_eq!(hammer([12, 40], RED, 1), two, "it does not touch the head");
+        assert_eq!(hammer(0.04, [12, 40], RED, [0, 8]), one);
+        assert_eq!(hammer(0.04, [12, 40], BLUE, [0, 8]), two, "other colours");
+        assert_eq!(hammer(0.04, [12, 20], RED, [0, 8]), two, "it is not slim");
+        assert_eq!(hammer(0.04, [12, 40], RED, [1, 0]), two, "it does not touch the head");
+    }
+
+    /// A regression: hammers with a wooden handle were two objects.
+    #[test]
+    fn a_slim_part_is_a_handle_of_what_is_symmetric_about_its_axis_whatever_its_color() {
+        let (one, two) = (vec![Some(0), Some(0)], vec![Some(0), Some(1)]);
+        assert_eq!(hammer(0.018, [12, 40], BLUE, [0, 0]), one);
+        assert_eq!(hammer(0.018, [12, 40], BLUE, [0, 8]), two, "it is not in the middle");
+        assert_eq!(hammer(0.018, [12, 20], BLUE, [0, 0]), two, "it is not slim");
     }
 
     /// A plank, seen from above, and at its right end a cube of the same wood that stands on it.
