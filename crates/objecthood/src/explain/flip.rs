@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::explain::explanation::{Decision, Flip, Question, Reason};
-use crate::explain::guess::{Guess, guess_checks, is_whole, last_digit};
+use crate::explain::guess::{Guess, guess_checks, guess_off, is_whole, last_digit};
 use crate::explain::run::Run;
 use crate::explain::subject::Subject;
 use crate::explain::sweep::{self, Sweep};
@@ -54,6 +54,7 @@ impl<'a> Search<'a> {
             None => Some(guess_checks(checks, &self.asked.params)),
         };
         let Some(mut guesses) = guesses else { return Flip::NotSought };
+        guesses.extend(guess_off(reason, yes, &self.asked.params));
         guesses.sort_by(|a, b| a.relative_change().total_cmp(&b.relative_change()));
         let mut tried = Vec::new();
         for mut guess in guesses.into_iter().take(GUESSES) {

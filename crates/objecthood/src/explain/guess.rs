@@ -1,6 +1,8 @@
 //! Guesses: values of a parameter, in few digits, that may turn a decision.
 
 use crate::check::{Bound, Check};
+use crate::clusters::history::Rule;
+use crate::explain::explanation::Reason;
 use crate::params::{ParameterInfo, Params};
 
 /// Significant digits of a guess.
@@ -32,6 +34,24 @@ fn turned(checks: &[Check]) -> impl Iterator<Item = &Check> {
 /// Values that turn one of these checks.
 pub(super) fn guess_checks(checks: &[Check], params: &Params) -> Vec<Guess> {
     turned(checks).flat_map(|check| guess(check, params)).collect()
+}
+
+/// The value that switches the rules off that join the parts of vessels, if one of them joined: others may join the same parts, so that no limit of the
+/// one that did turns the decision.
+pub(super) fn guess_off(reason: Reason, yes: bool, params: &Params) -> Option<Guess> {
+    let is_vessel = matches!(
+        reason,
+        Reason::Rule(
+            Rule::VesselInside
+                | Rule::VesselWall
+                | Rule::VesselRim
+                | Rule::VesselRemainder
+                | Rule::VesselTurned
+        )
+    );
+    let parameter = "vessels.concavity";
+    let from = params.number(parameter).filter(|_| is_vessel && yes)?;
+    Some(Guess { parameter, from, near: 0.0, to: 0.0 })
 }
 
 /// Two values of a check's parameter that turn the check: the nearest round one, and one a little farther.
