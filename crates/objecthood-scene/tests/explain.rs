@@ -73,24 +73,12 @@ fn kind(decision: &Decision) -> Option<Kind> {
         (Reason::Objectness, ..) => Kind::Unlikely,
         (Reason::Rule(Rule::Occlusion), _, true) => Kind::OcclusionJoined,
         (Reason::Rule(Rule::Occlusion), _, false) => Kind::OcclusionMissed,
-        (Reason::Rule(Rule::VesselInside | Rule::VesselWall | Rule::VesselRemainder), _, true) => {
-            Kind::VesselJoined
-        }
         (Reason::Rule(Rule::VesselBottom), Question::Bottom { .. }, true) => Kind::VesselBottom,
-        (
-            Reason::Rule(
-                Rule::VesselInside
-                | Rule::VesselWall
-                | Rule::VesselRim
-                | Rule::VesselRemainder
-                | Rule::VesselTurned
-                | Rule::OpenBox
-                | Rule::BoxWalls
-                | Rule::VesselBottom,
-            ),
-            _,
-            false,
-        ) => Kind::VesselMissed,
+        (Reason::Rule(Rule::VesselRim | Rule::OpenBox | Rule::BoxWalls | Rule::VesselBottom), _, true) => {
+            return None;
+        }
+        (Reason::Rule(rule), _, true) if rule.is_of_vessels() => Kind::VesselJoined,
+        (Reason::Rule(rule), _, false) if rule.is_of_vessels() => Kind::VesselMissed,
         (Reason::Passed, ..) => Kind::Kept,
         _ => return None,
     })

@@ -38,6 +38,23 @@ pub enum Rule {
     Neck,
 }
 
+impl Rule {
+    /// Whether it joins parts of vessels or boxes (docs/CONTEXT.md 4.4, 4.5).
+    pub fn is_of_vessels(self) -> bool {
+        matches!(
+            self,
+            Self::VesselInside
+                | Self::VesselWall
+                | Self::VesselRim
+                | Self::VesselRemainder
+                | Self::VesselTurned
+                | Self::OpenBox
+                | Self::BoxWalls
+                | Self::VesselBottom
+        )
+    }
+}
+
 /// The cluster or patch that a rule gives away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {

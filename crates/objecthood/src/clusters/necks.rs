@@ -5,6 +5,8 @@ mod hanging;
 mod symmetry;
 mod top;
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -13,6 +15,7 @@ use crate::clusters::borders::BorderCounts;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
 use crate::clusters::necks::handle::Joint;
+use crate::clusters::necks::symmetry::Shaft;
 use crate::clusters::scene::{LEVEL_DEG, Scene, sampled};
 use crate::color::histogram::ColorHistogram;
 use crate::neighbours::four_neighbours;
@@ -74,7 +77,7 @@ const CONTACTS: usize = 16;
 /// A level part is the top of another of its width that begins as a side at its edge, whatever their colours.
 ///
 /// Source: ours, because a neck or fold is a valley between convex parts (paper, future work: concavity). O(pairs side by side · pixels of
-/// both); parallel over pairs. Does nothing without a support; without colour only what would slide off or hangs is joined.
+/// both); parallel over pairs. Does nothing without a support; without colour what shares colours is not joined.
 pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
     let scene = clusters.scene;
     let Some(ground) = scene.ground().filter(|_| params.enabled) else { return };
@@ -88,7 +91,10 @@ pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
         let others = beside.filter_map(|(other, _)| *other).filter(|&other| other > id && is_part(other));
         pairs.extend(others.map(|other| [id, other]));
     }
-    let compare = Compare { clusters, up: ground.normal, least_touch, params };
+    let ids = pairs.iter().flatten().copied().collect::<BTreeSet<SegmentId>>();
+    let shaft = |id| Some((id, Shaft::of(clusters, ground.normal, id)?));
+    let shafts = ids.into_par_iter().filter_map(shaft).collect();
+    let compare = Compare { clusters, up: ground.normal, least_touch, params, shafts };
     let mut compared: Vec<Pair> = pairs.into_par_iter().filter_map(|pair| compare.pair(pair)).collect();
     compared.sort_by(|a, b| b.overlap.total_cmp(&a.overlap));
     let (joins, misses): (Vec<Pair>, Vec<Pair>) = compared.into_iter().partition(Pair::is_join);
@@ -145,6 +151,8 @@ struct Compare<'a> {
     up: DVec3,
     least_touch: u32,
     params: &'a params::Necks,
+    /// The clusters that are slim.
+    shafts: BTreeMap<SegmentId, Shaft>,
 }
 
 impl Compare<'_> {
@@ -163,10 +171,11 @@ impl Compare<'_> {
         if let Some(checks) = top::checks(self.clusters, self.up, [upper, lower]) {
             return Some(Pair { parts: [upper, lower], overlap: 1.0, checks });
         }
-        let shaft = [pair, [pair[1], pair[0]]]
-            .into_iter()
-            .find_map(|parts| Some((parts, symmetry::checks(self.clusters, self.up, parts)?)));
-        if let Some((parts, checks)) = shaft {
+        let symmetric = [pair, [pair[1], pair[0]]].into_iter().find_map(|parts| {
+            let shaft = self.shafts.get(&parts[0])?;
+            Some((parts, symmetry::checks(self.clusters, shaft, parts[1])?))
+        });
+        if let Some((parts, checks)) = symmetric {
             return Some(Pair { parts, overlap: 1.0, checks });
         }
         let borders = self.clusters.get(upper).neighbours.get(&Some(lower))?;

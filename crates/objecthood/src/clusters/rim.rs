@@ -36,7 +36,7 @@ const BULGE_M: f64 = 0.012;
 const BULGE_SHARE: f64 = 0.12;
 
 /// The foot of a point on the support plane: its coordinates (m) along the plane's tangents.
-pub(crate) fn foot_m(scene: &Scene<'_>, i: u32, support: &StructureSurface) -> [f64; 2] {
+fn foot_m(scene: &Scene<'_>, i: u32, support: &StructureSurface) -> [f64; 2] {
     let point = Vec3::from(scene.points_m[i as usize]).as_dvec3();
     tangents(support.normal).map(|t| t.dot(point))
 }

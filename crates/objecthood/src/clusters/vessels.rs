@@ -38,7 +38,7 @@ const INSIDE_MERGES: usize = 6;
 const MERGES: usize = 12;
 
 /// Joins the parts of vessels. Does nothing without a support surface or with `concavity` 0.
-/// O(merges · clusters · neighbours + the pixels of all insides and walls tried, up to 12 times each).
+/// O(merges · clusters · neighbours + the pixels of all insides and walls tried, up to 12 times each + pairs of round clusters).
 pub(crate) fn join_vessels(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let Some(support) = clusters.scene.ground().filter(|_| params.concavity > 0.0) else { return };
     let limits = Limits { support, params };
@@ -46,7 +46,7 @@ pub(crate) fn join_vessels(clusters: &mut Clusters<'_>, params: &params::Vessels
     repeat(clusters, INSIDE_MERGES, |clusters, misses| join_insides(clusters, limits, misses));
     repeat(clusters, MERGES, |clusters, misses| join_wall(clusters, limits, &mut vessels, misses));
     repeat(clusters, MERGES, |clusters, misses| join_remainder(clusters, limits, &vessels, misses));
-    repeat(clusters, MERGES, |clusters, misses| join_turned(clusters, limits, misses));
+    join_turned(clusters, limits, MERGES);
     join_panels(clusters, limits);
     repeat(clusters, MERGES, |clusters, misses| join_box(clusters, limits, misses));
 }

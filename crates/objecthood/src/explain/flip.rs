@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::explain::explanation::{Decision, Flip, Question, Reason};
-use crate::explain::guess::{Guess, guess_checks, guess_off, is_whole, last_digit};
+use crate::explain::guess::{Guess, guess_checks, is_whole, last_digit, switched_off};
 use crate::explain::run::Run;
 use crate::explain::subject::Subject;
 use crate::explain::sweep::{self, Sweep};
@@ -54,7 +54,6 @@ impl<'a> Search<'a> {
             None => Some(guess_checks(checks, &self.asked.params)),
         };
         let Some(mut guesses) = guesses else { return Flip::NotSought };
-        guesses.extend(guess_off(reason, yes, &self.asked.params));
         guesses.sort_by(|a, b| a.relative_change().total_cmp(&b.relative_change()));
         let mut tried = Vec::new();
         for mut guess in guesses.into_iter().take(GUESSES) {
@@ -66,6 +65,17 @@ impl<'a> Search<'a> {
                 Confirmed::No => tried.push(guess.parameter),
                 Confirmed::Refused => {}
                 Confirmed::Unknown => return Flip::NotSought,
+            }
+        }
+        if let Some((parameter, to)) = switched_off(reason, yes) {
+            let from = self.asked.params.number(parameter).unwrap_or(to);
+            match self.ask(question, parameter, to) {
+                Asked::Answer(answer) if answer != yes => {
+                    return Flip::At { parameter, from, to, is_tight: false };
+                }
+                Asked::Answer(_) => tried.push(parameter),
+                Asked::Refused => {}
+                Asked::NotRun => return Flip::NotSought,
             }
         }
         tried.sort_unstable();

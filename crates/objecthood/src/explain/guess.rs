@@ -36,22 +36,11 @@ pub(super) fn guess_checks(checks: &[Check], params: &Params) -> Vec<Guess> {
     turned(checks).flat_map(|check| guess(check, params)).collect()
 }
 
-/// The value that switches the rules off that join the parts of vessels, if one of them joined: others may join the same parts, so that no limit of the
-/// one that did turns the decision.
-pub(super) fn guess_off(reason: Reason, yes: bool, params: &Params) -> Option<Guess> {
-    let is_vessel = matches!(
-        reason,
-        Reason::Rule(
-            Rule::VesselInside
-                | Rule::VesselWall
-                | Rule::VesselRim
-                | Rule::VesselRemainder
-                | Rule::VesselTurned
-        )
-    );
-    let parameter = "vessels.concavity";
-    let from = params.number(parameter).filter(|_| is_vessel && yes)?;
-    Some(Guess { parameter, from, near: 0.0, to: 0.0 })
+/// The parameter and the value that switch the rules of vessels off, if one of them joined: others may join the same parts, so that no limit of the one
+/// that did turns the decision.
+pub(super) fn switched_off(reason: Reason, yes: bool) -> Option<(&'static str, f64)> {
+    let Reason::Rule(rule) = reason else { return None };
+    (yes && rule.is_of_vessels() && rule != Rule::VesselBottom).then_some(("vessels.concavity", 0.0))
 }
 
 /// Two values of a check's parameter that turn the check: the nearest round one, and one a little farther.
@@ -175,5 +164,20 @@ mod tests {
         }
         assert!(is_whole("fragments.max_size_px") && is_whole("graph.min_size_px"));
         assert!(!is_whole("occlusion.angle_deg") && !is_whole("contraction.reflex_offset_deg"));
+    }
+
+    #[test]
+    fn joins_of_vessels_can_be_switched_off() {
+        let params = Params::default();
+        let (parameter, to) = switched_off(Reason::Rule(Rule::VesselWall), true).unwrap();
+        assert!(params.with_number(parameter, to).is_some());
+        for (reason, yes) in [
+            (Reason::Rule(Rule::VesselWall), false),
+            (Reason::Rule(Rule::VesselBottom), true),
+            (Reason::Rule(Rule::Neck), true),
+            (Reason::Folds, true),
+        ] {
+            assert_eq!(switched_off(reason, yes), None);
+        }
     }
 }

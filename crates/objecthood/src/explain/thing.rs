@@ -144,22 +144,7 @@ impl Explainer {
     pub(super) fn near_misses(&self, facet: SegmentId) -> Vec<Decision> {
         let Some(cluster) = self.subject.run.cluster(facet) else { return Vec::new() };
         let mut found = Vec::new();
-        for is_kind in [
-            |rule| rule == Rule::Occlusion,
-            |rule| {
-                matches!(
-                    rule,
-                    Rule::VesselInside
-                        | Rule::VesselWall
-                        | Rule::VesselRim
-                        | Rule::VesselRemainder
-                        | Rule::VesselTurned
-                        | Rule::OpenBox
-                        | Rule::BoxWalls
-                        | Rule::VesselBottom
-                )
-            },
-        ] {
+        for is_kind in [|rule| rule == Rule::Occlusion, Rule::is_of_vessels] {
             let own = self.subject.run.near_steps.iter().filter(
                 |NearStep { miss, owners: [into, from], facets, .. }| {
                     // A bottom that one rule refuses may be the bottom by another.

@@ -25,12 +25,19 @@ const END_M: f64 = 0.03;
 const LEVEL_SHARE: f64 = 0.3;
 /// The other is symmetric about the axis to this share.
 const SYMMETRY: f64 = 0.7;
-/// Both sides of the axis are compared in stripes across it of this width (m), if they hold so many points.
+/// Both sides of the axis are compared in stripes across it, so many or fewer, of at least this width (m), ...
+const STRIPES: f64 = 12.0;
 const STRIPE_M: f64 = 0.01;
+/// ... if they hold so many points.
 const LEAST_POINTS: usize = 8;
+/// Between the end and the other a support is seen at less than this share of the places that are looked at, ...
+const SEEN_SHARE: f64 = 0.5;
+/// ... which are this far apart (m).
+const STEP_M: f64 = 0.002;
 
 /// A slim part: a direction with two across it, and where it begins and ends along each (m).
-struct Shaft {
+pub(super) struct Shaft {
+    points: Vec<DVec3>,
     /// Its length runs along the first direction, the second is level.
     directions: [DVec3; 3],
     ranges_m: [[f64; 2]; 3],
@@ -43,8 +50,9 @@ fn range_m(points: impl Iterator<Item = DVec3>, direction: DVec3, quantiles: [f6
 }
 
 impl Shaft {
-    /// `None` for points that lie along a steep line.
-    fn of(points: &[DVec3], up: DVec3) -> Option<Self> {
+    /// `None` for a cluster that lies along a steep line, or is not slim. O(sampled pixels).
+    pub(super) fn of(clusters: &Clusters<'_>, up: DVec3, id: SegmentId) -> Option<Self> {
+        let points: Vec<DVec3> = points(clusters, id);
         let mean = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
         let offsets = || points.iter().map(|point| *point - mean);
         let (east, north) = up.any_orthonormal_pair();
@@ -52,11 +60,15 @@ impl Shaft {
         let angle = principal_angle([sum(east, east), sum(east, north), sum(north, north)]);
         let level = east * libm::cos(angle) + north * libm::sin(angle);
         let along = (level + up * (sum(level, up) / sum(level, level))).try_normalize()?;
+        if along.dot(up).abs() >= STEEP {
+            return None;
+        }
         let aside = up.cross(level);
         let directions = [along, aside, along.cross(aside)];
         let ranges_m = [0, 1, 2]
             .map(|k| range_m(points.iter().copied(), directions[k], if k == 0 { ENDS } else { SIDES }));
-        (along.dot(up).abs() < STEEP).then_some(Self { directions, ranges_m })
+        let shaft = Self { points, directions, ranges_m };
+        (shaft.slimness() >= SLIMNESS).then_some(shaft)
     }
 
     /// Its length over the greater of its widths.
@@ -65,16 +77,22 @@ impl Shaft {
         length_m / width_m.max(thickness_m).max(f64::MIN_POSITIVE)
     }
 
+    /// The point on its axis at a place along it (m).
+    fn at(&self, along_m: f64) -> DVec3 {
+        let [along, aside, over] = self.directions;
+        let middle = |[low_m, high_m]: [f64; 2]| (low_m + high_m) / 2.0;
+        along * along_m + aside * middle(self.ranges_m[1]) + over * middle(self.ranges_m[2])
+    }
+
     /// How symmetric points are about its axis, in [0, 1]: how far they reach to the side where they reach less, over how far to the other,
-    /// summed over stripes across the axis.
-    fn symmetry(&self, points: &[DVec3]) -> f64 {
+    /// summed over stripes across the axis. `begins_m`: where the points begin and end along it.
+    fn symmetry(&self, points: &[DVec3], begins_m: [f64; 2]) -> f64 {
         let [along, aside, _] = self.directions;
-        let [low_m, high_m] = self.ranges_m[1];
-        let axis_m = (low_m + high_m) / 2.0;
-        let mut places: Vec<(i64, f64)> = points
-            .iter()
-            .map(|point| ((along.dot(*point) / STRIPE_M).floor() as i64, aside.dot(*point) - axis_m))
-            .collect();
+        let axis_m = (self.ranges_m[1][0] + self.ranges_m[1][1]) / 2.0;
+        let width_m = ((begins_m[1] - begins_m[0]) / STRIPES).max(STRIPE_M);
+        let stripe = |point: DVec3| ((along.dot(point) - begins_m[0]) / width_m).round() as i64;
+        let mut places: Vec<(i64, f64)> =
+            points.iter().map(|&point| (stripe(point), aside.dot(point) - axis_m)).collect();
         places.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let (mut less_m, mut more_m) = (0.0, 0.0);
         for stripe in places.chunk_by(|a, b| a.0 == b.0).filter(|stripe| stripe.len() >= LEAST_POINTS) {
@@ -86,39 +104,64 @@ impl Shaft {
         }
         if more_m > 0.0 { less_m / more_m } else { 0.0 }
     }
+
+    /// The share of the places on its axis between two places (m) at which a support is seen: there is nothing between.
+    fn bare_share(&self, clusters: &Clusters<'_>, [from_m, to_m]: [f64; 2]) -> f64 {
+        let scene = clusters.scene;
+        let count = ((to_m - from_m).abs() / STEP_M) as usize;
+        let seen = (1..count).filter_map(|k| {
+            let place_m = from_m + (to_m - from_m) * k as f64 / count as f64;
+            let pixel = scene.space.camera().pixel_at(self.at(place_m), scene.disparity.size())?;
+            scene.facets.segments.at(pixel)
+        });
+        let is_support = |facet: SegmentId| scene.supports.contains(&facet.index());
+        let (bare, all) =
+            seen.fold((0, 0), |(bare, all), facet| (bare + i32::from(is_support(facet)), all + 1));
+        f64::from(bare) / f64::from(all.max(1))
+    }
 }
 
-/// The checks by which the first part is slim, ends at the second, and has an axis about which that is symmetric; `None` when one fails. What
-/// lies against another by chance seldom points to its middle, and seldom along one of its own axes. O(sampled pixels · log(sampled pixels)).
-pub(super) fn checks(clusters: &Clusters<'_>, up: DVec3, [part, body]: [SegmentId; 2]) -> Option<Vec<Check>> {
-    let scene = clusters.scene;
-    let points = |id: SegmentId| sampled(&clusters.get(id).pixels).map(|i| scene.point_at(i)).collect();
-    let own: Vec<DVec3> = points(part);
-    let shaft = Shaft::of(&own, up)?;
+fn points(clusters: &Clusters<'_>, id: SegmentId) -> Vec<DVec3> {
+    sampled(&clusters.get(id).pixels).map(|i| clusters.scene.point_at(i)).collect()
+}
+
+/// The checks by which a slim part ends at another, and its axis is an axis of symmetry of that; `None` when one fails. What lies against another by
+/// chance seldom points to its middle, and seldom along one of its own axes. O(sampled pixels · log(sampled pixels)).
+pub(super) fn checks(clusters: &Clusters<'_>, shaft: &Shaft, body: SegmentId) -> Option<Vec<Check>> {
     let check = |name, unit, value, bound, limit| Check::new(name, unit, value, bound, limit);
-    let slimness = shaft.slimness();
-    let slim = check("length of the slim part, over its width", "", slimness, Bound::AtLeast, SLIMNESS);
-    if !slim.holds() {
-        return None;
-    }
-    let others: Vec<DVec3> = points(body);
+    let others = points(clusters, body);
     let [along, _, over] = shaft.directions;
     let [low_m, high_m] = shaft.ranges_m[0];
     let begins_m = range_m(others.iter().copied(), along, SIDES);
     let is_beyond = begins_m[0] + begins_m[1] > low_m + high_m;
-    let (end_m, gap_m) =
-        if is_beyond { (high_m, begins_m[0] - high_m) } else { (low_m, low_m - begins_m[1]) };
+    let [end_m, begin_m] = if is_beyond { [high_m, begins_m[0]] } else { [low_m, begins_m[1]] };
+    let gap_m = if is_beyond { begin_m - end_m } else { end_m - begin_m };
     let gap = "distance of its end from the other, along its axis";
-    let at_end = own.iter().copied().filter(|point| (along.dot(*point) - end_m).abs() < END_M);
+    let at_end = shaft.points.iter().copied().filter(|point| (along.dot(*point) - end_m).abs() < END_M);
     let (of_end, of_other) = (range_m(at_end, over, SIDES), range_m(others.iter().copied(), over, SIDES));
     let common_m = of_end[1].min(of_other[1]) - of_end[0].max(of_other[0]);
     let level_share = common_m / (of_end[1] - of_end[0]).max(f64::MIN_POSITIVE);
-    let checks = vec![
-        slim,
+    let slim = "length of the slim part, over its width";
+    let mut checks = vec![
+        check(slim, "", shaft.slimness(), Bound::AtLeast, SLIMNESS),
         check(gap, "m", gap_m, Bound::AtLeast, GAP_M[0]),
         check(gap, "m", gap_m, Bound::AtMost, GAP_M[1]),
         check("share of its end as high as the other", "", level_share, Bound::AtLeast, LEVEL_SHARE),
-        check("symmetry of the other about its axis", "", shaft.symmetry(&others), Bound::AtLeast, SYMMETRY),
     ];
+    if !checks.iter().all(Check::holds) {
+        return None;
+    }
+    let symmetry = shaft.symmetry(&others, begins_m);
+    let bare_share = shaft.bare_share(clusters, [end_m, begin_m]);
+    checks.extend([
+        check("symmetry of the other about its axis", "", symmetry, Bound::AtLeast, SYMMETRY),
+        check(
+            "share of the way between at which a support is seen",
+            "",
+            bare_share,
+            Bound::Below,
+            SEEN_SHARE,
+        ),
+    ]);
     checks.iter().all(Check::holds).then_some(checks)
 }

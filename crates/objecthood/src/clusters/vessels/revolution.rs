@@ -2,7 +2,7 @@
 
 use crate::linear::solve;
 
-/// Rounds of the fit: in each, equations are weighted by the slope that the round before found. Two change the distances by less than noise.
+/// Rounds of the fit: in each, equations are weighted by the slope that the round before found. Two more change the distances by less than noise.
 const ROUNDS: usize = 3;
 /// A smaller slope of the equation counts as this (m): at the axis it vanishes.
 const LEAST_SLOPE_M: f64 = 1e-3;
@@ -70,6 +70,17 @@ impl Revolution {
     }
 }
 
+/// The root mean square distance (m) of points from the plane that fits them best, along its normal. O(points).
+pub(super) fn plane_distance_m(points_m: &[[f64; 3]]) -> f64 {
+    let n = points_m.len().max(1) as f64;
+    let origin_m = [0, 1, 2].map(|k| points_m.iter().map(|point| point[k]).sum::<f64>() / n);
+    let offsets = || points_m.iter().map(|point| [0, 1, 2].map(|k| point[k] - origin_m[k]));
+    let sum = |a: usize, b: usize| offsets().map(|offset| offset[a] * offset[b]).sum::<f64>();
+    let [p, q] = solve([[sum(0, 0), sum(0, 1)], [sum(0, 1), sum(1, 1)]], [sum(0, 2), sum(1, 2)]);
+    let squared: f64 = offsets().map(|[x, y, h]| (h - p * x - q * y).powi(2)).sum();
+    (squared / n / (1.0 + p * p + q * q)).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
@@ -114,5 +125,14 @@ mod tests {
         let both: Vec<[f64; 3]> =
             can.iter().copied().chain(can.iter().map(|&[x, y, h]| [x + 0.09, y, h])).collect();
         assert!(Revolution::fit(&both).distance_m(&can) > 0.005);
+    }
+
+    #[test]
+    fn points_of_a_plane_have_no_distance_from_it() {
+        let flat: Vec<[f64; 3]> =
+            (0..40).map(|k| [f64::from(k % 8), f64::from(k / 8), 0.5 * f64::from(k % 8) + 3.0]).collect();
+        assert!(plane_distance_m(&flat) < 1e-9);
+        let bent: Vec<[f64; 3]> = flat.iter().map(|&[x, y, h]| [x, y, h + 0.1 * x * x]).collect();
+        assert!(plane_distance_m(&bent) > 0.2);
     }
 }
