@@ -27,7 +27,7 @@ impl Revolution {
         for round in 0..ROUNDS {
             let (mut matrix, mut right) = ([[0.0; 5]; 5], [0.0; 5]);
             for &point in points_m {
-                let [x, y, h] = fitted.from_origin(point);
+                let [x, y, h] = fitted.about_origin(point);
                 let slope_m = if round == 0 { 1.0 } else { fitted.slope_m([x, y, h]) };
                 let row = [x, y, 1.0, h, h * h].map(|term| term / slope_m);
                 let squared = (x * x + y * y) / slope_m;
@@ -41,7 +41,7 @@ impl Revolution {
         fitted
     }
 
-    fn from_origin(&self, point: [f64; 3]) -> [f64; 3] {
+    fn about_origin(&self, point: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| point[k] - self.origin_m[k])
     }
 
@@ -55,7 +55,7 @@ impl Revolution {
     /// The root mean square distance of points from the surface (m), to first order. O(points).
     pub(super) fn distance_m(&self, points_m: &[[f64; 3]]) -> f64 {
         let squared = points_m.iter().map(|&point| {
-            let [x, y, h] = self.from_origin(point);
+            let [x, y, h] = self.about_origin(point);
             let [p, q, a, b, c] = self.terms;
             let off = x * x + y * y - (p * x + q * y + a + b * h + c * h * h);
             (off / self.slope_m([x, y, h])).powi(2)
@@ -64,8 +64,8 @@ impl Revolution {
     }
 
     /// A point, seen from the axis (m).
-    pub(super) fn from_axis(&self, point: [f64; 3]) -> [f64; 2] {
-        let [x, y, _] = self.from_origin(point);
+    pub(super) fn about_axis(&self, point: [f64; 3]) -> [f64; 2] {
+        let [x, y, _] = self.about_origin(point);
         [x - self.terms[0] / 2.0, y - self.terms[1] / 2.0]
     }
 }
@@ -113,7 +113,7 @@ mod tests {
             let points = points(shape, &turns);
             let surface = Revolution::fit(&points);
             assert!(surface.distance_m(&points) < 0.0015, "{surface:?}");
-            let off = surface.from_axis([AXIS_M[0], AXIS_M[1], 0.0]);
+            let off = surface.about_axis([AXIS_M[0], AXIS_M[1], 0.0]);
             assert!(off[0].hypot(off[1]) < 0.005, "{off:?}");
         }
     }

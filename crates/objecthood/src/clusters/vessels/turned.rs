@@ -96,7 +96,7 @@ impl Piece {
 
 /// The distance of the outermost points of a surface from its axis (m).
 fn radius_m(surface: &Revolution, points_m: &[[f64; 3]]) -> f64 {
-    let mut distances_m: Vec<f64> = points_m.iter().map(|&point| length(surface.from_axis(point))).collect();
+    let mut distances_m: Vec<f64> = points_m.iter().map(|&point| length(surface.about_axis(point))).collect();
     element_at(&mut distances_m, RADIUS_SHARE)
 }
 
@@ -186,7 +186,7 @@ fn fit_both(
     }
     let bent_m = plane_distance_m(&points_m);
     let noise_m = into.noise_m.max(from.noise_m).max(BENT_M);
-    let covered = measure_covered(points_m.iter().map(|&point| surface.from_axis(point)));
+    let covered = measure_covered(points_m.iter().map(|&point| surface.about_axis(point)));
     let [low, high] = check_radius("radius of the surface", radius_m);
     let is_one =
         join.check(Check::new("distance of both from one plane", "m", bent_m, Bound::Above, noise_m))
