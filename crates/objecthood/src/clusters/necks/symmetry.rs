@@ -10,7 +10,7 @@ use crate::quantile::element_at;
 use crate::regions::SegmentId;
 
 /// A part is slim when it is so many times as long as wide and as thick.
-const SLIMNESS: f64 = 2.5;
+const SLIMNESS: f64 = 3.0;
 /// Lengths reach from the first to the second of these quantiles, ...
 const ENDS: [f64; 2] = [0.03, 0.97];
 /// ... widths from the first to the second of these: outlines are noisy.
