@@ -77,7 +77,7 @@ const CONTACTS: usize = 16;
 /// A level part is the top of another of its width that begins as a side at its edge, whatever their colours.
 ///
 /// Source: ours, because a neck or fold is a valley between convex parts (paper, future work: concavity). O(pairs side by side · pixels of
-/// both); parallel over pairs. Does nothing without a support; without colour what shares colours is not joined.
+/// both); parallel over pairs. Does nothing without a support; without colour the rules that compare colours join nothing.
 pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
     let scene = clusters.scene;
     let Some(ground) = scene.ground().filter(|_| params.enabled) else { return };

@@ -21,8 +21,7 @@ impl Revolution {
     /// Fits the surface to points (two coordinates along the support, and the height above it; m). Linear least squares, weighted so that
     /// distances count (Taubin 1991). O(points).
     pub(super) fn fit(points_m: &[[f64; 3]]) -> Self {
-        let n = points_m.len().max(1) as f64;
-        let origin_m = [0, 1, 2].map(|k| points_m.iter().map(|point| point[k]).sum::<f64>() / n);
+        let origin_m = mean_m(points_m);
         let mut fitted = Self { origin_m, terms: [0.0; 5] };
         for round in 0..ROUNDS {
             let (mut matrix, mut right) = ([[0.0; 5]; 5], [0.0; 5]);
@@ -70,10 +69,16 @@ impl Revolution {
     }
 }
 
+/// The mean of points (m). O(points).
+pub(super) fn mean_m(points_m: &[[f64; 3]]) -> [f64; 3] {
+    let n = points_m.len().max(1) as f64;
+    [0, 1, 2].map(|k| points_m.iter().map(|point| point[k]).sum::<f64>() / n)
+}
+
 /// The root mean square distance (m) of points from the plane that fits them best, along its normal. O(points).
 pub(super) fn plane_distance_m(points_m: &[[f64; 3]]) -> f64 {
     let n = points_m.len().max(1) as f64;
-    let origin_m = [0, 1, 2].map(|k| points_m.iter().map(|point| point[k]).sum::<f64>() / n);
+    let origin_m = mean_m(points_m);
     let offsets = || points_m.iter().map(|point| [0, 1, 2].map(|k| point[k] - origin_m[k]));
     let sum = |a: usize, b: usize| offsets().map(|offset| offset[a] * offset[b]).sum::<f64>();
     let [p, q] = solve([[sum(0, 0), sum(0, 1)], [sum(0, 1), sum(1, 1)]], [sum(0, 2), sum(1, 2)]);

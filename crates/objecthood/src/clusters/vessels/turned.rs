@@ -4,7 +4,7 @@
 //! show a circle. But they have one axis and one profile. The far inside and the near wall are pieces too, as the wall is thin.
 
 use super::limits::{Limits, PART_PX};
-use super::revolution::{Revolution, plane_distance_m};
+use super::revolution::{Revolution, mean_m, plane_distance_m};
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
@@ -68,9 +68,8 @@ impl Piece {
             HEIGHT_QUANTILES.map(|share| quantile(&mut points_m.iter().map(|point| point[2]), share));
         let depth_m = quantile(&mut sampled(pixels).map(|i| scene.point_at(i).z), 0.5);
         let noise_m = scene.space.step_m(NOISE_QUANTA * scene.space.noise().waves().max(1.0), depth_m);
-        let middle_m =
-            [0, 1].map(|k| points_m.iter().map(|point| point[k]).sum::<f64>() / points_m.len() as f64);
-        let piece = Self { id, points_m, middle_m, heights_m, noise_m };
+        let [x, y, _] = mean_m(&points_m);
+        let piece = Self { id, points_m, middle_m: [x, y], heights_m, noise_m };
         let surface = Revolution::fit(&piece.points_m);
         let radius_m = radius_m(&surface, &piece.points_m);
         let [_, is_small] = check_radius("radius of the surface", radius_m);
@@ -122,7 +121,7 @@ pub(super) fn join_turned(clusters: &mut Clusters<'_>, limits: Limits<'_>, times
     for _ in 0..times {
         // On ties the first pair.
         let best = (0..fits.len()).reduce(|best, k| if fits[k].off < fits[best].off { k } else { best });
-        let Some(Fit { parts, join, evidence, .. }) = best.map(|best| fits.swap_remove(best)) else { break };
+        let Some(Fit { parts, join, evidence, .. }) = best.map(|best| fits.remove(best)) else { break };
         clusters.join(join, evidence);
         let is_of = |id: SegmentId| parts.contains(&id);
         fits.retain(|fit| !fit.parts.into_iter().any(is_of));
@@ -156,7 +155,7 @@ fn fit_all(
     .collect()
 }
 
-/// Fits one surface to two pieces, the larger one first; `None` when a check fails. The miss is noted when only what is not the distance fails.
+/// Fits one surface to two pieces, the larger one first; `None` when a check fails. A miss is noted if both distances hold.
 fn fit_both(
     clusters: &Clusters<'_>,
     limits: Limits<'_>,
