@@ -10,6 +10,7 @@ mod instructions;
 mod package;
 mod page;
 mod pictures;
+mod programs;
 mod python;
 mod source;
 mod tally;

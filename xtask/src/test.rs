@@ -1,7 +1,7 @@
 //! `cargo xtask test`: formatting, lints, documentation and every test, with a summary of what ran and what did not.
 
-use std::ffi::OsString;
 use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 
 use crate::house::House;
 use crate::tally::Tally;
-use crate::{aarch64, api, instructions, package, page, python, source};
+use crate::{aarch64, api, instructions, package, page, programs, python, source};
 
 /// One thing that was checked.
 struct Step {
@@ -36,10 +36,8 @@ pub(crate) fn run_quick(house: &House) -> Result<bool> {
         })?,
     ];
     steps.push(timed("order of the house", || Ok(is_tidy(house)))?);
-    let arguments = "test --workspace --lib --bins --locked --no-fail-fast -- --show-output";
-    steps.push(timed("unit tests", || read_tests(&mut house.cargo(arguments), &mut tally))?);
-    let arguments = "test -p objecthood --locked --no-fail-fast --tests -- --show-output";
-    steps.push(timed("golden maps", || read_tests(&mut house.cargo(arguments), &mut tally))?);
+    steps.push(timed("unit tests", || programs::run(house, "--workspace --lib --bins", &[], &mut tally))?);
+    steps.push(timed("golden maps", || programs::run(house, "-p objecthood --tests", &[], &mut tally))?);
     summarize(&steps, &tally);
     println!("{LEFT_OUT}");
     Ok(steps.iter().all(|step| step.passed))
@@ -79,20 +77,12 @@ pub(crate) fn run(house: &House) -> Result<bool> {
     steps.push(timed("public API", || api::check(house))?);
 
     let python = python_for_tests(house, &mut tally);
-    let mut tests = |name, arguments: &str| -> Result<()> {
-        let mut command = cargo(arguments);
-        if let Some(python) = &python {
-            command.env("OBJECTHOOD_PYTHON", python);
-        }
-        steps.push(timed(name, || read_tests(&mut command, &mut tally))?);
-        Ok(())
-    };
-    // --show-output: a test that skips itself passes, and says so only in its output.
-    tests("tests", "test --workspace --all-targets --locked --no-fail-fast -- --show-output")?;
-    tests(
-        "examples in the documentation",
-        "test --workspace --doc --locked --no-fail-fast -- --show-output",
-    )?;
+    let environment: Vec<_> = python.map(|python| ("OBJECTHOOD_PYTHON", python)).into_iter().collect();
+    steps.push(timed("tests", || {
+        programs::run(house, "--workspace --all-targets", &environment, &mut tally)
+    })?);
+    let examples = "test --workspace --doc --locked --no-fail-fast -- --show-output";
+    steps.push(timed("examples in the documentation", || read_tests(&mut cargo(examples), &mut tally))?);
     steps.push(timed("Python package", || package::check(house, &mut tally))?);
     steps.push(timed("live page", || page::check(house, &mut tally))?);
     steps.push(timed("builds for aarch64", || aarch64::check(house, &mut tally))?);
@@ -103,13 +93,13 @@ pub(crate) fn run(house: &House) -> Result<bool> {
 }
 
 /// The Python that the tests may use, if one can be had. `OBJECTHOOD_PYTHON` names another one.
-fn python_for_tests(house: &House, tally: &mut Tally) -> Option<OsString> {
+fn python_for_tests(house: &House, tally: &mut Tally) -> Option<PathBuf> {
     if let Some(python) = std::env::var_os("OBJECTHOOD_PYTHON") {
-        return Some(python);
+        return Some(python.into());
     }
     println!("\n== Python for the tests");
     match python::prepare(&house.target.join("test-tools"), &house.root.join("xtask/requirements.txt")) {
-        Ok(python) => Some(python.into_os_string()),
+        Ok(python) => Some(python),
         Err(e) => {
             tally.skip(format!("what needs Python: {e:#}"));
             None
