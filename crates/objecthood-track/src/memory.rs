@@ -10,7 +10,7 @@ use crate::agent::{Agents, Things};
 use crate::associate::{MEMORY_S, YOUNG_MEMORY_FRAMES};
 use crate::bits::Bits;
 use crate::camera::{CameraMotion, Place};
-use crate::happening::Happenings;
+use crate::happenings::Happenings;
 use crate::ingredient::Ingredient;
 use crate::knowledge::Knowledge;
 use crate::output::Numbers;

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::happening::{Happening, LIFTED_M, Other};
+use crate::happening::{Happening, Other};
+use crate::happenings::LIFTED_M;
 use crate::memory::{Look, Memory};
 use crate::rested::Remains;
 use crate::scene::Key;

@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec3;
 
 use crate::bits::Bits;
-use crate::happening::CARRIED_M;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::segment::Segment;
 use crate::support::carrier;
+use crate::taken::CARRIED_M;
 use crate::track::{Sample, Track};
 use crate::tracked::Relation;
 

@@ -2,11 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::happening::{Happening, Other, REACHED_S, are_alike};
+use crate::happening::{Happening, Other};
+use crate::happenings::REACHED_S;
 use crate::memory::{Look, Memory};
 use crate::rested::Remains;
 use crate::scene::Key;
-use crate::track::{Sample, Track};
+use crate::track::{Sample, Track, are_alike};
 use crate::tracked::EventKind;
 
 /// A thing is open when this share of what is seen where it rested is its inside,

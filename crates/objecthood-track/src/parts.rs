@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 
-use crate::happening::{Happening, Other, REACHED_S};
+use crate::happening::{Happening, Other};
+use crate::happenings::REACHED_S;
 use crate::ingredient::Ingredient;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;

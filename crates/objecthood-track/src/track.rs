@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::align::Motion;
 use crate::flight::{LEAST_FRAMES as FLIGHT_FRAMES, flights};
-use crate::happening::are_alike;
 use crate::look::Look;
 use crate::oneness::Oneness;
 use crate::pace::Pace;
@@ -42,6 +41,8 @@ const FREE_OF_AGENT: f64 = 0.15;
 const FREE_S: f64 = 0.2;
 /// It is known once it rested so long (s).
 pub(crate) const KNOWN_S: f64 = 0.2;
+/// Compared are positions of things seen nearly as whole (share of pixels).
+pub(crate) const AS_WHOLE: f64 = 0.75;
 
 /// What was seen of a thing that makes it an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -86,6 +87,13 @@ pub(crate) struct Sample {
     pub(crate) moves: bool,
     /// Number of the agent that reaches it.
     pub(crate) reached_by: Option<u32>,
+}
+
+impl Sample {
+    /// Its frame and time (s).
+    pub(crate) fn when(&self) -> (u64, f64) {
+        (self.frame, self.stamp_s)
+    }
 }
 
 /// How a thing was when it last rested.
@@ -379,6 +387,12 @@ impl Track {
         self.since(self.analysed_to).count() > MOST_SAMPLES / 2 && !is_amid_flight()
     }
 
+    /// Whether it was in flight since a frame, as far as was analysed.
+    pub(crate) fn flew_since(&self, frame: u64) -> bool {
+        let samples: Vec<Sample> = self.since(frame).copied().collect();
+        !flights(&samples).is_empty()
+    }
+
     /// The samples since a frame.
     pub(crate) fn since(&self, frame: u64) -> impl DoubleEndedIterator<Item = &Sample> {
         self.samples.iter().filter(move |sample| sample.frame >= frame)
@@ -434,4 +448,10 @@ impl Track {
             self.seen_to.push(what);
         }
     }
+}
+
+/// Whether two sizes are those of a thing that is seen about as whole.
+pub(crate) fn are_alike(a: usize, b: usize) -> bool {
+    let (a, b) = (a as f64, b as f64);
+    a >= AS_WHOLE * b && b >= AS_WHOLE * a
 }

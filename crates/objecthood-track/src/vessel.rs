@@ -3,10 +3,10 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::happening::{Happening, Other, are_alike};
+use crate::happening::{Happening, Other};
 use crate::memory::Memory;
 use crate::scene::Key;
-use crate::track::{Deed, Sample, Track};
+use crate::track::{Deed, Sample, Track, are_alike};
 use crate::tracked::{EventKind, Relation};
 
 /// A thing lies where it lies once it has rested so long (s): until then the votes of earlier frames may win.
@@ -82,7 +82,7 @@ impl Memory {
             return Vec::new();
         };
         let passage = |sample: &Sample, kind, vessel, evidence: &str| {
-            Happening::at(sample, key, kind, Other::Track(vessel), 0.6, evidence.to_owned())
+            Happening::at(sample.when(), key, kind, Other::Track(vessel), 0.6, evidence.to_owned())
         };
         let mut told = Vec::new();
         if let Some(vessel) = before.vessel {

@@ -1,10 +1,26 @@
 //! Quantiles of lists of numbers.
 
+use glam::DVec3;
+
 /// The value below which this share of the values lies; 0 without values. Reorders the values. O(n).
 pub(crate) fn element_at(values: &mut [f64], share: f64) -> f64 {
     let Some(last) = values.len().checked_sub(1) else { return 0.0 };
     let place = ((share * values.len() as f64) as usize).min(last);
     *values.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// Where values begin and end, but for outliers: two of their quantiles. Reorders the values. O(n).
+pub(crate) fn range(values: &mut [f64], quantiles: [f64; 2]) -> [f64; 2] {
+    quantiles.map(|share| element_at(values, share))
+}
+
+/// The same of the places of points (m) along a direction. O(n).
+pub(crate) fn reach_m(
+    points: impl IntoIterator<Item = DVec3>,
+    direction: DVec3,
+    quantiles: [f64; 2],
+) -> [f64; 2] {
+    range(&mut points.into_iter().map(|point| direction.dot(point)).collect::<Vec<f64>>(), quantiles)
 }
 
 #[cfg(test)]

@@ -130,6 +130,11 @@ impl<'a> Scene<'a> {
         DVec3::from(self.space.point_m(position(i, self.disparity.width()), self.disparity[i].into()))
     }
 
+    /// The points (m) of about [`SAMPLED_PX`] of the pixels of a cluster, evenly spread.
+    pub(crate) fn sampled_points(&self, pixels: &[u32]) -> impl Iterator<Item = DVec3> {
+        sampled(pixels).map(|i| self.point_at(i))
+    }
+
     /// Height (m) of a pixel above a surface.
     pub(crate) fn height_m(&self, i: usize, support: &StructureSurface) -> f64 {
         support.height_m(position(i, self.disparity.width()), f64::from(self.disparity[i]), self.space)

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::clusters::cluster::Clusters;
-use crate::clusters::scene::sampled;
+use crate::quantile::reach_m;
 use crate::regions::SegmentId;
 
 /// Lengths and widths reach from the first to the second of these quantiles: outlines are noisy.
@@ -36,21 +36,20 @@ pub(super) fn joint(
     let level = |point: DVec3| point - up * up.dot(point);
     let points: Vec<DVec3> = contacts.iter().map(|&i| scene.point_at(i)).collect();
     let touching: Vec<DVec3> = points.iter().map(|&point| level(point)).collect();
-    let own: Vec<DVec3> = sampled(&clusters.get(part).pixels).map(|i| level(scene.point_at(i))).collect();
+    let own: Vec<DVec3> = scene.sampled_points(&clusters.get(part).pixels).map(level).collect();
     let mean = |points: &[DVec3]| points.iter().sum::<DVec3>() / points.len() as f64;
     let from = mean(&touching);
     // Without contacts this is no direction.
     let away = (mean(&own) - from).try_normalize()?;
     let aside = up.cross(away);
-    let extent = |values: &mut Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        let [low, high] = QUANTILES.map(|q| (q * values.len().saturating_sub(1) as f64).round() as usize);
-        Some(values.get(high)? - values.get(low)?)
+    let extent_m = |points: &mut dyn Iterator<Item = &DVec3>, direction| {
+        let [low_m, high_m] = reach_m(points.copied(), direction, QUANTILES);
+        high_m - low_m
     };
-    let length_m = extent(&mut own.iter().map(|p| away.dot(p - from)).collect())?;
-    let is_end = |p: &&DVec3| away.dot(**p - from).abs() < END_M;
-    let width_m = extent(&mut own.iter().filter(is_end).map(|p| aside.dot(p - from)).collect())?;
-    let joint_m = extent(&mut touching.iter().map(|p| aside.dot(p - from)).collect())?;
+    let is_end = |point: &&DVec3| away.dot(**point - from).abs() < END_M;
+    let length_m = extent_m(&mut own.iter(), away);
+    let width_m = extent_m(&mut own.iter().filter(is_end), aside);
+    let joint_m = extent_m(&mut touching.iter(), aside);
     let borders = clusters.get(part).neighbours.get(&Some(body))?;
     let all = borders.touch + borders.level + borders.in_front + borders.behind;
     let noise_m = scene.space.step_m(WIDTH_QUANTA, mean(&points).z);

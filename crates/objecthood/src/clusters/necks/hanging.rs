@@ -62,8 +62,7 @@ pub(super) fn underside(clusters: &Clusters<'_>, part: SegmentId) -> Underside {
 /// The least distance (m) between sampled points of two parts. O(sampled pixels²).
 pub(super) fn distance_m(clusters: &Clusters<'_>, parts: [SegmentId; 2]) -> f64 {
     let scene = clusters.scene;
-    let [a, b] =
-        parts.map(|id| sampled(&clusters.get(id).pixels).map(|i| scene.point_at(i)).collect::<Vec<_>>());
+    let [a, b] = parts.map(|id| scene.sampled_points(&clusters.get(id).pixels).collect::<Vec<_>>());
     let distances = a.iter().flat_map(|one| b.iter().map(move |other| one.distance_squared(*other)));
     distances.fold(f64::INFINITY, f64::min).sqrt()
 }

@@ -4,9 +4,8 @@ use glam::DVec3;
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::scene::sampled;
 use crate::linear::principal_angle;
-use crate::quantile::element_at;
+use crate::quantile::{range, reach_m};
 use crate::regions::SegmentId;
 
 /// A part is slim when it is so many times as long as wide and as thick.
@@ -43,12 +42,6 @@ pub(super) struct Shaft {
     ranges_m: [[f64; 2]; 3],
 }
 
-/// The range of points along a direction (m), between two quantiles.
-fn range_m(points: impl Iterator<Item = DVec3>, direction: DVec3, quantiles: [f64; 2]) -> [f64; 2] {
-    let mut places: Vec<f64> = points.map(|point| direction.dot(point)).collect();
-    quantiles.map(|share| element_at(&mut places, share))
-}
-
 impl Shaft {
     /// `None` for a cluster that lies along a steep line, or is not slim. O(sampled pixels).
     pub(super) fn of(clusters: &Clusters<'_>, up: DVec3, id: SegmentId) -> Option<Self> {
@@ -66,7 +59,7 @@ impl Shaft {
         let aside = up.cross(level);
         let directions = [along, aside, along.cross(aside)];
         let ranges_m = [0, 1, 2]
-            .map(|k| range_m(points.iter().copied(), directions[k], if k == 0 { ENDS } else { SIDES }));
+            .map(|k| reach_m(points.iter().copied(), directions[k], if k == 0 { ENDS } else { SIDES }));
         let shaft = Self { points, directions, ranges_m };
         (shaft.slimness() >= SLIMNESS).then_some(shaft)
     }
@@ -80,15 +73,19 @@ impl Shaft {
     /// The point on its axis at a place along it (m).
     fn at(&self, along_m: f64) -> DVec3 {
         let [along, aside, over] = self.directions;
-        let middle = |[low_m, high_m]: [f64; 2]| (low_m + high_m) / 2.0;
-        along * along_m + aside * middle(self.ranges_m[1]) + over * middle(self.ranges_m[2])
+        along * along_m + aside * self.middle_m(1) + over * self.middle_m(2)
+    }
+
+    /// The place of its axis along one of its directions (m).
+    fn middle_m(&self, direction: usize) -> f64 {
+        f64::midpoint(self.ranges_m[direction][0], self.ranges_m[direction][1])
     }
 
     /// How symmetric points are about its axis, in [0, 1]: how far they reach to the side where they reach less, over how far to the other,
     /// summed over stripes across the axis. `begins_m`: where the points begin and end along it.
     fn symmetry(&self, points: &[DVec3], begins_m: [f64; 2]) -> f64 {
         let [along, aside, _] = self.directions;
-        let axis_m = (self.ranges_m[1][0] + self.ranges_m[1][1]) / 2.0;
+        let axis_m = self.middle_m(1);
         let width_m = ((begins_m[1] - begins_m[0]) / STRIPES).max(STRIPE_M);
         let stripe = |point: DVec3| ((along.dot(point) - begins_m[0]) / width_m).round() as i64;
         let mut places: Vec<(i64, f64)> =
@@ -97,7 +94,7 @@ impl Shaft {
         let (mut less_m, mut more_m) = (0.0, 0.0);
         for stripe in places.chunk_by(|a, b| a.0 == b.0).filter(|stripe| stripe.len() >= LEAST_POINTS) {
             let mut across: Vec<f64> = stripe.iter().map(|place| place.1).collect();
-            let [left_m, right_m] = SIDES.map(|share| element_at(&mut across, share));
+            let [left_m, right_m] = range(&mut across, SIDES);
             let reaches_m = [-left_m, right_m].map(|reach_m| reach_m.max(0.0));
             less_m += reaches_m[0].min(reaches_m[1]);
             more_m += reaches_m[0].max(reaches_m[1]);
@@ -122,7 +119,7 @@ impl Shaft {
 }
 
 fn points(clusters: &Clusters<'_>, id: SegmentId) -> Vec<DVec3> {
-    sampled(&clusters.get(id).pixels).map(|i| clusters.scene.point_at(i)).collect()
+    clusters.scene.sampled_points(&clusters.get(id).pixels).collect()
 }
 
 /// The checks by which a slim part ends at another, and its axis is an axis of symmetry of that; `None` when one fails. What lies against another by
@@ -132,13 +129,13 @@ pub(super) fn checks(clusters: &Clusters<'_>, shaft: &Shaft, body: SegmentId) ->
     let others = points(clusters, body);
     let [along, _, over] = shaft.directions;
     let [low_m, high_m] = shaft.ranges_m[0];
-    let begins_m = range_m(others.iter().copied(), along, SIDES);
+    let begins_m = reach_m(others.iter().copied(), along, SIDES);
     let is_beyond = begins_m[0] + begins_m[1] > low_m + high_m;
     let [end_m, begin_m] = if is_beyond { [high_m, begins_m[0]] } else { [low_m, begins_m[1]] };
     let gap_m = if is_beyond { begin_m - end_m } else { end_m - begin_m };
     let gap = "distance of its end from the other, along its axis";
     let at_end = shaft.points.iter().copied().filter(|point| (along.dot(*point) - end_m).abs() < END_M);
-    let (of_end, of_other) = (range_m(at_end, over, SIDES), range_m(others.iter().copied(), over, SIDES));
+    let (of_end, of_other) = (reach_m(at_end, over, SIDES), reach_m(others.iter().copied(), over, SIDES));
     let common_m = of_end[1].min(of_other[1]) - of_end[0].max(of_other[0]);
     let level_share = common_m / (of_end[1] - of_end[0]).max(f64::MIN_POSITIVE);
     let slim = "length of the slim part, over its width";

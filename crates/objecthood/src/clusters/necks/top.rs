@@ -4,9 +4,9 @@ use glam::DVec3;
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::scene::{Scene, level_share, sampled};
+use crate::clusters::scene::{Scene, level_share};
 use crate::neighbours::four_neighbours;
-use crate::quantile::element_at;
+use crate::quantile::{element_at, reach_m};
 use crate::regions::SegmentId;
 
 /// Level pixels make up a top face to this share.
@@ -37,7 +37,7 @@ pub(super) fn checks(clusters: &Clusters<'_>, up: DVec3, [top, body]: [SegmentId
         return None;
     }
     let [level_m, middle_m] = pixels.map(|pixels| {
-        let mut heights: Vec<f64> = sampled(pixels).map(|i| up.dot(scene.point_at(i))).collect();
+        let mut heights: Vec<f64> = scene.sampled_points(pixels).map(|point| up.dot(point)).collect();
         element_at(&mut heights, 0.5)
     });
     let aside = up.cross(scene.point_at(pixels[0][pixels[0].len() / 2] as usize)).try_normalize()?;
@@ -70,8 +70,8 @@ struct Extent {
 
 impl Extent {
     fn of(scene: &Scene<'_>, along: DVec3, pixels: &[u32]) -> Self {
-        let mut values: Vec<f64> = pixels.iter().map(|&i| along.dot(scene.point_at(i as usize))).collect();
-        let [from_m, to_m] = QUANTILES.map(|share| element_at(&mut values, share));
+        let points = pixels.iter().map(|&i| scene.point_at(i as usize));
+        let [from_m, to_m] = reach_m(points, along, QUANTILES);
         Self { from_m, to_m }
     }
 

@@ -12,7 +12,7 @@ use crate::clusters::rim::{check_covered, check_radius, measure_covered};
 use crate::clusters::scene::sampled;
 use crate::discovery::join::JoinEvidence;
 use crate::linear::length;
-use crate::quantile::element_at;
+use crate::quantile::{element_at, range};
 use crate::regions::SegmentId;
 use crate::tangents::tangents;
 
@@ -61,12 +61,10 @@ impl Piece {
             [x, y, scene.height_m(i, limits.support)]
         };
         let points_m: Vec<[f64; 3]> = sampled(pixels).map(point).collect();
-        let quantile = |values: &mut dyn Iterator<Item = f64>, share| {
-            element_at(&mut values.collect::<Vec<f64>>(), share)
-        };
-        let heights_m =
-            HEIGHT_QUANTILES.map(|share| quantile(&mut points_m.iter().map(|point| point[2]), share));
-        let depth_m = quantile(&mut sampled(pixels).map(|i| scene.point_at(i).z), 0.5);
+        let mut heights_m: Vec<f64> = points_m.iter().map(|point| point[2]).collect();
+        let heights_m = range(&mut heights_m, HEIGHT_QUANTILES);
+        let mut depths_m: Vec<f64> = scene.sampled_points(pixels).map(|point| point.z).collect();
+        let depth_m = element_at(&mut depths_m, 0.5);
         let noise_m = scene.space.step_m(NOISE_QUANTA * scene.space.noise().waves().max(1.0), depth_m);
         let [x, y, _] = mean_m(&points_m);
         let piece = Self { id, points_m, middle_m: [x, y], heights_m, noise_m };

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::scene::{Scene, sampled};
 use crate::oversegment::structure::StructureSurface;
-use crate::quantile::element_at;
+use crate::quantile::{range, reach_m};
 use crate::regions::SegmentId;
 
 /// Least number of pixels of a panel (px at a focal length of 525 px).
@@ -96,24 +96,21 @@ impl Panel {
         }
         let normal = (facing - up * up.dot(facing)).try_normalize()?;
         let along = up.cross(normal);
-        let points: Vec<DVec3> = sampled(pixels).map(|i| scene.point_at(i)).collect();
-        let reach = |direction: DVec3, shares: [f64; 2]| {
-            let mut values: Vec<f64> = points.iter().map(|point| direction.dot(*point)).collect();
-            shares.map(|share| element_at(&mut values, share))
-        };
-        if !is_straight(scene, pixels, up, along) {
-            return None;
-        }
+        let points: Vec<DVec3> = scene.sampled_points(pixels).collect();
+        let reach_m = |direction, quantiles| reach_m(points.iter().copied(), direction, quantiles);
         let noise_m = noise_m(scene, points[points.len() / 2].z);
-        let [near_m, far_m] = reach(facing, FLAT_QUANTILES);
-        let ends_m = reach(along, QUANTILES);
+        let [near_m, far_m] = reach_m(facing, FLAT_QUANTILES);
+        let ends_m = reach_m(along, QUANTILES);
         let mut heights_m: Vec<f64> = sampled(pixels).map(|i| scene.height_m(i, ground)).collect();
-        let [foot_m, top_m] = QUANTILES.map(|share| element_at(&mut heights_m, share));
-        let [offset_m, _] = reach(normal, [0.5; 2]);
+        let [foot_m, top_m] = range(&mut heights_m, QUANTILES);
         let is_flat = (far_m - near_m).abs() < noise_m;
         let is_wall = ends_m[1] - ends_m[0] >= LENGTH_M && top_m - foot_m >= HEIGHT_M;
+        if !is_flat || !is_wall || !is_straight(scene, pixels, up, along) {
+            return None;
+        }
+        let [offset_m, _] = reach_m(normal, [0.5; 2]);
         let panel = Self { cluster, normal, along, offset_m, ends_m, foot_m, top_m, noise_m };
-        (is_flat && is_wall && panel.is_thin(scene, ground, pixels)).then_some(panel)
+        panel.is_thin(scene, ground, pixels).then_some(panel)
     }
 
     /// Whether the camera sees past the wall at the height of its rim.
@@ -156,8 +153,7 @@ impl Panel {
 
 /// Whether the halves of a wall on both sides of its middle face the same way in the plan view.
 fn is_straight(scene: &Scene<'_>, pixels: &[u32], up: DVec3, along: DVec3) -> bool {
-    let mut places_m: Vec<f64> = sampled(pixels).map(|i| along.dot(scene.point_at(i))).collect();
-    let middle_m = element_at(&mut places_m, 0.5);
+    let [middle_m, _] = reach_m(scene.sampled_points(pixels), along, [0.5; 2]);
     let mut facing = [DVec3::ZERO; 2];
     for i in sampled(pixels) {
         let normal = DVec3::from(scene.normals[i].map(f64::from));

@@ -1,0 +1,63 @@
+//! When and on what a thing was put down that was lifted.
+
+use crate::happening::{Happening, Other};
+use crate::pace::Pace;
+use crate::scene::Key;
+use crate::taken::UNSEEN_S;
+use crate::track::{AS_WHOLE, Deed, Sample, Track};
+use crate::tracked::{EventKind, Relation};
+
+/// Put down: no motion was found for so long (s).
+pub(crate) const STILL_S: f64 = 0.3;
+/// A thing lies where it came to rest when its lowest point is within this height, and its mean point within this (m): seen as whole, and in part.
+const DOWN_M: [[f64; 2]; 2] = [[0.006, 0.015], [0.010, 0.060]];
+/// What is put down unseen is taken to be put down when one of so many parts of the unseen time is left.
+const UNSEEN_PARTS: u64 = 3;
+/// and no longer than this (s) before it is seen again.
+const UNSEEN_DOWN_S: f64 = 0.5;
+
+/// Frame and time (s) at which a thing was put down after the frame `begun`: those of the sample that shows it first, less a third of the time for
+/// which it was not seen before: a hand carries a thing, then lets it go.
+fn put_down_at(first_seen: &Sample, track: &Track, begun: u64, pace: Pace) -> (u64, f64) {
+    let before = track.samples.iter().rev().find(|sample| sample.frame < first_seen.frame);
+    let Some(before) = before.filter(|before| first_seen.stamp_s - before.stamp_s > UNSEEN_S) else {
+        return first_seen.when();
+    };
+    let unseen = first_seen.frame - before.frame.max(begun).min(first_seen.frame);
+    let earlier = (unseen / UNSEEN_PARTS).min(pace.frames(UNSEEN_DOWN_S) as u64);
+    let frame_s = (first_seen.stamp_s - before.stamp_s) / (first_seen.frame - before.frame) as f64;
+    (first_seen.frame - earlier, first_seen.stamp_s - earlier as f64 * frame_s)
+}
+
+/// Whether a thing of a size (m) lies where it came to rest. While a hand hides part of it, its mean visible point tells less, and what its
+/// motion tells counts too.
+fn is_down(sample: &Sample, rest: &Sample, size_m: f64) -> bool {
+    let (apart, above) = ((sample.center - rest.center).length(), (sample.bottom_m - rest.bottom_m).abs());
+    let is_whole = sample.px as f64 > AS_WHOLE * rest.px as f64;
+    let [height_m, shift_m] = DOWN_M[usize::from(!is_whole)];
+    let is_there = above < height_m && apart < shift_m;
+    // A hand before its lower part does not lift its top.
+    let is_above = (sample.bottom_m - rest.bottom_m).min(sample.top_m - rest.top_m) > height_m;
+    is_there || (!is_whole && !is_above && !sample.moves && apart < size_m)
+}
+
+/// How a thing that was lifted after the frame `begun` came to rest, unless it was let fall.
+pub(crate) fn put_down(key: Key, track: &mut Track, begun: u64, pace: Pace) -> Option<Happening> {
+    let is_seen = track.last.frame > begun;
+    if !is_seen || !track.is_still_for(STILL_S, pace.frame_s) || track.flew_since(begun) {
+        return None;
+    }
+    // A hand that leaves may spoil a frame.
+    let is_up = |sample: &Sample| !is_down(sample, &track.last, track.area_m2.sqrt());
+    let recent = track.samples.iter().rev();
+    let moved = recent.clone().zip(recent.skip(1)).find(|(later, earlier)| is_up(later) && is_up(earlier));
+    let down = moved.map_or(begun, |(sample, _)| sample.frame.max(begun)) + 1;
+    let at = put_down_at(track.since(down).next().unwrap_or(&track.last), track, begun, pace);
+    let (kind, other) = match track.votes.winner() {
+        Some((Some(vessel), Relation::In)) => (EventKind::PutIn, Other::Track(vessel)),
+        Some((Some(below), _)) => (EventKind::PlacedOn, Other::Track(below)),
+        _ => (EventKind::PlacedOn, Other::Ground),
+    };
+    track.note(Deed::PutDown);
+    Some(Happening::at(at, key, kind, other, 0.85, "it rests again after it was lifted".to_owned()))
+}
