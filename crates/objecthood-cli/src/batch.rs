@@ -29,7 +29,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<Outcome> {
     let absent = |why: &str| {
         let python = python.display();
         usage(format!(
-            "the engine is not there ({python}: {why}): {python} -m pip install '{extra}' installs it (from this repository: './python[ray]'); \
+            "the Python package {module} cannot be loaded ({python}: {why}): {python} -m pip install '{extra}' installs it (from this repository: './python[ray]'); \
              OBJECTHOOD_PYTHON names another Python; `objecthood segment --resume` needs none"
         ))
     };

@@ -31,7 +31,7 @@ enum Sink<'a> {
 pub(crate) fn run(args: &ConvertArgs) -> Result<Outcome> {
     let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
     let inputs = inputs::collect(&args.frames, false, camera.as_ref())?;
-    refuse_existing(args, &inputs)?;
+    refuse_existing(args)?;
     let scope = args.frames.scope.read(args.frames.images.max_pixels)?;
     let Inputs { frames, unreadable, notices, .. } = &inputs;
     notices.iter().for_each(|notice| terminal::note(notice));
@@ -61,7 +61,8 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<Outcome> {
     bar.finish_and_clear();
     sink.finish()?;
     tell(args, rounding, are_stamps_made_up);
-    terminal::print(&format!("{done} frames -> {}\n", args.out.display()))?;
+    let frames_are = if done == 1 { "frame" } else { "frames" };
+    terminal::print(&format!("{done} {frames_are} -> {}\n", args.out.display()))?;
     Ok(match (done + failed < frames.len() + unreadable.len(), failed) {
         (true, _) => Outcome::Interrupted,
         (false, 0) => Outcome::AllDone,
@@ -73,7 +74,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<Outcome> {
 ///
 /// # Errors
 /// Of usage.
-fn refuse_existing(args: &ConvertArgs, inputs: &Inputs) -> Result<()> {
+fn refuse_existing(args: &ConvertArgs) -> Result<()> {
     let out = &args.out;
     if args.to != Target::Mcap {
         refuse_file("--out", out)?;
@@ -81,9 +82,6 @@ fn refuse_existing(args: &ConvertArgs, inputs: &Inputs) -> Result<()> {
     let is_empty = || out.is_dir() && out.read_dir().is_ok_and(|mut entries| entries.next().is_none());
     if out.exists() && (args.to == Target::Mcap || !is_empty()) {
         return Err(usage(format!("--out {} is there already: name a new one", out.display())));
-    }
-    if inputs.frames.is_empty() && inputs.unreadable.is_empty() {
-        return Err(usage("there is no frame to convert".to_owned()));
     }
     Ok(())
 }
@@ -93,7 +91,12 @@ fn tell(args: &ConvertArgs, Rounding { error_m, lost_px }: Rounding, are_stamps_
     if error_m > 0.0 {
         let most_mm = 1000.0 * error_m;
         terminal::note(&format!(
-            "depth was rounded by at most {most_mm:.3} mm: --to mcap and --to npz keep it whole"
+            "depth was rounded by {}: --to mcap and --to npz keep it whole",
+            if most_mm < 0.001 {
+                "less than 0.001 mm".to_owned()
+            } else {
+                format!("at most {most_mm:.3} mm")
+            }
         ));
     }
     if lost_px > 0 {

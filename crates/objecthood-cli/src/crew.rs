@@ -89,7 +89,8 @@ impl Reported {
         let is_interrupted = done + failed < total;
         let ends = [(failed > 0, format!(", {failed} failed")), (is_interrupted, ", interrupted".to_owned())];
         let ends: String = ends.into_iter().filter_map(|(holds, text)| holds.then_some(text)).collect();
-        if total > 1 || !ends.is_empty() {
+        // Without a frame the errors have said everything.
+        if self.total > 0 && (total > 1 || !ends.is_empty()) {
             terminal::complain(&format!("{done} of {total} {what} done{ends}"));
         }
         printed?;

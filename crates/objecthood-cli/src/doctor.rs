@@ -175,22 +175,36 @@ fn facts_text(facts: &Facts) -> String {
     line("unit", facts.depth_scale.map(|scale| format!("{scale} a metre, as the input says")));
     line(
         "noise",
-        facts.noise.map(|[white, waves]| format!("{white:.2} times a Kinect's, its waves {waves:.2} times")),
+        facts
+            .noise
+            .map(|[white, waves]| format!("of pixels {white:.2}, slow waves {waves:.2} times a Kinect's")),
     );
     line("distortion", facts.distortion_px.map(|px| format!("{px:.1} px at most, as the input says")));
     line("registration", facts.registration.map(shift_text));
     line("mount", facts.mount.map(mount_text));
+    let examined = facts.examined;
+    let in_frames =
+        |count: usize, what: &str| (count > 0).then(|| format!("{what} in {count} of {examined} frames"));
+    line("ground", in_frames(facts.ground_in_doubt, "not clear which surface it is"));
+    line("edges", in_frames(facts.smeared, "smeared over several pixels, and made steps again,"));
+    line("holes", in_frames(facts.with_hole_grid, "a grid of small ones, which is bridged,"));
     text
 }
 
 fn shift_text(Shift { shift_px: [right, down], .. }: Shift) -> String {
-    let told = |px: Option<i32>| px.map_or_else(|| "unknown".to_owned(), |px| format!("{px} px"));
-    format!("edges of the colour {} to the right of those of the depth, {} below", told(right), told(down))
+    let told = |px: Option<i32>, [there, back]: [&str; 2]| match px {
+        None => format!("{there} or {back} unknown"),
+        Some(px) => format!("{} px {}", px.abs(), if px < 0 { back } else { there }),
+    };
+    let (right, down) = (told(right, ["right", "left"]), told(down, ["below", "above"]));
+    format!("edges of the colour against those of the depth: {right}, {down}")
 }
 
 fn mount_text(Mount { height_m, tilt_deg, roll_deg }: Mount) -> String {
     format!(
-        "{height_m:.2} m from the support plane, looks down by {tilt_deg:.0} degrees, rolled by {roll_deg:.0}"
+        "{height_m:.2} m from the support plane, looks down by {tilt_deg:.0} degrees, rolled by {:.0}",
+        // Not -0.
+        roll_deg.round() + 0.0
     )
 }
 

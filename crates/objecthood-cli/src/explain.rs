@@ -51,9 +51,11 @@ impl<'a> Plan<'a> {
         if let Some(error) = unreadable.into_iter().next() {
             return Err(error);
         }
-        match (frames.pop(), frames.len()) {
-            (Some(input), 0) => Ok(Self { args, input, scope, params }),
-            (_, others) => Err(usage(format!("{} frames are named: explain looks at one", others + 1))),
+        match (frames.len(), frames.pop()) {
+            (1, Some(input)) => Ok(Self { args, input, scope, params }),
+            (count, _) => Err(usage(format!(
+                "{count} frames are named, and explain looks at one: choose it, as by --frames 3..4"
+            ))),
         }
     }
 

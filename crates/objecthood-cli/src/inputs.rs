@@ -112,6 +112,7 @@ pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraF
     let given = args.given(camera);
     let selection = args.selection.selection();
     let mut inputs = Inputs::default();
+    let mut listed = None;
     let mut folders = Folders::default();
     let (frames, tops) = if args.images.pairs.depth.is_empty() {
         open_all(&args.inputs, &given, &selection, &mut inputs)
@@ -120,9 +121,17 @@ pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraF
         refuse_unknown_camera_or_unit(&given, &pairs)?;
         inputs.unreadable = complaints;
         let tops: BTreeSet<PathBuf> = pairs.iter().map(|pair| folders.of(&pair.depth)).collect();
+        listed = Some(pairs.len());
         let source = source_of(pairs, &given).select(&selection);
         (inputs.readable(source), tops.into_iter().collect())
     };
+    if frames.is_empty() && inputs.unreadable.is_empty() {
+        let count = listed.unwrap_or_else(|| count_all(&args.inputs, &given));
+        return Err(usage(format!(
+            "there is no frame{}: the input has {count}, counted from 0",
+            args.selection
+        )));
+    }
     if args.images.depth_scale.is_some() && !frames.is_empty() && frames.iter().all(FrameRef::is_metric) {
         return Err(usage("--depth-scale is for depth images but only point clouds are named: leave it out"));
     }
@@ -164,6 +173,11 @@ fn open_all(
         }
     }
     (frames, tops)
+}
+
+/// How many frames there are to choose from.
+fn count_all(arguments: &[PathBuf], given: &Given) -> usize {
+    arguments.iter().filter_map(|argument| Source::open(argument, given).ok()).map(Iterator::count).sum()
 }
 
 /// Refuses image files of which nobody says how they are to be read: once, and before anything is done.
@@ -218,9 +232,10 @@ fn common_folder(folders: &[PathBuf]) -> PathBuf {
     first.ancestors().find(is_common).unwrap_or(Path::new("")).to_owned()
 }
 
-/// The way from `root` down to `folder`: names only, so that it leads nowhere else wherever it is appended.
+/// The way from `root` down to `folder`: names only, so that it leads nowhere else wherever it is appended. Empty when the folder is not below: a
+/// recording may be a folder itself, and lies in the one above.
 fn below(root: &Path, folder: &Path) -> PathBuf {
-    let way = folder.strip_prefix(root).unwrap_or(folder);
+    let way = folder.strip_prefix(root).unwrap_or(Path::new(""));
     way.components().filter(|part| matches!(part, Component::Normal(_))).collect()
 }
 

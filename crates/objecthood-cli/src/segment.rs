@@ -1,6 +1,7 @@
 //! `objecthood segment`: frames -> label images, scene files, panels, and what other programs read.
 
 mod mailbox;
+mod notes;
 mod stream;
 mod summary;
 
@@ -27,6 +28,7 @@ use crate::outputs::{Found, make_folder, make_folders_of, refuse_file, with_suff
 use crate::record::{Earlier, Line, Record};
 use crate::watch::{Laps, Watch};
 use crate::{config, crew, doctor, inputs, terminal};
+use notes::Notes;
 use summary::Summary;
 
 /// What to do; nothing is in doubt any more.
@@ -84,7 +86,9 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     let (earlier, record) = record.unzip();
     let of_run = RunFiles::create(out, &plan.kinds, &plan.params)?;
     let summary = Summary::new(unreadable);
-    let mut report = Report { plan: &plan, is_single: total == 1, record, of_run, summary, added: Ok(()) };
+    let (is_single, notes) = (total == 1, Notes::default());
+    let mut report =
+        Report { plan: &plan, is_single, record, of_run, summary, notes, before: 0, added: Ok(()) };
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
     let work = |pipeline: &mut Pipeline, job: &Job<'_>| plan.segment(pipeline, job, earlier.as_ref());
     let text = |job: &Job<'_>, step: Result<Step, &anyhow::Error>| report.frame(job.input, step);
@@ -112,6 +116,9 @@ struct Report<'a> {
     record: Option<Record>,
     of_run: RunFiles,
     summary: Summary,
+    notes: Notes,
+    /// Frames that an earlier run has done.
+    before: usize,
     /// Whether record and files of the run could be written so far.
     added: Result<()>,
 }
@@ -123,9 +130,16 @@ impl Report<'_> {
         if self.added.is_ok() {
             self.added = self.add(input, step.as_ref().map_err(|e| *e));
         }
-        let Ok(Step::Done(done)) = step else { return String::new() };
+        let done = match step {
+            Ok(Step::Done(done)) => done,
+            Ok(Step::Before(_)) => {
+                self.before += 1;
+                return String::new();
+            }
+            Err(_) => return String::new(),
+        };
         for notice in &done.notices {
-            terminal::note(&format!("{}: {notice}", input.path.display()));
+            self.notes.take(&input.path, notice);
         }
         if self.is_single { in_full(input, &done) } else { in_short(input, &done) }
     }
@@ -161,7 +175,12 @@ impl Report<'_> {
 
     /// Ends the files of the run, and names them. The record stays open.
     fn finish(self) -> Result<Option<Record>> {
-        let Self { plan, record, of_run, summary, added, .. } = self;
+        let Self { plan, record, of_run, summary, notes, before, added, .. } = self;
+        notes.sum_up();
+        if before > 0 {
+            let frames_were = if before == 1 { "frame was" } else { "frames were" };
+            terminal::note(&format!("{before} {frames_were} done before"));
+        }
         added?;
         let mut paths = of_run.finish()?;
         if plan.args.summary {

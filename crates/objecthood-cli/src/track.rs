@@ -163,7 +163,9 @@ impl<'a> Plan<'a> {
             let events = told.events.iter().chain(&tracked.events);
             let marks: Vec<Mark> =
                 events.map(|event| Mark { time_s: event.time, text: summary::short(event) }).collect();
-            let picture = objecthood_view::filmed(&capture.frame, &tracked.labels, tracked.stamp_s, &marks);
+            let agents: Vec<_> = tracked.agents.iter().map(|agent| (agent.id.0, agent.box_px)).collect();
+            let (labels, now_s) = (&tracked.labels, tracked.stamp_s);
+            let picture = objecthood_view::filmed(&capture.frame, labels, &agents, now_s, &marks);
             files.push((
                 with_png(self.args.out.join("pictures").join(&input.name)),
                 objecthood_view::png(&picture)?,

@@ -9,7 +9,7 @@ use anyhow::{Result, anyhow};
 use objecthood_page::{Address, FrameList, FrameSource, Session, serve};
 
 use crate::args::{CameraArg, ViewArgs};
-use crate::failure::{Outcome, usage};
+use crate::failure::Outcome;
 use crate::inputs::{Input, Inputs, STDIN};
 use crate::shell::words_of_frames;
 use crate::{advice, config, inputs, interrupt, terminal};
@@ -46,11 +46,13 @@ fn session(args: &ViewArgs) -> Result<Session> {
         let words = ["-", "--format", "frames"].map(str::to_owned).to_vec();
         return Ok(Session { title: "frames by stdin".to_owned(), words, frames: stream.frames()?, params });
     }
-    let Inputs { frames, unreadable, notices, .. } = inputs::collect(&args.frames, true, camera.as_ref())?;
+    let Inputs { frames, mut unreadable, notices, .. } =
+        inputs::collect(&args.frames, true, camera.as_ref())?;
     notices.iter().for_each(|notice| terminal::note(notice));
+    let reason = if frames.is_empty() { unreadable.pop() } else { None };
     unreadable.iter().for_each(terminal::error);
-    if frames.is_empty() {
-        return Err(unreadable.into_iter().next().unwrap_or_else(|| usage("there is no frame to show")));
+    if let Some(reason) = reason {
+        return Err(reason);
     }
     let (asked, scope) = (Arc::new(args.frames.clone()), Arc::new(scope));
     let of_frame = |input: Input| {

@@ -14,7 +14,7 @@ fn it_says_what_to_install() {
             command.env("OBJECTHOOD_PYTHON", python).args(["batch", "in", "--out", "out"]).output().unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{stderr}");
-        assert!(stderr.starts_with("error: the engine is not there"), "{stderr}");
+        assert!(stderr.starts_with("error: the Python package "), "{stderr}");
         assert!(stderr.contains("-m pip install 'objecthood[ray]'"), "{stderr}");
     }
 }

@@ -373,8 +373,20 @@ fn images_without_a_partner_are_named_and_the_others_done() {
     assert_eq!(folder.names("out"), ["1.labels.png", "10.labels.png", "2.labels.png"]);
     let errors = run.errors();
     assert_eq!(errors.len(), 2);
-    assert!(errors[0].starts_with("error: in/7-depth.png: no color image has the key `7`"), "{}", errors[0]);
-    assert!(errors[1].starts_with("error: in/8-color.png: no depth image has the key `8`"), "{}", errors[1]);
+    assert!(
+        errors[0].starts_with(
+            "error: in/7-depth.png: no color image goes with this depth image: none is named by `7`"
+        ),
+        "{}",
+        errors[0]
+    );
+    assert!(
+        errors[1].starts_with(
+            "error: in/8-color.png: no depth image goes with this color image: none is named by `8`"
+        ),
+        "{}",
+        errors[1]
+    );
     assert!(run.stderr.ends_with("3 of 5 frames done, 2 failed\n"), "{}", run.stderr);
 }
 

@@ -142,6 +142,12 @@ pub struct Facts {
     pub registration: Option<Shift>,
     /// Height of the camera over the support plane (m), how far it looks down and how far it is rolled (degrees).
     pub mount: Option<Mount>,
+    /// Frames in which it is not clear which surface is the ground.
+    pub ground_in_doubt: usize,
+    /// Frames whose depth is smeared at edges, which are made steps again.
+    pub smeared: usize,
+    /// Frames that have a grid of small holes, which are bridged.
+    pub with_hole_grid: usize,
 }
 
 /// How the camera is mounted over the support plane.
@@ -165,6 +171,9 @@ pub struct Examination {
     sequence: Sequence,
     noise: Vec<[f64; 2]>,
     mounts: Vec<Mount>,
+    ground_in_doubt: usize,
+    smeared: usize,
+    with_hole_grid: usize,
     findings: Vec<Finding>,
 }
 
@@ -197,6 +206,10 @@ impl Examination {
         self.sequence.look(frame, capture.stamp_ns);
         self.noise.extend(found.estimates.map(|estimates| [estimates.noise.white, estimates.noise.waves()]));
         self.mounts.extend(mount(found));
+        let notes = |is_such: fn(&Notice) -> bool| usize::from(found.notices.iter().any(is_such));
+        self.ground_in_doubt += notes(|notice| matches!(notice, Notice::GroundInDoubt { .. }));
+        self.smeared += notes(|notice| matches!(notice, Notice::Smeared { .. }));
+        self.with_hole_grid += notes(|notice| matches!(notice, Notice::HoleGrid { .. }));
     }
 
     /// Notes that a frame cannot be read, or anything else that the caller finds.
@@ -246,6 +259,9 @@ impl Examination {
             distortion_px: first.said.distortion_px,
             registration,
             mount: middle(&self.mounts, |mount| mount.tilt_deg),
+            ground_in_doubt: self.ground_in_doubt,
+            smeared: self.smeared,
+            with_hole_grid: self.with_hole_grid,
         })
     }
 }

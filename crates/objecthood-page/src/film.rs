@@ -115,6 +115,7 @@ mod tests {
             kind: objecthood_track::EventKind::Appeared,
             object: objecthood_track::TrackId(3),
             other: None,
+            by_agent: false,
             start: None,
             end: None,
             confidence: 1.0,

@@ -152,6 +152,7 @@ mod tests {
             kind: EventKind::Split,
             object: TrackId(object),
             other: Some(other),
+            by_agent: false,
             start: None,
             end: None,
             confidence: 1.0,

@@ -34,12 +34,11 @@ impl Memory {
             let sample = self.sample(&look.segments[k], reach.get(&key).map_or(&[][..], Vec::as_slice));
             let frame_s = self.pace.frame_s;
             let center = look.segments[k].center_in_camera;
-            if let Some(track) = self.tracks.get_mut(&key)
-                && track.first.frame < self.frame
-            {
-                if let Some(found) = look.found.objects.get(k) {
-                    (track.held_frames, track.objectness) = (0, found.objectness);
-                }
+            let Some(track) = self.tracks.get_mut(&key) else { continue };
+            if let Some(found) = look.found.objects.get(k) {
+                (track.held_frames, track.objectness) = (0, found.objectness);
+            }
+            if track.first.frame < self.frame {
                 if track.rests() && !self.happenings.is_handled(key) {
                     track.drift = DVec3::ZERO;
                 }

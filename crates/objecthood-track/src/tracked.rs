@@ -202,6 +202,8 @@ pub struct Event {
     pub object: TrackId,
     /// Who or what else had part in it; 0 = the table, the floor, furniture.
     pub other: Option<u16>,
+    /// Whether that is an agent.
+    pub by_agent: bool,
     /// First frame of what lasts.
     pub start: Option<u64>,
     /// Last frame of what lasts.
@@ -219,7 +221,7 @@ impl fmt::Display for Event {
         let other = |nobody: &str| match self.other {
             None => nobody.to_owned(),
             Some(0) => "the table".to_owned(),
-            Some(other) => format!("object {other}"),
+            Some(other) => format!("{} {other}", if self.by_agent { "agent" } else { "object" }),
         };
         let agent = self.other.map_or_else(|| "Someone".to_owned(), |agent| format!("Agent {agent}"));
         match self.kind {

@@ -257,6 +257,10 @@ fn legend(explanation: &Explanation, (width, height): (u32, u32)) -> RgbImage {
         };
         let vote = border.vote_mm.map_or("no vote".to_owned(), |vote_mm| format!("{vote_mm:+.0} mm"));
         let end = match border.decision.as_ref().map(|decision| decision.yes) {
+            // What votes keep apart another rule may join.
+            Some(true) if border.vote_mm.is_some_and(|vote_mm| vote_mm < 0.0) => {
+                ", one thing by another rule"
+            }
             Some(true) => ", one thing",
             Some(false) => ", two things",
             None => "",

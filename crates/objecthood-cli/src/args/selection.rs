@@ -1,5 +1,7 @@
 //! Which frames of a video or a recording are looked at.
 
+use std::fmt;
+
 use clap::Args;
 use objecthood_io::{FrameRange, Selection, TimeRange};
 
@@ -24,5 +26,14 @@ impl SelectionArgs {
     /// The frames that are asked for.
     pub(crate) fn selection(&self) -> Selection {
         Selection { frames: self.frames, time: self.time }
+    }
+}
+
+/// As a sentence goes on: ` in --frames 3..9`; nothing when all frames are taken.
+impl fmt::Display for SelectionArgs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let frames = self.frames.map(|frames| format!(" in --frames {frames}"));
+        let time = self.time.map(|time| format!(" in --time {time}"));
+        frames.into_iter().chain(time).try_for_each(|text| f.write_str(&text))
     }
 }

@@ -1,5 +1,6 @@
 //! Which frames of a source are wanted.
 
+use std::fmt;
 use std::str::FromStr;
 
 use super::FrameRef;
@@ -99,6 +100,21 @@ impl TimeRange {
     }
 }
 
+impl fmt::Display for FrameRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { first, end, step } = self;
+        write!(f, "{first}..{}", end.map(|end| end.to_string()).unwrap_or_default())?;
+        if *step == 1 { Ok(()) } else { write!(f, ":{step}") }
+    }
+}
+
+impl fmt::Display for TimeRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { first_s, end_s } = self;
+        if end_s.is_finite() { write!(f, "{first_s}..{end_s}") } else { write!(f, "{first_s}..") }
+    }
+}
+
 impl FromStr for FrameRange {
     type Err = Error;
 
@@ -176,6 +192,14 @@ mod tests {
             ("1..:3", "2..6", &[4, 7, 10]),
         ] {
             assert_eq!(selected(frames, time), numbers, "{frames} {time}");
+            if !frames.is_empty() {
+                let range: FrameRange = frames.parse().unwrap();
+                assert_eq!(range.to_string().parse::<FrameRange>().unwrap(), range, "written as it is read");
+            }
+            if !time.is_empty() {
+                let range: TimeRange = time.parse().unwrap();
+                assert_eq!(range.to_string().parse::<TimeRange>().unwrap(), range, "written as it is read");
+            }
         }
         assert_eq!(selected("", ""), (0..20).collect::<Vec<_>>());
     }

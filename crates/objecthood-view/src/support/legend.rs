@@ -5,7 +5,7 @@ use image::{Rgb, RgbImage};
 use crate::text::Text;
 
 const LINES: [&str; 4] = [
-    "disc, upper number: P(O), the probability of an object",
+    "disc, upper number: P(O), how well something carries it",
     "disc, lower number: P(S), how well it can carry",
     "bar: no object; its number is P(S)",
     "number on a line: how sure it is",

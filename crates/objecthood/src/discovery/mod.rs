@@ -68,8 +68,9 @@ impl Discovery {
     }
 }
 
-/// A surface on which things stand that faces away from up by more than this (degrees) tells that the sign of gravity is exchanged.
-const EXCHANGED_DEG: f32 = 150.0;
+/// A surface on which things stand that faces away from up by more than this (degrees) tells that the sign of gravity is exchanged: a camera that
+/// looks down by up to 60 degrees, whose gravity is given as if it were level.
+const EXCHANGED_DEG: f32 = 120.0;
 
 /// What to do about a wrong ground. A tilt and a roll of 0 are the defaults and tell nothing.
 const HOW_HELD: &str = "say how the camera is held: --gravity 0,1,0 if it is level, --set gravity.tilt_deg=30 if it looks down by 30 degrees, \

@@ -192,12 +192,17 @@ impl Doubt {
                 Rounded(near),
                 Rounded(far)
             ),
-            Self::TooNear { median_m, noise_m, times } => write!(
-                f,
-                "half of the depths are below {} m, with noise and steps of {} mm, nearer than depth cameras see or coarser than they measure there: they may be {times} times too small",
-                Rounded(median_m),
-                Rounded(1000.0 * noise_m)
-            ),
+            Self::TooNear { median_m, noise_m, times } => {
+                write!(f, "half of the depths are below {} m, ", Rounded(median_m))?;
+                // Depths in kilometres have a noise of nanometres, which tells nobody anything.
+                if noise_m >= LEAST_TOLD_M {
+                    write!(f, "with noise and steps of {} mm, ", Rounded(1000.0 * noise_m))?;
+                }
+                write!(
+                    f,
+                    "nearer than depth cameras see or coarser than they measure there: they may be {times} times too small"
+                )
+            }
             Self::ColorMirrored(mirrored) => {
                 let (how, what) = match mirrored {
                     Mirrored::Sideways => ("with left and right exchanged", "mirrored"),
@@ -213,6 +218,9 @@ impl Doubt {
         }
     }
 }
+
+/// Noise below this (m) is not told.
+const LEAST_TOLD_M: f64 = 1e-6;
 
 /// A number as people read it: three digits from the first that is not 0 on, however large or small it is.
 struct Rounded(f64);
