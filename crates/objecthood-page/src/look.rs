@@ -1,7 +1,7 @@
 //! A look at a frame: the method runs, and what the page draws is packed.
 
 use std::collections::BTreeSet;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use objecthood::{Discovery, Pipeline};
 use objecthood_eval::{ImageScore, Truth, Verdict, VerdictCounts, mosd, object_map, score};
@@ -50,7 +50,6 @@ pub(crate) fn seen(
     if let Some(unknown) = asked.maps.iter().find(|map| !NAMES.contains(&map.as_str())) {
         return Err(Error::NoMap(unknown.clone()));
     }
-    let start = Instant::now();
     let params = asked.settings.params()?;
     let (frame, wanted) = (&capture.frame, &asked.maps);
     let mut layers = Layers::new(frame, &params.contraction, wanted);
@@ -75,7 +74,6 @@ pub(crate) fn seen(
         "scene": SceneFile::new(name, capture, &params, discovery),
         "truth": truth.map(|truth| scored(discovery, &truth)).transpose()?,
         "stages_ms": laps,
-        "together_ms": milliseconds(start.elapsed()),
     });
     Ok((header, maps))
 }

@@ -4,7 +4,8 @@ import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
 import { asCommand, asPython, asToml, fromToml } from "./copy";
-import { greeting, problem, settings } from "./state";
+import { complain, greeting, settings } from "./state";
+import { wordsOf } from "./wire";
 
 export const isOpen = signal(false);
 const FORMS = { TOML: "a file for --config", "command line": "for a shell", Python: "for a program" };
@@ -56,7 +57,7 @@ async function copy(what: string): Promise<void> {
     await navigator.clipboard.writeText(what);
     copied.value = true;
   } catch {
-    problem.value = "the browser does not let the page copy: select the text and copy it";
+    complain("the browser does not let the page copy: select the text and copy it");
   }
 }
 
@@ -76,6 +77,6 @@ async function load(input: HTMLInputElement): Promise<void> {
     settings.value = fromToml(await file.text(), greeting.value);
     isOpen.value = false;
   } catch (error) {
-    problem.value = `${file.name} holds no settings: ${error instanceof Error ? error.message : error}`;
+    complain(`${file.name} holds no settings: ${wordsOf(error)}`);
   }
 }

@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
+import { rangeOf } from "./range";
 import { scaleOf, snapped } from "./scale";
 import { STAGES, stageOf } from "./stages";
 import { defaultOf, greeting, pictures, set, settings, solo, valueOf } from "./state";
@@ -13,7 +14,6 @@ const onlyChanged = signal(false);
 /** The parameter that is pointed out. */
 const revealed = signal<string | null>(null);
 const REVEALED_MS = 2500;
-/** What was typed and is not allowed, by the name of the parameter. */
 /** What was typed and is not allowed, while the settings are those. */
 const refused = signal<{ name: string; typed: number; by: Settings } | null>(null);
 
@@ -96,7 +96,7 @@ function Meaning({ text }: { text: string }) {
 }
 
 function Row({ parameter }: { parameter: Parameter }) {
-  const { name, meaning, unit, range, source } = parameter;
+  const { name, meaning, range, source } = parameter;
   const value = valueOf(name);
   const isChanged = name in settings.value.set;
   const id = `p-${name}`;
@@ -122,7 +122,7 @@ function Row({ parameter }: { parameter: Parameter }) {
         </p>
       )}
       <p class="meaning" id={`${id}-meaning`}>
-        <Meaning text={meaning} /> <span class="range">{parameter.limits ? `${parameter.limits.join(" to ")} ${unit}` : range}, default {parameter.default}</span>
+        <Meaning text={meaning} /> <span class="range">{rangeOf(parameter)}</span>
       </p>
     </div>
   );

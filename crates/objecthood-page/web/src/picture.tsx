@@ -6,7 +6,8 @@ import { useLayoutEffect, useRef } from "preact/hooks";
 import { compose, Marks, UNMARKED } from "./paint";
 import { namesOf } from "./names";
 import {
-  ask, asked, askWith, explained, frame as shown, isLive, isPairing, opacity, other, partner, pictures, selected, stopAsking, swipe,
+  ask, asked, askWith, explained, frame as shown, isLive, isPairing, opacity, other, partner, pictures, problem, selected, stopAsking, swipe,
+  unfollowed,
 } from "./state";
 import { Picture } from "./wire";
 
@@ -45,7 +46,8 @@ const marks = computed(() => {
 export const painted = [0, 1].map((side) =>
   computed(() => {
     const picture = pictures[side].value;
-    return picture && compose(picture, opacity.value, side === 0 ? marks.value : UNMARKED);
+    if (!picture) return null;
+    return side === 0 ? compose(picture, opacity.value, marks.value) : compose(picture, unfollowed.value, UNMARKED);
   }),
 );
 
@@ -85,7 +87,7 @@ function Canvas({ side }: { side: number }) {
 export function PictureView() {
   const picture = pictures[0].value;
   const frame = useRef<HTMLDivElement>(null);
-  if (!picture) return <div class="waiting">{"Reading the frame …"}</div>;
+  if (!picture) return <div class="waiting">{problem.value ? "This frame cannot be shown." : "Reading the frame …"}</div>;
   const { width_px: width, height_px: height } = picture.header.scene.image;
   const { factor, u, v } = zoom.value;
   const place = (e: MouseEvent) => {

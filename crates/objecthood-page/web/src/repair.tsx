@@ -3,7 +3,7 @@
 import { batch, effect, signal } from "@preact/signals";
 
 import { breakable, reveal } from "./parameters";
-import { asked, frame, isPairing, partner, pictures, problem, set, settings, valueOf } from "./state";
+import { asked, complain, frame, isPairing, partner, pictures, set, settings, valueOf } from "./state";
 import { Picture, Repair, Repairs, repair } from "./wire";
 
 const found = signal<Repairs | null>(null);
@@ -47,7 +47,7 @@ export async function search(): Promise<void> {
       left = so.left;
     }
   } catch (error) {
-    if (question === searches) problem.value = error instanceof Error ? error.message : String(error);
+    if (question === searches) complain(error);
   }
   if (question === searches) isSearching.value = false;
 }

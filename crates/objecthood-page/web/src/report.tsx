@@ -10,6 +10,7 @@ import { Story } from "./film";
 import { Frames, play } from "./frames";
 import { Objects } from "./objects";
 import { endQuestion, PictureView, zoomBy, zoomOut } from "./picture";
+import { rangeOf } from "./range";
 import { SpaceView } from "./space";
 import { available, frame, goTo, greeting, isLive, opacity, pictures, problem, settings, view } from "./state";
 import { all, Findings, Row, stored } from "./stored";
@@ -33,29 +34,46 @@ function leftTabs(): Partial<Record<Left, string>> {
   };
 }
 
-type Column = "place" | "objects" | "correct" | "together_ms";
+type Column = "place" | "objects" | "correct" | "method_ms";
 const order = signal<{ by: Column; falls: boolean }>({ by: "place", falls: false });
-const TITLES: Record<Column, string> = { place: "frame", objects: "objects", correct: "correct", together_ms: "ms" };
+
+/** What the columns are called. Of a video the tracks that a frame sees are its objects. */
+function titles(): Record<Column, string> {
+  return { place: "frame", objects: findings.value.film ? "tracks" : "objects", correct: "correct", method_ms: "ms" };
+}
+
+/** What was found in all frames. Objects of frames that do not belong together are counted in each; of a video, tracks are. */
+function found(): string {
+  const { film } = findings.value;
+  if (film) return counted(Object.keys(film.lives).length, "track");
+  const objects = counted(rows.value.reduce((sum, row) => sum + row.objects, 0), "object");
+  return rows.value.length === 1 ? objects : `${objects} over all frames`;
+}
+
+function counted(count: number, what: string): string {
+  return `${count} ${count === 1 ? what : `${what}s`}`;
+}
 
 function Summary() {
   const sum = (of: (row: Row) => number) => rows.value.reduce((total, row) => total + of(row), 0);
   const judged = rows.value.filter(({ correct }) => correct);
-  const times = rows.value.map((row) => row.together_ms).sort((a, b) => a - b);
+  const times = rows.value.map((row) => row.method_ms).sort((a, b) => a - b);
   return (
     <p class="score">
-      {rows.value.length} {rows.value.length === 1 ? "frame" : "frames"}, {sum(({ objects }) => objects)} objects
+      {counted(rows.value.length, "frame")}, {found()}
       {judged.length > 0 && `, ${sum(({ correct }) => correct?.[0] ?? 0)} of ${sum(({ correct }) => correct?.[1] ?? 0)} correct`}
-      {`, median ${(times[Math.floor(times.length / 2)] ?? 0).toFixed(0)} ms a frame`}
+      {`, median ${(times[Math.floor(times.length / 2)] ?? 0).toFixed(0)} ms a frame for the method`}
     </p>
   );
 }
 
 function FrameList() {
   const { by, falls } = order.value;
-  const columns = (Object.keys(TITLES) as Column[]).filter((column) => column !== "correct" || rows.value.some(({ correct }) => correct));
+  const names = titles();
+  const columns = (Object.keys(names) as Column[]).filter((column) => column !== "correct" || rows.value.some(({ correct }) => correct));
   const value = (k: number) => {
-    const { objects, correct, together_ms } = rows.value[k];
-    return by === "place" ? k : by === "objects" ? objects : by === "together_ms" ? together_ms : correct ? correct[0] / correct[1] : 2;
+    const { objects, correct, method_ms } = rows.value[k];
+    return by === "place" ? k : by === "objects" ? objects : by === "method_ms" ? method_ms : correct ? correct[0] / correct[1] : 2;
   };
   const sorted = rows.value.map((_, k) => k).sort((a, b) => (falls ? -1 : 1) * (value(a) - value(b)) || a - b);
   return (
@@ -65,7 +83,7 @@ function FrameList() {
           {columns.map((column) => (
             <th key={column} scope="col" aria-sort={by === column ? (falls ? "descending" : "ascending") : "none"}>
               <button class="quiet" onClick={() => (order.value = { by: column, falls: by === column && !falls })}>
-                {TITLES[column]}{by === column ? (falls ? " ▼" : " ▲") : ""}
+                {names[column]}{by === column ? (falls ? " ▼" : " ▲") : ""}
               </button>
             </th>
           ))}
@@ -73,7 +91,7 @@ function FrameList() {
       </thead>
       <tbody>
         {sorted.map((k) => {
-          const { name, objects, correct, together_ms, thumbnail } = rows.value[k];
+          const { name, objects, correct, method_ms, thumbnail } = rows.value[k];
           return (
             <tr key={k} class={k === frame.value ? "chosen" : ""} onClick={() => goTo(k)}>
               <td class="named">
@@ -84,7 +102,7 @@ function FrameList() {
               </td>
               <td>{objects}</td>
               {columns.includes("correct") && <td>{correct ? correct.join("/") : ""}</td>}
-              <td>{together_ms.toFixed(0)}</td>
+              <td>{method_ms.toFixed(0)}</td>
             </tr>
           );
         })}
@@ -99,10 +117,10 @@ function Parameters() {
   return (
     <>
       <p>Method {method}. {Object.keys(set).length} parameters are not at their defaults.</p>
-      {greeting.value?.parameters.filter(({ stages }) => stages[method === "context" ? 0 : 1]).map(({ name, meaning, unit, default: usual }) => (
-        <div key={name} class={name in set ? "parameter changed" : "parameter"}>
-          <strong>{name}</strong> = {String(values[name] ?? set[name] ?? usual)}
-          <p class="meaning">{meaning} {unit}, default {usual}</p>
+      {greeting.value?.parameters.filter(({ stages }) => stages[method === "context" ? 0 : 1]).map((one) => (
+        <div key={one.name} class={one.name in set ? "parameter changed" : "parameter"}>
+          <strong>{one.name}</strong> = {String(values[one.name] ?? set[one.name] ?? one.default)}
+          <p class="meaning">{one.meaning} <span class="range">{rangeOf(one)}</span></p>
         </div>
       ))}
     </>

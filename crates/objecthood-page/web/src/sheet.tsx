@@ -4,12 +4,13 @@ import { batch, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
 import { compose, UNMARKED } from "./paint";
-import { frame, goTo, greeting, opacity, settings, view } from "./state";
-import { look, Picture } from "./wire";
+import { frame, goTo, greeting, isFollowing, mapsShown, settings, unfollowed, view } from "./state";
+import { look, Picture, wordsOf } from "./wire";
 
 const COUNTS = [4, 9, 16, 25];
 const count = signal(9);
-const tiles = signal(new Map<number, Picture>());
+/** The picture of each frame, or why it has none. */
+const tiles = signal(new Map<number, Picture | string>());
 
 /** Frames that are spread over all of them. */
 function chosen(): number[] {
@@ -20,15 +21,14 @@ function chosen(): number[] {
 
 export function Sheet() {
   const frames = chosen();
-  const [by, over] = [settings.value, opacity.value];
-  const maps = ["color", "objects", ...[...over].filter(([, share]) => share > 0).map(([name]) => name)];
+  const [by, maps] = [settings.value, mapsShown()];
   useEffect(() => {
     let isOver = false;
     const load = async () => {
       for (const number of frames) {
         if (isOver) return;
-        const picture = await look(2, number, by, [...new Set([...maps, "depth"])]).catch(() => null);
-        if (!isOver && picture) tiles.value = new Map(tiles.value).set(number, picture);
+        const tile = await look(2, number, by, maps).catch(wordsOf);
+        if (!isOver) tiles.value = new Map(tiles.value).set(number, tile);
       }
     };
     const soon = setTimeout(load, 150);
@@ -47,25 +47,30 @@ export function Sheet() {
             {COUNTS.map((n) => <option key={n} value={n}>{n}</option>)}
           </select>
         </label>
-        <Total pictures={frames.map((number) => tiles.value.get(number)).filter((one) => one !== undefined)} />
+        <Total pictures={frames.map((number) => tiles.value.get(number)).filter((one) => typeof one === "object")} of={frames.length} />
+        {isFollowing() && <span class="note">Objects are not followed here: they stand in for tracks.</span>}
       </div>
       <div class="tiles">{frames.map((number) => <Tile key={number} number={number} />)}</div>
     </div>
   );
 }
 
-function Total({ pictures }: { pictures: Picture[] }) {
+/** What the frames that were looked at have together. */
+function Total({ pictures, of }: { pictures: Picture[]; of: number }) {
+  if (pictures.length === 0) return null;
   const found = pictures.reduce((sum, { header }) => sum + header.scene.objects.length, 0);
   const judged = pictures.filter(({ header }) => header.truth);
   const correct = judged.reduce((sum, { header }) => sum + header.truth!.correct, 0);
   const known = judged.reduce((sum, { header }) => sum + header.truth!.objects.length, 0);
-  return <span>{found} objects{known > 0 && `, ${correct} of ${known} correct`}</span>;
+  const looked = pictures.length < of ? `${pictures.length} of ${of}` : of;
+  return <span>{found} objects in {looked} {of === 1 ? "frame" : "frames"}{known > 0 && `, ${correct} of ${known} correct`}</span>;
 }
 
 function Tile({ number }: { number: number }) {
   const canvas = useRef<HTMLCanvasElement>(null);
-  const picture = tiles.value.get(number);
-  const over = opacity.value;
+  const tile = tiles.value.get(number);
+  const picture = typeof tile === "object" ? tile : undefined;
+  const over = unfollowed.value;
   useEffect(() => {
     if (!canvas.current || !picture) return;
     const image = compose(picture, over, UNMARKED);
@@ -81,9 +86,9 @@ function Tile({ number }: { number: number }) {
   });
   return (
     <button class={number === frame.value ? "tile now" : "tile"} onClick={open} title={name}>
-      <canvas ref={canvas} aria-hidden="true" />
+      {typeof tile === "string" ? <span class="refused">{tile}</span> : <canvas ref={canvas} aria-hidden="true" />}
       <span>
-        {name.split("/").at(-1)}: {picture ? `${picture.header.scene.objects.length} objects` : "…"}
+        {name.split("/").at(-1)}: {picture ? `${picture.header.scene.objects.length} objects` : tile === undefined ? "…" : "no picture"}
         {truth ? `, ${truth.correct}/${truth.objects.length} correct` : ""}
       </span>
     </button>

@@ -1,9 +1,9 @@
 // What the page knows, and how it comes to know more. One request is under way a side; the latest settings win.
 
-import { batch, effect, signal } from "@preact/signals";
+import { batch, computed, effect, signal } from "@preact/signals";
 
 import { cameAndWent, keepColors } from "./match";
-import { Explained, explain, Film, follow, Followed, Greeting, greet, look, Picture, Settings, Value } from "./wire";
+import { Explained, explain, Film, follow, Followed, Greeting, greet, look, Picture, Settings, Value, wordsOf } from "./wire";
 
 export const greeting = signal<Greeting | null>(null);
 export const frame = signal(0);
@@ -33,6 +33,14 @@ export const isLive = signal(true);
 /** The layers that can be shown; null = all. A report holds some. */
 export const available = signal<Set<string> | null>(null);
 
+let complaints = 0;
+
+/** Says what went wrong, until a picture is shown that was asked for later. */
+export function complain(error: unknown): void {
+  complaints++;
+  problem.value = wordsOf(error);
+}
+
 /** The maps that no parameter changes: they are asked for once a frame. */
 const STILL = ["color", "depth", "truth"];
 
@@ -41,12 +49,21 @@ export function isFollowing(): boolean {
   return (opacity.value.get("tracks") ?? 0) > 0;
 }
 
-/** The maps that the page needs now. Tracks come by themselves. */
-function wanted(): string[] {
+/** The maps that a picture with the layers of now needs. Tracks come by themselves. */
+export function mapsShown(): string[] {
   const shown = [...opacity.value].filter(([name, share]) => share > 0 && name !== "tracks").map(([name]) => name);
-  const maps = new Set(["color", "depth", "objects", ...shown]);
-  if (explained.value) maps.add("filled");
-  return [...maps].sort();
+  return [...new Set(["color", "depth", "objects", ...shown])].sort();
+}
+
+/** The layers of pictures whose objects are not followed, those of side B and of many frames: objects stand in for tracks. */
+export const unfollowed = computed(() => {
+  const share = opacity.value.get("tracks") ?? 0;
+  return share > 0 ? new Map(opacity.value).set("objects", share) : opacity.value;
+});
+
+/** The maps that a side needs now. */
+function wanted(): string[] {
+  return explained.value ? [...mapsShown(), "filled"] : mapsShown();
 }
 
 interface Job {
@@ -84,7 +101,7 @@ class Side {
   private async run(): Promise<void> {
     this.busy = true;
     while (this.due) {
-      const [job, since] = [this.due, this.since];
+      const [job, since, heard] = [this.due, this.since, complaints];
       this.due = null;
       const isSlow = setTimeout(() => this.wait(job), SLOW_MS);
       try {
@@ -93,9 +110,13 @@ class Side {
         const picture = await look(this.side, job.frame, job.settings, job.maps.filter((name) => !kept.includes(name)));
         for (const name of kept) picture.maps.set(name, last!.maps.get(name)!);
         picture.by = job.settings;
+        // What another request complained of meanwhile is still so.
+        if (heard === complaints) problem.value = "";
         this.show(picture, job, since);
       } catch (error) {
-        problem.value = error instanceof Error ? error.message : String(error);
+        complain(error);
+        // It is applying nothing any longer.
+        if (this.side === 0) status.value = "";
       }
       clearTimeout(isSlow);
     }
@@ -118,10 +139,7 @@ class Side {
     if (isOfFrame && this.side === 0) keepColors(before, picture);
     const first = pictures[0].peek();
     if (this.side === 1 && first?.header.frame === job.frame) keepColors(first, picture);
-    batch(() => {
-      problem.value = "";
-      pictures[this.side].value = this.side === 0 ? withTracks(picture) : picture;
-    });
+    pictures[this.side].value = this.side === 0 ? withTracks(picture) : picture;
     // A task after the next frame begins when the picture is on the screen.
     requestAnimationFrame(() => setTimeout(() => {
       const took = performance.now() - since;
@@ -172,7 +190,9 @@ async function pursue(to: number, by: Settings): Promise<void> {
     const shown = pictures[0].peek();
     if (shown) pictures[0].value = withTracks(shown);
   } catch (error) {
-    if (pursuit === pursuits) problem.value = error instanceof Error ? error.message : String(error);
+    if (pursuit !== pursuits) return;
+    complain(error);
+    status.value = "";
   }
 }
 
@@ -182,7 +202,7 @@ const LISTENS_MS = 500;
 /** Takes in the frames that came; who looks at the newest one goes on to the newest. */
 async function grow(): Promise<void> {
   const before = greeting.value?.frames.length ?? 0;
-  const said = await greet().catch(() => null);
+  const said = await greet().catch(complain);
   if (!said || said.frames.length <= before) return;
   const isNewest = frame.value === before - 1;
   greeting.value = { ...greeting.value!, frames: said.frames };
@@ -200,7 +220,7 @@ export async function start(): Promise<void> {
       settings.value = JSON.parse(sessionStorage.getItem(KEPT) ?? "null") ?? said.settings;
     });
   } catch (error) {
-    problem.value = error instanceof Error ? error.message : String(error);
+    complain(error);
     return;
   }
   effect(() => sessionStorage.setItem(KEPT, JSON.stringify(settings.value)));
@@ -236,7 +256,13 @@ async function answer(of: number, by: Settings, pixel: [number, number]): Promis
       });
     }
   } catch (error) {
-    if (question === questions) problem.value = error instanceof Error ? error.message : String(error);
+    if (question !== questions) return;
+    batch(() => {
+      complain(error);
+      searching.value = false;
+      // An answer that is about another pixel would pass for that of this one.
+      if (explained.value?.explanation.pixel.join() !== pixel.join()) explained.value = null;
+    });
   }
 }
 
@@ -290,8 +316,13 @@ export function stopAsking(): void {
   });
 }
 
+/** Both colour objects, by other numbers: over each other they would say nothing. */
+const RIVALS: Record<string, string> = { objects: "tracks", tracks: "objects" };
+
 export function show(name: string, share: number): void {
-  opacity.value = new Map(opacity.value).set(name, share);
+  const shown = new Map(opacity.value).set(name, share);
+  if (share > 0 && name in RIVALS) shown.set(RIVALS[name], 0);
+  opacity.value = shown;
 }
 
 /** Shows one layer, and nothing else over the picture. */

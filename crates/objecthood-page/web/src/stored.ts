@@ -7,7 +7,8 @@ export interface Row {
   name: string;
   objects: number;
   correct: [number, number] | null;
-  together_ms: number;
+  /** How long the stages of the method took together. */
+  method_ms: number;
   thumbnail: string;
 }
 

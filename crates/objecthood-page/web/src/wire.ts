@@ -103,7 +103,6 @@ export interface Header {
   scene: Scene;
   truth: Score | null;
   stages_ms: [Stage, number][];
-  together_ms: number;
   /** Of a video: where each track was until now (m, in this frame's camera). */
   paths?: [number, [number, number, number][]][];
   maps: Place[];
@@ -220,8 +219,12 @@ const TAB = crypto.getRandomValues(new Uint32Array(1))[0];
 /** Nobody answers: the program has ended. */
 const ENDED = "objecthood does not answer: it has ended. Start `objecthood view` again, and open the address that it prints.";
 
-async function post(path: string, body: object): Promise<Response> {
-  const asked = fetch(path, { method: "POST", body: JSON.stringify({ tab: TAB, ...body }) });
+/** What went wrong, for the reader of the page. */
+export function wordsOf(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}
+
+async function answered(asked: Promise<Response>): Promise<Response> {
   const response = await asked.catch(() => {
     throw new Refusal(ENDED);
   });
@@ -232,10 +235,12 @@ async function post(path: string, body: object): Promise<Response> {
   return response;
 }
 
+function post(path: string, body: object): Promise<Response> {
+  return answered(fetch(path, { method: "POST", body: JSON.stringify({ tab: TAB, ...body }) }));
+}
+
 export async function greet(): Promise<Greeting> {
-  const response = await fetch("session");
-  if (!response.ok) throw new Refusal(`the server answered ${response.status}`);
-  return response.json();
+  return (await answered(fetch("session"))).json();
 }
 
 /** Looks at a frame. `side`: 0 and 1 are compared, 2 is the contact sheet. */

@@ -1,12 +1,15 @@
 // Draws the picture of the page in the README, of a synthetic scene.
-import { join } from "node:path";
+import { resolve } from "node:path";
 
 import { inFolder, launch, objecthood, tab, view } from "./house.mjs";
 
+const file = resolve(process.argv[2]);
 const browser = await launch();
 await inFolder(async (folder) => {
   await objecthood("synth", "--family", "tabletop", "--seed", "34", "--scenes", "6", "--out", folder);
-  const server = await view(join(folder, "tabletop"));
+  // The page shows the names of the frames as the command line has them: without the folder of this machine.
+  process.chdir(folder);
+  const server = await view("tabletop");
   const { page } = await tab(browser);
   await page.goto(server.address);
   await page.waitForFunction(() => /shown in \d+ ms/.test(document.querySelector(".status")?.textContent ?? ""));
@@ -24,7 +27,7 @@ await inFolder(async (folder) => {
   await page.mouse.click(frame.x + scale * (box.u + box.width / 2), frame.y + scale * (box.v + box.height / 2));
   await full;
   await page.waitForTimeout(1000);
-  await page.screenshot({ path: process.argv[2], type: "jpeg", quality: 82 });
+  await page.screenshot({ path: file, type: "jpeg", quality: 82 });
   server.end();
 });
 await browser.close();

@@ -27,6 +27,14 @@ test("a_report_opens_from_its_file_and_asks_for_nothing", () => inFolder(async (
   await page.getByLabel("Opacity of objects").fill("1");
   await page.waitForTimeout(300);
   assert.notEqual(await picture(), before, "the slider moves the layer");
+  await page.getByRole("tab", { name: "Times" }).click();
+  const laps = await page.locator(".parameters tbody tr").evaluateAll((rows) => rows.map((row) => row.textContent));
+  const method = laps.filter((lap) => !/^(reading|encoding|writing)/.test(lap)).reduce((sum, lap) => sum + Number(/([\d.]+) ms/.exec(lap)[1]), 0);
+  assert.ok(laps.some((lap) => lap.startsWith("writing")), "Times has what is around the method");
+  const said = await page.locator(".parameters .score").innerText();
+  const median = Number(/median (\d+) ms a frame for the method/.exec(said)[1]);
+  assert.ok(Math.abs(median - method) <= 1, `${median} ms are those of the method, ${method}`);
+  assert.match(said, /^1 frame, \d+ objects?,/);
   for (const key of ["1", "2", "4", "5", "6", "7", "9"]) await page.keyboard.press(key);
   await page.locator(".objects .id").first().click();
   await keep(page, "report-1280");
@@ -48,7 +56,15 @@ test("a_report_of_many_frames_is_small_and_shows_each", () => inFolder(async (fo
   await rows.nth(count - 1).click();
   for (let k = 0; k < 50 && (await picture()) === before; k++) await page.waitForTimeout(200);
   assert.notEqual(await picture(), before, "another frame");
+  assert.match(await page.locator(".parameters .score").innerText(), / objects over all frames,/);
   await page.getByRole("button", { name: /^objects/ }).click();
+  const heads = await page.locator(".list th button").evaluateAll((all) => all.map((one) => {
+    const range = document.createRange();
+    range.selectNodeContents(one);
+    const { left, right } = range.getBoundingClientRect();
+    return { left, right };
+  }));
+  for (let k = 1; k < heads.length; k++) assert.ok(heads[k].left - heads[k - 1].right >= 4, `a gap before head ${k}`);
   await keep(page, "report-frames-1280");
   assert.deepEqual(complaints, []);
 }));
@@ -86,7 +102,9 @@ if (data) {
     await events.last().click();
     for (let k = 0; k < 50 && (await picture()) === before; k++) await page.waitForTimeout(200);
     assert.notEqual(await picture(), before, "an event leads to its frame");
-    assert.ok((await page.locator(".lives tbody tr").count()) > 1, "tracks");
+    const tracks = await page.locator(".lives tbody tr").count();
+    assert.ok(tracks > 1, "tracks");
+    assert.match(await page.locator(".parameters .score").innerText(), new RegExp(`, ${tracks} tracks,`));
     await keep(page, "report-video-1280");
     await page.keyboard.press("=");
     await page.keyboard.press("v");
