@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use crate::bits::Bits;
+use crate::look::Look;
 use crate::pace::Pace;
 use crate::scene::{Key, Scene};
 use crate::view::View;
@@ -61,12 +62,14 @@ pub(crate) struct Agents {
     pub(crate) region: Bits,
     /// What else is nearer than the rested scene and is no agent: the pixels of each thing.
     pub(crate) free: Vec<Vec<usize>>,
+    /// What they look like without what they carry.
+    pub(crate) look: Look,
     next: u32,
 }
 
 impl Agents {
     pub(crate) fn none(size: (usize, usize)) -> Self {
-        Self { all: Vec::new(), region: Bits::none(size), free: Vec::new(), next: 1 }
+        Self { all: Vec::new(), region: Bits::none(size), free: Vec::new(), look: Look::default(), next: 1 }
     }
 
     /// Forgets where they are. New ones get new numbers.

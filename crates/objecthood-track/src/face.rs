@@ -11,9 +11,9 @@ use crate::segment::{Measure, Segment, is_looked_at, pixels_by_label};
 use crate::view::View;
 
 /// Another view of a thing is larger by this factor at most: a cube shows its diagonal.
-const OTHER_FACE: f64 = 1.73;
+pub(crate) const OTHER_FACE: f64 = 1.73;
 /// The middles of two of its faces are so far apart at most, in sizes (the root of its visible area): it may be four times as long as wide.
-const BESIDE_IT: f64 = 2.0;
+pub(crate) const BESIDE_IT: f64 = 2.0;
 
 impl Memory {
     /// Of the `unknown` segments, which lie in an agent's region and show no track, those that show another face of a thing that the agent carries;

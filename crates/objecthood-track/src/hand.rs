@@ -12,6 +12,11 @@ use crate::view::View;
 /// Where a thing is expected, a colour has to be so many times as frequent in the hand as in the thing to be the hand's.
 const EXPECTED: f32 = 4.0;
 
+/// Where a thing is not expected, a colour is the thing's and not the hand's when this share of the thing or more has it, and this share of the agents
+/// or less had it while they showed all that they have: the lit side of a finger is small.
+const OF_THING: f32 = 0.02;
+const OF_AGENTS: f32 = 0.02;
+
 /// A segment has few of the hand's colours when at most this share of it has any.
 const FEW: f64 = 0.5;
 
@@ -41,6 +46,18 @@ impl<'a> HandColors<'a> {
         }
         look.finish();
         Self { view, region: region.clone(), look }
+    }
+
+    /// Its colours become part of what the agents look like.
+    pub(crate) fn teach(&self, agents: &mut Look) {
+        agents.learn(&self.look);
+    }
+
+    /// Whether a pixel of the agents' region has a colour of a thing that the agents had not before. Never without colour, nor before any was learned.
+    pub(crate) fn holds(&self, pixel: usize, track: &Track, agents: &Look) -> bool {
+        let is_its_own =
+            |&color: &[u8; 3]| track.look.share(color) >= OF_THING && agents.share(color) <= OF_AGENTS;
+        self.region.has(pixel) && !agents.is_empty() && self.view.color.get(pixel).is_some_and(is_its_own)
     }
 
     /// Whether a segment has few of the hand's colours. Never without colour.

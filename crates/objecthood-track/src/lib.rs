@@ -29,6 +29,7 @@
 //! | `uncover.rs` | what comes out from behind a hand beside a known thing, and that a frame takes for one with it |
 //! | `moved_part.rs` | the part of a thing that is moved, such as a lid, and what stays |
 //! | `face.rs` | another face of a thing in a hand |
+//! | `in_hand.rs` | things that a hand has and no segment shows, by their colours |
 //! | `hand.rs` | what belongs to a hand rather than to the thing that it holds, by colour |
 //! | `seen.rs` | which track is seen at each pixel; known things that no segment shows are held |
 //! | `observe.rs`, `missing.rs` | tracks that are seen, and tracks that are not |
@@ -37,7 +38,9 @@
 //! | `rested.rs`, `opened.rs` | the surface of things as they last rested: what is hidden, what was opened |
 //! | `whole.rs` | things that were cut in pieces, and are seen whole |
 //! | `support.rs` | what holds what, over time |
-//! | `flight.rs`, `happening.rs` | free flight, and what happened: pure functions of where things were |
+//! | `flight.rs` | free flight: a pure function of where a thing was |
+//! | `happenings.rs`, `happening.rs` | what happened to a thing, read from where it was, how it moved and who reached it; an event |
+//! | `taken.rs`, `put_down.rs` | when a thing was taken that a hand hid; when and on what it was put down |
 //! | `vessel.rs` | what goes into a vessel, or out of it, by itself |
 //! | `hindsight.rs` | what the whole video proved, written backwards |
 //! | `numbering.rs` | the numbers of frames, those too that show nothing |
@@ -61,6 +64,7 @@ mod happening;
 mod happenings;
 mod hindsight;
 mod identify;
+mod in_hand;
 mod ingredient;
 mod knowledge;
 mod look;

@@ -68,6 +68,19 @@ impl Look {
         Some(shares.filter(|&(_, &share)| share > RARE).map(|(&own, _)| f64::from(own)).sum())
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.samples == 0
+    }
+
+    /// Takes a new look into the mean; the first one is the mean. One without colour is none.
+    pub(crate) fn learn(&mut self, new: &Self) {
+        match (self.is_empty(), new.is_empty()) {
+            (_, true) => {}
+            (true, false) => *self = new.clone(),
+            (false, false) => self.blend(new),
+        }
+    }
+
     pub(crate) fn blend(&mut self, new: &Self) {
         for (mean, share) in self.shares.iter_mut().zip(new.shares.iter()) {
             *mean += NEW_SHARE * (share - *mean);

@@ -49,6 +49,9 @@ impl Memory {
         if self.has(Ingredient::Holding) {
             self.hold(look, predicted, overlap, &hand, &mut pieces);
         }
+        if self.has(Ingredient::Finding) {
+            self.find_in_hands(look, &hand, &mut pieces);
+        }
         self.learn_surfaces(look.view, &hand);
         self.measure_pieces(look, pieces);
     }

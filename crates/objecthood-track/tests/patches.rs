@@ -344,6 +344,38 @@ fn what_a_hand_holds_keeps_its_number() {
     }
 }
 
+/// A regression: what a hand hid while it carried it was lost until a frame showed it as an object.
+#[test]
+fn what_comes_out_between_fingers_elsewhere_keeps_its_number() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..75_i32 {
+        let reach = (40 - 4 * (number - 20)).clamp(0, 160);
+        let up = (2 * (number - 35)).clamp(0, 20);
+        let aside = (5 * (number - 48)).clamp(0, 45);
+        let thing = Patch { left: THING.left - aside, top: THING.top - up, ..THING };
+        let (left, top) = (thing.left + 18 + reach, thing.top + 6);
+        let arm = Patch { left, top, width: 160, height: 10, depth_m: 0.96, color: [40, 70, 190] };
+        // The hand closes over the thing, and opens when it is elsewhere.
+        let shown = if (46..60).contains(&number) { 0 } else { 14 };
+        let (left, top) = (thing.left + shown, thing.top - 3);
+        let hand = Patch { left, top, width: 40 - shown, height: 36, ..arm };
+        let patches = if number < 46 { vec![thing, arm] } else { vec![thing, arm, hand] };
+        let seen: &[usize] = if number < 33 { &[0] } else { &[] };
+        let (frame, found) = frame(&patches, seen, number as u64);
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        if number >= 62 {
+            let strip =
+                (thing.top..thing.top + 30).flat_map(|v| (thing.left..thing.left + 14).map(move |u| (u, v)));
+            let labels: Vec<u16> =
+                strip.map(|(u, v)| tracked.labels.as_slice()[v as usize * SIZE.0 + u as usize]).collect();
+            let own = labels.iter().filter(|&&label| label == 1).count();
+            assert!(4 * own > 3 * labels.len(), "frame {number}: {own} of {} pixels", labels.len());
+            let others = tracked.labels.as_slice().iter().filter(|&&label| label > 1).count();
+            assert_eq!(others, 0, "frame {number}");
+        }
+    }
+}
+
 /// What is told when a hand hides the whole thing, from frame 44 on. `carried`: how far right and down the thing is in a frame, and how far the hand
 /// has withdrawn from it, in pixels.
 fn told_when_hidden(carried: impl Fn(i32) -> (i32, i32, i32)) -> Vec<(EventKind, u64)> {
