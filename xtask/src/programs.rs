@@ -6,7 +6,7 @@ use std::process::{Command, Output, Stdio};
 use std::sync::{Mutex, mpsc};
 use std::thread;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
 use crate::house::House;
@@ -18,7 +18,7 @@ const THREADS: &str = "2";
 
 /// A test program that cargo has built.
 struct Program {
-    /// As cargo names it: the package, then the target.
+    /// The folder of its package, then its target.
     name: String,
     file: PathBuf,
     /// The folder of its package, in which it runs.
@@ -39,6 +39,7 @@ pub(crate) fn run(
     tally: &mut Tally,
 ) -> Result<bool> {
     let Some(programs) = build(house, selection)? else { return Ok(false) };
+    ensure!(!programs.is_empty(), "cargo names no test program of {selection}");
     let programs = Mutex::new(programs.into_iter());
     let workers = thread::available_parallelism().map_or(1, NonZero::get);
     let (sender, results) = mpsc::channel();

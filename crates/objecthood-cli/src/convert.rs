@@ -11,6 +11,7 @@ use crate::args::{CameraArg, ConvertArgs, Target};
 use crate::failure::{Outcome, usage};
 use crate::inputs::{Input, Inputs};
 use crate::outputs::{make_folder, refuse_file, with_suffix};
+use crate::words::counted;
 use crate::{inputs, interrupt, terminal};
 
 /// Frames without stamps get one as of a camera with this rate (1/s).
@@ -61,8 +62,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<Outcome> {
     bar.finish_and_clear();
     sink.finish()?;
     tell(args, rounding, are_stamps_made_up);
-    let frames_are = if done == 1 { "frame" } else { "frames" };
-    terminal::print(&format!("{done} {frames_are} -> {}\n", args.out.display()))?;
+    terminal::print(&format!("{} -> {}\n", counted(done, "frame"), args.out.display()))?;
     Ok(match (done + failed < frames.len() + unreadable.len(), failed) {
         (true, _) => Outcome::Interrupted,
         (false, 0) => Outcome::AllDone,

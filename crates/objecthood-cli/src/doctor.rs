@@ -114,6 +114,7 @@ fn mend(args: &DoctorArgs, report: &Report, cause: Cause) -> Option<String> {
         Cause::Turned => {
             "nothing if it is mounted so; else turn the images, or say --gravity X,Y,Z".to_owned()
         }
+        Cause::Gravity => "--gravity with the direction in which things fall, or none".to_owned(),
         Cause::Sequence => "record again, or choose a part by --frames or --time".to_owned(),
         _ => return None,
     };
@@ -139,13 +140,17 @@ fn as_text(args: &DoctorArgs, report: &Report) -> String {
     for finding in &report.findings {
         let word = if finding.certainty == Certainty::Sure { "sure" } else { "suspect" };
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{word}: {}", finding.reason);
+        let others = match (finding.cause, finding.frames) {
+            (Cause::Unreadable, 2..) => format!("; so with {} more", finding.frames - 1),
+            _ => String::new(),
+        };
+        let _ = writeln!(text, "{word}: {}{others}", finding.reason);
         if let Some(mend) = mend(args, report, finding.cause) {
             let _ = writeln!(text, "    mend: {mend}");
         }
     }
     if report.findings.is_empty() {
-        text.push_str("nothing is doubtful\n");
+        text.push_str("nothing looks wrong\n");
     }
     text
 }
@@ -175,9 +180,9 @@ fn facts_text(facts: &Facts) -> String {
     line("unit", facts.depth_scale.map(|scale| format!("{scale} a metre, as the input says")));
     line(
         "noise",
-        facts
-            .noise
-            .map(|[white, waves]| format!("of pixels {white:.2}, slow waves {waves:.2} times a Kinect's")),
+        facts.noise.map(|[white, waves]| {
+            format!("{white:.2} times a Kinect's from pixel to pixel, {waves:.2} times in waves")
+        }),
     );
     line("distortion", facts.distortion_px.map(|px| format!("{px:.1} px at most, as the input says")));
     line("registration", facts.registration.map(shift_text));
@@ -185,7 +190,7 @@ fn facts_text(facts: &Facts) -> String {
     let examined = facts.examined;
     let in_frames =
         |count: usize, what: &str| (count > 0).then(|| format!("{what} in {count} of {examined} frames"));
-    line("ground", in_frames(facts.ground_in_doubt, "not clear which surface it is"));
+    line("ground", in_frames(facts.ground_in_doubt, "not sure which surface it is"));
     line("edges", in_frames(facts.smeared, "smeared over several pixels, and made steps again,"));
     line("holes", in_frames(facts.with_hole_grid, "a grid of small ones, which is bridged,"));
     text
@@ -202,10 +207,15 @@ fn shift_text(Shift { shift_px: [right, down], .. }: Shift) -> String {
 
 fn mount_text(Mount { height_m, tilt_deg, roll_deg }: Mount) -> String {
     format!(
-        "{height_m:.2} m from the support plane, looks down by {tilt_deg:.0} degrees, rolled by {:.0}",
-        // Not -0.
-        roll_deg.round() + 0.0
+        "{height_m:.2} m from the support plane, looks down by {:.0} degrees, rolled by {:.0}",
+        whole(tilt_deg),
+        whole(roll_deg)
     )
+}
+
+/// A whole number, without the sign of -0.
+fn whole(number: f64) -> f64 {
+    number.round() + 0.0
 }
 
 #[cfg(test)]

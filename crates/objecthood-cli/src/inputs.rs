@@ -15,6 +15,7 @@ use objecthood_io::{Capture, Error, FrameRef, Given, Selection, Source, Topic};
 use crate::advice;
 use crate::args::FrameArgs;
 use crate::failure::usage;
+use crate::words::counted;
 
 /// What stands for stdin on the command line.
 pub(crate) const STDIN: &str = "-";
@@ -49,10 +50,21 @@ impl Input {
     /// How it is called beside others: its file, and its own name where a file holds many frames.
     pub(crate) fn title(&self) -> String {
         let path = self.path.display();
-        match self.name.file_name() {
-            Some(name) if self.path.file_stem() != Some(name) => format!("{path}: {}", name.display()),
-            _ => path.to_string(),
+        match self.name.file_name().filter(|_| self.is_of_recording()) {
+            Some(name) => format!("{path}: {}", name.display()),
+            None => path.to_string(),
         }
+    }
+
+    /// Whether its file holds many frames: the name of each is that of the file and something more. Of images it is what their names have in common.
+    fn is_of_recording(&self) -> bool {
+        let [stem, name] = [self.path.file_stem(), self.name.file_name()].map(Option::unwrap_or_default);
+        name != stem && name.as_encoded_bytes().starts_with(stem.as_encoded_bytes())
+    }
+
+    /// The recording that it is of, or the folder that it lies in.
+    pub(crate) fn origin(&self) -> &Path {
+        if self.is_of_recording() { &self.path } else { parent(&self.path) }
     }
 
     /// When it was measured (ns), as far as is known before it is read.
@@ -102,7 +114,7 @@ impl Inputs {
 /// common; with `keep_tree` by its place below the folder that is common to all arguments.
 ///
 /// # Errors
-/// Of usage, when two frames would have the same outputs, and when it is not said how depth images are to be read.
+/// Of usage, when no frame is selected, when two frames would have the same outputs, and when it is not said how depth images are to be read.
 pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraFile>) -> Result<Inputs> {
     if args.inputs.iter().any(|input| input == Path::new(STDIN)) {
         return Err(usage(
@@ -115,7 +127,7 @@ pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraF
     let mut listed = None;
     let mut folders = Folders::default();
     let (frames, tops) = if args.images.pairs.depth.is_empty() {
-        open_all(&args.inputs, &given, &selection, &mut inputs)
+        open_all(args, &given, &selection, &mut inputs)
     } else {
         let pairs::Pairs { pairs, complaints } = pairs::find(&args.images.pairs)?;
         refuse_unknown_camera_or_unit(&given, &pairs)?;
@@ -126,11 +138,7 @@ pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraF
         (inputs.readable(source), tops.into_iter().collect())
     };
     if frames.is_empty() && inputs.unreadable.is_empty() {
-        let count = listed.unwrap_or_else(|| count_all(&args.inputs, &given));
-        return Err(usage(format!(
-            "there is no frame{}: the input has {count}, counted from 0",
-            args.selection
-        )));
+        return Err(no_frame(args, listed.unwrap_or_else(|| most_frames(&args.inputs, &given))));
     }
     if args.images.depth_scale.is_some() && !frames.is_empty() && frames.iter().all(FrameRef::is_metric) {
         return Err(usage("--depth-scale is for depth images but only point clouds are named: leave it out"));
@@ -153,21 +161,26 @@ pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraF
 
 /// Opens what is named; the frames, and the folder of each argument in absolute form.
 fn open_all(
-    arguments: &[PathBuf],
+    args: &FrameArgs,
     given: &Given,
     selection: &Selection,
     inputs: &mut Inputs,
 ) -> (Vec<FrameRef>, Vec<PathBuf>) {
     let mut frames = Vec::new();
     let mut tops = Vec::new();
-    for argument in arguments {
+    for argument in &args.inputs {
         tops.push(absolute(if argument.is_dir() { argument } else { parent(argument) }));
         match Source::open(argument, given) {
             Ok(source) => {
                 inputs.notices.extend(source.notices().iter().map(ToString::to_string));
                 inputs.cameras.extend_from_slice(source.shared_files());
                 inputs.topics.extend_from_slice(source.topics());
-                frames.extend(inputs.readable(source.select(selection)));
+                let before = inputs.unreadable.len();
+                let found = inputs.readable(source.select(selection));
+                if found.is_empty() && inputs.unreadable.len() == before && args.inputs.len() > 1 {
+                    inputs.notices.push(format!("{}: it has no frame{}", argument.display(), args.selection));
+                }
+                frames.extend(found);
             }
             Err(error) => inputs.unreadable.push(error.into()),
         }
@@ -175,9 +188,22 @@ fn open_all(
     (frames, tops)
 }
 
-/// How many frames there are to choose from.
-fn count_all(arguments: &[PathBuf], given: &Given) -> usize {
-    arguments.iter().filter_map(|argument| Source::open(argument, given).ok()).map(Iterator::count).sum()
+/// No input has a frame that is asked for; `most`: as many frames has the longest of them.
+fn no_frame(args: &FrameArgs, most: usize) -> anyhow::Error {
+    let asked = args.selection.to_string();
+    if asked.is_empty() {
+        return usage("there is no frame in what is named");
+    }
+    usage(format!(
+        "there is no frame{asked}: no input has more than {}, numbered from 0",
+        counted(most, "frame")
+    ))
+}
+
+/// How many frames the input has that has most.
+fn most_frames(arguments: &[PathBuf], given: &Given) -> usize {
+    let sources = arguments.iter().filter_map(|argument| Source::open(argument, given).ok());
+    sources.map(Iterator::count).max().unwrap_or(0)
 }
 
 /// Refuses image files of which nobody says how they are to be read: once, and before anything is done.
@@ -278,5 +304,7 @@ mod tests {
         assert_eq!(below(Path::new("/a"), Path::new("/a/b/c")), Path::new("b/c"));
         assert_eq!(below(Path::new("/a"), Path::new("/a")), Path::new(""));
         assert_eq!(below(Path::new(""), Path::new("/a/../b")), Path::new("a/b"));
+        // A regression: frames of a recording that is a folder lie in the folder above.
+        assert_eq!(below(Path::new("/a/recording"), Path::new("/a")), Path::new(""));
     }
 }

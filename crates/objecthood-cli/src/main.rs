@@ -29,6 +29,7 @@ mod terminal;
 mod track;
 mod view;
 mod watch;
+mod words;
 
 use std::process::ExitCode;
 

@@ -27,6 +27,7 @@ use crate::outputs::run::{self, Place, RunFiles, Share};
 use crate::outputs::{Found, make_folder, make_folders_of, refuse_file, with_suffix};
 use crate::record::{Earlier, Line, Record};
 use crate::watch::{Laps, Watch};
+use crate::words::counted;
 use crate::{config, crew, doctor, inputs, terminal};
 use notes::Notes;
 use summary::Summary;
@@ -88,7 +89,7 @@ pub(crate) fn run(args: &SegmentArgs) -> Result<Outcome> {
     let summary = Summary::new(unreadable);
     let (is_single, notes) = (total == 1, Notes::default());
     let mut report =
-        Report { plan: &plan, is_single, record, of_run, summary, notes, before: 0, added: Ok(()) };
+        Report { plan: &plan, is_single, record, of_run, summary, notes, done_before: 0, added: Ok(()) };
     let bar = terminal::progress_bar(frames.len(), args.settings.verbose);
     let work = |pipeline: &mut Pipeline, job: &Job<'_>| plan.segment(pipeline, job, earlier.as_ref());
     let text = |job: &Job<'_>, step: Result<Step, &anyhow::Error>| report.frame(job.input, step);
@@ -118,7 +119,7 @@ struct Report<'a> {
     summary: Summary,
     notes: Notes,
     /// Frames that an earlier run has done.
-    before: usize,
+    done_before: usize,
     /// Whether record and files of the run could be written so far.
     added: Result<()>,
 }
@@ -133,13 +134,13 @@ impl Report<'_> {
         let done = match step {
             Ok(Step::Done(done)) => done,
             Ok(Step::Before(_)) => {
-                self.before += 1;
+                self.done_before += 1;
                 return String::new();
             }
             Err(_) => return String::new(),
         };
         for notice in &done.notices {
-            self.notes.take(&input.path, notice);
+            self.notes.take(input, notice);
         }
         if self.is_single { in_full(input, &done) } else { in_short(input, &done) }
     }
@@ -175,11 +176,10 @@ impl Report<'_> {
 
     /// Ends the files of the run, and names them. The record stays open.
     fn finish(self) -> Result<Option<Record>> {
-        let Self { plan, record, of_run, summary, notes, before, added, .. } = self;
+        let Self { plan, record, of_run, summary, notes, done_before, added, .. } = self;
         notes.sum_up();
-        if before > 0 {
-            let frames_were = if before == 1 { "frame was" } else { "frames were" };
-            terminal::note(&format!("{before} {frames_were} done before"));
+        if done_before > 0 {
+            terminal::note(&format!("done before: {}", counted(done_before, "frame")));
         }
         added?;
         let mut paths = of_run.finish()?;
@@ -347,7 +347,7 @@ impl Listed {
 
 /// The text for a single frame: a table of its objects, and the files.
 fn in_full(input: &Input, done: &Done) -> String {
-    let mut text = format!("{}: {}\n", input.path.display(), count(done.objects.len()));
+    let mut text = format!("{}: {}\n", input.path.display(), counted(done.objects.len(), "object"));
     if !done.objects.is_empty() {
         text.push_str("  id  objectness  pixels  size [m]            centre [m]\n");
     }
@@ -370,9 +370,5 @@ fn in_full(input: &Input, done: &Done) -> String {
 /// The text for one frame of many: one line.
 fn in_short(input: &Input, done: &Done) -> String {
     let files: Vec<String> = done.files.iter().map(|f| f.display().to_string()).collect();
-    format!("{}: {} -> {}\n", input.path.display(), count(done.objects.len()), files.join(" "))
-}
-
-fn count(objects: usize) -> String {
-    if objects == 1 { "1 object".to_owned() } else { format!("{objects} objects") }
+    format!("{}: {} -> {}\n", input.path.display(), counted(done.objects.len(), "object"), files.join(" "))
 }

@@ -13,6 +13,7 @@ use crate::failure::Outcome;
 use crate::outputs::{make_folder, make_folders_of, refuse_file};
 use crate::shell::{program, word};
 use crate::synthetic::{Recipe, camera_file, camera_path, color_path, depth_path, recipes};
+use crate::words::counted;
 use crate::{crew, terminal};
 
 /// Makes the scenes or videos named on the command line.
@@ -64,7 +65,7 @@ fn write(recipe: &Recipe, folder: &Path) -> Result<String> {
     make_folders_of(&files)?;
     output::write_together(&files).with_context(|| name.clone())?;
     let names = folder.join(format!("{name}-*"));
-    Ok(format!("{name}: {objects} object{} -> {}\n", if objects == 1 { "" } else { "s" }, names.display()))
+    Ok(format!("{name}: {} -> {}\n", counted(objects, "object"), names.display()))
 }
 
 /// What to do with the scenes, as commands.

@@ -20,6 +20,7 @@ use crate::args::{CameraArg, TrackArgs};
 use crate::failure::Outcome;
 use crate::inputs::{Input, Inputs};
 use crate::outputs::{make_folder, make_folders_of, refuse_file};
+use crate::words::counted;
 use crate::{config, crew, inputs, interrupt, terminal};
 use files::Lines;
 use progress::Going;
@@ -67,7 +68,8 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     let Going { mut tracker, mut told, done } = plan.go_on(&fingerprints);
     if done == frames.len() && done > 0 && told.failed == 0 && unreadable.is_empty() {
         let objects = told.lines.objects();
-        terminal::print(&format!("{objects} objects, followed before -> {}\n", args.out.display()))?;
+        let objects = counted(objects, "object");
+        terminal::print(&format!("{objects}, followed before -> {}\n", args.out.display()))?;
         return Ok(Outcome::AllDone);
     }
     interrupt::catch()?;
@@ -231,9 +233,10 @@ impl<'a> Plan<'a> {
         let is_interrupted = told.done + told.failed < total;
         let objects = told.lines.objects();
         let mut text = format!(
-            "{} frames, {objects} objects, {} events -> {}\n",
-            told.done,
-            told.events.len(),
+            "{}, {}, {} -> {}\n",
+            counted(told.done, "frame"),
+            counted(objects, "object"),
+            counted(told.events.len(), "event"),
             self.args.out.display()
         );
         if self.args.summary {

@@ -163,7 +163,7 @@ fn frames_are_selected_by_their_number() {
     assert_eq!(folder.names("out"), ["scene10.labels.png", "scene2.labels.png"], "{}", run.stdout);
     folder.refuses(
         "segment in --out none --frames 700..",
-        "there is no frame in --frames 700..: the input has ",
+        "there is no frame in --frames 700..: no input has more than ",
     );
     folder.refuses("segment in --out out --frames 5..2", "`5..2` is not a range of frames: write first..end");
     folder.refuses("segment in --out out --time soon", "`soon` is not a range of times");

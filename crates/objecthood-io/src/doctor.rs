@@ -52,6 +52,8 @@ pub enum Cause {
     Distortion,
     /// The camera is not held upright.
     Turned,
+    /// The direction of gravity that was given is not that of any surface.
+    Gravity,
     /// Frames are missing, repeated or out of order.
     Sequence,
     /// The input cannot be read.
@@ -71,6 +73,7 @@ impl Cause {
             Self::Registration => "registration",
             Self::Distortion => "distortion",
             Self::Turned => "turned",
+            Self::Gravity => "gravity",
             Self::Sequence => "sequence",
             Self::Unreadable => "unreadable",
         }
@@ -200,6 +203,7 @@ impl Examination {
         let mut doubts = certainty::of_doubts(&find_doubts(frame), frame);
         doubts.extend(self.values.look(frame));
         doubts.extend(found.notices.iter().filter_map(turned));
+        doubts.extend(found.notices.iter().filter_map(missed));
         doubts.extend(bent(capture));
         doubts.into_iter().for_each(|doubt| self.note(doubt));
         self.registration.look(frame);
@@ -279,6 +283,12 @@ fn bent(capture: &Capture) -> Option<Finding> {
         "by the recording its lens bends pixels by up to {bent_px:.0} px, but images of a camera that is given are taken as without distortion"
     );
     is_given.then(|| Finding::new(Certainty::Suspect, Cause::Distortion, reason))
+}
+
+/// No surface faces up as it was given.
+fn missed(notice: &Notice) -> Option<Finding> {
+    let is_missed = matches!(notice, Notice::GravityMissed { .. });
+    is_missed.then(|| Finding::new(Certainty::Suspect, Cause::Gravity, notice.to_string()))
 }
 
 /// What the way the camera is held suggests.

@@ -11,7 +11,7 @@ const SHOWN_S: f64 = 8.0;
 /// Rows of text below the line, and their height (px at 640 columns).
 const ROWS: usize = 4;
 const ROW_PX: f32 = 16.0;
-/// Words in a row are this far apart (px).
+/// Words are this far from each other, and from what they name (px).
 const GAP_PX: i64 = 4;
 const GROUND: Rgb<u8> = Rgb([24, 24, 28]);
 const LINE: Rgb<u8> = Rgb([130, 130, 140]);
@@ -50,19 +50,20 @@ pub fn filmed(
     let is_recent = |mark: &&Mark| (0.0..=SHOWN_S).contains(&(now_s - mark.time_s));
     let mut recent: Vec<&Mark> = marks.iter().filter(is_recent).collect();
     recent.sort_by(|a, b| b.time_s.total_cmp(&a.time_s));
-    // What is taken of each row, from the left end of the words in it.
+    // The columns that words occupy in each row (px).
     let mut taken: Vec<Vec<[i64; 2]>> = vec![Vec::new(); ROWS];
+    let mut words = Vec::new();
     for mark in recent {
         let x = ((1.0 - (now_s - mark.time_s) / SHOWN_S) * f64::from(width - 1)) as u32;
         let text = Text::new(&mark.text, 0.75 * row_px);
         // Beside its tick, on the side where there is room.
-        let left = if i64::from(x) + 4 + text.width <= i64::from(width) {
-            i64::from(x) + 4
+        let left = if i64::from(x) + GAP_PX + text.width <= i64::from(width) {
+            i64::from(x) + GAP_PX
         } else {
-            (i64::from(x) - 4 - text.width).max(0)
+            (i64::from(x) - GAP_PX - text.width).max(0)
         };
         let is_free = |row: &&mut Vec<[i64; 2]>| {
-            row.iter().all(|&[from, to]| left + text.width + GAP_PX < from || to + GAP_PX < left)
+            row.iter().all(|&[from, to]| left + text.width + GAP_PX <= from || to + GAP_PX <= left)
         };
         let row = taken.iter_mut().enumerate().find(|(_, row)| is_free(row));
         let top = height as f32 + row_px * (1.0 + row.as_ref().map_or(0.0, |(k, _)| *k as f32));
@@ -71,27 +72,35 @@ pub fn filmed(
         }
         if let Some((_, row)) = row {
             row.push([left, left + text.width]);
-            text.draw(&mut whole, (left, top as i64), INK);
+            words.push((text, (left, top as i64)));
         }
+    }
+    // Over the ticks of older marks, which go down through the rows of newer ones.
+    for (text, at) in words {
+        text.draw_with_halo(&mut whole, at, INK, GROUND, 2);
     }
     whole
 }
 
 /// Draws a box around an agent, with its number at the upper left corner.
 fn draw_agent(picture: &mut RgbImage, number: u16, around: PixelBox, letters_px: f32) {
-    let PixelBox { u, v, width, height } = around;
-    let [left, top] = [u, v].map(|x| x as u32);
-    let (right, bottom) = ((u + width - 1) as u32, (v + height - 1) as u32);
-    let sides = (left..=right)
-        .flat_map(|x| [(x, top), (x, bottom)])
-        .chain((top..=bottom).flat_map(|y| [(left, y), (right, y)]));
-    for (x, y) in sides {
-        if let Some(pixel) = picture.get_pixel_mut_checked(x, y) {
-            *pixel = INK;
+    let [u, v, width, height] = [around.u, around.v, around.width, around.height].map(|x| x as i64);
+    // A dark line on both sides of the light one: on any picture one of them shows.
+    for (inset, ink) in [(-1, GROUND), (1, GROUND), (0, INK)] {
+        let (left, right) = (u + inset, u + width - 1 - inset);
+        let (top, bottom) = (v + inset, v + height - 1 - inset);
+        let sides = (left..=right)
+            .flat_map(|x| [(x, top), (x, bottom)])
+            .chain((top..=bottom).flat_map(|y| [(left, y), (right, y)]));
+        for (x, y) in sides {
+            let at = u32::try_from(x).ok().zip(u32::try_from(y).ok());
+            if let Some(pixel) = at.and_then(|(x, y)| picture.get_pixel_mut_checked(x, y)) {
+                *pixel = ink;
+            }
         }
     }
     let text = Text::new(&format!("agent {number}"), 0.75 * letters_px);
-    text.draw_with_halo(picture, (u as i64 + 4, v as i64 + 4), INK, GROUND, 2);
+    text.draw_with_halo(picture, (u + GAP_PX, v + GAP_PX), INK, GROUND, 2);
 }
 
 #[cfg(test)]

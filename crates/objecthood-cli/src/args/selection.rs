@@ -32,8 +32,9 @@ impl SelectionArgs {
 /// As a sentence goes on: ` in --frames 3..9`; nothing when all frames are taken.
 impl fmt::Display for SelectionArgs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let frames = self.frames.map(|frames| format!(" in --frames {frames}"));
-        let time = self.time.map(|time| format!(" in --time {time}"));
-        frames.into_iter().chain(time).try_for_each(|text| f.write_str(&text))
+        let frames = self.frames.map(|frames| format!("--frames {frames}"));
+        let time = self.time.map(|time| format!("--time {time}"));
+        let asked: Vec<String> = frames.into_iter().chain(time).collect();
+        if asked.is_empty() { Ok(()) } else { write!(f, " in {}", asked.join(" and ")) }
     }
 }

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use objecthood::params::Profile;
 
 use super::number::whole;
+use crate::words::counted;
 
 /// Parameters of a method.
 #[derive(Debug, Args)]
@@ -70,7 +71,7 @@ impl Threads {
     /// A note for a user who asked for more threads than there are cores.
     pub(crate) fn note(&self) -> Option<String> {
         let (asked, cores) = (self.asked.filter(|&asked| asked > cores())?, cores());
-        let there_are = if cores == 1 { "1 core".to_owned() } else { format!("{cores} cores") };
+        let there_are = counted(cores, "core");
         Some(format!("--threads {asked}: this machine has {there_are}, so {cores} will do the work"))
     }
 }

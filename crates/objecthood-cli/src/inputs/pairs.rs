@@ -229,11 +229,11 @@ fn by_key(role: Role, files: &[PathBuf]) -> Result<BTreeMap<Vec<u8>, &PathBuf>> 
 
 fn alone(role: Role, path: &Path) -> anyhow::Error {
     anyhow!(
-        "{}: no {} image goes with this {} image: none is named by `{}` too; add it, or leave this one out",
+        "{}: no {} image has `{}` in its name, as this {} image has: add one, or leave this one out",
         path.display(),
         role.other().word(),
-        role.word(),
-        String::from_utf8_lossy(&key(role, path))
+        String::from_utf8_lossy(&key(role, path)),
+        role.word()
     )
 }
 

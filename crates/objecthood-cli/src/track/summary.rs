@@ -8,9 +8,11 @@ pub(super) fn of(events: &[Event], objects: usize) -> String {
     sorted.sort_by_key(|event| (event.frame, event.object, event.kind));
     let mut text = String::new();
     if sorted.is_empty() {
-        let things = if objects == 1 { "1 object, and it stays" } else { "objects, and they stay" };
-        let count = if objects == 1 { String::new() } else { format!("{objects} ") };
-        return format!("Nothing happens: there are {count}{things} where they are.\n");
+        return match objects {
+            0 => "Nothing happens: there is no object.\n".to_owned(),
+            1 => "Nothing happens: there is 1 object, and it stays where it is.\n".to_owned(),
+            _ => format!("Nothing happens: there are {objects} objects, and they stay where they are.\n"),
+        };
     }
     for event in sorted {
         text.push_str(&format!("{:8.2} s  {}\n", event.time, event));

@@ -15,6 +15,7 @@ import { SpaceView } from "./space";
 import { available, frame, goTo, greeting, isLive, opacity, pictures, problem, settings, view } from "./state";
 import { all, Findings, Row, stored } from "./stored";
 import { next, Tabs } from "./tabs";
+import { counted } from "./words";
 
 const VIEWS = { picture: "Picture", space: "In space" } as const;
 const LEFT = { figures: "Figures", story: "Story", frames: "Frames", parameters: "Parameters", times: "Times" } as const;
@@ -48,10 +49,6 @@ function found(): string {
   if (film) return counted(Object.keys(film.lives).length, "track");
   const objects = counted(rows.value.reduce((sum, row) => sum + row.objects, 0), "object");
   return rows.value.length === 1 ? objects : `${objects} over all frames`;
-}
-
-function counted(count: number, what: string): string {
-  return `${count} ${count === 1 ? what : `${what}s`}`;
 }
 
 function Summary() {

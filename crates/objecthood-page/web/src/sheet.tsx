@@ -6,6 +6,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { compose, UNMARKED } from "./paint";
 import { frame, goTo, greeting, isFollowing, mapsShown, settings, unfollowed, view } from "./state";
 import { look, Picture, wordsOf } from "./wire";
+import { counted } from "./words";
 
 const COUNTS = [4, 9, 16, 25];
 const count = signal(9);
@@ -63,7 +64,7 @@ function Total({ pictures, of }: { pictures: Picture[]; of: number }) {
   const correct = judged.reduce((sum, { header }) => sum + header.truth!.correct, 0);
   const known = judged.reduce((sum, { header }) => sum + header.truth!.objects.length, 0);
   const looked = pictures.length < of ? `${pictures.length} of ${of}` : of;
-  return <span>{found} objects in {looked} {of === 1 ? "frame" : "frames"}{known > 0 && `, ${correct} of ${known} correct`}</span>;
+  return <span>{counted(found, "object")} in {looked} {of === 1 ? "frame" : "frames"}{known > 0 && `, ${correct} of ${known} correct`}</span>;
 }
 
 function Tile({ number }: { number: number }) {
@@ -88,7 +89,7 @@ function Tile({ number }: { number: number }) {
     <button class={number === frame.value ? "tile now" : "tile"} onClick={open} title={name}>
       {typeof tile === "string" ? <span class="refused">{tile}</span> : <canvas ref={canvas} aria-hidden="true" />}
       <span>
-        {name.split("/").at(-1)}: {picture ? `${picture.header.scene.objects.length} objects` : tile === undefined ? "…" : "no picture"}
+        {name.split("/").at(-1)}: {picture ? counted(picture.header.scene.objects.length, "object") : tile === undefined ? "…" : "no picture"}
         {truth ? `, ${truth.correct}/${truth.objects.length} correct` : ""}
       </span>
     </button>

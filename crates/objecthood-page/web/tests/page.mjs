@@ -345,7 +345,7 @@ if (video && existsSync(video)) {
     await page.keyboard.press("v");
     await page.keyboard.press("v");
     const tiles = page.locator(".tile");
-    await tiles.nth(3).getByText(/: \d+ objects/).waitFor();
+    await tiles.nth(3).getByText(/: \d+ objects?$/).waitFor();
     assert.ok((await colorsOf(page, ".tile canvas")) > 100, "the tile is not blank");
     await page.locator(".sheet .bar").getByText(/^\d+ objects in 4 frames/).waitFor();
     await keep(page, "video-sheet-1280");

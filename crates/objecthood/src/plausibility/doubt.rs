@@ -4,6 +4,9 @@ use std::fmt;
 
 use crate::camera::Camera;
 
+/// Noise below this (m) is not told: no depth camera measures so well.
+const LEAST_TOLD_M: f64 = 1e-5;
+
 /// Something about a frame that is implausible, with what is more likely. Nothing was changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -194,7 +197,7 @@ impl Doubt {
             ),
             Self::TooNear { median_m, noise_m, times } => {
                 write!(f, "half of the depths are below {} m, ", Rounded(median_m))?;
-                // Depths in kilometres have a noise of nanometres, which tells nobody anything.
+                // A usual noise of depths in kilometres is a micrometre in metres, which tells nobody anything.
                 if noise_m >= LEAST_TOLD_M {
                     write!(f, "with noise and steps of {} mm, ", Rounded(1000.0 * noise_m))?;
                 }
@@ -218,9 +221,6 @@ impl Doubt {
         }
     }
 }
-
-/// Noise below this (m) is not told.
-const LEAST_TOLD_M: f64 = 1e-6;
 
 /// A number as people read it: three digits from the first that is not 0 on, however large or small it is.
 struct Rounded(f64);
