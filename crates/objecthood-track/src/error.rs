@@ -42,9 +42,7 @@ pub enum Error {
         reason: String,
     },
     /// Bytes that are no state of a tracker.
-    #[error(
-        "the saved state of the tracker cannot be used: {reason}; the video is to be followed from its first frame"
-    )]
+    #[error("the saved state of the tracker cannot be used: {reason}; begin anew")]
     State {
         /// Why.
         reason: String,
