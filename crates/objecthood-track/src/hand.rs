@@ -12,9 +12,9 @@ use crate::view::View;
 /// Where a thing is expected, a colour has to be so many times as frequent in the hand as in the thing to be the hand's.
 const EXPECTED: f32 = 4.0;
 
-/// Where a thing is not expected, a colour is the thing's and not the hand's when this share of the thing or more has it, and this share of the agents
-/// or less had it while they showed all that they have: the lit side of a finger is small.
+/// Where a thing is not expected, a colour is the thing's when this share of it or more has it: less may be noise,
 const OF_THING: f32 = 0.02;
+/// and this share of the agents or less had it while no thing was lost in a hand: things leave a seam of pixels in the agents' region.
 const OF_AGENTS: f32 = 0.02;
 
 /// A segment has few of the hand's colours when at most this share of it has any.

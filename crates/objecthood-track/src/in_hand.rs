@@ -19,11 +19,11 @@ use crate::view::View;
 const LEAST_PX: f64 = 100.0;
 /// The least share of a thing's area that is seen: less may be a button.
 const LEAST_SHARE: f64 = 0.1;
-/// Parts of less than this width are edges, of mixed colours (px at VGA size).
+/// Parts up to this width are edges, where colours mix (px at VGA size). Images of less than VGA size have none: things in them are as narrow.
 const NARROW_PX: f64 = 2.0;
 
 impl Memory {
-    /// Looks in the agents' region for the things that agents have and no segment shows. O(n) if there are any. Does nothing without colour.
+    /// Looks in the region of all agents for the things that agents handle and no segment shows. O(n) if there are any. Does nothing without colour.
     pub(crate) fn find_in_hands(
         &mut self,
         look: &Look<'_>,
