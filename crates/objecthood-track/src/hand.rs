@@ -60,9 +60,11 @@ impl<'a> HandColors<'a> {
         self.region.has(pixel) && !agents.is_empty() && self.view.color.get(pixel).is_some_and(is_its_own)
     }
 
-    /// Whether a segment has few of the hand's colours. Never without colour.
-    pub(crate) fn has_few(&self, look: &Look) -> bool {
-        look.share_of(&self.look).is_some_and(|share| share <= FEW)
+    /// Whether a segment has few of the hand's colours, and of those that the agents had before: the segment may be the hand, beside a sleeve of
+    /// another colour. Never without colour.
+    pub(crate) fn has_few(&self, look: &Look, agents: &Look) -> bool {
+        let has_few_of = |whole: &Look| look.share_of(whole).is_some_and(|share| share <= FEW);
+        has_few_of(&self.look) && (agents.is_empty() || has_few_of(agents))
     }
 
     /// Whether a pixel that a segment gives to a known thing is the hand's. `is_expected`: whether the thing should be there.
