@@ -74,7 +74,7 @@ impl Agents {
 
     /// Forgets where they are. New ones get new numbers.
     pub(crate) fn lose(&mut self, size: (usize, usize)) {
-        *self = Self { next: self.next, ..Self::none(size) };
+        *self = Self { next: self.next, look: std::mem::take(&mut self.look), ..Self::none(size) };
     }
 
     /// Finds them in a frame. What comes to the border as a free thing is no agent, nor is what an agent lets go. O(n).

@@ -42,7 +42,9 @@ pub enum Error {
         reason: String,
     },
     /// Bytes that are no state of a tracker.
-    #[error("the saved state of the tracker cannot be used: {reason}; begin anew")]
+    #[error(
+        "the saved state of the tracker cannot be used: {reason}; the video is to be followed from its first frame"
+    )]
     State {
         /// Why.
         reason: String,

@@ -51,7 +51,12 @@ impl Memory {
                 let fits = area_m2 + segment.area_m2 <= OTHER_FACE * track.area_m2;
                 let of_agent = pixels[k].iter().filter(|&&pixel| agent.mask.has(pixel)).count();
                 let is_in_hand = 2 * of_agent > pixels[k].len();
-                if is_in_hand && is_beside && fits && hand.has_few(&segment.look, &self.agents.look) && !faces.contains_key(&k) {
+                if is_in_hand
+                    && is_beside
+                    && fits
+                    && hand.has_few(&segment.look, &self.agents.look)
+                    && !faces.contains_key(&k)
+                {
                     area_m2 += segment.area_m2;
                     faces.insert(k, known);
                 }

@@ -14,7 +14,7 @@ const EXPECTED: f32 = 4.0;
 
 /// Where a thing is not expected, a colour is the thing's when this share of it or more has it: less may be noise,
 const OF_THING: f32 = 0.02;
-/// and this share of the agents or less had it while no thing was lost in a hand: things leave a seam of pixels in the agents' region.
+/// and this share of the agents or less had it in frames that showed all that they handle: a thing leaves a seam of pixels in their region.
 const OF_AGENTS: f32 = 0.02;
 
 /// A segment has few of the hand's colours when at most this share of it has any.
@@ -54,9 +54,11 @@ impl<'a> HandColors<'a> {
     }
 
     /// Whether a pixel of the agents' region has a colour of a thing that the agents had not before. Never without colour, nor before any was learned.
-    pub(crate) fn holds(&self, pixel: usize, track: &Track, agents: &Look) -> bool {
-        let is_its_own =
-            |&color: &[u8; 3]| track.look.share(color) >= OF_THING && agents.share(color) <= OF_AGENTS;
+    pub(crate) fn is_of_thing(&self, pixel: usize, track: &Track, agents: &Look) -> bool {
+        let is_its_own = |&color: &[u8; 3]| {
+            let [own, others] = Look::shares([&track.look, agents], color);
+            own >= OF_THING && others <= OF_AGENTS
+        };
         self.region.has(pixel) && !agents.is_empty() && self.view.color.get(pixel).is_some_and(is_its_own)
     }
 
@@ -69,14 +71,12 @@ impl<'a> HandColors<'a> {
 
     /// Whether a pixel that a segment gives to a known thing is the hand's. `is_expected`: whether the thing should be there.
     /// Never without colour.
-    pub(crate) fn has(&self, pixel: usize, track: &Track, is_expected: bool) -> bool {
+    pub(crate) fn is_of_hand(&self, pixel: usize, track: &Track, is_expected: bool) -> bool {
         let least = if is_expected { EXPECTED } else { 1.0 };
-        self.region.has(pixel)
-            && track.is_known()
-            && self
-                .view
-                .color
-                .get(pixel)
-                .is_some_and(|&color| self.look.share(color) > least * track.look.share(color))
+        let is_more_its = |&color: &[u8; 3]| {
+            let [own, others] = Look::shares([&self.look, &track.look], color);
+            own > least * others
+        };
+        self.region.has(pixel) && track.is_known() && self.view.color.get(pixel).is_some_and(is_more_its)
     }
 }

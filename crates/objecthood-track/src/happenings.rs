@@ -108,6 +108,11 @@ impl Happenings {
         lifted.map(|(&key, handling)| (key, handling.agent))
     }
 
+    /// What agents handle, and which agent.
+    pub(crate) fn handled(&self) -> impl Iterator<Item = (Key, u32)> {
+        self.handled.iter().map(|(&key, handling)| (key, handling.agent))
+    }
+
     pub(crate) fn is_handled(&self, key: Key) -> bool {
         self.handled.contains_key(&key)
     }

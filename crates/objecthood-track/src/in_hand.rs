@@ -11,11 +11,12 @@ use crate::face::{BESIDE_IT, OTHER_FACE};
 use crate::hand::HandColors;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
+use crate::seen::is_piece;
 use crate::segment::is_looked_at;
 use crate::track::Track;
 use crate::view::View;
 
-/// Least size of a part that is seen (px at VGA size).
+/// Least size of the largest part that is seen (px at VGA size).
 const LEAST_PX: f64 = 100.0;
 /// The least share of a thing's area that is seen: less may be a button.
 const LEAST_SHARE: f64 = 0.1;
@@ -23,44 +24,39 @@ const LEAST_SHARE: f64 = 0.1;
 const NARROW_PX: f64 = 2.0;
 
 impl Memory {
-    /// Looks in the region of all agents for the things that agents handle and no segment shows. O(n) if there are any. Does nothing without colour.
+    /// Looks for the things that agents handle and no segment shows, each in the pixels of its agent. O(n) if there are any. Does nothing without
+    /// colour.
     pub(crate) fn find_in_hands(
         &mut self,
         look: &Look<'_>,
         hand: &HandColors<'_>,
         pieces: &mut BTreeMap<Key, Vec<usize>>,
     ) {
-        let is_lost = |key: Key, track: &Track| {
-            self.happenings.is_handled(key)
-                && track.is_known()
-                && track.part_of.is_none()
-                && !look.keys.contains(&key)
-                && !pieces.contains_key(&key)
+        let is_shown =
+            |key: Key| look.keys.contains(&key) || pieces.get(&key).is_some_and(|piece| is_piece(piece));
+        let is_lost = |&(key, _): &(Key, u32)| {
+            let track = self.tracks.get(&key).filter(|track| track.is_known() && track.part_of.is_none());
+            track.is_some() && !is_shown(key)
         };
-        let lost: Vec<Key> =
-            self.tracks.iter().filter(|&(&key, track)| is_lost(key, track)).map(|(&key, _)| key).collect();
+        let lost: Vec<(Key, u32)> = self.happenings.handled().filter(is_lost).collect();
         if lost.is_empty() {
             hand.teach(&mut self.agents.look);
         }
-        for key in lost {
-            for pixel in self.seen_in_hand(&self.tracks[&key], look.view, hand) {
-                self.scene.seen[pixel] = key;
-                if is_looked_at(pixel, look.view.size.0) {
-                    pieces.entry(key).or_default().push(pixel);
-                }
-            }
+        for (key, number) in lost {
+            let pixels = self.seen_in_hand(&self.tracks[&key], number, look.view, hand);
+            self.show(key, &pixels, pieces);
         }
     }
 
-    /// The pixels that show a thing in a hand: the largest part that has colours of it and not of the hand, and what is beside that. None if they are
-    /// more than the thing can show.
-    fn seen_in_hand(&self, track: &Track, view: &View, hand: &HandColors<'_>) -> Vec<usize> {
-        let is_free = |key: Key| key == 0 || self.tracks.get(&key).is_some_and(Track::is_agent_part);
-        let narrow = view.length_px(NARROW_PX) / 2;
+    /// The pixels that show a thing in the hand of an agent: the largest part that has colours of the thing and not of the hand, and what is beside that.
+    /// None if they are more than the thing can show, or too few for a piece.
+    fn seen_in_hand(&self, track: &Track, number: u32, view: &View, hand: &HandColors<'_>) -> Vec<usize> {
+        let Some(agent) = self.agents.sure().find(|agent| agent.number == number) else { return Vec::new() };
+        let edge = view.length_px(NARROW_PX) / 2;
         let of_it = Bits::of(view.size, |pixel| {
-            is_free(self.scene.seen[pixel]) && hand.holds(pixel, track, &self.agents.look)
+            agent.mask.has(pixel) && self.is_free(pixel) && hand.is_of_thing(pixel, track, &self.agents.look)
         });
-        let mut parts = of_it.eroded(narrow).dilated(narrow).components();
+        let mut parts = of_it.eroded(edge).dilated(edge).components();
         parts.sort_by_key(|part| std::cmp::Reverse(part.len()));
         let middle = |part: &[usize]| {
             let points: Vec<DVec3> = part.iter().filter_map(|&pixel| view.point(pixel)).collect();
@@ -74,6 +70,8 @@ impl Memory {
         let pixels: Vec<usize> = parts.iter().filter(is_beside).flatten().copied().collect();
         let area_m2 = pixels.len() as f64 * at.z * at.z / (view.camera.fx_px * view.camera.fy_px);
         let fits = (LEAST_SHARE..OTHER_FACE).contains(&(area_m2 / track.area_m2));
-        if fits { pixels } else { Vec::new() }
+        let looked_at: Vec<usize> =
+            pixels.iter().copied().filter(|&pixel| is_looked_at(pixel, view.size.0)).collect();
+        if fits && is_piece(&looked_at) { pixels } else { Vec::new() }
     }
 }

@@ -13,7 +13,7 @@ pub enum Ingredient {
     /// The motion of every object predicts where it is seen.
     Motion,
     /// Tracks that were hidden or moved far are found again by their looks, size and reach; those that move, among the hypotheses that are no
-    /// objects; and those in a hand, on another face.
+    /// objects; and those in a hand, on another face or by their colours.
     Finding,
     /// Known things that no segment of the frame shows are held where they should be.
     Holding,

@@ -40,9 +40,10 @@ impl Look {
         self.samples += 1;
     }
 
-    /// The share of a colour.
-    pub(crate) fn share(&self, rgb: [u8; 3]) -> f32 {
-        self.shares[bin(rgb)]
+    /// The shares of a colour in two looks.
+    pub(crate) fn shares(looks: [&Self; 2], rgb: [u8; 3]) -> [f32; 2] {
+        let bin = bin(rgb);
+        looks.map(|look| look.shares[bin])
     }
 
     pub(crate) fn finish(&mut self) {
@@ -52,7 +53,7 @@ impl Look {
 
     /// 0 for equal looks, 1 for those without a common colour; `None` without colour.
     pub(crate) fn distance(&self, other: &Self) -> Option<f64> {
-        if self.samples == 0 || other.samples == 0 {
+        if self.is_empty() || other.is_empty() {
             return None;
         }
         let common: f32 = self.shares.iter().zip(other.shares.iter()).map(|(a, b)| a.min(*b)).sum();
@@ -61,7 +62,7 @@ impl Look {
 
     /// The share of it that has colours of another look; `None` without colour.
     pub(crate) fn share_of(&self, whole: &Self) -> Option<f64> {
-        if self.samples == 0 || whole.samples == 0 {
+        if self.is_empty() || whole.is_empty() {
             return None;
         }
         let shares = self.shares.iter().zip(whole.shares.iter());

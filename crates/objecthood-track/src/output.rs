@@ -80,7 +80,7 @@ impl Numbers {
                 }
                 Other::Agent(number) => self.agent(number).map(|id| id.0),
             };
-            let by_agent = matches!(happening.other, Other::Agent(_));
+            let by_agent = other.is_some() && matches!(happening.other, Other::Agent(_));
             let Happening { frame, time_s: time, kind, span, confidence, evidence, .. } = happening;
             let (start, end) = (span.map(|span| span.0), span.map(|span| span.1));
             events.push(Event {

@@ -20,6 +20,11 @@ const LEAST_IN_FRONT: f64 = 0.3;
 /// Pieces of fewer pixels, of those that are looked at, are none.
 const LEAST_PIECE: usize = 8;
 
+/// Whether these pixels, of those that are looked at, are a piece.
+pub(crate) fn is_piece(pixels: &[usize]) -> bool {
+    pixels.len() > LEAST_PIECE
+}
+
 impl Memory {
     /// Writes which track is seen at each pixel. A segment that holds several tracks which were seen to move apart is parted by where they
     /// should be.
@@ -37,7 +42,11 @@ impl Memory {
             if parted.get(&k).is_some_and(|others| others.contains(&predicted[pixel])) {
                 key = predicted[pixel];
             }
-            if self.tracks.get(&key).is_some_and(|track| hand.has(pixel, track, predicted[pixel] == key)) {
+            if self
+                .tracks
+                .get(&key)
+                .is_some_and(|track| hand.is_of_hand(pixel, track, predicted[pixel] == key))
+            {
                 self.scene.seen[pixel] = 0;
                 continue;
             }
@@ -91,7 +100,7 @@ impl Memory {
             agents: &self.agents,
             place: &look.place,
         };
-        for (key, pixels) in pieces.into_iter().filter(|(_, pixels)| pixels.len() > LEAST_PIECE) {
+        for (key, pixels) in pieces.into_iter().filter(|(_, pixels)| is_piece(pixels)) {
             let segment = measure.segment(&pixels);
             match look.keys.iter().position(|&known| known == key) {
                 Some(k) => look.segments[k] = segment,
@@ -131,28 +140,36 @@ impl Memory {
         }
         let mut shown: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
         for (pixel, &key) in predicted.iter().enumerate().filter(|(_, key)| held.contains(key)) {
-            let owner = self.scene.seen[pixel];
-            let is_free = owner == 0 || self.tracks.get(&owner).is_some_and(Track::is_agent_part);
             let is_there = self.tracks[&key].is_moving || self.scene.is_as_before(look.view, pixel);
-            if is_free && is_there && !hand.has(pixel, &self.tracks[&key], true) {
+            if self.is_free(pixel) && is_there && !hand.is_of_hand(pixel, &self.tracks[&key], true) {
                 shown.entry(key).or_default().push(pixel);
             }
         }
-        let width = look.view.size.0;
         for (key, pixels) in shown {
-            if self.is_shadow(key, &pixels, look) {
-                continue;
-            }
-            for pixel in pixels {
-                self.scene.seen[pixel] = key;
-                if is_looked_at(pixel, width) {
-                    pieces.entry(key).or_default().push(pixel);
-                }
+            if !self.is_shadow(key, &pixels, look) {
+                self.show(key, &pixels, pieces);
             }
         }
         for key in held {
             if let Some(track) = self.tracks.get_mut(&key) {
                 track.held_frames += 1;
+            }
+        }
+    }
+
+    /// Whether no thing is seen at a pixel.
+    pub(crate) fn is_free(&self, pixel: usize) -> bool {
+        let owner = self.scene.seen[pixel];
+        owner == 0 || self.tracks.get(&owner).is_some_and(Track::is_agent_part)
+    }
+
+    /// Shows a track at pixels that no segment gives it, as a piece of its own.
+    pub(crate) fn show(&mut self, key: Key, pixels: &[usize], pieces: &mut BTreeMap<Key, Vec<usize>>) {
+        let width = self.scene.size().0;
+        for &pixel in pixels {
+            self.scene.seen[pixel] = key;
+            if is_looked_at(pixel, width) {
+                pieces.entry(key).or_default().push(pixel);
             }
         }
     }

@@ -119,7 +119,7 @@ impl Memory {
         for (pixel, &key) in self.scene.seen.iter().enumerate().filter(|&(_, &key)| key > 0) {
             if is_looked_at(pixel, view.size.0)
                 && let Some(track) = self.tracks.get(&key).filter(|track| track.is_known())
-                && !hand.has(pixel, track, false)
+                && !hand.is_of_hand(pixel, track, false)
                 && let Some(point) = view.point(pixel)
             {
                 seen.entry(key).or_default().push(point);

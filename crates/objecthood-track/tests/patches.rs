@@ -344,10 +344,11 @@ fn what_a_hand_holds_keeps_its_number() {
     }
 }
 
-/// A regression: what a hand hid while it carried it was lost until a frame showed it as an object.
-#[test]
-fn what_comes_out_between_fingers_elsewhere_keeps_its_number() {
+/// A hand closes over a thing, and opens a little when it is elsewhere: the share of what is seen of the thing then that has its number, in the worst
+/// frame, and the most pixels that have its number elsewhere. `sleeve`: a second person of this colour comes meanwhile.
+fn between_fingers(sleeve: Option<[u8; 3]>) -> (f64, usize) {
     let mut tracker = Tracker::new(Params::default());
+    let mut worst = (1.0_f64, 0);
     for number in 0..75_i32 {
         let reach = (40 - 4 * (number - 20)).clamp(0, 160);
         let up = (2 * (number - 35)).clamp(0, 20);
@@ -355,24 +356,36 @@ fn what_comes_out_between_fingers_elsewhere_keeps_its_number() {
         let thing = Patch { left: THING.left - aside, top: THING.top - up, ..THING };
         let (left, top) = (thing.left + 18 + reach, thing.top + 6);
         let arm = Patch { left, top, width: 160, height: 10, depth_m: 0.96, color: [40, 70, 190] };
-        // The hand closes over the thing, and opens when it is elsewhere.
         let shown = if (46..60).contains(&number) { 0 } else { 14 };
         let (left, top) = (thing.left + shown, thing.top - 3);
         let hand = Patch { left, top, width: 40 - shown, height: 36, ..arm };
-        let patches = if number < 46 { vec![thing, arm] } else { vec![thing, arm, hand] };
+        let mut patches = if number < 46 { vec![thing, arm] } else { vec![thing, arm, hand] };
+        let width = (4 * (number - 46)).clamp(0, 60);
+        let other = |color| Patch { left: 0, top: 90, width, height: 24, depth_m: 0.9, color };
+        patches.extend(sleeve.map(other).filter(|_| width > 0));
         let seen: &[usize] = if number < 33 { &[0] } else { &[] };
         let (frame, found) = frame(&patches, seen, number as u64);
         let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
         if number >= 62 {
-            let strip =
-                (thing.top..thing.top + 30).flat_map(|v| (thing.left..thing.left + 14).map(move |u| (u, v)));
-            let labels: Vec<u16> =
-                strip.map(|(u, v)| tracked.labels.as_slice()[v as usize * SIZE.0 + u as usize]).collect();
-            let own = labels.iter().filter(|&&label| label == 1).count();
-            assert!(4 * own > 3 * labels.len(), "frame {number}: {own} of {} pixels", labels.len());
-            let others = tracked.labels.as_slice().iter().filter(|&&label| label > 1).count();
-            assert_eq!(others, 0, "frame {number}");
+            let is_strip = |u: i32, v: i32| thing.has(u, v) && (thing.left..thing.left + shown).contains(&u);
+            let (mut own, mut elsewhere) = (0, 0);
+            for (pixel, _) in tracked.labels.as_slice().iter().enumerate().filter(|(_, label)| **label == 1) {
+                let (u, v) = ((pixel % SIZE.0) as i32, (pixel / SIZE.0) as i32);
+                if is_strip(u, v) { own += 1 } else { elsewhere += 1 }
+            }
+            let share = f64::from(own) / f64::from(shown * thing.height);
+            worst = (worst.0.min(share), worst.1.max(elsewhere));
         }
+    }
+    worst
+}
+
+/// A regression: what a hand hid while it carried it was lost until a frame showed it as an object.
+#[test]
+fn what_comes_out_between_fingers_elsewhere_keeps_its_number() {
+    for sleeve in [None, Some([40, 160, 60]), Some(THING.color)] {
+        let (own, elsewhere) = between_fingers(sleeve);
+        assert!(own > 0.75 && elsewhere < 20, "sleeve {sleeve:?}: {own:.2} of it, {elsewhere} px elsewhere");
     }
 }
 
@@ -563,6 +576,6 @@ fn a_restored_tracker_goes_on_as_the_saved_one() {
     assert!(tracker.save().unwrap() == again.save().unwrap());
     for cut in [0, 10, 40, saved.len() - 1] {
         let refused = Tracker::restore(Params::default(), &saved[..cut]).unwrap_err();
-        assert!(refused.to_string().contains("begin anew"), "{refused}");
+        assert!(refused.to_string().contains("from its first frame"), "{refused}");
     }
 }
