@@ -18,6 +18,8 @@ use crate::vessel::Lay;
 
 /// Lifted: its lowest point rose by this (m), and its mean point by half of that.
 pub(crate) const LIFTED_M: f64 = 0.02;
+/// Of that rise this share or more is by motions that were found.
+const LEAST_FOUND: f64 = 0.5;
 /// It stays where it is when this share of its pixels or more shows what rested there.
 const STAYS: f64 = 0.8;
 /// First moved, upwards (m).
@@ -229,8 +231,10 @@ impl Happenings {
     fn lift(&mut self, key: Key, track: &mut Track, up: DVec3) {
         let Some(handling) = self.handled.get_mut(&key) else { return };
         let before = handling.before;
-        // A hand before its lower part only seems to lift it.
-        let climbs = track.drift.dot(up) > LIFTED_M / 2.0 || are_alike(track.last.px, before.px);
+        // A hand before its lower part only seems to lift it: no motion is found, nor does its top rise with the lowest that is seen.
+        let [rise_m, top_m] = [track.last.bottom_m - before.bottom_m, track.last.top_m - before.top_m];
+        let rises_as_one = are_alike(track.last.px, before.px) && (top_m - rise_m).abs() < LIFTED_M / 2.0;
+        let climbs = track.drift.dot(up) > (LIFTED_M / 2.0).max(rise_m * LEAST_FOUND) || rises_as_one;
         // Of what is lifted along its own face much is seen where it rested; a hand before it does not lift its top.
         let is_off = |sample: &Sample, by_m: f64| {
             sample.in_place < STAYS
@@ -255,8 +259,7 @@ impl Happenings {
             .last();
         let first = since.copied().unwrap_or(track.last);
         handling.lifted_s = Some(first.stamp_s);
-        let rise_mm = 1000.0 * (track.last.bottom_m - before.bottom_m);
-        let evidence = format!("its lowest point rose by {rise_mm:.0} mm in reach of the agent");
+        let evidence = format!("its lowest point rose by {:.0} mm in reach of the agent", 1000.0 * rise_m);
         handling.lift = picked_up(key, first.when(), handling.agent, handling.held_by, 0.9, evidence);
         track.note(Deed::Lifted);
         track.votes.clear();

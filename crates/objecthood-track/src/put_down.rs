@@ -9,8 +9,8 @@ use crate::tracked::{EventKind, Relation};
 
 /// Put down: no motion was found for so long (s).
 pub(crate) const STILL_S: f64 = 0.3;
-/// A thing lies where it came to rest when its lowest point is within this height, and its mean point within this (m): seen as whole, and in part.
-const DOWN_M: [[f64; 2]; 2] = [[0.006, 0.015], [0.010, 0.060]];
+/// A thing lies as high as where it came to rest when its lowest point is within this height (m): a hand at its foot spoils that by as much.
+const DOWN_M: f64 = 0.010;
 /// What is put down unseen is taken to be put down when one of so many parts of the unseen time is left.
 const UNSEEN_PARTS: u64 = 3;
 /// and no longer than this (s) before it is seen again.
@@ -29,16 +29,14 @@ fn put_down_at(first_seen: &Sample, track: &Track, begun: u64, pace: Pace) -> (u
     (first_seen.frame - earlier, first_seen.stamp_s - earlier as f64 * frame_s)
 }
 
-/// Whether a thing of a size (m) lies where it came to rest. While a hand hides part of it, its mean visible point tells less, and what its
-/// motion tells counts too.
+/// Whether a thing of a size (m) lies where it came to rest: no farther away than that, because a hand that hides part of it shifts its mean visible
+/// point. While a hand hides part of it, what its motion tells counts too.
 fn is_down(sample: &Sample, rest: &Sample, size_m: f64) -> bool {
     let (apart, above) = ((sample.center - rest.center).length(), (sample.bottom_m - rest.bottom_m).abs());
     let is_whole = sample.px as f64 > AS_WHOLE * rest.px as f64;
-    let [height_m, shift_m] = DOWN_M[usize::from(!is_whole)];
-    let is_there = above < height_m && apart < shift_m;
     // A hand before its lower part does not lift its top.
-    let is_above = (sample.bottom_m - rest.bottom_m).min(sample.top_m - rest.top_m) > height_m;
-    is_there || (!is_whole && !is_above && !sample.moves && apart < size_m)
+    let is_above = (sample.bottom_m - rest.bottom_m).min(sample.top_m - rest.top_m) > DOWN_M;
+    apart < size_m && (above < DOWN_M || !is_whole && !is_above && !sample.moves)
 }
 
 /// How a thing that was lifted after the frame `begun` came to rest, unless it was let fall.
