@@ -2,12 +2,13 @@
 
 mod video;
 
-use std::collections::BTreeSet;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::Result;
-use objecthood::{Method, Params};
+use objecthood::{Method, Params, Raster};
 use objecthood_eval::{ImageScore, ObjectScore, Verdict, VerdictCounts, score};
 use objecthood_io::output;
 use objecthood_scene::{Family, Sensor};
@@ -62,7 +63,7 @@ fn show(recipe: Recipe, params: &Params, folder: &Path) -> Result<String> {
     let kinds = BTreeSet::from([OutputKind::Labels, OutputKind::Json, OutputKind::Panels]);
     let stem = folder.join(&name);
     let mut files = found.files(&kinds, &stem)?;
-    let table = table(&made, &score);
+    let table = table(&made, &score, &discovery.labels);
     files.push(camera_file(&made.world, folder)?);
     files.extend(made.into_files(folder)?);
     make_folders_of(&files)?;
@@ -75,8 +76,8 @@ fn show(recipe: Recipe, params: &Params, folder: &Path) -> Result<String> {
     ))
 }
 
-/// A table with one line per object: how well it was found.
-fn table(made: &Made, score: &ImageScore) -> String {
+/// A table with one line per object: under which number, and how well it was found.
+fn table(made: &Made, score: &ImageScore, labels: &Raster<u16>) -> String {
     let counts: VerdictCounts = score.objects.iter().map(|object| object.verdict).collect();
     let mut text = format!("{} of {} objects correct", counts.correct, counts.total());
     // Writing to a string cannot fail.
@@ -84,17 +85,30 @@ fn table(made: &Made, score: &ImageScore) -> String {
         0 => writeln!(text),
         more => writeln!(text, ", {more} found where there is none"),
     };
-    text.push_str("  object  pixels  visible   IoU  verdict\n");
+    text.push_str("  id  object  pixels  visible   IoU  verdict\n");
     // Truth labels ascend with the instances; an instance without a pixel with depth has no label.
-    let seen = made.rendered.truth.instance.as_slice().iter().copied().collect::<BTreeSet<u16>>();
+    let instances = &made.rendered.truth.instance;
+    let seen = instances.as_slice().iter().copied().collect::<BTreeSet<u16>>();
     let objects = made.world.objects().filter(|instance| seen.contains(instance));
     for (instance, ObjectScore { pixels, iou, verdict, .. }) in objects.zip(&score.objects) {
         let kind = made.world.solid(instance).map_or("", |solid| solid.kind());
         let percent = 100.0 * made.rendered.visible_fraction[usize::from(instance) - 1];
         let verdict = in_words(*verdict);
-        let _ = writeln!(text, "  {kind:<6}  {pixels:>6}  {percent:>5.0} %  {iou:.2}  {verdict}");
+        let id = found_as(instance, instances, labels).map_or_else(|| "-".to_owned(), |id| id.to_string());
+        let _ = writeln!(text, "{id:>4}  {kind:<6}  {pixels:>6}  {percent:>5.0} %  {iou:.2}  {verdict}");
     }
     text
+}
+
+/// The number, in label image and pictures, under which most of an object was found. `None` if nothing of it was.
+fn found_as(instance: u16, instances: &Raster<u16>, labels: &Raster<u16>) -> Option<u16> {
+    let mut pixels = BTreeMap::<u16, usize>::new();
+    for (&true_id, &label) in instances.as_slice().iter().zip(labels.as_slice()) {
+        if true_id == instance && label > 0 {
+            *pixels.entry(label).or_default() += 1;
+        }
+    }
+    pixels.into_iter().max_by_key(|&(label, count)| (count, Reverse(label))).map(|(label, _)| label)
 }
 
 fn in_words(verdict: Verdict) -> &'static str {
