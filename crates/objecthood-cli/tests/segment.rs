@@ -185,6 +185,15 @@ fn equal_stems_are_refused_or_kept_apart() {
         let run = folder.run(&format!("segment {inputs} --out out"), 2);
         assert_eq!(run.errors().len(), 1);
         assert_eq!(run.stderr.matches("a.pcd").count(), 2, "both are named: {}", run.stderr);
+/// The error led to `points`: of a video it is called `pictures`.
+#[test]
+fn pictures_are_overlays() {
+    let folder = Folder::new();
+    folder.write("a.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
+    folder.run("segment a.pcd --out out --write pictures", 0);
+    assert_eq!(folder.names("out"), ["a.overlay.png"]);
+}
+
         assert!(run.stderr.contains("--keep-tree"), "{}", run.stderr);
         assert!(!folder.path().join("out").exists());
     }

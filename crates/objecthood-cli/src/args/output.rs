@@ -23,6 +23,7 @@ pub(crate) enum OutputKind {
     /// NAME.structure.png, a 16-bit label image of the large planes: table, floor, wall.
     Structure,
     /// NAME.overlay.png, the colour image (depth if there is none) with outlines and numbers of the objects.
+    #[value(alias = "pictures")]
     Overlay,
     /// NAME.panels.png, pictures of every stage.
     Panels,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use objecthood_track::Ingredient;
 
 use super::settings::{MethodName, Settings};
@@ -32,9 +32,9 @@ pub(crate) struct TrackArgs {
     #[arg(long)]
     pub(crate) poses: bool,
 
-    /// Also write pictures/NAME.png: each frame with its objects and a line of events.
-    #[arg(long, value_name = "KINDS", value_parser = ["pictures"])]
-    pub(crate) write: Option<String>,
+    /// What to write beside the lists and the label images.
+    #[arg(long, value_name = "KINDS")]
+    pub(crate) write: Option<TrackOutput>,
 
     /// Also write DIR/report.html: one file that shows the video with its tracks, at most 100 frames of it, and all that happened.
     #[arg(long, conflicts_with = "resume")]
@@ -64,6 +64,14 @@ pub(crate) struct TrackArgs {
 
     #[command(flatten)]
     pub(crate) settings: Settings,
+}
+
+/// What can be written for every frame of a video. `segment` calls such a picture an overlay.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum TrackOutput {
+    /// pictures/NAME.png: each frame with its objects and a line of events.
+    #[value(alias = "overlay")]
+    Pictures,
 }
 
 /// One ingredient, or all.
