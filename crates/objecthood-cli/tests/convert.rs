@@ -4,9 +4,9 @@
 
 mod common;
 
-use common::Folder;
 use common::photo::{camera, png};
 use common::scene::Cloud;
+use common::{Folder, run_in};
 
 /// Two pairs of images in tenths of a millimetre, and their labels.
 fn pairs() -> (Folder, String) {
@@ -102,4 +102,16 @@ fn what_a_layout_cannot_hold_is_said() {
     folder.write("third.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
     let run = folder.run("convert third.pcd --to bop --out bop", 0);
     assert!(run.stderr.contains("depth was rounded by at most 0.05"), "{}", run.stderr);
+}
+
+/// The frames of a recording that is the folder in which the user is were called `.-000000`, so their outputs were hidden.
+#[test]
+fn outputs_of_a_recording_that_is_the_current_folder_have_its_name() {
+    let (folder, named) = pairs();
+    std::fs::create_dir(folder.path().join("talk")).unwrap();
+    folder.run(&format!("convert {named} --to mcap --out talk/talk_0.mcap"), 0);
+    let metadata = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - talk_0.mcap\n";
+    folder.write("talk/metadata.yaml", metadata.as_bytes());
+    let run = run_in(&folder.path().join("talk"), "segment . --out ../out --write labels", 0);
+    assert_eq!(folder.names("out"), ["talk-000000.labels.png", "talk-000001.labels.png"], "{}", run.stdout);
 }

@@ -55,7 +55,7 @@ pub(crate) fn open(path: &Path, files: &[(PathBuf, Opener)], given: &Given) -> R
     }
     let recording = Recording::of(logs);
     let topics = recording.topics();
-    let name = Named { path: path.to_owned(), stem: path.file_stem().unwrap_or(path.as_os_str()).to_owned() };
+    let name = Named { path: path.to_owned(), stem: stem_of(path) };
     let frames = match choose(&recording, &given.topics)? {
         Chosen::Points(stream) => points(recording, stream, &name, given),
         Chosen::Images { depth, color } => {
@@ -72,6 +72,13 @@ fn open_log(file: &Path, opener: Opener) -> Result<Log, RecordingError> {
         return Err(RecordingError::Unfinished);
     }
     opener(Box::new(OnDisk::open(file)?))
+}
+
+/// The name of a file or folder without its ending; of `.`, which has none, that of the folder in which the user is.
+fn stem_of(path: &Path) -> OsString {
+    let named = path.file_stem().map(ToOwned::to_owned);
+    let real = || path.canonicalize().ok()?.file_stem().map(ToOwned::to_owned);
+    named.or_else(real).unwrap_or_else(|| "recording".into())
 }
 
 /// What frames are called.
