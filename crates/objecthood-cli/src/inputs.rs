@@ -1,5 +1,6 @@
 //! Files and folders on the command line -> the list of frames, each with a name of its own for its outputs.
 
+mod extent;
 pub(crate) mod pairs;
 
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -15,7 +16,7 @@ use objecthood_io::{Capture, Error, FrameRef, Given, Selection, Source, Topic};
 use crate::advice;
 use crate::args::FrameArgs;
 use crate::failure::usage;
-use crate::words::counted;
+use extent::Extent;
 
 /// What stands for stdin on the command line.
 pub(crate) const STDIN: &str = "-";
@@ -133,12 +134,13 @@ pub(crate) fn collect(args: &FrameArgs, keep_tree: bool, camera: Option<&CameraF
         refuse_unknown_camera_or_unit(&given, &pairs)?;
         inputs.unreadable = complaints;
         let tops: BTreeSet<PathBuf> = pairs.iter().map(|pair| folders.of(&pair.depth)).collect();
-        listed = Some(pairs.len());
+        listed = Some(Extent { frames: pairs.len(), seconds: 0.0 });
         let source = source_of(pairs, &given).select(&selection);
         (inputs.readable(source), tops.into_iter().collect())
     };
     if frames.is_empty() && inputs.unreadable.is_empty() {
-        return Err(no_frame(args, listed.unwrap_or_else(|| most_frames(&args.inputs, &given))));
+        let extents = || args.inputs.iter().map(|argument| Extent::at(argument, &given)).collect();
+        return Err(no_frame(args, &listed.map_or_else(extents, |extent| vec![extent])));
     }
     if args.images.depth_scale.is_some() && !frames.is_empty() && frames.iter().all(FrameRef::is_metric) {
         return Err(usage("--depth-scale is for depth images but only point clouds are named: leave it out"));
@@ -178,7 +180,9 @@ fn open_all(
                 let before = inputs.unreadable.len();
                 let found = inputs.readable(source.select(selection));
                 if found.is_empty() && inputs.unreadable.len() == before && args.inputs.len() > 1 {
-                    inputs.notices.push(format!("{}: it has no frame{}", argument.display(), args.selection));
+                    let (name, asked, has) =
+                        (argument.display(), &args.selection, Extent::at(argument, given));
+                    inputs.notices.push(format!("{name}: it has no frame{asked}, but {has}"));
                 }
                 frames.extend(found);
             }
@@ -188,22 +192,14 @@ fn open_all(
     (frames, tops)
 }
 
-/// No input has a frame that is asked for; `most`: as many frames has the longest of them.
-fn no_frame(args: &FrameArgs, most: usize) -> anyhow::Error {
+/// No input, each of such an extent, has a frame that is asked for.
+fn no_frame(args: &FrameArgs, extents: &[Extent]) -> anyhow::Error {
     let asked = args.selection.to_string();
     if asked.is_empty() {
         return usage("there is no frame in what is named");
     }
-    usage(format!(
-        "there is no frame{asked}: no input has more than {}, numbered from 0",
-        counted(most, "frame")
-    ))
-}
-
-/// How many frames the input has that has most.
-fn most_frames(arguments: &[PathBuf], given: &Given) -> usize {
-    let sources = arguments.iter().filter_map(|argument| Source::open(argument, given).ok());
-    sources.map(Iterator::count).max().unwrap_or(0)
+    let has = Extent::of_longest(extents, &args.selection.selection());
+    usage(format!("there is no frame{asked}: {has}"))
 }
 
 /// Refuses image files of which nobody says how they are to be read: once, and before anything is done.

@@ -165,6 +165,17 @@ fn frames_are_selected_by_their_number() {
         "segment in --out none --frames 700..",
         "there is no frame in --frames 700..: no input has more than ",
     );
+    // A regression: seconds were asked for, and frames were told.
+    folder.run("convert in --to tum --out video", 0);
+    let has = "4 frames, numbered from 0, at times from 0 to 0.100 s";
+    folder.refuses(
+        "segment video --out none --time 100..",
+        &format!("there is no frame in --time 100..: the longest input has {has}"),
+    );
+    folder.run("convert in --to tum --frames 2 --out short", 0);
+    let run = folder.run("segment short video --out part --time 0.05..", 0);
+    let said = "short: it has no frame in --time 0.05.., but 1 frame, numbered from 0";
+    assert!(run.stderr.contains(said), "{}", run.stderr);
     folder.refuses("segment in --out out --frames 5..2", "`5..2` is not a range of frames: write first..end");
     folder.refuses("segment in --out out --time soon", "`soon` is not a range of times");
     let run = folder.run("segment in --out out --time 1..2", 1);
@@ -172,6 +183,15 @@ fn frames_are_selected_by_their_number() {
         run.errors()[0].contains("the frame has no time")
             && run.errors()[0].ends_with("use --frames instead of --time")
     );
+}
+
+/// The error led to `points`: of a video it is called `pictures`.
+#[test]
+fn pictures_are_overlays() {
+    let folder = Folder::new();
+    folder.write("a.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
+    folder.run("segment a.pcd --out out --write pictures", 0);
+    assert_eq!(folder.names("out"), ["a.overlay.png"]);
 }
 
 #[test]
@@ -185,15 +205,6 @@ fn equal_stems_are_refused_or_kept_apart() {
         let run = folder.run(&format!("segment {inputs} --out out"), 2);
         assert_eq!(run.errors().len(), 1);
         assert_eq!(run.stderr.matches("a.pcd").count(), 2, "both are named: {}", run.stderr);
-/// The error led to `points`: of a video it is called `pictures`.
-#[test]
-fn pictures_are_overlays() {
-    let folder = Folder::new();
-    folder.write("a.pcd", &Cloud::two_boxes(0.0).to_binary_pcd());
-    folder.run("segment a.pcd --out out --write pictures", 0);
-    assert_eq!(folder.names("out"), ["a.overlay.png"]);
-}
-
         assert!(run.stderr.contains("--keep-tree"), "{}", run.stderr);
         assert!(!folder.path().join("out").exists());
     }
