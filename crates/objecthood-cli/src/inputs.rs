@@ -77,6 +77,11 @@ impl Input {
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         self.frame.files()
     }
+
+    /// A file of it that is listed but not there.
+    pub(crate) fn missing_file(&self) -> Option<&Path> {
+        self.files().find(|file| !file.exists())
+    }
 }
 
 /// What was found.

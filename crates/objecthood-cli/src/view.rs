@@ -5,13 +5,14 @@ mod stream;
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use objecthood_page::{Address, FrameList, FrameSource, Session, serve};
 
 use crate::args::{CameraArg, ViewArgs};
 use crate::failure::Outcome;
 use crate::inputs::{Input, Inputs, STDIN};
 use crate::shell::words_of_frames;
+use crate::words::counted;
 use crate::{advice, config, inputs, interrupt, terminal};
 use stream::Stream;
 
@@ -54,6 +55,7 @@ fn session(args: &ViewArgs) -> Result<Session> {
     if let Some(reason) = reason {
         return Err(reason);
     }
+    refuse_missing(&frames)?;
     let (asked, scope) = (Arc::new(args.frames.clone()), Arc::new(scope));
     let of_frame = |input: Input| {
         let (asked, scope) = (Arc::clone(&asked), Arc::clone(&scope));
@@ -65,4 +67,21 @@ fn session(args: &ViewArgs) -> Result<Session> {
     let frames = Arc::new(FrameList::of(frames.into_iter().map(of_frame).collect()));
     let words = words_of_frames("view");
     Ok(Session { title: words.join(" "), words, frames, params })
+}
+
+/// Says at once what the page could not show, because files are listed that are not there.
+///
+/// # Errors
+/// When it could show no frame at all.
+fn refuse_missing(frames: &[Input]) -> Result<()> {
+    let missing: Vec<&Path> = frames.iter().filter_map(Input::missing_file).collect();
+    let Some(first) = missing.first() else { return Ok(()) };
+    let (first, count, total) = (first.display(), missing.len(), counted(frames.len(), "frame"));
+    if count == frames.len() {
+        bail!(
+            "no image can be shown of {total}: {first} is not there: bring the images back to where the input lists them"
+        );
+    }
+    terminal::note(&format!("{count} of {total} cannot be shown: {first} is not there"));
+    Ok(())
 }
