@@ -1,5 +1,7 @@
 //! `objecthood doctor`: what an input is, and what of it may be wrong.
 
+mod subject;
+
 use std::fmt::Write;
 
 use anyhow::Result;
@@ -10,13 +12,14 @@ use serde_json::json;
 
 use crate::args::{CameraArg, DoctorArgs};
 use crate::failure::Outcome;
-use crate::inputs::{Input, Inputs};
+use crate::inputs::Input;
 use crate::{advice, config, crew, inputs, interrupt, terminal};
+use subject::Subject;
 
-/// Frames that are looked at, spread over the input.
+/// Frames that are looked at, spread over an input.
 const MOST_FRAMES: usize = 8;
 
-/// Looks at the frames named on the command line and prints what it says of them.
+/// Looks at each input named on the command line and prints what it says of it.
 ///
 /// # Errors
 /// Of usage; when stdout cannot be written. What is wrong with the input is no error.
@@ -24,34 +27,55 @@ pub(crate) fn run(args: &DoctorArgs) -> Result<Outcome> {
     let params = config::params(&args.settings.parameters, None)?;
     let camera = args.frames.camera.as_ref().map(CameraArg::read).transpose()?;
     let inputs = inputs::collect(&args.frames, true, camera.as_ref())?;
-    let Inputs { frames, unreadable, notices, .. } = &inputs;
-    notices.iter().for_each(|notice| terminal::note(notice));
+    inputs.notices.iter().for_each(|notice| terminal::note(notice));
     interrupt::catch()?;
 
-    let mut examination = Examination::default();
-    unreadable.iter().for_each(|error| examination.note(cannot_read(error)));
-    let bar = terminal::progress_bar(frames.len().min(MOST_FRAMES), args.settings.verbose);
-    crew::pool(args.settings.threads())?.install(|| {
+    let subjects = Subject::all_of(&inputs, &args.frames.inputs);
+    let total = subjects.iter().map(|subject| spread(&subject.frames).count()).sum();
+    let bar = terminal::progress_bar(total, args.settings.verbose);
+    let reports: Vec<(String, Report)> = crew::pool(args.settings.threads())?.install(|| {
         let mut pipeline = Pipeline::default();
-        for input in spread(frames).take_while(|_| !interrupt::is_asked()) {
-            if let Err(error) = look(&mut examination, &mut pipeline, args, &params, input) {
-                examination.note(cannot_read(&error));
-            }
-            bar.inc(1);
-        }
+        let going_on = subjects.iter().take_while(|_| !interrupt::is_asked());
+        let report = |subject: &Subject<'_>| {
+            (subject.title(), examine(subject, args, &params, &mut pipeline, || bar.inc(1)))
+        };
+        going_on.map(report).collect()
     });
     bar.finish_and_clear();
 
-    let names: Vec<String> = frames.iter().map(|input| input.name.display().to_string()).collect();
-    let stamps: Vec<_> = frames.iter().map(Input::stamp_ns).collect();
-    let report = examination.report(&names, &stamps);
-    terminal::print(&if args.printed.json { as_json(args, &report) } else { as_text(args, &report) })?;
-    let is_wrong = report.findings.iter().any(|finding| finding.certainty == Certainty::Sure);
+    terminal::print(&if args.printed.json {
+        all_as_json(args, &reports)
+    } else {
+        all_as_text(args, &reports)
+    })?;
+    let is_sure = |finding: &Finding| finding.certainty == Certainty::Sure;
+    let is_wrong = reports.iter().any(|(_, report)| report.findings.iter().any(is_sure));
     Ok(match (interrupt::is_asked(), is_wrong) {
         (true, _) => Outcome::Interrupted,
         (false, true) => Outcome::SomeFailed,
         (false, false) => Outcome::AllDone,
     })
+}
+
+/// What there is to say of one input; `tick` is called for each frame.
+fn examine(
+    subject: &Subject<'_>,
+    args: &DoctorArgs,
+    params: &Params,
+    pipeline: &mut Pipeline,
+    tick: impl Fn(),
+) -> Report {
+    let mut examination = Examination::default();
+    subject.unreadable.iter().for_each(|error| examination.note(cannot_read(error)));
+    for input in spread(&subject.frames).take_while(|_| !interrupt::is_asked()) {
+        if let Err(error) = look(&mut examination, pipeline, args, params, input) {
+            examination.note(cannot_read(&error));
+        }
+        tick();
+    }
+    let names: Vec<String> = subject.frames.iter().map(|input| input.name.display().to_string()).collect();
+    let stamps: Vec<_> = subject.frames.iter().map(|input| input.stamp_ns()).collect();
+    examination.report(&names, &stamps)
 }
 
 fn look(
@@ -121,7 +145,12 @@ fn mend(args: &DoctorArgs, report: &Report, cause: Cause) -> Option<String> {
     Some(text)
 }
 
-fn as_json(args: &DoctorArgs, report: &Report) -> String {
+/// An object for each input, one after the other.
+fn all_as_json(args: &DoctorArgs, reports: &[(String, Report)]) -> String {
+    reports.iter().map(|(input, report)| as_json(args, input, report)).collect()
+}
+
+fn as_json(args: &DoctorArgs, input: &str, report: &Report) -> String {
     let finding = |finding: &Finding| {
         json!({
             "certainty": finding.certainty,
@@ -132,7 +161,16 @@ fn as_json(args: &DoctorArgs, report: &Report) -> String {
         })
     };
     let findings: Vec<_> = report.findings.iter().map(finding).collect();
-    format!("{:#}\n", json!({"facts": report.facts, "findings": findings}))
+    format!("{:#}\n", json!({"input": input, "facts": report.facts, "findings": findings}))
+}
+
+/// Each input below its name, where there are several.
+fn all_as_text(args: &DoctorArgs, reports: &[(String, Report)]) -> String {
+    if let [(_, report)] = reports {
+        return as_text(args, report);
+    }
+    let titled = |(input, report): &(String, Report)| format!("{input}\n{}", as_text(args, report));
+    reports.iter().map(titled).collect::<Vec<_>>().join("\n")
 }
 
 fn as_text(args: &DoctorArgs, report: &Report) -> String {

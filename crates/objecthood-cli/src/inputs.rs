@@ -58,7 +58,7 @@ impl Input {
     }
 
     /// Whether its file holds many frames: the name of each is that of the file and something more. Of images it is what their names have in common.
-    fn is_of_recording(&self) -> bool {
+    pub(crate) fn is_of_recording(&self) -> bool {
         let [stem, name] = [self.path.file_stem(), self.name.file_name()].map(Option::unwrap_or_default);
         name != stem && name.as_encoded_bytes().starts_with(stem.as_encoded_bytes())
     }

@@ -8,9 +8,10 @@ use std::path::Path;
 use std::process::Command;
 
 use common::photo::png;
+use common::scene::Cloud;
 use common::{Folder, command, data};
 use image::{DynamicImage, ImageBuffer, Luma, RgbImage, imageops};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 type Depth = ImageBuffer<Luma<u16>, Vec<u16>>;
 
@@ -205,6 +206,32 @@ fn missing_and_repeated_frames_are_caught() {
     frozen.write("depth.txt", stamps.collect::<Vec<_>>().join("\n").as_bytes());
     (0..30).for_each(|k| drop(frozen.write(&format!("depth/{k}.png"), &first)));
     assert_eq!(doubts(frozen.path(), &here()), [("sure".to_owned(), "sequence".to_owned())]);
+}
+
+/// Two recordings were taken for one, in which a clock was set back.
+#[test]
+fn each_input_is_a_recording_of_its_own() {
+    let folder = Folder::new();
+    for k in 0..4 {
+        folder.write(&format!("in/{k}.pcd"), &Cloud::two_boxes(0.01 * f64::from(k)).to_binary_pcd());
+    }
+    folder.run("convert in --to tum --out a", 0);
+    folder.run("convert in --to tum --out b", 0);
+    std::fs::create_dir(folder.path().join("bags")).unwrap();
+    folder.run("convert in --to mcap --out bags/c.mcap", 0);
+    folder.run("convert in --to mcap --out bags/d.mcap", 0);
+    let run = folder.run("doctor a bags b in/0.pcd in/1.pcd nothing.pcd", 1);
+    let titles: Vec<&str> = run.stdout.split("\n\n").filter_map(|report| report.lines().next()).collect();
+    assert_eq!(
+        titles,
+        ["a", "bags/c.mcap", "bags/d.mcap", "b", "2 files named one by one", "what cannot be read"]
+    );
+    assert!(!run.stdout.contains("out of order"), "{}", run.stdout);
+    let json = folder.run("doctor a b --json", 0).stdout;
+    let reports: Vec<Value> =
+        serde_json::Deserializer::from_str(&json).into_iter().collect::<Result<_, _>>().unwrap();
+    let frames = reports.iter().map(|report| (&report["input"], &report["facts"]["frames"]));
+    assert_eq!(frames.collect::<Vec<_>>(), [(&json!("a"), &json!(4)), (&json!("b"), &json!(4))]);
 }
 
 /// Mistakes in recordings of `rosbags`, which knows nothing of this program.

@@ -8,7 +8,8 @@ use super::{EXIT_CODES, FrameArgs, Printed, Settings};
 
 /// Say what an input is and what of it may be wrong: unit, camera, registration, resolution, missing frames.
 ///
-/// At most eight frames, spread over the input, are looked at. A doubt is `sure` where no correct input looks like that, and `suspect`
+/// Each recording and each folder is an input of its own; files that hold one frame are one input together. At most eight frames, spread
+/// over the input, are looked at. A doubt is `sure` where no correct input looks like that, and `suspect`
 /// where a rare one does; each names the option that mends it. Exit code 1 says that something is surely wrong.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
