@@ -1,5 +1,6 @@
 //! `objecthood track`: the frames of a video -> numbers of objects that last, what happened, what stands on what.
 
+mod cast;
 mod files;
 mod progress;
 mod report;
@@ -22,6 +23,7 @@ use crate::inputs::{Input, Inputs};
 use crate::outputs::{make_folder, make_folders_of, refuse_file};
 use crate::words::counted;
 use crate::{config, crew, inputs, interrupt, terminal};
+use cast::Cast;
 use files::Lines;
 use progress::Going;
 use report::Filming;
@@ -43,6 +45,7 @@ struct Plan<'a> {
 #[derive(Default)]
 struct Told {
     lines: Lines,
+    cast: Cast,
     events: Vec<Event>,
     done: usize,
     failed: usize,
@@ -67,8 +70,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     let fingerprints = plan.fingerprints();
     let Going { mut tracker, mut told, done } = plan.go_on(&fingerprints);
     if done == frames.len() && done > 0 && told.failed == 0 && unreadable.is_empty() {
-        let objects = told.lines.objects();
-        let objects = counted(objects, "object");
+        let objects = counted(told.cast.count().objects(), "object");
         terminal::print(&format!("{objects}, followed before -> {}\n", args.out.display()))?;
         return Ok(Outcome::AllDone);
     }
@@ -175,6 +177,7 @@ impl<'a> Plan<'a> {
         }
         self.write_labels(number, &tracked.labels, files)?;
         if let Some(filming) = filming {
+        told.cast.see(&tracked);
             filming.frame(number, &input.title(), &self.params, &capture, &tracked)?;
         }
         told.lines.frame(&tracked);
@@ -231,16 +234,16 @@ impl<'a> Plan<'a> {
 
     fn sum_up(&self, told: &Told, total: usize) -> Result<Outcome> {
         let is_interrupted = told.done + told.failed < total;
-        let objects = told.lines.objects();
+        let count = told.cast.count();
         let mut text = format!(
             "{}, {}, {} -> {}\n",
             counted(told.done, "frame"),
-            counted(objects, "object"),
+            counted(count.objects(), "object"),
             counted(told.events.len(), "event"),
             self.args.out.display()
         );
-        if self.args.summary {
-            text.push_str(&summary::of(&told.events, objects));
+        if self.args.summary && told.done > 0 {
+            text.push_str(&summary::of(&told.events, count));
         }
         terminal::print(&text)?;
         if told.failed > 0 {

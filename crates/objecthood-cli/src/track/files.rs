@@ -1,8 +1,6 @@
 //! The lists that `track` writes: a line of JSON each.
 
-use std::collections::BTreeSet;
-
-use objecthood_track::{Event, Relation, Rigid, SupportRelation, TrackId, Tracked};
+use objecthood_track::{Event, Relation, Rigid, SupportRelation, Tracked};
 use serde_json::{Value, json};
 
 /// The lines of all lists.
@@ -11,7 +9,6 @@ pub(super) struct Lines {
     pub(super) tracks: String,
     pub(super) events: String,
     pub(super) support: String,
-    pub(super) seen: BTreeSet<TrackId>,
 }
 
 impl Lines {
@@ -49,7 +46,6 @@ impl Lines {
                 }))
             })
             .collect();
-        self.seen.extend(tracked.objects.iter().filter_map(|object| object.track));
         let lost: Vec<_> = tracked
             .lost
             .iter()
@@ -96,11 +92,6 @@ impl Lines {
 
     pub(super) fn event(&mut self, event: &Event) {
         push(&mut self.events, &json!(event));
-    }
-
-    /// Number of objects that were seen.
-    pub(super) fn objects(&self) -> usize {
-        self.seen.len()
     }
 }
 

@@ -4,9 +4,10 @@ use std::fs;
 
 use anyhow::Result;
 use objecthood_io::output;
-use objecthood_track::{Event, TrackId, Tracker};
+use objecthood_track::{Event, Tracker};
 use serde::{Deserialize, Serialize};
 
+use super::cast::Cast;
 use super::{Plan, Told};
 use crate::inputs::Inputs;
 use crate::terminal;
@@ -31,7 +32,7 @@ struct Progress {
     last_stamp_s: Option<f64>,
     /// Bytes of the lists, without the events that the end of the video made certain.
     lists: [usize; 3],
-    seen: Vec<TrackId>,
+    cast: Cast,
 }
 
 /// A run that goes on, or begins.
@@ -91,7 +92,7 @@ impl Plan<'_> {
         for ((list, name), length) in lists.into_iter().zip(LISTS).zip(progress.lists) {
             list.push_str(fs::read_to_string(path(name)).ok()?.get(..length)?);
         }
-        told.lines.seen.extend(progress.seen);
+        told.cast = progress.cast;
         told.events =
             told.lines.events.lines().map(serde_json::from_str::<Event>).collect::<Result<_, _>>().ok()?;
         Some(Going { tracker, told, done })
@@ -118,7 +119,7 @@ impl Plan<'_> {
             failed,
             last_stamp_s: told.last_stamp_s,
             lists: [&told.lines.tracks, &told.lines.events, &told.lines.support].map(String::len),
-            seen: told.lines.seen.iter().copied().collect(),
+            cast: told.cast.clone(),
         };
         let path = |name: &str| self.args.out.join(name);
         let progress = serde_json::to_vec(&progress)?;

@@ -34,7 +34,7 @@ impl Plan<'_> {
         }
         told.lines.tracks = lines_of(&tracks);
         told.lines.support = lines_of(&smooth_support(&support, &hindsight, &with_new));
-        told.lines.seen = told.lines.seen.iter().map(|&track| hindsight.whole_of(track)).collect();
+        told.cast = std::mem::take(&mut told.cast).renumbered(|track| hindsight.whole_of(track));
         Ok(())
     }
 }
