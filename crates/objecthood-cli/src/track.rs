@@ -7,7 +7,7 @@ mod report;
 mod smooth;
 mod summary;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
@@ -68,7 +68,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     notices.iter().for_each(|notice| terminal::note(notice));
     unreadable.iter().for_each(terminal::error);
     let fingerprints = plan.fingerprints();
-    let Going { mut tracker, mut told, done } = plan.go_on(&fingerprints);
+    let Going { mut tracker, mut told, done } = plan.go_on(&fingerprints)?;
     if done == frames.len() && done > 0 && told.failed == 0 && unreadable.is_empty() {
         let objects = counted(told.cast.count().objects(), "object");
         terminal::print(&format!("{objects}, followed before -> {}\n", args.out.display()))?;
@@ -170,17 +170,14 @@ impl<'a> Plan<'a> {
             let agents: Vec<_> = tracked.agents.iter().map(|agent| (agent.id.0, agent.box_px)).collect();
             let (labels, now_s) = (&tracked.labels, tracked.stamp_s);
             let picture = objecthood_view::filmed(&capture.frame, labels, &agents, now_s, &marks);
-            files.push((
-                with_png(self.args.out.join("pictures").join(&input.name)),
-                objecthood_view::png(&picture)?,
-            ));
+            files.push((self.picture(&input.name), objecthood_view::png(&picture)?));
         }
         self.write_labels(number, &tracked.labels, files)?;
         if let Some(filming) = filming {
-        told.cast.see(&tracked);
             filming.frame(number, &input.title(), &self.params, &capture, &tracked)?;
         }
         told.lines.frame(&tracked);
+        told.cast.see(&tracked);
         if let Some(hindsight) = &mut told.hindsight {
             hindsight.learn(&tracked);
         }
@@ -205,8 +202,13 @@ impl<'a> Plan<'a> {
     }
 
     /// Where the label image of a frame is.
-    fn label_image(&self, number: usize) -> PathBuf {
-        with_png(self.args.out.join("labels").join(&self.inputs.frames[number].name))
+    fn label_image(&self, name: &Path) -> PathBuf {
+        with_png(self.args.out.join("labels").join(name))
+    }
+
+    /// Where the picture of a frame is, with `--write pictures`.
+    fn picture(&self, name: &Path) -> PathBuf {
+        with_png(self.args.out.join("pictures").join(name))
     }
 
     /// Writes the label image of a frame together with other files of it.
@@ -216,7 +218,7 @@ impl<'a> Plan<'a> {
         labels: &Raster<u16>,
         mut files: Vec<(PathBuf, Vec<u8>)>,
     ) -> Result<()> {
-        files.push((self.label_image(number), label_image::encode(labels)?));
+        files.push((self.label_image(&self.inputs.frames[number].name), label_image::encode(labels)?));
         make_folders_of(&files)?;
         Ok(output::write_together(&files)?)
     }

@@ -97,7 +97,8 @@ fn a_run_that_was_stopped_goes_on_in_the_middle() {
     let label = folder.files("parts/labels").into_keys().next().unwrap();
     let touched = |name: &str| std::fs::metadata(folder.path().join(name)).unwrap().modified().unwrap();
     let first = touched(&format!("parts/labels/{label}"));
-    folder.run("track clips/pick1 --out parts --write pictures --resume", 0);
+    let run = folder.run("track clips/pick1 --out parts --write pictures --resume", 0);
+    assert!(run.stderr.starts_with("note: goes on with frame 9: 9 of "), "{}", run.stderr);
     assert_eq!(touched(&format!("parts/labels/{label}")), first, "its first frames are not followed again");
     assert!(folder.files("parts") == folder.files("whole"));
 
@@ -107,6 +108,43 @@ fn a_run_that_was_stopped_goes_on_in_the_middle() {
     std::fs::write(folder.path().join("parts/tracker.state"), state).unwrap();
     folder.run("track clips/pick1 --out parts --write pictures --resume", 0);
     assert!(folder.files("parts") == folder.files("whole"), "a damaged state is not used");
+}
+
+/// It began again without a word, and what the earlier run had written stayed.
+#[test]
+fn a_run_that_cannot_go_on_says_why_and_leaves_nothing_of_the_earlier_one() {
+    let folder = pick();
+    let track = |arguments: &str| {
+        let run = folder.run(&format!("track clips/pick1 --out out --resume {arguments}"), 0);
+        assert!(run.stderr.lines().count() < 2, "{}", run.stderr);
+        run.stderr
+    };
+    let damage = |name: &str, bytes: &[u8]| drop(folder.write(&format!("out/{name}"), bytes));
+    assert_eq!(track("--frames ..4"), "");
+    assert_eq!(track("--frames ..4"), "", "it is done");
+    let first = folder.files("out");
+    for (name, bytes, said) in [
+        ("tracker.state", &b"objecthood tracker, state 1\n"[..], "out/tracker.state is damaged"),
+        ("progress.json", b"{", "out/progress.json is damaged"),
+        ("tracks.jsonl", b"", "out/tracks.jsonl is damaged"),
+    ] {
+        damage(name, bytes);
+        let stderr = track("--frames ..4");
+        assert!(
+            stderr.starts_with("note: begins anew with frame 0: ") && stderr.contains(said),
+            "{name}: {stderr}"
+        );
+        assert!(folder.files("out") == first, "{name}");
+    }
+    assert!(track("--frames ..4 --fps 7").contains("the options or the version have changed"));
+    assert!(track("--frames ..3 --fps 7").contains("more frames were followed than are asked for"));
+    assert_eq!(folder.names("out/labels").len(), 3);
+    std::fs::remove_file(folder.path().join("out/tracker.state")).unwrap();
+    let color = folder.names("clips/pick1/color").remove(0);
+    std::fs::remove_file(folder.path().join("clips/pick1/color").join(color)).unwrap();
+    let run = folder.run("track clips/pick1 --out out --resume --frames ..4 --fps 7", 1);
+    assert!(run.stderr.contains("files that were followed have changed"), "{}", run.stderr);
+    assert_eq!(folder.names("out/labels").len(), 3, "that of the first frame was of the earlier run");
 }
 
 #[test]

@@ -21,7 +21,7 @@ impl Plan<'_> {
         let mut with_new: BTreeMap<u64, Vec<(TrackId, TrackId)>> = BTreeMap::new();
         for line in tracks.iter_mut().rev() {
             let frame = line["frame"].as_u64().unwrap_or(0);
-            let path = self.label_image(frame as usize);
+            let path = self.label_image(&self.inputs.frames[frame as usize].name);
             let named = || path.display().to_string();
             let mut labels = label_image::decode(&std::fs::read(&path).with_context(named)?)?;
             let before = labels.clone();
