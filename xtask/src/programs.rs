@@ -38,8 +38,10 @@ pub(crate) fn run(
     environment: &[(&str, PathBuf)],
     tally: &mut Tally,
 ) -> Result<bool> {
-    let Some(programs) = build(house, selection)? else { return Ok(false) };
+    let Some(mut programs) = build(house, selection)? else { return Ok(false) };
     ensure!(!programs.is_empty(), "cargo names no test program of {selection}");
+    // A single long test keeps one core busy: that is no loss while another program runs, but the last one runs alone.
+    programs.sort_by_cached_key(Program::count_tests);
     let programs = Mutex::new(programs.into_iter());
     let workers = thread::available_parallelism().map_or(1, NonZero::get);
     let (sender, results) = mpsc::channel();
@@ -59,7 +61,7 @@ pub(crate) fn run(
         drop(sender);
         let mut passed = true;
         for (program, output) in results {
-            passed &= take_in(&program, &output?, tally);
+            passed &= take_in(&program.name, &output?, tally);
         }
         Ok(passed)
     })
@@ -95,6 +97,13 @@ fn program(message: &Value) -> Option<Program> {
 }
 
 impl Program {
+    /// How many tests it has; none if it cannot say.
+    fn count_tests(&self) -> usize {
+        let listed = Command::new(&self.file).arg("--list").current_dir(&self.folder).output();
+        let lines = listed.map(|output| output.stdout).unwrap_or_default();
+        lines.split(|&byte| byte == b'\n').filter(|line| line.ends_with(b": test")).count()
+    }
+
     fn run(&self, environment: &[(&str, PathBuf)]) -> Result<Output> {
         let mut command = Command::new(&self.file);
         // A test that skips itself passes, and says so only in its output.
@@ -106,8 +115,8 @@ impl Program {
 }
 
 /// Prints what a program printed, and counts it; whether it went well.
-fn take_in(program: &Program, output: &Output, tally: &mut Tally) -> bool {
-    println!("\n     Running {}", program.name);
+pub(crate) fn take_in(name: &str, output: &Output, tally: &mut Tally) -> bool {
+    println!("\n     Running {name}");
     // Tests may print anything, so lines are not taken to be UTF-8.
     for line in String::from_utf8_lossy(&output.stdout).lines() {
         println!("{line}");
@@ -115,7 +124,7 @@ fn take_in(program: &Program, output: &Output, tally: &mut Tally) -> bool {
     }
     print!("{}", String::from_utf8_lossy(&output.stderr));
     if !output.status.success() {
-        println!("{} failed, {}", program.name, output.status);
+        println!("{name} failed, {}", output.status);
     }
     output.status.success()
 }
