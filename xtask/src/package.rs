@@ -1,25 +1,25 @@
 //! The Python package: built, tested with the newest NumPy, with the oldest that it takes, and with Ray; and its types checked.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::thread;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 
 use crate::house::House;
-use crate::python;
 use crate::tally::Tally;
-use crate::test::read_tests;
+use crate::{programs, python};
 
-/// The environments in which its tests run, each with its pinned packages, and the tests that are run there.
-const ENVIRONMENTS: [(&str, &str); 3] = [
-    ("tests", "--ignore=tests/test_ray.py"),
-    ("oldest", "--ignore=tests/test_ray.py"),
-    (TYPED, "tests/test_ray.py"),
+/// What is run of Python: the environment with its pinned packages, and the module with its arguments. The environment with Ray has
+/// everything that the package imports, for the check of types.
+const CHECKS: [(&str, &[&str]); 5] = [
+    ("ray", &["pytest", "-q", "-rfEs", "-p", "no:cacheprovider", "tests/test_ray.py"]),
+    ("tests", &["pytest", "-q", "-rfEs", "-p", "no:cacheprovider", "--ignore=tests/test_ray.py"]),
+    ("oldest", &["pytest", "-q", "-rfEs", "-p", "no:cacheprovider", "--ignore=tests/test_ray.py"]),
+    ("ray", &["mypy"]),
+    ("ray", &["mypy.stubtest", "--mypy-config-file=pyproject.toml", "objecthood"]),
 ];
-
-/// The environment that has everything that the package imports, for the check of types.
-const TYPED: &str = "ray";
 
 /// Builds the package in its folder, as `pip install --editable` would, with what the tests of Rust have built already.
 ///
@@ -42,42 +42,47 @@ pub(crate) fn build(house: &House) -> Result<()> {
     fs::rename(&aside, &to).with_context(|| format!("{}", to.display()))
 }
 
-/// Builds the package and runs its tests; whether all went well. An environment that cannot be had is noted.
+/// Builds the package and runs all checks at once, because those with Ray mostly wait; whether all went well. An environment that
+/// cannot be had is noted.
 ///
 /// # Errors
 /// When the package cannot be built, or its tests cannot be started.
 pub(crate) fn check(house: &House, tally: &mut Tally) -> Result<bool> {
     build(house)?;
-    let folder = house.root.join("python");
-    let mut passed = true;
-    for (name, which) in ENVIRONMENTS {
-        let requirements = folder.join(format!("requirements-{name}.txt"));
-        let python = match python::prepare(&house.target.join(format!("test-package-{name}")), &requirements)
-        {
-            Ok(python) => python,
-            Err(e) => {
-                tally.skip(format!("the Python package with {}: {e:#}", requirements.display()));
-                continue;
+    let mut checks = Vec::new();
+    for (environment, arguments) in CHECKS {
+        match prepare(house, environment) {
+            Ok(python) => {
+                checks.push((format!("{} ({environment})", arguments[0]), module(house, &python, arguments)));
             }
-        };
-        let mut tests = module(&folder, &python, &["pytest", "-q", "-rfEs", which]);
-        tests.env("OBJECTHOOD_PROGRAM", house.target.join("debug/objecthood"));
-        passed &= read_tests(&mut tests, tally)?;
-        if name == TYPED {
-            for types in
-                [&["mypy"][..], &["mypy.stubtest", "--mypy-config-file=pyproject.toml", "objecthood"]]
-            {
-                passed &= module(&folder, &python, types).status().context("mypy cannot be run")?.success();
-            }
+            Err(e) => tally.skip(format!("the Python package with the packages of `{environment}`: {e:#}")),
         }
     }
-    Ok(passed)
+    let run = |command: &mut Command| command.output().with_context(|| format!("{command:?}"));
+    thread::scope(|scope| {
+        let running = checks.iter_mut().map(|(name, command)| (&*name, scope.spawn(move || run(command))));
+        let running: Vec<_> = running.collect();
+        let mut passed = true;
+        for (name, output) in running {
+            let output = output.join().map_err(|_| anyhow!("{name} was not watched"))?;
+            passed &= programs::take_in(name, &output?, tally);
+        }
+        Ok(passed)
+    })
+}
+
+/// The Python of an environment.
+fn prepare(house: &House, environment: &str) -> Result<PathBuf> {
+    let requirements = house.root.join(format!("python/requirements-{environment}.txt"));
+    python::prepare(&house.target.join(format!("test-package-{environment}")), &requirements)
 }
 
 /// A module of Python that is run in the folder of the package.
-fn module(folder: &Path, python: &Path, arguments: &[&str]) -> Command {
+fn module(house: &House, python: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(python);
-    command.current_dir(folder).arg("-m").args(arguments).env("PYTHONDONTWRITEBYTECODE", "1");
+    command.current_dir(house.root.join("python")).arg("-m").args(arguments);
+    command.env("PYTHONDONTWRITEBYTECODE", "1");
+    command.env("OBJECTHOOD_PROGRAM", house.target.join("debug/objecthood"));
     command
 }
 
