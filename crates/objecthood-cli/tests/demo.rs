@@ -95,7 +95,7 @@ fn the_first_command_shows_what_the_program_does() {
     let rows: Vec<Vec<&str>> = run
         .stdout
         .lines()
-        .skip_while(|line| !line.starts_with("  object"))
+        .skip_while(|line| !line.starts_with("  id  object"))
         .skip(1)
         .take_while(|line| !line.is_empty())
         .map(|line| line.split_whitespace().collect())

@@ -166,14 +166,14 @@ fn frames_are_selected_by_their_number() {
         "there is no frame in --frames 700..: no input has more than ",
     );
     // A regression: seconds were asked for, and frames were told.
-    folder.run("convert in --to tum --out video", 0);
-    let has = "4 frames, numbered from 0, at times from 0 to 0.100 s";
+    folder.run("synth --video empty --fps 5 --size 160x120 --out video", 0);
+    let has = "18 frames, numbered from 0, at times from 0 to 3.400 s";
     folder.refuses(
-        "segment video --out none --time 100..",
+        "segment video/empty0 --out none --time 100..",
         &format!("there is no frame in --time 100..: the longest input has {has}"),
     );
     folder.run("convert in --to tum --frames 2 --out short", 0);
-    let run = folder.run("segment short video --out part --time 0.05..", 0);
+    let run = folder.run("segment short video/empty0 --out part --time 0.05..", 0);
     let said = "short: it has no frame in --time 0.05.., but 1 frame, numbered from 0";
     assert!(run.stderr.contains(said), "{}", run.stderr);
     folder.refuses("segment in --out out --frames 5..2", "`5..2` is not a range of frames: write first..end");
