@@ -389,6 +389,68 @@ fn what_comes_out_between_fingers_elsewhere_keeps_its_number() {
     }
 }
 
+/// An arm of two colours takes up a thing that is nearly as pale as the bare hand, and frames show the hand as an object. A regression: the hand had
+/// none of the sleeve's colours, and was taken for another face of the thing.
+#[test]
+fn a_bare_hand_beside_a_sleeve_is_no_face_of_what_it_holds() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..75_i32 {
+        let reach = (40 - 4 * (number - 20)).clamp(0, 160);
+        let up = (2 * (number - 35)).clamp(0, 20);
+        let thing = Patch { top: THING.top - up, color: [225, 190, 150], ..THING };
+        let (left, top) = (thing.left + 18 + reach, thing.top + 4);
+        let hand = Patch { left, top, width: 26, height: 16, depth_m: 0.96, color: [220, 180, 150] };
+        let sleeve = Patch { left: left + 26, width: 140, color: [40, 70, 190], ..hand };
+        let seen: &[usize] = if number < 50 { &[0] } else { &[0, 1] };
+        let (frame, found) = frame(&[thing, hand, sleeve], seen, number as u64);
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        let labels = tracked.labels.as_slice().iter().enumerate();
+        let is_of_hand = |pixel: usize| hand.has((pixel % SIZE.0) as i32, (pixel / SIZE.0) as i32);
+        let wrong = labels.filter(|&(pixel, &label)| label == 1 && is_of_hand(pixel)).count();
+        assert!(wrong < 26 * 16 / 4, "frame {number}: {wrong} pixels of the hand");
+    }
+}
+
+/// What is told of a thing that a hand reaches: `at` says where the thing is in a frame, and the hand.
+fn told_of_handled(at: impl Fn(i32) -> [Patch; 2]) -> Vec<(EventKind, u64)> {
+    let mut tracker = Tracker::new(Params::default());
+    let mut events = Vec::new();
+    for number in 0..140_i32 {
+        let (frame, found) = frame(&at(number), &[0], number as u64);
+        events.extend(tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap().events);
+    }
+    events.extend(tracker.finish());
+    events.iter().map(|event| (event.kind, event.frame)).collect()
+}
+
+/// A hand before the lower part of a thing pushes it. A regression: what was seen of it was higher than before, so it was lifted.
+#[test]
+fn what_is_pushed_by_a_hand_before_its_lower_part_is_not_lifted() {
+    let told = told_of_handled(|number| {
+        let reach = (200 - 5 * number).max(0) + (5 * (number - 80)).max(0);
+        let thing = Patch { left: THING.left - (2 * (number - 50)).clamp(0, 20), ..THING };
+        let (left, top) = (thing.left + reach, thing.top + 23);
+        [thing, Patch { left, top, width: 200, height: 8, depth_m: 0.96, color: [40, 70, 190] }]
+    });
+    let [(EventKind::Pushed, begun)] = told[..] else { panic!("{told:?}") };
+    assert!((44..=56).contains(&begun), "{told:?}");
+}
+
+/// A hand still hides an edge of what it set down. A regression: it was set down when the hand was gone, because the middle of what was seen moved then.
+#[test]
+fn what_is_set_down_is_down_before_the_hand_leaves_it() {
+    let told = told_of_handled(|number| {
+        let reach = (160 - 5 * number).max(0) + (5 * (number - 105)).max(0);
+        let up = (2 * (number - 35)).clamp(0, 20) - (2 * (number - 70)).clamp(0, 20);
+        let thing =
+            Patch { left: THING.left - (3 * (number - 48)).clamp(0, 30), top: THING.top - up, ..THING };
+        let (left, top) = (thing.left + 28 + reach, thing.top - 3);
+        [thing, Patch { left, top, width: 200, height: 36, depth_m: 0.96, color: [40, 70, 190] }]
+    });
+    let [(EventKind::PickedUp, _), (EventKind::PlacedOn, down)] = told[..] else { panic!("{told:?}") };
+    assert!((78..=84).contains(&down), "{told:?}");
+}
+
 /// What is told when a hand hides the whole thing, from frame 44 on. `carried`: how far right and down the thing is in a frame, and how far the hand
 /// has withdrawn from it, in pixels.
 fn told_when_hidden(carried: impl Fn(i32) -> (i32, i32, i32)) -> Vec<(EventKind, u64)> {
