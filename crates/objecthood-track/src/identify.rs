@@ -14,7 +14,7 @@ use crate::rested::Beside;
 use crate::scene::Key;
 use crate::segment::{Measure, Segment, labels, pixels_by_label, segments};
 use crate::surface::Surface;
-use crate::track::{RESTING_CHANGE, Track};
+use crate::track::Track;
 use crate::view::View;
 
 /// What has always been there shows the rested scene in this share of its pixels.
@@ -68,10 +68,14 @@ impl Memory {
         let is_unknown = |&k: &usize| tracks_of[k].is_none() && segments[k].of_agent > 0.5 && !is_part(k);
         let unknown: Vec<usize> = (0..segments.len()).filter(is_unknown).filter(|_| finds).collect();
         let faces = self.other_faces(&unknown, &segments, &labels, (view, predicted), &tracks_of);
+        let is_open = |&k: &usize| tracks_of[k].is_none() && !is_part(k) && !faces.contains_key(&k);
+        let open: Vec<usize> = (0..segments.len()).filter(is_open).filter(|_| finds).collect();
+        let resting = self.as_they_rested(&open, &labels, segments.len(), view);
         for (k, segment) in segments.iter().enumerate() {
             let face = || faces.get(&k).and_then(|&known| tracks_of[known]);
-            let whole =
-                tracks_of[k].or_else(face).or_else(|| self.fragment_of(k, segment, &overlap, &tracks_of));
+            let rested = || resting.get(&k).copied();
+            let fragment = || self.fragment_of(k, segment, &overlap, &tracks_of);
+            let whole = tracks_of[k].or_else(face).or_else(rested).or_else(fragment);
             keys.push(whole.unwrap_or_else(|| {
                 fresh.push((k, self.next));
                 self.next += 1;
@@ -175,27 +179,6 @@ impl Memory {
         }
         flush(run);
         overlap
-    }
-
-    /// The resting track of which a segment without a track of its own is a fragment: most of its pixels belong to it, and it shows itself
-    /// elsewhere too. Either an agent stands before it; or no agent is near, nothing has changed, and most frames showed it as one.
-    fn fragment_of(
-        &self,
-        k: usize,
-        segment: &Segment,
-        overlap: &Overlap,
-        tracks_of: &[Option<Key>],
-    ) -> Option<Key> {
-        const MOST_OF_IT: f64 = 0.6;
-        let parts = overlap.common.range((k, 0)..=(k, Key::MAX));
-        let (&(_, key), &common) =
-            parts.max_by_key(|&(&(_, key), &common)| (common, std::cmp::Reverse(key)))?;
-        let track = self.tracks.get(&key)?;
-        let is_part = common as f64 > MOST_OF_IT * segment.px as f64 && segment.changed < 0.5;
-        let is_seen = tracks_of.contains(&Some(key));
-        let is_behind_agent = track.rest.is_some() && track.rests() && track.last.reached_by.is_some();
-        let is_as_before = track.is_left_alone() && segment.changed < RESTING_CHANGE && track.oneness.holds();
-        (is_part && is_seen && (is_behind_agent || is_as_before)).then_some(key)
     }
 
     /// Whether a fresh segment shows what was there before, where no thing rested. O(n) if it does not move.

@@ -59,6 +59,7 @@ mod error;
 mod face;
 mod field;
 mod flight;
+mod fragment;
 mod hand;
 mod happening;
 mod happenings;
