@@ -36,13 +36,14 @@ impl Memory {
     }
 
     /// Of the `open` segments, those that show the surface of a thing as it last rested, and the thing: an arm that passes leaves pieces to be seen, too
-    /// small to be known by their looks. Nobody handles the thing, and it does not move. O(n) if there are any.
+    /// small to be known by their looks. Nobody has lifted the thing, and it does not move. Where it is seen elsewhere too, an agent stands before it: else it
+    /// may be two. O(n) if there are any.
     pub(crate) fn as_they_rested(
         &self,
         open: &[usize],
         labels: &[u16],
-        count: usize,
         view: &View,
+        tracks_of: &[Option<Key>],
     ) -> BTreeMap<usize, Key> {
         let mut resting = BTreeMap::new();
         if open.is_empty() {
@@ -52,9 +53,11 @@ impl Memory {
             let is_free = |track: &Track| {
                 track.rest.is_some() && track.part_of.is_none() && !track.is_agent_part() && !track.is_moving
             };
-            self.tracks.get(&key).is_some_and(is_free) && !self.happenings.is_handled(key)
+            let is_cut = |track: &Track| track.last.reached_by.is_some() || !tracks_of.contains(&Some(key));
+            let track = self.tracks.get(&key).filter(|track| is_free(track) && is_cut(track));
+            track.is_some() && !self.happenings.is_lifted(key)
         };
-        let pixels = pixels_by_label(labels, view.size, count);
+        let pixels = pixels_by_label(labels, view.size, tracks_of.len());
         for &k in open {
             let mut there: BTreeMap<Key, usize> = BTreeMap::new();
             for &pixel in &pixels[k] {

@@ -70,7 +70,7 @@ impl Memory {
         let faces = self.other_faces(&unknown, &segments, &labels, (view, predicted), &tracks_of);
         let is_open = |&k: &usize| tracks_of[k].is_none() && !is_part(k) && !faces.contains_key(&k);
         let open: Vec<usize> = (0..segments.len()).filter(is_open).filter(|_| finds).collect();
-        let resting = self.as_they_rested(&open, &labels, segments.len(), view);
+        let resting = self.as_they_rested(&open, &labels, view, &tracks_of);
         for (k, segment) in segments.iter().enumerate() {
             let face = || faces.get(&k).and_then(|&known| tracks_of[known]);
             let rested = || resting.get(&k).copied();

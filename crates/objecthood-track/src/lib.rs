@@ -27,6 +27,7 @@
 //! | `identify.rs`, `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
 //! | `doubtful.rs` | hypotheses that a frame alone takes for no objects, and that show known things |
 //! | `uncover.rs` | what comes out from behind a hand beside a known thing, and that a frame takes for one with it |
+//! | `fragment.rs` | segments that show a piece of a known thing |
 //! | `moved_part.rs` | the part of a thing that is moved, such as a lid, and what stays |
 //! | `face.rs` | another face of a thing in a hand |
 //! | `in_hand.rs` | things that a hand has and no segment shows, by their colours |
