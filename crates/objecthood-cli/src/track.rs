@@ -95,7 +95,6 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
             }
             bar.inc(1);
             if args.resume && kept.elapsed() > KEPT_EVERY {
-                plan.write_lists(&told)?;
                 plan.keep(&tracker, &told, unreadable.len(), &fingerprints)?;
                 kept = Instant::now();
             }

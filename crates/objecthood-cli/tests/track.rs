@@ -110,9 +110,9 @@ fn a_run_that_was_stopped_goes_on_in_the_middle() {
     assert!(folder.files("parts") == folder.files("whole"), "a damaged state is not used");
 }
 
-/// It began again without a word, and what the earlier run had written stayed.
+/// It began again without a word.
 #[test]
-fn a_run_that_cannot_go_on_says_why_and_leaves_nothing_of_the_earlier_one() {
+fn a_run_that_cannot_go_on_says_why() {
     let folder = pick();
     let track = |arguments: &str| {
         let run = folder.run(&format!("track clips/pick1 --out out --resume {arguments}"), 0);
@@ -137,14 +137,33 @@ fn a_run_that_cannot_go_on_says_why_and_leaves_nothing_of_the_earlier_one() {
         assert!(folder.files("out") == first, "{name}");
     }
     assert!(track("--frames ..4 --fps 7").contains("the options or the version have changed"));
-    assert!(track("--frames ..3 --fps 7").contains("more frames were followed than are asked for"));
-    assert_eq!(folder.names("out/labels").len(), 3);
-    std::fs::remove_file(folder.path().join("out/tracker.state")).unwrap();
+    let refused = folder.run("track clips/pick1 --out out --resume --frames ..3 --fps 7", 1);
+    assert!(refused.stderr.contains("4 frames were followed, and 3 are given now"), "{}", refused.stderr);
     let color = folder.names("clips/pick1/color").remove(0);
     std::fs::remove_file(folder.path().join("clips/pick1/color").join(color)).unwrap();
     let run = folder.run("track clips/pick1 --out out --resume --frames ..4 --fps 7", 1);
     assert!(run.stderr.contains("files that were followed have changed"), "{}", run.stderr);
-    assert_eq!(folder.names("out/labels").len(), 3, "that of the first frame was of the earlier run");
+}
+
+/// Images of the input that had the names of outputs were removed when a run began anew.
+#[test]
+fn a_run_that_begins_anew_removes_no_image() {
+    let folder = pick();
+    std::fs::create_dir(folder.path().join("pictures")).unwrap();
+    for name in folder.names("clips/pick1/color").into_iter().take(3) {
+        let of_clip = folder.path().join("clips/pick1/color").join(&name);
+        std::fs::copy(of_clip, folder.path().join("pictures").join(&name)).unwrap();
+    }
+    let before = folder.files("pictures");
+    let inputs = "--color pictures/*.png --depth clips/pick1/depth/*.png --camera clips/pick1/camera.json";
+    let depth = folder.names("clips/pick1/depth").split_off(3);
+    depth
+        .iter()
+        .for_each(|name| std::fs::remove_file(folder.path().join("clips/pick1/depth").join(name)).unwrap());
+    folder.run(&format!("track {inputs} --depth-scale 10000 --out . --resume"), 0);
+    let run = folder.run(&format!("track {inputs} --depth-scale 10000 --out . --resume --fps 7"), 0);
+    assert!(run.stderr.contains("begins anew with frame 0"), "{}", run.stderr);
+    assert!(folder.files("pictures") == before);
 }
 
 #[test]

@@ -72,7 +72,7 @@ impl Agents {
         Self { all: Vec::new(), region: Bits::none(size), free: Vec::new(), look: Look::default(), next: 1 }
     }
 
-    /// Forgets where they are. New ones get new numbers.
+    /// Forgets where they are, not what they look like. New ones get new numbers.
     pub(crate) fn lose(&mut self, size: (usize, usize)) {
         *self = Self { next: self.next, look: std::mem::take(&mut self.look), ..Self::none(size) };
     }

@@ -33,7 +33,7 @@ pub(crate) struct TrackArgs {
     pub(crate) poses: bool,
 
     /// What to write beside the lists and the label images.
-    #[arg(long, value_name = "KINDS")]
+    #[arg(long, value_name = "KIND")]
     pub(crate) write: Option<TrackOutput>,
 
     /// Also write DIR/report.html: one file that shows the video with its tracks, at most 100 frames of it, and all that happened.
@@ -49,8 +49,9 @@ pub(crate) struct TrackArgs {
     #[arg(long)]
     pub(crate) summary: bool,
 
-    /// Go on where an earlier run with --resume into DIR was stopped or ended, unless files that it followed, the parameters or the
-    /// version have changed. What the tracker knows is kept in DIR: tracker.state, and progress.json for how far it came.
+    /// Go on where an earlier run with --resume into DIR was stopped or ended. Where files that it followed, the options or the version have
+    /// changed, or what it kept is damaged, its lists are removed and the video is followed from its first frame. What the tracker knows
+    /// is kept in DIR: tracker.state, and progress.json for how far it came.
     #[arg(long)]
     pub(crate) resume: bool,
 

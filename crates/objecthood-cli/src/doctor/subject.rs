@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::inputs::{Input, Inputs};
 use crate::words::counted;
 
-/// A recording, a folder that was named, the files that were named one by one, or what cannot be read.
+/// A recording, a folder that was named, the frames that have files of their own, or what cannot be read.
 pub(super) struct Subject<'a> {
     /// The recording or folder.
     place: Option<&'a Path>,
@@ -41,7 +41,7 @@ impl<'a> Subject<'a> {
             (Some(place), _) => place.display().to_string(),
             (None, []) => "what cannot be read".to_owned(),
             (None, [file]) => file.path.display().to_string(),
-            (None, files) => format!("{} named one by one", counted(files.len(), "file")),
+            (None, files) => format!("{} in files of their own", counted(files.len(), "frame")),
         }
     }
 }

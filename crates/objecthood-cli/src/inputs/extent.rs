@@ -35,7 +35,10 @@ impl Extent {
     /// What the longest input has, as far as it bears on what was asked for.
     pub(super) fn of_longest(extents: &[Self], selection: &Selection) -> String {
         let most = extents.iter().map(|extent| extent.frames).max().unwrap_or(0);
-        let longest = extents.iter().copied().max_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        let longest = extents
+            .iter()
+            .copied()
+            .max_by(|a, b| a.seconds.total_cmp(&b.seconds).then(a.frames.cmp(&b.frames)));
         match longest.filter(|_| selection.time.is_some()) {
             Some(longest) => format!("the longest input has {longest}"),
             None => format!("no input has more than {}, numbered from 0", counted(most, "frame")),

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// twice that, it is half of the frames.
 const LASTING_S: f64 = 1.0;
 
-/// What has come so far (m) from where it was first has moved; less is what an arm before it does to the middle of what is seen.
+/// What was seen to move so far (m) from where it was first has moved; less is what an arm before it does to the middle of what is seen.
 const FAR_M: f32 = 0.1;
 
 /// All that was seen so far.
@@ -75,11 +75,20 @@ impl Cast {
         }
     }
 
+    /// Frames that were seen.
+    pub(super) fn frames(&self) -> usize {
+        self.frames
+    }
+
     /// Notes what was an object in the frame before and is none now.
     fn take_back(&mut self, tracked: &Tracked) {
         let seen_before = self.objects.iter_mut().filter(|(_, role)| role.last + 1 == self.frames);
         for (track, role) in seen_before {
             role.is_no_object = !tracked.lost.iter().any(|lost| lost.track == *track);
+        }
+        // For a frame it may be neither: a hand hides what is seen of it.
+        for lost in &tracked.lost {
+            self.objects.entry(lost.track).and_modify(|role| role.is_no_object = false);
         }
     }
 

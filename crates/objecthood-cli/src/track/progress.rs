@@ -1,7 +1,7 @@
 //! `track --resume`: how far a run came, and what its tracker knew then.
 
-use std::path::{Path, PathBuf};
-use std::{fs, io};
+use std::path::Path;
+use std::{fmt, fs, io};
 
 use anyhow::{Context, Result, anyhow, ensure};
 use objecthood_io::output;
@@ -32,13 +32,25 @@ struct Progress {
     /// Frames followed, and such that failed.
     done: usize,
     failed: usize,
-    /// What they are called.
-    names: Vec<String>,
     last_stamp_s: Option<f64>,
+    /// Columns and rows of the last frame.
+    last_size: Option<(usize, usize)>,
     /// Bytes of the lists, without the events that the end of the video made certain.
     lists: [usize; 3],
     cast: Cast,
 }
+
+/// Why a run neither goes on nor begins anew: what the earlier one left may be of use.
+#[derive(Debug)]
+struct StillOfUse(String);
+
+impl fmt::Display for StillOfUse {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "--resume cannot go on: {}", self.0)
+    }
+}
+
+impl std::error::Error for StillOfUse {}
 
 /// A run that goes on, or begins.
 pub(super) struct Going {
@@ -59,11 +71,11 @@ impl Plan<'_> {
         frames.iter().map(|frame| frame.fingerprint(&self.settings, cameras).unwrap_or_default()).collect()
     }
 
-    /// The run as an earlier one left it, with `--resume` and if nothing has changed; else a new one. What an earlier run left that is of no
-    /// use is removed.
+    /// The run as an earlier one left it, with `--resume` and if nothing has changed; else a new one. Then the lists and the state of the earlier
+    /// one are removed, and its images are written over as their frames are followed.
     ///
     /// # Errors
-    /// When that cannot be removed.
+    /// When what the earlier run left may be of use; when it cannot be removed.
     pub(super) fn go_on(&self, fingerprints: &[String]) -> Result<Going> {
         let without = self.args.without.iter().flat_map(|named| named.0.iter().copied());
         let new = Tracker::new(self.params.clone()).without(without);
@@ -71,16 +83,17 @@ impl Plan<'_> {
             match self.earlier(fingerprints) {
                 Ok(going) => {
                     let (done, total) = (going.done, fingerprints.len());
-                    if done < total {
+                    if (1..total).contains(&done) {
                         terminal::note(&format!(
                             "goes on with frame {done}: {done} of {total} were followed before"
                         ));
                     }
                     return Ok(going);
                 }
+                Err(reason) if reason.is::<StillOfUse>() => return Err(reason),
                 Err(reason) => {
-                    self.remove_earlier()?;
                     terminal::note(&format!("begins anew with frame 0: {reason:#}"));
+                    self.remove_earlier()?;
                 }
             }
         }
@@ -96,24 +109,31 @@ impl Plan<'_> {
     /// Why the run cannot go on with what an earlier one left.
     fn earlier(&self, fingerprints: &[String]) -> Result<Going> {
         let progress = self.progress()?;
-        let Progress { done, failed, last_stamp_s, .. } = progress;
-        let followed = done.checked_add(failed).and_then(|count| fingerprints.get(..count));
-        let followed = followed.context("more frames were followed than are asked for now")?;
         ensure!(
             progress.settings == self.settings_sum(),
             "the parameters, the options or the version have changed"
         );
+        let Progress { done, failed, last_stamp_s, last_size, .. } = progress;
+        let count = done.saturating_add(failed);
+        let fewer = || {
+            let total = fingerprints.len();
+            StillOfUse(format!(
+                "{count} frames were followed, and {total} are given now: give all, or choose another --out"
+            ))
+        };
+        let followed = fingerprints.get(..count).ok_or_else(fewer)?;
+        ensure!(progress.cast.frames() <= count, damaged(&self.args.out.join(PROGRESS)));
         ensure!(progress.frames == sum(followed), "files that were followed have changed");
         let tracker = self.tracker(&progress)?;
-        let mut told = Told { done, failed, last_stamp_s, cast: progress.cast, ..Told::default() };
+        let mut told = Told { done, failed, last_stamp_s, last_size, cast: progress.cast, ..Told::default() };
         let lists = [&mut told.lines.tracks, &mut told.lines.events, &mut told.lines.support];
         for ((list, name), length) in lists.into_iter().zip(LISTS).zip(progress.lists) {
             let text = self.kept(name, |path| fs::read_to_string(path))?;
             list.push_str(text.get(..length).with_context(|| damaged(&self.args.out.join(name)))?);
         }
         let events = told.lines.events.lines().map(serde_json::from_str::<Event>);
-        told.events =
-            events.collect::<Result<_, _>>().with_context(|| damaged(&self.args.out.join(LISTS[1])))?;
+        let events = events.collect::<Result<_, _>>();
+        told.events = events.map_err(|_| anyhow!("{}", damaged(&self.args.out.join(LISTS[1]))))?;
         Ok(Going { tracker, told, done: followed.len() })
     }
 
@@ -137,28 +157,27 @@ impl Plan<'_> {
     /// The content of a file that an earlier run left.
     fn kept<T>(&self, name: &str, read: impl Fn(&Path) -> io::Result<T>) -> Result<T> {
         let path = self.args.out.join(name);
-        read(&path).map_err(|e| anyhow!("{} cannot be read ({e})", path.display()))
-    }
-
-    /// Removes what an earlier run left: state, lists, and the images of the frames that it followed, as far as it can be told which, and of
-    /// those that are given now.
-    fn remove_earlier(&self) -> Result<()> {
-        let lists = [STATE, PROGRESS].into_iter().chain(LISTS).map(|name| self.args.out.join(name));
-        let followed = self.progress().map_or_else(|_| Vec::new(), |progress| progress.names);
-        // Whoever wrote the file, nothing is removed elsewhere.
-        let followed =
-            followed.into_iter().map(PathBuf::from).filter(|name| name.file_name() == Some(name.as_os_str()));
-        let given = self.inputs.frames.iter().map(|input| input.name.clone());
-        let images = followed.chain(given).flat_map(|name| [self.label_image(&name), self.picture(&name)]);
-        lists.chain(images).try_for_each(|path| match fs::remove_file(&path) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => {
-                Err(anyhow!("cannot remove {} of an earlier run ({e}): choose another --out", path.display()))
-            }
-            _ => Ok(()),
+        let said = |e: &io::Error| format!("{} cannot be read ({e})", path.display());
+        read(&path).map_err(|e| match e.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::InvalidData => anyhow!("{}", said(&e)),
+            _ => StillOfUse(said(&e)).into(),
         })
     }
 
-    /// Keeps what the tracker knows, before the end of the video makes more certain. `unreadable`: files without a frame, which are not part
+    /// Removes the state and the lists that an earlier run left.
+    fn remove_earlier(&self) -> Result<()> {
+        [STATE].into_iter().chain(LISTS).chain([PROGRESS]).try_for_each(|name| {
+            let path = self.args.out.join(name);
+            match fs::remove_file(&path) {
+                Err(e) if e.kind() != io::ErrorKind::NotFound => {
+                    Err(anyhow!("cannot remove {} ({e}): choose another --out", path.display()))
+                }
+                _ => Ok(()),
+            }
+        })
+    }
+
+    /// Writes the lists and keeps what the tracker knows, before the end of the video makes more certain. `unreadable`: files without a frame, which are not part
     /// of what failed in its turn.
     ///
     /// # Errors
@@ -170,18 +189,18 @@ impl Plan<'_> {
         unreadable: usize,
         fingerprints: &[String],
     ) -> Result<()> {
+        // A run that is killed here has longer lists than it needs.
+        self.write_lists(told)?;
         let state = tracker.save()?;
         let failed = told.failed - unreadable;
-        let count = told.done + failed;
-        let followed = &self.inputs.frames[..count];
         let progress = Progress {
             settings: self.settings_sum(),
-            frames: sum(&fingerprints[..count]),
+            frames: sum(&fingerprints[..told.done + failed]),
             state: objecthood_io::sha256(&state),
             done: told.done,
             failed,
-            names: followed.iter().map(|input| input.name.to_string_lossy().into_owned()).collect(),
             last_stamp_s: told.last_stamp_s,
+            last_size: told.last_size,
             lists: [&told.lines.tracks, &told.lines.events, &told.lines.support].map(String::len),
             cast: told.cast.clone(),
         };
