@@ -223,7 +223,13 @@ fn each_input_is_a_recording_of_its_own() {
     let titles: Vec<&str> = run.stdout.split("\n\n").filter_map(|report| report.lines().next()).collect();
     assert_eq!(
         titles,
-        ["video/empty0", "bags/c.mcap", "bags/d.mcap", "2 frames in files of their own", "what cannot be read"]
+        [
+            "video/empty0",
+            "bags/c.mcap",
+            "bags/d.mcap",
+            "2 frames in files of their own",
+            "what cannot be read"
+        ]
     );
     assert!(!run.stdout.contains("out of order"), "{}", run.stdout);
     let json = folder.run("doctor bags/c.mcap bags/d.mcap --json", 0).stdout;

@@ -14,14 +14,16 @@ use crate::view::View;
 pub(crate) const OTHER_FACE: f64 = 1.73;
 /// The middles of two of its faces are so far apart at most, in sizes (the root of its visible area): it may be four times as long as wide.
 pub(crate) const BESIDE_IT: f64 = 2.0;
+/// What is in a hand belongs to the agents' region with more than this share.
+const IN_HAND: f64 = 0.5;
 
 impl Memory {
-    /// Of the `unknown` segments, which lie in an agent's region and show no track, those that show another face of a thing that the agent carries;
-    /// and for each the segment that shows the thing. They have not the hand's colours, are beside that segment, and all together are not much
+    /// Of the `open` segments, which show no track, those that show another face of a thing that an agent carries; and for each the segment that
+    /// shows the thing. They lie in the agent's region, have not the hand's colours, are beside that segment, and all together are not much
     /// larger than the thing. None without colour. O(n) if there may be any.
     pub(crate) fn other_faces(
         &self,
-        unknown: &[usize],
+        open: &[usize],
         segments: &[Segment],
         labels: &[u16],
         (view, predicted): (&View, &[Key]),
@@ -32,6 +34,7 @@ impl Memory {
         let carried = self.happenings.carried();
         let carried: Vec<(Key, u32, usize)> =
             carried.filter_map(|(key, agent)| Some((key, agent, shown(key)?))).collect();
+        let unknown: Vec<usize> = open.iter().copied().filter(|&k| segments[k].of_agent > IN_HAND).collect();
         if carried.is_empty() || unknown.is_empty() {
             return faces;
         }
@@ -45,12 +48,12 @@ impl Memory {
             let track = self.tracks.get(&key).zip(self.agents.sure().find(|agent| agent.number == number));
             let Some((track, agent)) = track else { continue };
             let mut area_m2 = segments[known].area_m2;
-            for &k in unknown {
+            for &k in &unknown {
                 let (segment, middle) = (&segments[k], segments[known].center);
                 let is_beside = (segment.center - middle).length() < BESIDE_IT * track.area_m2.sqrt();
                 let fits = area_m2 + segment.area_m2 <= OTHER_FACE * track.area_m2;
                 let of_agent = pixels[k].iter().filter(|&&pixel| agent.mask.has(pixel)).count();
-                let is_in_hand = 2 * of_agent > pixels[k].len();
+                let is_in_hand = of_agent as f64 > IN_HAND * pixels[k].len() as f64;
                 if is_in_hand
                     && is_beside
                     && fits

@@ -62,15 +62,14 @@ impl Memory {
             moved = self.stay_with_the_rest(&segments, &overlap, &beside, &mut tracks_of);
         }
         self.take_over(&segments, &tracks_of, &overlap);
+        let is_part = |k: usize| cut.contains_key(&k) || moved.contains_key(&k) || inside.contains_key(&k);
+        let open: Vec<usize> =
+            (0..segments.len()).filter(|&k| tracks_of[k].is_none() && !is_part(k)).collect();
+        let open = if finds { open } else { Vec::new() };
+        let faces = self.other_faces(&open, &segments, &labels, (view, predicted), &tracks_of);
+        let resting = self.as_they_rested(&open, &labels, view, &tracks_of);
         let mut keys = Vec::new();
         let mut fresh = Vec::new();
-        let is_part = |k: usize| cut.contains_key(&k) || moved.contains_key(&k) || inside.contains_key(&k);
-        let is_unknown = |&k: &usize| tracks_of[k].is_none() && segments[k].of_agent > 0.5 && !is_part(k);
-        let unknown: Vec<usize> = (0..segments.len()).filter(is_unknown).filter(|_| finds).collect();
-        let faces = self.other_faces(&unknown, &segments, &labels, (view, predicted), &tracks_of);
-        let is_open = |&k: &usize| tracks_of[k].is_none() && !is_part(k) && !faces.contains_key(&k);
-        let open: Vec<usize> = (0..segments.len()).filter(is_open).filter(|_| finds).collect();
-        let resting = self.as_they_rested(&open, &labels, view, &tracks_of);
         for (k, segment) in segments.iter().enumerate() {
             let face = || faces.get(&k).and_then(|&known| tracks_of[known]);
             let rested = || resting.get(&k).copied();
@@ -83,19 +82,7 @@ impl Memory {
             }));
         }
         self.vote_on_wholes(&segments, &keys, &fresh, &overlap);
-        for &(k, key) in &fresh {
-            let sample = self.sample(&segments[k], &[]);
-            let mut track = Track::new(&segments[k], sample, self.frame == 0);
-            track.is_doubted = self.was_no_thing(k, &segments[k], &labels, view);
-            track.was_doubted = track.is_doubted && !self.agents.all.is_empty();
-            track.inside_of = inside.get(&k).copied();
-            track.came_off =
-                if track.inside_of.is_none() { self.came_off(k, &segments[k], &overlap) } else { None };
-            if track.inside_of.or(track.came_off).is_some() {
-                (track.was_there_first, track.told_appeared) = (true, true);
-            }
-            self.tracks.insert(key, track);
-        }
+        self.begin_tracks(&fresh, (&segments, &labels), &inside, &overlap, view);
         // What was cut off may show a hand that is known.
         cut.retain(|k, _| fresh.iter().any(|(known, _)| known == k));
         for (k, whole) in cut.into_iter().chain(moved) {
@@ -107,6 +94,30 @@ impl Memory {
         self.settle_doubts(&look);
         self.write_seen(&mut look, predicted, &overlap);
         look
+    }
+
+    /// A track for each fresh segment. `inside`: what lies inside an open thing.
+    fn begin_tracks(
+        &mut self,
+        fresh: &[(usize, Key)],
+        (segments, labels): (&[Segment], &[u16]),
+        inside: &BTreeMap<usize, Key>,
+        overlap: &Overlap,
+        view: &View,
+    ) {
+        for &(k, key) in fresh {
+            let sample = self.sample(&segments[k], &[]);
+            let mut track = Track::new(&segments[k], sample, self.frame == 0);
+            track.is_doubted = self.was_no_thing(k, &segments[k], labels, view);
+            track.was_doubted = track.is_doubted && !self.agents.all.is_empty();
+            track.inside_of = inside.get(&k).copied();
+            track.came_off =
+                if track.inside_of.is_none() { self.came_off(k, &segments[k], overlap) } else { None };
+            if track.inside_of.or(track.came_off).is_some() {
+                (track.was_there_first, track.told_appeared) = (true, true);
+            }
+            self.tracks.insert(key, track);
+        }
     }
 
     /// A doubt lasts while an agent is beside the thing, and the thing stays where it is: the leg of a table looks like a thing while an arm
