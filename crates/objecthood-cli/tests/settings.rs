@@ -121,7 +121,7 @@ fn mistakes_in_settings_are_explained_and_nothing_is_done() {
         ("--threads 0", &["--threads", "give a whole number from 1 to 1024"]),
         ("--threads many", &["--threads", "give a whole number from 1 to 1024"]),
         ("--threads -3", &["'-3' for '--threads", "give a whole number from 1 to 1024"]),
-        ("--write labels,pictures", &["panels"]),
+        ("--write labels,photos", &["panels"]),
         ("--camera 1,2,3", &["--camera"]),
         ("--camera 0,525,319.5,239.5", &["--camera"]),
     ] {
