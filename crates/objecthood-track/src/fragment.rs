@@ -36,8 +36,8 @@ impl Memory {
     }
 
     /// Of the `open` segments, those that show the surface of a thing as it last rested, and the thing: an arm that passes leaves pieces to be seen, too
-    /// small to be known by their looks. Nobody has lifted the thing, and it does not move. Where it is seen elsewhere too, an agent stands before it: else it
-    /// may be two. O(n) if there are any.
+    /// small to be known by their looks. Nobody has lifted the thing, it does not move, and no segment shows it: else it may be two, as a box and
+    /// its lid are. O(n) if there are any.
     pub(crate) fn as_they_rested(
         &self,
         open: &[usize],
@@ -53,9 +53,8 @@ impl Memory {
             let is_free = |track: &Track| {
                 track.rest.is_some() && track.part_of.is_none() && !track.is_agent_part() && !track.is_moving
             };
-            let is_cut = |track: &Track| track.last.reached_by.is_some() || !tracks_of.contains(&Some(key));
-            let track = self.tracks.get(&key).filter(|track| is_free(track) && is_cut(track));
-            track.is_some() && !self.happenings.is_lifted(key)
+            let is_hidden = !tracks_of.contains(&Some(key)) && !self.happenings.is_lifted(key);
+            is_hidden && self.tracks.get(&key).is_some_and(is_free)
         };
         let pixels = pixels_by_label(labels, view.size, tracks_of.len());
         for &k in open {
