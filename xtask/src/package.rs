@@ -14,9 +14,9 @@ use crate::{programs, python};
 /// What is run of Python: the environment with its pinned packages, and the module with its arguments. The environment with Ray has
 /// everything that the package imports, for the check of types.
 const CHECKS: [(&str, &[&str]); 5] = [
-    ("ray", &["pytest", "-q", "-rfEs", "-p", "no:cacheprovider", "tests/test_ray.py"]),
-    ("tests", &["pytest", "-q", "-rfEs", "-p", "no:cacheprovider", "--ignore=tests/test_ray.py"]),
-    ("oldest", &["pytest", "-q", "-rfEs", "-p", "no:cacheprovider", "--ignore=tests/test_ray.py"]),
+    ("ray", &["pytest", "tests/test_ray.py"]),
+    ("tests", &["pytest", "--ignore=tests/test_ray.py"]),
+    ("oldest", &["pytest", "--ignore=tests/test_ray.py"]),
     ("ray", &["mypy"]),
     ("ray", &["mypy.stubtest", "--mypy-config-file=pyproject.toml", "objecthood"]),
 ];
@@ -82,6 +82,7 @@ fn module(house: &House, python: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(python);
     command.current_dir(house.root.join("python")).arg("-m").args(arguments);
     command.env("PYTHONDONTWRITEBYTECODE", "1");
+    command.env("PYTEST_ADDOPTS", "-q -rfEs -p no:cacheprovider");
     command.env("OBJECTHOOD_PROGRAM", house.target.join("debug/objecthood"));
     command
 }

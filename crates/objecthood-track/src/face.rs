@@ -7,7 +7,7 @@ use crate::bits::Bits;
 use crate::hand::HandColors;
 use crate::memory::Memory;
 use crate::scene::Key;
-use crate::segment::{Measure, Segment, is_looked_at, pixels_by_label};
+use crate::segment::{Measure, Segment, is_looked_at};
 use crate::view::View;
 
 /// Another view of a thing is larger by this factor at most: a cube shows its diagonal.
@@ -20,12 +20,12 @@ const IN_HAND: f64 = 0.5;
 impl Memory {
     /// Of the `open` segments, which show no track, those that show another face of a thing that an agent carries; and for each the segment that
     /// shows the thing. They lie in the agent's region, have not the hand's colours, are beside that segment, and all together are not much
-    /// larger than the thing. None without colour. O(n) if there may be any.
+    /// larger than the thing. `pixels`: of each segment, those that are looked at. None without colour. O(n) if there may be any.
     pub(crate) fn other_faces(
         &self,
         open: &[usize],
         segments: &[Segment],
-        labels: &[u16],
+        (labels, pixels): (&[u16], &[Vec<usize>]),
         (view, predicted): (&View, &[Key]),
         tracks_of: &[Option<Key>],
     ) -> BTreeMap<usize, usize> {
@@ -43,7 +43,6 @@ impl Memory {
         let mut hand = self.agents.region.clone();
         hand.remove(&Bits::of(view.size, is_unknown));
         let hand = HandColors::of(view, predicted, &hand, &self.tracks);
-        let pixels = pixels_by_label(labels, view.size, segments.len());
         for (key, number, known) in carried {
             let track = self.tracks.get(&key).zip(self.agents.sure().find(|agent| agent.number == number));
             let Some((track, agent)) = track else { continue };

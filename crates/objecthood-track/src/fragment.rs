@@ -6,7 +6,7 @@ use crate::associate::Overlap;
 use crate::memory::Memory;
 use crate::rested::Beside;
 use crate::scene::Key;
-use crate::segment::{Segment, pixels_by_label};
+use crate::segment::Segment;
 use crate::track::{RESTING_CHANGE, Track};
 use crate::view::View;
 
@@ -37,18 +37,15 @@ impl Memory {
 
     /// Of the `open` segments, those that show the surface of a thing as it last rested, and the thing: an arm that passes leaves pieces to be seen, too
     /// small to be known by their looks. Nobody has lifted the thing, it does not move, and no segment shows it: else it may be two, as a box and
-    /// its lid are. O(n) if there are any.
+    /// its lid are. `pixels`: of each segment, those that are looked at. O(pixels of the open segments).
     pub(crate) fn as_they_rested(
         &self,
         open: &[usize],
-        labels: &[u16],
+        pixels: &[Vec<usize>],
         view: &View,
         tracks_of: &[Option<Key>],
     ) -> BTreeMap<usize, Key> {
         let mut resting = BTreeMap::new();
-        if open.is_empty() {
-            return resting;
-        }
         let rests = |key: Key| {
             let is_free = |track: &Track| {
                 track.rest.is_some() && track.part_of.is_none() && !track.is_agent_part() && !track.is_moving
@@ -56,7 +53,6 @@ impl Memory {
             let is_hidden = !tracks_of.contains(&Some(key)) && !self.happenings.is_lifted(key);
             is_hidden && self.tracks.get(&key).is_some_and(is_free)
         };
-        let pixels = pixels_by_label(labels, view.size, tracks_of.len());
         for &k in open {
             let mut there: BTreeMap<Key, usize> = BTreeMap::new();
             for &pixel in &pixels[k] {

@@ -63,11 +63,14 @@ impl Memory {
         }
         self.take_over(&segments, &tracks_of, &overlap);
         let is_part = |k: usize| cut.contains_key(&k) || moved.contains_key(&k) || inside.contains_key(&k);
-        let open: Vec<usize> =
-            (0..segments.len()).filter(|&k| tracks_of[k].is_none() && !is_part(k)).collect();
-        let open = if finds { open } else { Vec::new() };
-        let faces = self.other_faces(&open, &segments, &labels, (view, predicted), &tracks_of);
-        let resting = self.as_they_rested(&open, &labels, view, &tracks_of);
+        let is_open = |&k: &usize| finds && tracks_of[k].is_none() && !is_part(k);
+        let open: Vec<usize> = (0..segments.len()).filter(is_open).collect();
+        let pixels = match open.is_empty() {
+            true => Vec::new(),
+            false => pixels_by_label(&labels, view.size, segments.len()),
+        };
+        let faces = self.other_faces(&open, &segments, (&labels, &pixels), (view, predicted), &tracks_of);
+        let resting = self.as_they_rested(&open, &pixels, view, &tracks_of);
         let mut keys = Vec::new();
         let mut fresh = Vec::new();
         for (k, segment) in segments.iter().enumerate() {

@@ -17,12 +17,12 @@ const HELD_S: f64 = 1.0;
 /// Little of a thing is this share of its pixels at rest; of what is left of it this share or more stands before the rested scene.
 const LITTLE: f64 = 0.25;
 const LEAST_IN_FRONT: f64 = 0.3;
-/// A piece has more pixels than this, of those that are looked at.
-const NO_PIECE: usize = 8;
+/// A piece has so many pixels or more, of those that are looked at.
+const LEAST_PIECE: usize = 9;
 
 /// Whether these pixels, of those that are looked at, are a piece.
 pub(crate) fn is_piece(pixels: &[usize]) -> bool {
-    pixels.len() > NO_PIECE
+    pixels.len() >= LEAST_PIECE
 }
 
 impl Memory {
