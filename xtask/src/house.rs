@@ -33,7 +33,7 @@ impl House {
         command
     }
 
-    /// Builds the program `debug/objecthood` and the library of the Python package, with the profile of the tests.
+    /// Builds the programs `debug/objecthood` and `debug/measure` and the library of the Python package, with the profile of the tests.
     ///
     /// Together with all tests, which so have to compile: cargo chooses the features of a dependency by all packages that it builds at once, so
     /// these alone would compile most of them, and the core, again after the tests.

@@ -1,7 +1,6 @@
 //! What objecthood costs, for `cargo xtask bench`.
 //!
-//! The program `measure` takes times and counts allocations and writes a line for every figure ([`figure`]); `counted` does one frame
-//! of one method, for valgrind to count its instructions. `cargo bench -p objecthood-bench` times single kernels.
+//! The program `measure` takes times and counts allocations and writes a line for every figure ([`figure`]). `cargo bench -p objecthood-bench` times single kernels.
 
 pub mod figure;
 pub mod graph;

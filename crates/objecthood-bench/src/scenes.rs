@@ -37,7 +37,9 @@ pub fn write_growing(folder: &Path) -> Result<()> {
 /// # Errors
 /// When the file cannot be written.
 pub fn write_demo(file: &Path) -> Result<()> {
-    write(&generate(Family::Tabletop, 34), file)
+    let world = generate(Family::Tabletop, 34);
+    let frame = render(&world, Sensor::Kinect)?.frame;
+    std::fs::write(file, objecthood_counted::to_bytes(&frame)?).with_context(|| format!("{}", file.display()))
 }
 
 /// The same scene through a camera with more or fewer pixels.

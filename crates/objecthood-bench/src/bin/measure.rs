@@ -40,6 +40,8 @@ enum Task {
     Recomputed { files: Vec<PathBuf> },
     /// Writes synthetic scenes of growing size and growing number of things to a folder.
     Scenes { folder: PathBuf },
+    /// Writes the frame whose instructions `counted` has counted: the scene of `objecthood demo`.
+    Demo { file: PathBuf },
 }
 
 fn main() -> Result<()> {
@@ -89,6 +91,7 @@ fn main() -> Result<()> {
             }
         }
         Task::Scenes { folder } => scenes::write_growing(&folder)?,
+        Task::Demo { file } => scenes::write_demo(&file)?,
     }
     Ok(())
 }
