@@ -223,6 +223,7 @@ mod tests {
             top_m: 0.0,
             in_place: 0.0,
             px: 1475,
+            area_m2: 0.0,
             changed: 0.0,
             of_agent,
             at_border: false,

@@ -122,6 +122,11 @@ impl Bits {
 
     /// The parts that hang together by columns and rows, by their first pixel. O(pixels of the set).
     pub(crate) fn components(&self) -> Vec<Vec<usize>> {
+        self.components_where(|_, _| true)
+    }
+
+    /// As [`Self::components`], with neighbours only that hang together by this test too.
+    pub(crate) fn components_where(&self, hang_together: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
         let (width, height) = self.size;
         let mut left = self.clone();
         let mut components = Vec::new();
@@ -143,7 +148,7 @@ impl Bits {
                     (v + 1 < height).then(|| pixel + width),
                 ];
                 for next in around.into_iter().flatten() {
-                    if left.has(next) {
+                    if left.has(next) && hang_together(pixel, next) {
                         left.take(next);
                         pixels.push(next);
                     }

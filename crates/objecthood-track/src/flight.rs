@@ -4,8 +4,9 @@ use crate::track::Sample;
 
 /// Acceleration of free fall (m/s²).
 const GRAVITY: f64 = 9.81;
-/// A flight has at least so many frames.
+/// A flight is seen in at least so many frames, or in so many by what flies into the image and has flown before it was seen as a whole.
 pub(crate) const LEAST_FRAMES: usize = 5;
+const LEAST_FRAMES_IF_CAME: usize = 4;
 /// Heights lie on the parabola: root mean square, largest, at the ends (m).
 const RMS_M: f64 = 0.010;
 const LARGEST_M: f64 = 0.022;
@@ -16,6 +17,10 @@ const SIDEWAYS_M: f64 = 0.016;
 /// deviations, of which it must be known to within a sixth of gravity: a slide down a slope of 30 degrees is no flight.
 const SHARE: f64 = 0.22;
 const SIGMAS: f64 = 2.5;
+const LEAST_CERTAIN: f64 = 1.0 / 6.0;
+/// Of what flies into the image so few frames tell less, so nobody may reach it, its heights keep to the parabola within their noise, and their
+/// acceleration differs by at most this share.
+const SHARE_IF_CAME: f64 = 0.35;
 /// Standard deviation of a height (m).
 const HEIGHT_SIGMA_M: f64 = 0.003;
 /// What flies moves, or changes where it is seen.
@@ -27,8 +32,8 @@ const LEAST_FREE_IF_EXACT: usize = 2;
 const MOST_OF_AGENT: f64 = 0.5;
 /// It covers at least this (m), so that rest is no flight.
 const LEAST_PATH_M: f64 = 0.03;
-/// Its visible size stays within this ratio: else something comes before it, and its mean point with it.
-const MOST_SIZES: usize = 2;
+/// Its visible area (m²) stays within this ratio: else something comes before it, and its mean point with it.
+const MOST_AREAS: f64 = 2.0;
 
 /// An interval of free flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,10 +60,13 @@ pub(crate) fn flights(samples: &[Sample]) -> Vec<Flight> {
     };
     let mut flights = Vec::new();
     let mut start = 0;
-    while start + LEAST_FRAMES <= samples.len() {
+    while start + LEAST_FRAMES_IF_CAME <= samples.len() {
+        // It was not seen before, or at the border.
+        let came = start == 0 || samples[start - 1].at_border;
+        let least = if came { LEAST_FRAMES_IF_CAME } else { LEAST_FRAMES };
         let run = (start..samples.len()).take_while(|&k| may_fly(k)).count();
         let run = samples[start..start + run].iter().rposition(moves).map_or(0, |last| last + 1);
-        let longest = (LEAST_FRAMES..=run).rev().find_map(|n| fits(&samples[start..start + n]));
+        let longest = (least..=run).rev().find_map(|n| fits(&samples[start..start + n]));
         match longest {
             Some(flight) => {
                 // A start some frames later may fit better, when the first frames still belong to a hand.
@@ -89,8 +97,8 @@ pub(crate) fn flights(samples: &[Sample]) -> Vec<Flight> {
 /// Whether samples are a flight.
 fn fits(samples: &[Sample]) -> Option<Flight> {
     let (first, last) = (samples.first()?, samples.last()?);
-    let sizes = || samples.iter().map(|sample| sample.px);
-    let is_whole = sizes().max()? <= MOST_SIZES * sizes().min()?;
+    let areas = || samples.iter().map(|sample| sample.area_m2);
+    let is_whole = areas().fold(0.0, f64::max) <= MOST_AREAS * areas().fold(f64::INFINITY, f64::min);
     // It may begin near a hand, or end there.
     let is_free = |sample: &&Sample| sample.reached_by.is_none() && sample.of_agent < MOST_OF_AGENT;
     if !is_whole {
@@ -112,9 +120,13 @@ fn fits(samples: &[Sample]) -> Option<Flight> {
     let largest = residuals.iter().fold(0.0_f64, |most, r| most.max(r.abs()));
     let ends = residuals[0].abs().max(residuals[residuals.len() - 1].abs());
     let is_exact = rms(&residuals) < HEIGHT_SIGMA_M;
+    let is_short = samples.len() < LEAST_FRAMES;
     let free = samples.iter().filter(is_free).count();
     let free_at_end = samples.iter().rev().take_while(is_free).count();
     if free < LEAST_FREE && !(is_exact && free_at_end >= LEAST_FREE_IF_EXACT) {
+        return None;
+    }
+    if is_short && !(is_exact && free == samples.len()) {
         return None;
     }
     if rms(&residuals) > RMS_M || largest > LARGEST_M || ends > ENDS_M {
@@ -125,7 +137,11 @@ fn fits(samples: &[Sample]) -> Option<Flight> {
     let power: f64 = squares.iter().map(|q| q * q).sum();
     let bend = squares.iter().zip(&heights).map(|(q, h)| q * h).sum::<f64>() / power;
     let (acceleration, sigma) = (-2.0 * bend, 2.0 * HEIGHT_SIGMA_M / power.sqrt());
-    if (acceleration - GRAVITY).abs() > (SHARE * GRAVITY).max(SIGMAS * sigma) || sigma > GRAVITY / 6.0 {
+    let (most, is_certain) = match is_short {
+        true => (SHARE_IF_CAME * GRAVITY, true),
+        false => ((SHARE * GRAVITY).max(SIGMAS * sigma), sigma <= LEAST_CERTAIN * GRAVITY),
+    };
+    if (acceleration - GRAVITY).abs() > most || !is_certain {
         return None;
     }
     let axis = |k: usize| line(&samples.iter().map(|sample| sample.center[k]).collect::<Vec<f64>>());
@@ -169,6 +185,7 @@ mod tests {
                     top_m: height_m + 0.03,
                     in_place: 0.0,
                     px: 900,
+                    area_m2: 0.0036,
                     changed: 0.9,
                     of_agent: 0.0,
                     at_border: false,
@@ -190,6 +207,36 @@ mod tests {
             assert_eq!(flights(&samples(n, fps, |t| 0.5 + 0.4 * t)), []);
             assert_eq!(flights(&samples(n, fps, |t| 0.5 - 0.5 * 5.0 * t * t)), []);
         }
+    }
+
+    #[test]
+    fn what_flies_away_from_the_camera_seems_smaller_and_is_not() {
+        let mut thrown = samples(6, 30.0, |t| 0.5 + 1.0 * t - 0.5 * 9.81 * t * t);
+        for (k, sample) in thrown.iter_mut().enumerate() {
+            sample.px = 4600 / (k + 1);
+        }
+        assert_eq!(flights(&thrown).len(), 1);
+        thrown[5].area_m2 /= 2.5;
+        assert_eq!(flights(&thrown)[0].last, 4, "hidden by something");
+    }
+
+    #[test]
+    fn four_frames_tell_a_flight_of_what_came_in_flying() {
+        let falling = |t: f64| 0.5 - 1.5 * t - 0.5 * 9.81 * t * t;
+        let came = samples(4, 30.0, falling);
+        assert_eq!(flights(&came).len(), 1);
+        let mut reached = came.clone();
+        reached[1].reached_by = Some(1);
+        assert_eq!(flights(&reached), [], "a hand has it");
+        let slid: Vec<Sample> = samples(4, 30.0, |t| 0.5 - 0.5 * 5.0 * t * t);
+        assert_eq!(flights(&slid), []);
+        // The same four frames of what was seen as a whole before.
+        let mut seen = samples(7, 30.0, |t| if t < 0.09 { 0.5 } else { falling(t - 0.1) });
+        seen[..3].iter_mut().for_each(|sample| (sample.moves, sample.changed) = (false, 0.0));
+        assert_eq!(flights(&seen), []);
+        // And of what was at the border.
+        seen[2].at_border = true;
+        assert_eq!(flights(&seen).len(), 1);
     }
 
     #[test]

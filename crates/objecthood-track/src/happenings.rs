@@ -231,10 +231,12 @@ impl Happenings {
     fn lift(&mut self, key: Key, track: &mut Track, up: DVec3) {
         let Some(handling) = self.handled.get_mut(&key) else { return };
         let before = handling.before;
-        // A hand before its lower part only seems to lift it: no motion is found, nor does its top rise with the lowest that is seen.
+        // A hand before its lower part only seems to lift it: no motion is found, nor does its top rise.
         let [rise_m, top_m] = [track.last.bottom_m - before.bottom_m, track.last.top_m - before.top_m];
         let rises_as_one = are_alike(track.last.px, before.px) && (top_m - rise_m).abs() < LIFTED_M / 2.0;
-        let climbs = track.drift.dot(up) > (LIFTED_M / 2.0).max(rise_m * LEAST_FOUND) || rises_as_one;
+        let found_m = track.drift.dot(up);
+        let is_found = found_m > LIFTED_M / 2.0 && (found_m > rise_m * LEAST_FOUND || top_m > LIFTED_M);
+        let climbs = is_found || rises_as_one;
         // Of what is lifted along its own face much is seen where it rested; a hand before it does not lift its top.
         let is_off = |sample: &Sample, by_m: f64| {
             sample.in_place < STAYS

@@ -83,6 +83,7 @@ impl Memory {
             top_m: segment.top_m,
             in_place: segment.in_place,
             px: segment.px,
+            area_m2: segment.area_m2,
             changed: segment.changed,
             of_agent: segment.of_agent,
             at_border: segment.at_border,

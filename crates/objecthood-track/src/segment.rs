@@ -7,7 +7,7 @@ use crate::agent::Agents;
 use crate::bits::Bits;
 use crate::camera::Place;
 use crate::look::Look;
-use crate::scene::Scene;
+use crate::scene::{BESIDE_BACKGROUND_PER_M, Scene};
 use crate::view::View;
 
 /// Every so many columns and rows are looked at.
@@ -75,23 +75,44 @@ pub(crate) fn segments(labels: &[u16], count: usize, with: &Measure<'_>) -> Vec<
 /// The labels of a frame's objects, and further ones for what stands before the rested scene where no object was found:
 /// what is in the air has no support, so a frame alone may take it for no object. Also their number. O(n).
 pub(crate) fn labels(found: &Discovery, view: &View, scene: &Scene, agents: &Agents) -> (Vec<u16>, usize) {
-    let mut labels = found.labels.as_slice().to_vec();
-    let mut count = found.objects.len();
+    let objects = found.labels.as_slice();
+    let (mut labels, mut count) = (objects.to_vec(), found.objects.len());
+    let unfound = |thing: &[usize]| thing.iter().filter(|&&pixel| objects[pixel] == 0).count();
+    // What is left of a thing that was found is its rim.
+    let is_thing =
+        |thing: &[usize], free: usize| free >= view.px(LEAST_THING_PX) && 4 * free > 3 * thing.len();
     for component in &agents.free {
         // What a thing hid from the sensor may be the table.
         let is_structure =
             |pixel: usize| found.structure.as_slice().get(pixel).is_some_and(|&plane| plane > 0);
         let is_new = |pixel: &&usize| scene.is_in_front(view, **pixel) && !is_structure(**pixel);
         let thing: Vec<usize> = component.iter().filter(is_new).copied().collect();
-        let free = thing.iter().filter(|&&pixel| labels[pixel] == 0).count();
-        if free >= view.px(LEAST_THING_PX) && 4 * free > 3 * thing.len() && count < usize::from(u16::MAX) {
+        let free = unfound(&thing);
+        let things = match is_thing(&thing, free) {
+            true => vec![thing],
+            // It may fly before another.
+            false if free >= view.px(LEAST_THING_PX) => by_depth(&thing, view),
+            false => Vec::new(),
+        };
+        for thing in things.iter().filter(|thing| is_thing(thing, unfound(thing))) {
+            if count == usize::from(u16::MAX) {
+                return (labels, count);
+            }
             count += 1;
-            for pixel in thing.into_iter().filter(|&pixel| found.labels.as_slice()[pixel] == 0) {
+            for &pixel in thing.iter().filter(|&&pixel| objects[pixel] == 0) {
                 labels[pixel] = count as u16;
             }
         }
     }
     (labels, count)
+}
+
+/// The parts of a set of pixels between which depth does not jump. O(n).
+fn by_depth(pixels: &[usize], view: &View) -> Vec<Vec<usize>> {
+    let mut mask = Bits::none(view.size);
+    pixels.iter().for_each(|&pixel| mask.insert(pixel));
+    let jump = BESIDE_BACKGROUND_PER_M * view.noise;
+    mask.components_where(|a, b| (view.inverse[a] - view.inverse[b]).abs() < jump)
 }
 
 impl Measure<'_> {

@@ -80,6 +80,8 @@ pub(crate) struct Sample {
     /// Share of its pixels that show what rested there before.
     pub(crate) in_place: f64,
     pub(crate) px: usize,
+    /// Visible area, as if it faced the camera (m²).
+    pub(crate) area_m2: f64,
     pub(crate) changed: f64,
     pub(crate) of_agent: f64,
     pub(crate) at_border: bool,
