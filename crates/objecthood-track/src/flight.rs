@@ -225,7 +225,7 @@ mod tests {
         let falling = |t: f64| 0.5 - 1.5 * t - 0.5 * 9.81 * t * t;
         let came = samples(4, 30.0, falling);
         assert_eq!(flights(&came).len(), 1);
-        let mut reached = came.clone();
+        let mut reached = came;
         reached[1].reached_by = Some(1);
         assert_eq!(flights(&reached), [], "a hand has it");
         let slid: Vec<Sample> = samples(4, 30.0, |t| 0.5 - 0.5 * 5.0 * t * t);
