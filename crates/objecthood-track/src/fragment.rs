@@ -7,7 +7,7 @@ use crate::memory::Memory;
 use crate::rested::Beside;
 use crate::scene::Key;
 use crate::segment::Segment;
-use crate::track::{RESTING_CHANGE, Track};
+use crate::track::RESTING_CHANGE;
 use crate::view::View;
 
 /// A segment shows a thing as it rested when this share of its pixels or more lies on the surface of that.
@@ -36,35 +36,48 @@ impl Memory {
     }
 
     /// Of the `open` segments, those that show the surface of a thing as it last rested, and the thing: an arm that passes leaves pieces to be seen, too
-    /// small to be known by their looks. Nobody has lifted the thing, it does not move, and no segment shows it: else it may be two, as a box and
-    /// its lid are. `pixels`: of each segment, those that are looked at. O(pixels of the open segments).
+    /// small to be known by their looks. Nobody has lifted the thing. Either it does not move, and no segment shows it: else it may be two, as a box
+    /// and its lid are; or a smaller segment on the same surface shows it, which was the first piece to come out. That one is left open in
+    /// `tracks_of`. `pixels`: of each segment, those that are looked at. O(pixels of the open segments and of those that show their things).
     pub(crate) fn as_they_rested(
         &self,
         open: &[usize],
         pixels: &[Vec<usize>],
         view: &View,
-        tracks_of: &[Option<Key>],
+        tracks_of: &mut [Option<Key>],
     ) -> BTreeMap<usize, Key> {
         let mut resting = BTreeMap::new();
-        let rests = |key: Key| {
-            let is_free = |track: &Track| {
-                track.rest.is_some() && track.part_of.is_none() && !track.is_agent_part() && !track.is_moving
-            };
-            let is_hidden = !tracks_of.contains(&Some(key)) && !self.happenings.is_lifted(key);
-            is_hidden && self.tracks.get(&key).is_some_and(is_free)
-        };
         for &k in open {
-            let mut there: BTreeMap<Key, usize> = BTreeMap::new();
-            for &pixel in &pixels[k] {
-                if let Some((key, Beside::There)) = self.rested.at(pixel, view) {
-                    *there.entry(key).or_default() += 1;
-                }
+            let Some(key) = self.rested_surface(&pixels[k], view) else { continue };
+            let Some(track) = self.tracks.get(&key).filter(|track| track.rest.is_some()) else { continue };
+            if track.part_of.is_some() || track.is_agent_part() || self.happenings.is_lifted(key) {
+                continue;
             }
-            let most = there.into_iter().max_by_key(|&(key, px)| (px, std::cmp::Reverse(key)));
-            let is_it =
-                |&(key, px): &(Key, usize)| px as f64 >= AS_IT_RESTED * pixels[k].len() as f64 && rests(key);
-            resting.extend(most.filter(is_it).map(|(key, _)| (k, key)));
+            match tracks_of.iter().position(|&known| known == Some(key)) {
+                None if !track.is_moving => {
+                    resting.insert(k, key);
+                }
+                Some(shown)
+                    if pixels[shown].len() < pixels[k].len()
+                        && self.rested_surface(&pixels[shown], view) == Some(key) =>
+                {
+                    (tracks_of[shown], tracks_of[k]) = (None, Some(key));
+                }
+                _ => (),
+            }
         }
         resting
+    }
+
+    /// The thing on whose surface, as it last rested, most of a segment's pixels lie. O(pixels).
+    fn rested_surface(&self, pixels: &[usize], view: &View) -> Option<Key> {
+        let mut there: BTreeMap<Key, usize> = BTreeMap::new();
+        for &pixel in pixels {
+            if let Some((key, Beside::There)) = self.rested.at(pixel, view) {
+                *there.entry(key).or_default() += 1;
+            }
+        }
+        let most = there.into_iter().max_by_key(|&(key, px)| (px, std::cmp::Reverse(key)));
+        most.filter(|&(_, px)| px as f64 >= AS_IT_RESTED * pixels.len() as f64).map(|(key, _)| key)
     }
 }

@@ -333,6 +333,31 @@ fn what_comes_out_at_one_end_keeps_its_number() {
     }
 }
 
+/// As before, but frames show the end as a segment of its own from then on. A regression: the end kept the number, and the rest got one of its own when
+/// it came out.
+#[test]
+fn what_comes_out_later_and_is_more_keeps_the_number() {
+    const BAR: Patch = Patch { left: 30, top: 50, width: 100, height: 12, ..THING };
+    let (end, rest) = (Patch { width: 16, ..BAR }, Patch { left: 46, width: 84, ..BAR });
+    let mut tracker = Tracker::new(Params::default());
+    let mut numbers_of_rest = BTreeSet::new();
+    for number in 0..100_i32 {
+        let left = -110 + 4 * (number - 12).max(0);
+        let screen = Patch { left, top: 10, width: 110, height: 110, depth_m: 0.8, color: [40, 70, 190] };
+        let (frame, found) = match number {
+            0..30 => frame(&[BAR, screen], &[0], number as u64),
+            // Of the rest a frame makes a segment once it sees more than the end.
+            _ if left < rest.left + 20 => frame(&[end, rest, screen], &[0], number as u64),
+            _ => frame(&[end, rest, screen], &[0, 1], number as u64),
+        };
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        let is_false = |kind: EventKind| matches!(kind, EventKind::Split | EventKind::Pushed);
+        assert!(!tracked.events.iter().any(|event| is_false(event.kind)), "{:?}", tracked.events);
+        numbers_of_rest.insert(tracked.labels.as_slice()[55 * SIZE.0 + 120]);
+    }
+    assert_eq!(numbers_of_rest, BTreeSet::from([0, 1]));
+}
+
 /// An arm takes the thing up, holds it still and takes it aside. Meanwhile no frame shows the thing as an object of its own.
 #[test]
 fn what_a_hand_holds_keeps_its_number() {
