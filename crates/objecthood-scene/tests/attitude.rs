@@ -32,7 +32,8 @@ fn is_told(found: &Discovery) -> bool {
 }
 
 /// Measures so many scenes of each family. Asserts that up is right in 49 of 50 or, of fewer, all but one; and right or announced in as many that are
-/// turned by 90 degrees. Turned by 180 degrees a bin hides its bottom more often, so one in ten may fail.
+/// turned by 90 degrees. Of frames that are turned
+/// by 180 degrees one in ten may fail: a few bins and shelves do.
 fn measure(scenes: u64) {
     let mut worlds: Vec<(Family, u64)> = Vec::new();
     for family in FAMILIES {
