@@ -13,14 +13,16 @@ const LARGEST_M: f64 = 0.022;
 const ENDS_M: f64 = 0.010;
 /// Sideways it moves straight (m, root mean square).
 const SIDEWAYS_M: f64 = 0.016;
-/// The acceleration that the heights have by themselves differs from gravity by at most this share, or so many standard
-/// deviations, of which it must be known to within a sixth of gravity: a slide down a slope of 30 degrees is no flight.
+/// The acceleration that the heights have by themselves differs from gravity by at most this share, or so many standard deviations: a slide down a
+/// slope of 30 degrees is no flight.
 const SHARE: f64 = 0.22;
 const SIGMAS: f64 = 2.5;
-const LEAST_CERTAIN: f64 = 1.0 / 6.0;
-/// Of what flies into the image so few frames tell less, so nobody may reach it, its heights keep to the parabola within their noise, and their
-/// acceleration differs by at most this share.
+/// The standard deviation of that acceleration is this share of gravity at most.
+const MOST_UNSURE: f64 = 1.0 / 6.0;
+/// Fewer frames than [`LEAST_FRAMES`] tell less, so nobody may reach the thing, its heights keep to the parabola within their noise, and these are
+/// the limits of their acceleration. At 60 frames a second four are too short a time for them.
 const SHARE_IF_CAME: f64 = 0.35;
+const MOST_UNSURE_IF_CAME: f64 = 1.0 / 3.0;
 /// Standard deviation of a height (m).
 const HEIGHT_SIGMA_M: f64 = 0.003;
 /// What flies moves, or changes where it is seen.
@@ -137,11 +139,11 @@ fn fits(samples: &[Sample]) -> Option<Flight> {
     let power: f64 = squares.iter().map(|q| q * q).sum();
     let bend = squares.iter().zip(&heights).map(|(q, h)| q * h).sum::<f64>() / power;
     let (acceleration, sigma) = (-2.0 * bend, 2.0 * HEIGHT_SIGMA_M / power.sqrt());
-    let (most, is_certain) = match is_short {
-        true => (SHARE_IF_CAME * GRAVITY, true),
-        false => ((SHARE * GRAVITY).max(SIGMAS * sigma), sigma <= LEAST_CERTAIN * GRAVITY),
+    let (most, most_unsure) = match is_short {
+        true => (SHARE_IF_CAME * GRAVITY, MOST_UNSURE_IF_CAME * GRAVITY),
+        false => ((SHARE * GRAVITY).max(SIGMAS * sigma), MOST_UNSURE * GRAVITY),
     };
-    if (acceleration - GRAVITY).abs() > most || !is_certain {
+    if (acceleration - GRAVITY).abs() > most || sigma > most_unsure {
         return None;
     }
     let axis = |k: usize| line(&samples.iter().map(|sample| sample.center[k]).collect::<Vec<f64>>());
@@ -228,6 +230,7 @@ mod tests {
         let mut reached = came;
         reached[1].reached_by = Some(1);
         assert_eq!(flights(&reached), [], "a hand has it");
+        assert_eq!(flights(&samples(4, 60.0, falling)), [], "too short a time");
         let slid: Vec<Sample> = samples(4, 30.0, |t| 0.5 - 0.5 * 5.0 * t * t);
         assert_eq!(flights(&slid), []);
         // The same four frames of what was seen as a whole before.
