@@ -1,7 +1,7 @@
-//! The file from which [`counted`](../counted/index.html) takes its frame.
+//! The file from which the program `counted` takes its frame.
 //!
 //! It is written and read by the same checkout, so it has no version. Formats that users have would link decoders, and to build
-//! those in release took ten times as long as to build the method.
+//! those in release takes longer than to build the method.
 
 use anyhow::{Context, Result};
 use objecthood::{Camera, Frame, Raster};

@@ -31,9 +31,8 @@ fn is_told(found: &Discovery) -> bool {
     found.notices.iter().any(told)
 }
 
-/// Measures so many scenes of each family. Asserts that up is right in 49 of 50 or, of fewer, all but one; and right or announced in as many that are
-/// turned by 90 degrees. Of frames that are turned
-/// by 180 degrees one in ten may fail: a few bins and shelves do.
+/// Measures so many scenes of each family. Up has to be right in 49 of 50 frames (all but one of fewer), and right or announced in as many that are turned
+/// by 90 degrees. Of those turned by 180 degrees one in ten may fail: a few bins and shelves do.
 fn measure(scenes: u64) {
     let mut worlds: Vec<(Family, u64)> = Vec::new();
     for family in FAMILIES {
@@ -64,8 +63,10 @@ fn measure(scenes: u64) {
     let count = |column: usize| rows.iter().filter(|row| row[column]).count();
     let [right, doubted, quarter, half] = [0, 1, 2, 3].map(count);
     println!(
-        "{all} frames: up is right in {right}, announced in {doubted}; turned by 90 and 180 degrees right or announced in {quarter} and {half}"
+        "{all} frames: up is right in {right}, doubted in {doubted}; turned by 90 and 180 degrees right or announced in {quarter} and {half}"
     );
+    let [few, more] = [all / 50, all / 10].map(|share| share.max(1));
+    assert!(right + few >= all && quarter + few >= all && half + more >= all);
 }
 
 #[test]
