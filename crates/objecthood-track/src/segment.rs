@@ -77,29 +77,28 @@ pub(crate) fn segments(labels: &[u16], count: usize, with: &Measure<'_>) -> Vec<
 pub(crate) fn labels(found: &Discovery, view: &View, scene: &Scene, agents: &Agents) -> (Vec<u16>, usize) {
     let objects = found.labels.as_slice();
     let (mut labels, mut count) = (objects.to_vec(), found.objects.len());
-    let unfound = |thing: &[usize]| thing.iter().filter(|&&pixel| objects[pixel] == 0).count();
+    let is_unfound = |pixel: &&usize| objects[**pixel] == 0;
     // What is left of a thing that was found is its rim.
-    let is_thing =
-        |thing: &[usize], free: usize| free >= view.px(LEAST_THING_PX) && 4 * free > 3 * thing.len();
-    for component in &agents.free {
-        // What a thing hid from the sensor may be the table.
-        let is_structure =
-            |pixel: usize| found.structure.as_slice().get(pixel).is_some_and(|&plane| plane > 0);
-        let is_new = |pixel: &&usize| scene.is_in_front(view, **pixel) && !is_structure(**pixel);
-        let thing: Vec<usize> = component.iter().filter(is_new).copied().collect();
-        let free = unfound(&thing);
-        let things = match is_thing(&thing, free) {
-            true => vec![thing],
+    let is_thing = |thing: &Vec<usize>| {
+        let free = thing.iter().filter(is_unfound).count();
+        free >= view.px(LEAST_THING_PX) && 4 * free > 3 * thing.len()
+    };
+    // What a thing hid from the sensor may be the table.
+    let is_structure = |pixel: usize| found.structure.as_slice().get(pixel).is_some_and(|&plane| plane > 0);
+    let is_new = |pixel: &&usize| scene.is_in_front(view, **pixel) && !is_structure(**pixel);
+    for component in agents.free.iter().filter(|component| component.len() >= view.px(LEAST_THING_PX)) {
+        let new: Vec<usize> = component.iter().filter(is_new).copied().collect();
+        let things = match is_thing(&new) {
+            true => vec![new],
             // It may fly before another.
-            false if free >= view.px(LEAST_THING_PX) => by_depth(&thing, view),
-            false => Vec::new(),
+            false => by_depth(&new, view).into_iter().filter(is_thing).collect(),
         };
-        for thing in things.iter().filter(|thing| is_thing(thing, unfound(thing))) {
+        for thing in things {
             if count == usize::from(u16::MAX) {
                 return (labels, count);
             }
             count += 1;
-            for &pixel in thing.iter().filter(|&&pixel| objects[pixel] == 0) {
+            for &pixel in thing.iter().filter(is_unfound) {
                 labels[pixel] = count as u16;
             }
         }

@@ -1,0 +1,85 @@
+//! What is an agent, and what is not.
+
+use objecthood::Params;
+use objecthood_track::Tracker;
+
+use crate::{Patch, THING, follow, frame, numbers};
+
+/// An arm that is there and still from the first frame on is taken for two things, until it moves.
+#[test]
+fn an_arm_that_was_there_first_is_an_agent_once_it_moves() {
+    let mut tracker = Tracker::new(Params::default());
+    let skin = [220, 170, 150];
+    let mut told = Vec::new();
+    for number in 0..100_i32 {
+        let gone = 2 * (number - 40).clamp(0, 20);
+        let hand = Patch { left: 20 + gone, top: 60, width: 18, height: 20, depth_m: 0.9, color: skin };
+        let arm =
+            Patch { left: 24 + gone, top: 80, width: 10, height: 40, depth_m: 0.9, color: [60, 70, 120] };
+        let tracked = follow(&mut tracker, &[THING, hand, arm], number as u64);
+        told.extend(tracked.events.clone());
+        if number == 30 {
+            assert_eq!(numbers(&tracked).len(), 3);
+        }
+        if number > 60 {
+            assert_eq!((numbers(&tracked), tracked.agents.len()), (vec![1], 1), "frame {number}");
+        }
+    }
+    told.extend(tracker.finish());
+    assert!(told.is_empty(), "{told:?}");
+}
+
+/// A regression: a mug that rolled to the border of the image was an agent from then on.
+#[test]
+fn what_comes_to_the_border_by_itself_is_no_agent() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..60_i32 {
+        let left = 60 + 3 * (number - 20).clamp(0, 25);
+        let tracked = follow(&mut tracker, &[Patch { left, ..THING }], number as u64);
+        assert!(tracked.agents.is_empty(), "frame {number}");
+        assert_eq!(numbers(&tracked), [1], "frame {number}");
+    }
+}
+
+/// A gripper comes from the border, lifts the thing and is then seen as a whole. A regression: it became an object.
+#[test]
+fn what_has_lifted_a_thing_is_an_agent_away_from_the_border_too() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..110_i32 {
+        let reach = (40 - 4 * (number - 20)).clamp(0, 160);
+        let up = (2 * (number - 35)).clamp(0, 20);
+        let aside = (3 * (number - 58)).clamp(0, 40);
+        let thing = Patch { left: THING.left - aside, top: THING.top - up, ..THING };
+        let (left, top) = (thing.left + 18 + reach, thing.top + 6);
+        let gripper = Patch { left, top, width: 90, height: 10, depth_m: 0.96, color: [40, 70, 190] };
+        let (frame, found) = frame(&[thing, gripper], &[0], number as u64);
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        assert!(number < 40 || tracked.agents.len() == 1, "frame {number}: {} agents", tracked.agents.len());
+        assert!(numbers(&tracked).iter().all(|&track| track == 1), "frame {number}: {:?}", numbers(&tracked));
+    }
+}
+
+/// An arm comes from the side before nothing that the sensor measures, and there the image has a band without depth, as registered depth has.
+#[test]
+fn an_arm_is_an_agent_before_nothing_and_beside_a_band_without_depth() {
+    const OFFICE: Patch =
+        Patch { left: 0, top: 0, width: 160, height: 60, depth_m: f32::INFINITY, color: [30, 30, 30] };
+    const BAND: Patch =
+        Patch { left: 150, top: 0, width: 10, height: 120, depth_m: 0.0, color: [40, 70, 190] };
+    const BESIDE: Patch = Patch { left: 20, ..THING };
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..40_i32 {
+        let left = (220 - 6 * number).clamp(90, 160);
+        let arm = Patch { left, top: 12, width: 160, height: 30, depth_m: 0.8, color: [40, 70, 190] };
+        // A frame finds the arm too.
+        let (frame, found) = frame(&[BESIDE, arm, BAND, OFFICE], &[0, 1], number as u64);
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        assert!(tracked.agents.len() <= usize::from(left < 150), "frame {number}: {:?}", tracked.agents);
+        if left <= 100 {
+            assert!(tracked.agents[0].size_px > 600, "frame {number}: {:?}", tracked.agents);
+            let numbered = tracked.labels.as_slice().iter().filter(|&&label| label > 1).count();
+            assert_eq!(numbered, 0, "frame {number}: the arm is an object");
+        }
+    }
+    assert!(tracker.finish().is_empty());
+}
