@@ -52,8 +52,8 @@ pub(crate) struct Flight {
     pub(crate) rms_m: f64,
 }
 
-/// The flights among the samples of a thing, in time. O(samples²).
-pub(crate) fn flights(samples: &[Sample]) -> Vec<Flight> {
+/// The flights among the samples of a thing that was first seen in frame `seen_from`, in time. O(samples²).
+pub(crate) fn flights(samples: &[Sample], seen_from: u64) -> Vec<Flight> {
     let moves = |sample: &Sample| sample.moves || sample.changed > LEAST_CHANGED;
     // At the top of its path it hardly moves.
     let may_fly = |k: usize| {
@@ -64,7 +64,7 @@ pub(crate) fn flights(samples: &[Sample]) -> Vec<Flight> {
     let mut start = 0;
     while start + LEAST_FRAMES_IF_CAME <= samples.len() {
         // It was not seen before, or at the border.
-        let came = start == 0 || samples[start - 1].at_border;
+        let came = samples[start].frame == seen_from || (start > 0 && samples[start - 1].at_border);
         let least = if came { LEAST_FRAMES_IF_CAME } else { LEAST_FRAMES };
         let run = (start..samples.len()).take_while(|&k| may_fly(k)).count();
         let run = samples[start..start + run].iter().rposition(moves).map_or(0, |last| last + 1);
@@ -173,6 +173,11 @@ mod tests {
 
     use super::*;
 
+    /// The flights of a thing whose first frame is the first of these.
+    fn from_first(samples: &[Sample]) -> Vec<Flight> {
+        flights(samples, samples[0].frame)
+    }
+
     fn samples(n: usize, fps: f64, height: impl Fn(f64) -> f64) -> Vec<Sample> {
         (0..n)
             .map(|k| {
@@ -202,12 +207,12 @@ mod tests {
     fn a_throw_is_a_flight_and_a_carry_is_none() {
         for fps in [15.0, 30.0, 60.0] {
             let n = (0.6 * fps) as usize;
-            let thrown = flights(&samples(n, fps, |t| 0.5 + 2.0 * t - 0.5 * 9.81 * t * t));
+            let thrown = from_first(&samples(n, fps, |t| 0.5 + 2.0 * t - 0.5 * 9.81 * t * t));
             assert_eq!(thrown.len(), 1, "{fps}");
             assert_eq!((thrown[0].first, thrown[0].last), (0, n as u64 - 1));
             assert!((thrown[0].acceleration - 9.81).abs() < 0.01);
-            assert_eq!(flights(&samples(n, fps, |t| 0.5 + 0.4 * t)), []);
-            assert_eq!(flights(&samples(n, fps, |t| 0.5 - 0.5 * 5.0 * t * t)), []);
+            assert_eq!(from_first(&samples(n, fps, |t| 0.5 + 0.4 * t)), []);
+            assert_eq!(from_first(&samples(n, fps, |t| 0.5 - 0.5 * 5.0 * t * t)), []);
         }
     }
 
@@ -217,29 +222,30 @@ mod tests {
         for (k, sample) in thrown.iter_mut().enumerate() {
             sample.px = 4600 / (k + 1);
         }
-        assert_eq!(flights(&thrown).len(), 1);
+        assert_eq!(from_first(&thrown).len(), 1);
         thrown[5].area_m2 /= 2.5;
-        assert_eq!(flights(&thrown)[0].last, 4, "hidden by something");
+        assert_eq!(from_first(&thrown)[0].last, 4, "hidden by something");
     }
 
     #[test]
     fn four_frames_tell_a_flight_of_what_came_in_flying() {
         let falling = |t: f64| 0.5 - 1.5 * t - 0.5 * 9.81 * t * t;
         let came = samples(4, 30.0, falling);
-        assert_eq!(flights(&came).len(), 1);
+        assert_eq!(from_first(&came).len(), 1);
         let mut reached = came;
         reached[1].reached_by = Some(1);
-        assert_eq!(flights(&reached), [], "a hand has it");
-        assert_eq!(flights(&samples(4, 60.0, falling)), [], "too short a time");
+        assert_eq!(from_first(&reached), [], "a hand has it");
+        assert_eq!(from_first(&samples(4, 60.0, falling)), [], "too short a time");
         let slid: Vec<Sample> = samples(4, 30.0, |t| 0.5 - 0.5 * 5.0 * t * t);
-        assert_eq!(flights(&slid), []);
+        assert_eq!(from_first(&slid), []);
         // The same four frames of what was seen as a whole before.
         let mut seen = samples(7, 30.0, |t| if t < 0.09 { 0.5 } else { falling(t - 0.1) });
         seen[..3].iter_mut().for_each(|sample| (sample.moves, sample.changed) = (false, 0.0));
-        assert_eq!(flights(&seen), []);
+        assert_eq!(from_first(&seen), []);
+        assert_eq!(flights(&seen[3..], 0), [], "its earlier frames were looked at before");
         // And of what was at the border.
         seen[2].at_border = true;
-        assert_eq!(flights(&seen).len(), 1);
+        assert_eq!(from_first(&seen).len(), 1);
     }
 
     #[test]
@@ -248,11 +254,11 @@ mod tests {
         for sample in &mut fall[..4] {
             (sample.of_agent, sample.reached_by) = (1.0, Some(1));
         }
-        assert_eq!(flights(&fall).len(), 1);
+        assert_eq!(from_first(&fall).len(), 1);
         for sample in &mut fall {
             (sample.of_agent, sample.reached_by) = (1.0, Some(1));
         }
-        assert_eq!(flights(&fall), [], "nobody lets it go");
+        assert_eq!(from_first(&fall), [], "nobody lets it go");
     }
 
     #[test]
@@ -261,7 +267,7 @@ mod tests {
         for sample in &mut thrown[5..7] {
             (sample.moves, sample.changed) = (false, 0.1);
         }
-        let found = flights(&thrown);
+        let found = from_first(&thrown);
         assert_eq!(found.iter().map(|flight| (flight.first, flight.last)).collect::<Vec<_>>(), [(0, 11)]);
     }
 
@@ -271,7 +277,7 @@ mod tests {
             let s = t % 0.3;
             1.4715 * s - 0.5 * 9.81 * s * s
         };
-        let found = flights(&samples(27, 30.0, bouncing));
+        let found = from_first(&samples(27, 30.0, bouncing));
         let spans: Vec<(u64, u64)> = found.iter().map(|flight| (flight.first, flight.last)).collect();
         assert_eq!(spans.len(), 3, "{spans:?}");
         for (k, (first, last)) in spans.into_iter().enumerate() {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::flight::{Flight, flights};
+use crate::flight::Flight;
 use crate::happening::{Happening, Other};
 use crate::pace::Pace;
 use crate::put_down::{STILL_S, put_down};
@@ -338,9 +338,8 @@ impl Happenings {
 
     /// Tells of flights since the last look.
     pub(crate) fn fly(&mut self, key: Key, track: &mut Track) {
-        let samples: Vec<Sample> = track.since(track.analysed_to).copied().collect();
+        let found = track.flights_since(track.analysed_to);
         track.analysed_to = track.last.frame;
-        let found = flights(&samples);
         let (Some(first), Some(last)) = (found.first(), found.last()) else { return };
         let time_of = |frame: u64| {
             track

@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::align::Motion;
-use crate::flight::{LEAST_FRAMES as FLIGHT_FRAMES, flights};
+use crate::flight::{Flight, LEAST_FRAMES as FLIGHT_FRAMES, flights};
 use crate::look::Look;
 use crate::oneness::Oneness;
 use crate::pace::Pace;
@@ -384,15 +384,20 @@ impl Track {
     pub(crate) fn forgets_soon(&self) -> bool {
         let is_amid_flight = || {
             let last: Vec<Sample> = self.samples.iter().rev().take(FLIGHT_FRAMES).rev().copied().collect();
-            !flights(&last).is_empty()
+            !flights(&last, self.first.frame).is_empty()
         };
         self.since(self.analysed_to).count() > MOST_SAMPLES / 2 && !is_amid_flight()
     }
 
     /// Whether it was in flight since a frame, as far as was analysed.
     pub(crate) fn flew_since(&self, frame: u64) -> bool {
+        !self.flights_since(frame).is_empty()
+    }
+
+    /// Its flights since a frame.
+    pub(crate) fn flights_since(&self, frame: u64) -> Vec<Flight> {
         let samples: Vec<Sample> = self.since(frame).copied().collect();
-        !flights(&samples).is_empty()
+        flights(&samples, self.first.frame)
     }
 
     /// The samples since a frame.

@@ -31,6 +31,21 @@ pub(crate) fn difference(one: [f32; 3], other: [f32; 3]) -> f32 {
     ((LIGHTNESS * l).powi(2) + a * a + b * b).sqrt()
 }
 
+/// A darker colour is no shadow of another from this difference from it in less light on (ΔE of chroma): lamp and room light differ a little in
+/// colour.
+pub(crate) const LEAST_UNLIKE_SHADOW: f64 = 8.0;
+
+/// Difference of a darker colour from another in less light: light that falls scales L + 16, a and b alike. Infinite where it is not
+/// darker.
+pub(crate) fn unlike_shadow(color: [f32; 3], lit: [f32; 3]) -> f64 {
+    if color[0] >= lit[0] {
+        return f64::INFINITY;
+    }
+    let dimming = (color[0] + 16.0) / (lit[0] + 16.0);
+    let [a, b] = [1, 2].map(|k| f64::from(color[k] - dimming * lit[k]));
+    (a * a + b * b).sqrt()
+}
+
 /// A colour (L\*a\*b\*) as a place whose distance to another is their [`difference`].
 pub(crate) fn weighted([l, a, b]: [f32; 3]) -> Vec3 {
     Vec3::new(LIGHTNESS * l, a, b)

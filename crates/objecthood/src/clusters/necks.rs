@@ -187,7 +187,7 @@ impl Compare<'_> {
         let overlap = self.color_overlap(pair);
         let carrying = self.contacts(lower, upper);
         let alike =
-            Check::new("overlap of their colours", "", overlap, Bound::AtLeast, self.params.color_overlap)
+            Check::new("overlap of their colours", "", overlap, Bound::Above, self.params.color_overlap)
                 .set_by("necks.color_overlap");
         if alike.holds()
             && let Some(handle) = self.handle_checks([upper, lower], &carrying, foot_m)

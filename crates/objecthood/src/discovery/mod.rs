@@ -80,7 +80,7 @@ const HOW_HELD: &str = "say how the camera is held: --gravity 0,1,0 if it is lev
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Notice {
-    /// No plane dominates the scene, so up is the camera's own, by its tilt and roll.
+    /// No plane can be the ground, so up is the camera's own, by its tilt and roll.
     NoPlane,
     /// The frame has no colour, so depth alone decides.
     NoColor,
@@ -121,7 +121,8 @@ impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoPlane => f.write_str(
-                "no plane dominates the scene: up is taken from the camera, as if it were held horizontally",
+                "no plane can be the ground: up is taken from the camera, whose tilt and roll are those of gravity.tilt_deg and \
+                 gravity.roll_deg (if not set, it is held horizontally)",
             ),
             Self::NoColor => f.write_str("the frame has no colour: surfaces are told apart by depth alone"),
             Self::Turned { degrees } => write!(

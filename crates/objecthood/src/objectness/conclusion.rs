@@ -90,9 +90,8 @@ pub fn conclude_context(
     let Standing { candidates, planes, up, graph, .. } = standing;
     let kept = decide(hypotheses, Method::Context, objectness);
     let (objects, labels) = make_objects(kept, &facets.segments, points_m, graph)?;
-    let missing_plane =
-        planes.is_empty() && gravity.up_from == UpFrom::Plane && up.source == UpSource::Camera;
-    let no_plane = missing_plane.then_some(Notice::NoPlane);
+    let misses_plane = gravity.up_from == UpFrom::Plane && up.source == UpSource::Camera;
+    let no_plane = misses_plane.then_some(Notice::NoPlane);
     let told = match up.source {
         UpSource::Measured | UpSource::Earlier => true,
         UpSource::Plane => structure.supports.is_clear,

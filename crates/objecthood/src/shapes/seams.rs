@@ -15,6 +15,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::check::{Bound, Check};
+use crate::color::LEAST_UNLIKE_SHADOW;
 use crate::color::image::LabImage;
 use crate::facets::Facets;
 use crate::oversegment::structure::Structure;
@@ -223,6 +224,13 @@ impl Search<'_> {
         if !checks.iter().all(Check::holds) {
             return None;
         }
+        checks.push(Check::new(
+            "difference of the darker side from the other in less light",
+            "ΔE",
+            body.unlike_shadow(trace, self.lab),
+            Bound::AtLeast,
+            LEAST_UNLIKE_SHADOW,
+        ));
         let beyond = body.overlap_beyond(trace, self.lab, self.space, self.size);
         let what = "overlap of the colours of a narrow side and beyond it";
         checks.push(Check::new(what, "", beyond, Bound::AtMost, GOES_ON));

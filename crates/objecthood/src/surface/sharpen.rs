@@ -14,7 +14,7 @@ use crate::surface::ramps::{Limits, Line, Restored};
 const PAIR_PX: usize = 8;
 /// ... that differ by more than this have an edge between them (quanta).
 const EDGE_QUANTA: f32 = 40.0;
-/// In images so coarse that [`PAIR_PX`] is less than this (px of the image), a smeared edge is a step.
+/// ... and at least this far apart in the image (px): a step fits between them with a pixel beside it.
 const LEAST_PAIR_PX: usize = 4;
 /// An edge is sharp when one step from a pixel to the next makes more than this share of the difference.
 const STEP_SHARE: f32 = 0.6;
@@ -57,10 +57,7 @@ pub(super) fn sharpen(
 /// Whether most edges go over several pixels.
 fn is_smeared(disparity: &Raster<f32>, space: &DisparitySpace) -> bool {
     let (width, height) = disparity.size();
-    let span = space.length_px(PAIR_PX);
-    if span < LEAST_PAIR_PX {
-        return false;
-    }
+    let span = space.length_px(PAIR_PX).max(LEAST_PAIR_PX);
     let rows = (0..height).step_by(STRIDE_PX).map(|v| count_edges(|u| disparity[v * width + u], width, span));
     let columns =
         (0..width).step_by(STRIDE_PX).map(|u| count_edges(|v| disparity[v * width + u], height, span));

@@ -1,8 +1,8 @@
 //! Evidence for a flat thing: what a group of cells shows beside the ring around it (docs/CONTEXT.md 2.3).
 
 use crate::check::{Bound, Check};
-use crate::color::difference;
 use crate::color::histogram::ColorHistogram;
+use crate::color::{LEAST_UNLIKE_SHADOW, difference, unlike_shadow};
 use crate::facets::flat::field::Field;
 use crate::facets::flat::hull::solidity;
 use crate::facets::flat::proposals::RARE;
@@ -127,17 +127,6 @@ fn sharpness(field: &Field, around: &Surroundings, outline: &[(usize, [isize; 2]
     if wide > 0.0 { narrow / wide } else { 0.0 }
 }
 
-/// Difference of a darker colour from another in less light: light that falls scales L + 16, a and b alike. Infinite where it is not
-/// darker.
-fn unlike_shadow(color: [f32; 3], lit: [f32; 3]) -> f64 {
-    if color[0] >= lit[0] {
-        return f64::INFINITY;
-    }
-    let dimming = (color[0] + 16.0) / (lit[0] + 16.0);
-    let [a, b] = [1, 2].map(|k| f64::from(color[k] - dimming * lit[k]));
-    (a * a + b * b).sqrt()
-}
-
 /// Least share of the convex hull: rectangles and discs have 0.9 and more, letters, stains and grain less.
 const LEAST_SOLID: f64 = 0.85;
 /// Least share of the outline at which the support goes on: a thing may stand on or before the rest.
@@ -164,8 +153,6 @@ impl Shown {
 const LEAST_SHARP: f64 = 0.6;
 /// Greatest share of its colours that the support shows elsewhere.
 const MOST_FAMILIAR: f64 = 0.5;
-/// Least difference from the ring in less light (ΔE of chroma): lamp and room light differ a little in colour.
-const LEAST_UNLIKE_SHADOW: f64 = 8.0;
 /// With this many others of its colour it is a pattern: print, tiles, stains.
 const PATTERN: usize = 3;
 /// Least area (px at 525 px) without depth as proof: the outline of less cannot be told from print.

@@ -1,9 +1,10 @@
 //! A body: facets that their borders have joined, with their pixels in space.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::color::histogram::ColorHistogram;
 use crate::color::image::LabImage;
+use crate::color::unlike_shadow;
 use crate::facets::Facets;
 use crate::regions::SegmentId;
 use crate::shapes::contraction::Shapes;
@@ -122,6 +123,20 @@ impl Body {
             ColorHistogram::of(beyond.map(|p| lab[p.i as usize]))
         };
         side(-1.0).overlap(&side(1.0))
+    }
+
+    /// The difference of the darker side of a trace from the other in less light (ΔE of chroma), without the pixels that may show both.
+    pub(super) fn unlike_shadow(&self, trace: &Trace, lab: &LabImage) -> f64 {
+        let mean = |sign: f64| {
+            let sample = self.pixels().step_by(self.size_px().div_ceil(COLORS));
+            let beyond = sample.filter(|p| sign * trace.height_m(p.point) > trace.blur_m);
+            let (sum, count) =
+                beyond.fold((Vec3::ZERO, 0.0), |(sum, n), p| (sum + Vec3::from(lab[p.i as usize]), n + 1.0));
+            sum / f32::max(count, 1.0)
+        };
+        let (one, other) = (mean(-1.0), mean(1.0));
+        let (dark, lit) = if one.x < other.x { (one, other) } else { (other, one) };
+        unlike_shadow(dark.into(), lit.into())
     }
 
     /// The overlap of the colours of a narrow side of a trace and of what the image shows beyond that side, in an image of this size: where

@@ -80,6 +80,15 @@ fn shading_and_the_same_color_are_no_joint() {
     assert_eq!(count(|u, _| [if u < 50 { 50.0 } else { 60.0 }, RED[1], RED[2]]), 1, "a pale shadow");
 }
 
+/// A regression: a hard shadow on a white or coloured box was a joint.
+#[test]
+fn the_edge_of_a_hard_shadow_is_no_joint() {
+    for lit in [[90.0, 0.0, 0.0], RED, [80.0, 40.0, 25.0]] {
+        let dimmed = [0.7 * (lit[0] + 16.0) - 16.0, 0.7 * lit[1], 0.7 * lit[2]];
+        assert_eq!(count(|u, _| if u < 50 { lit } else { dimmed }), 1, "{lit:?} at a third of the light");
+    }
+}
+
 /// A regression: a box whose paint runs from one colour into another, made by another simulator, was four objects.
 #[test]
 fn a_gradient_is_no_joint() {
