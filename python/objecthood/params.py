@@ -35,7 +35,7 @@ class Sensor:
 
     color: str = "all"
     """Stages that ask colour, if there is any (`context`). Unit: dimensionless: switch. Range: all | facets |
-    none. Default: all (ours: the comparison of docs/EVALUATION.md, Colour)."""
+    none. Default: all (ours, because colour tells where depth does not (docs/CONTEXT.md))."""
 
 
 @dataclass(slots=True)

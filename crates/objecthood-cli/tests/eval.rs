@@ -68,7 +68,7 @@ fn the_ablations_have_six_and_three_settings() {
         "depth, curvature on",
         "both, curvature on",
     ];
-    let context = ["depth only", "colour for stages 1 and 2", "colour for all stages"];
+    let context = ["depth only", "colour for stages 1 and 2, without skirts", "colour for all stages"];
     for (method, expected) in [("paper", &paper[..]), ("context", &context)] {
         let run = folder.run(&format!("eval root --method {method} --ablation --json figures.json"), 0);
         let figures = json(&folder, "figures.json");

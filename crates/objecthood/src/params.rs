@@ -35,7 +35,7 @@ parameters! {
         /// `sensor.lateral_noise_px`.
         profile: Profile = Profile::None, OneOf("none | kinect | stereo | tof | phone"), "dimensionless: switch", "ours, because a frame mostly tells it better (docs/CONTEXT.md 0.6)", read by [Context: Normals];
         /// Stages that ask colour, if there is any (`context`).
-        color: ColorFor = ColorFor::All, OneOf("all | facets | none"), "dimensionless: switch", "ours: the comparison of docs/EVALUATION.md, Colour", read by [Context: Normals];
+        color: ColorFor = ColorFor::All, OneOf("all | facets | none"), "dimensionless: switch", "ours, because colour tells where depth does not (docs/CONTEXT.md)", read by [Context: Normals];
     }
 
     /// Gaussian smoothing of the colour image before eq. 1.

@@ -14,7 +14,7 @@ pub fn ablated(method: Method) -> &'static [&'static str] {
 }
 
 /// All else as in `params`. `paper`: colour, depth and both, each without and with curvature. `context`: depth alone, colour for its
-/// first two stages, and for all.
+/// first two stages but for skirts, and for all.
 pub fn ablation(params: &Params) -> Vec<Setting> {
     match params.method {
         Method::Paper => {
@@ -32,7 +32,7 @@ pub fn ablation(params: &Params) -> Vec<Setting> {
         Method::Context => {
             let settings = [
                 (ColorFor::None, "depth only"),
-                (ColorFor::Facets, "colour for stages 1 and 2"),
+                (ColorFor::Facets, "colour for stages 1 and 2, without skirts"),
                 (ColorFor::All, "colour for all stages"),
             ];
             let setting = |(color, name): (ColorFor, &str)| {

@@ -1,14 +1,14 @@
 //! Vessels: joins the inside and the wall of a cup or bowl to one cluster (docs/CONTEXT.md 4.4).
 //!
 //! A camera sees the far part of a vessel's inside and the near part of its wall. Between them is a step in depth at the rim, so no
-//! convex border joins the two. Six rules join them:
+//! convex border joins the two. Six rules join them. They have the numbers of their sections, and run in the order 1, 2, 3, 6, 5, 4:
 //!
 //! 1. [`insides`]: concave pieces that touch are one inside.
 //! 2. [`walls`]: an inside and the wall in front of it, equally high, are one vessel.
 //! 3. [`remainders`]: a small cluster that touches hardly anything but a vessel belongs to it.
-//! 4. [`turned`]: pieces of one surface of revolution that things in it part are one vessel.
-//! 5. [`boxes`]: upright walls of equal height around a patch of the support are an open box.
-//! 6. [`panels`]: thin upright panels of equal height that meet or face each other are the walls of a box. It comes before rule 5.
+//! 4. [`boxes`]: upright walls of equal height around a patch of the support are an open box.
+//! 5. [`panels`]: thin upright panels of equal height that meet or face each other are the walls of a box.
+//! 6. [`turned`]: pieces of one surface of revolution that things in it part are one vessel.
 
 mod boxes;
 mod insides;
@@ -34,7 +34,7 @@ use crate::params;
 
 /// Most joins of the first rule in one frame.
 const INSIDE_MERGES: usize = 6;
-/// Most joins of each rule from the second to the fifth in one frame.
+/// Most joins of each of the rules 2, 3, 4 and 6 in one frame.
 const MERGES: usize = 12;
 
 /// Joins the parts of vessels. Does nothing without a support surface or with `concavity` 0.

@@ -61,12 +61,12 @@ choice! {
 }
 
 choice! {
-    /// The stages of `context` that ask colour (the comparison of docs/EVALUATION.md).
+    /// The stages of `context` that ask colour (`eval --ablation` compares them).
     ColorFor {
         /// All of them.
         #[default]
         All = "all",
-        /// Single pixels and the first two: what superpixels and facets are.
+        /// Single pixels and the first two, but for skirts: smeared edges and flat things (docs/CONTEXT.md 0.7, 2.3).
         Facets = "facets",
         /// None: depth alone decides.
         None = "none",

@@ -77,7 +77,7 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
 }
 
 impl Surfaces {
-    /// The colours for the stages from the shapes on, if these ask them.
+    /// The colours for skirts and for the stages from the shapes on, if these ask them.
     pub(crate) fn lab_for_shapes(&self) -> Option<&LabImage> {
         self.lab.as_ref().filter(|_| self.color == ColorFor::All)
     }

@@ -1,4 +1,4 @@
-//! Rule 4: pieces of one surface of revolution are one vessel (docs/CONTEXT.md 4.4.6).
+//! Rule 6: pieces of one surface of revolution are one vessel (docs/CONTEXT.md 4.4.6).
 //!
 //! What lies in a bowl or on a plate hides parts of it. The pieces that are left touch nowhere, so no border joins them, and each is too small to
 //! show a circle. But they have one axis and one profile. The far inside and the near wall are pieces too, as the wall is thin.
