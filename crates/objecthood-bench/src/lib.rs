@@ -12,3 +12,4 @@ pub mod reading;
 pub mod recomputed;
 pub mod scenes;
 pub mod times;
+pub mod track;

@@ -13,6 +13,7 @@ use objecthood_bench::peer::Peer;
 use objecthood_bench::reading::reading;
 use objecthood_bench::recomputed::recomputed;
 use objecthood_bench::times::{Bench, METHODS, Named, alone, open};
+use objecthood_bench::track::track;
 use objecthood_bench::{growth, scenes};
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
 
@@ -36,6 +37,8 @@ enum Task {
     Growth { count: usize, files: Vec<PathBuf> },
     /// Times of reading files beside the method; the frames are stored in FOLDER in other formats.
     Reading { folder: PathBuf, files: Vec<PathBuf> },
+    /// Times of finding and of following objects in a clip, as `objecthood synth --video` writes it, on one thread.
+    Track { folder: PathBuf },
     /// What a change of each parameter computes again, as a share of a whole frame, for each method.
     Recomputed { files: Vec<PathBuf> },
     /// Writes synthetic scenes of growing size and growing number of things to a folder.
@@ -81,6 +84,7 @@ fn main() -> Result<()> {
         Task::Reading { folder, files } => {
             reading(&files, &folder)?.iter().for_each(|figure| println!("{figure}"));
         }
+        Task::Track { folder } => track(&folder)?.iter().for_each(|figure| println!("{figure}")),
         Task::Recomputed { files } => {
             for file in files {
                 let Named { name, frame } = open(&file)?;
