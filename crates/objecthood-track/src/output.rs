@@ -73,10 +73,11 @@ impl Numbers {
                     let own = tracks.get(&key).and_then(|track| track.id);
                     // A part that has become one with the object is named as it was before.
                     let named = if happening.kind == EventKind::Merged { own } else { id_of(key).or(own) };
-                    match named.filter(|&named| named != object) {
-                        Some(id) => Some(id.0),
-                        None => continue,
+                    if named == Some(object) {
+                        continue;
                     }
+                    // What is too small for a number, or was not seen for long enough, remains unnamed.
+                    named.map(|id| id.0)
                 }
                 Other::Agent(number) => self.agent(number).map(|id| id.0),
             };
