@@ -70,9 +70,8 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     let fingerprints = plan.fingerprints();
     let Going { mut tracker, mut told, done } = plan.go_on(&fingerprints)?;
     if done == frames.len() && done > 0 && told.failed == 0 && unreadable.is_empty() {
-        let objects = counted(told.cast.count().objects(), "object");
-        terminal::print(&format!("{objects}, followed before -> {}\n", args.out.display()))?;
-        return Ok(Outcome::AllDone);
+        told.events.extend(tracker.finish());
+        return plan.sum_up(&told, done, ", followed before");
     }
     interrupt::catch()?;
 
@@ -114,7 +113,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     }
     told.events.extend(late);
     plan.write_lists(&told)?;
-    let outcome = plan.sum_up(&told, frames.len() + unreadable.len())?;
+    let outcome = plan.sum_up(&told, frames.len() + unreadable.len(), "")?;
     if outcome == Outcome::Interrupted {
         let next = if args.resume { "goes on from here" } else { "follows the video from its beginning" };
         terminal::note(&format!("what is written is whole and ends here; the same command {next}"));
@@ -233,11 +232,12 @@ impl<'a> Plan<'a> {
         Ok(output::write_together(&files)?)
     }
 
-    fn sum_up(&self, told: &Told, total: usize) -> Result<Outcome> {
+    /// Tells what was found, then `ending`; how the run ends.
+    fn sum_up(&self, told: &Told, total: usize, ending: &str) -> Result<Outcome> {
         let is_interrupted = told.done + told.failed < total;
         let count = told.cast.count();
         let mut text = format!(
-            "{}, {}, {} -> {}\n",
+            "{}, {}, {}{ending} -> {}\n",
             counted(told.done, "frame"),
             counted(count.objects(), "object"),
             counted(told.events.len(), "event"),

@@ -89,6 +89,16 @@ fn a_video_that_was_followed_is_not_followed_again() {
     assert!(!folder.names("plain").contains(&"tracker.state".to_owned()));
 }
 
+/// It printed no summary.
+#[test]
+fn a_video_that_was_followed_is_summed_up_again() {
+    let folder = pick();
+    let track = || folder.run("track clips/pick1 --out out --resume --summary", 0).stdout;
+    let first = track();
+    assert!(first.lines().count() > 1, "{first}");
+    assert_eq!(track(), first.replacen(" -> ", ", followed before -> ", 1));
+}
+
 #[test]
 fn a_run_that_was_stopped_goes_on_in_the_middle() {
     let folder = pick();
