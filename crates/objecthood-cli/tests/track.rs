@@ -155,6 +155,22 @@ fn a_run_that_cannot_go_on_says_why() {
     assert!(run.stderr.contains("files that were followed have changed"), "{}", run.stderr);
 }
 
+/// Images that had been deleted stayed missing.
+#[test]
+fn images_that_were_deleted_are_written_again() {
+    let folder = pick();
+    let track = || folder.run("track clips/pick1 --frames ..4 --out out --resume --write pictures", 0);
+    track();
+    let first = folder.files("out");
+    for kind in ["labels", "pictures"] {
+        let image = format!("out/{kind}/{}", folder.names(&format!("out/{kind}")).remove(1));
+        std::fs::remove_file(folder.path().join(&image)).unwrap();
+        let said = format!("note: begins anew with frame 0: {image} is missing");
+        assert_eq!(track().stderr.trim_end(), said);
+        assert!(folder.files("out") == first, "{kind}");
+    }
+}
+
 /// Images of the input that had the names of outputs were removed when a run began anew.
 #[test]
 fn a_run_that_begins_anew_removes_no_image() {
