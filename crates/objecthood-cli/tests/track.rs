@@ -289,6 +289,27 @@ fn a_person_at_a_table_is_one_agent() {
     }
 }
 
+/// A label image that one clip missed kept all from being scored.
+#[test]
+fn a_clip_that_misses_an_image_is_named_and_the_others_are_scored() {
+    let folder = pick();
+    for (name, bytes) in folder.files("clips/pick1") {
+        folder.write(&format!("clips/pick2/{name}"), &bytes);
+        if let Some(image) = name.strip_prefix("truth/") {
+            ["pick1", "pick2"].map(|clip| folder.write(&format!("found/{clip}/labels/{image}"), &bytes));
+        }
+    }
+    let missing = format!("found/pick1/labels/{}", folder.names("found/pick1/labels").remove(0));
+    std::fs::remove_file(folder.path().join(&missing)).unwrap();
+    let run = folder.run("eval --tracks found --truth clips --json figures.json", 1);
+    assert!(run.errors()[0].starts_with(&format!("error: pick1: {missing}: ")), "{}", run.stderr);
+    assert!(run.stderr.contains("1 of 2 clips failed"), "{}", run.stderr);
+    let figures: Value = serde_json::from_slice(&folder.files(".")["figures.json"]).unwrap();
+    let clips: Vec<&Value> =
+        figures["clips"].as_array().unwrap().iter().map(|named| &named["clip"]).collect();
+    assert_eq!(clips, ["pick2"]);
+}
+
 #[test]
 fn mistakes_are_explained() {
     let folder = Folder::new();
