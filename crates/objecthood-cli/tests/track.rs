@@ -296,7 +296,9 @@ fn a_clip_that_misses_an_image_is_named_and_the_others_are_scored() {
     for (name, bytes) in folder.files("clips/pick1") {
         folder.write(&format!("clips/pick2/{name}"), &bytes);
         if let Some(image) = name.strip_prefix("truth/") {
-            ["pick1", "pick2"].map(|clip| folder.write(&format!("found/{clip}/labels/{image}"), &bytes));
+            for clip in ["pick1", "pick2"] {
+                folder.write(&format!("found/{clip}/labels/{image}"), &bytes);
+            }
         }
     }
     let missing = format!("found/pick1/labels/{}", folder.names("found/pick1/labels").remove(0));
