@@ -148,7 +148,8 @@ impl<'a> Plan<'a> {
             Ok(found) => found,
             Err(e) => {
                 tracker.skip();
-                let size = told.last_size.filter(|_| is_blank(&e)).ok_or(e)?;
+                // A list of points without depth has no image: it gets one as large as the last.
+                let size = blank_size(&e).map(|size| told.last_size.unwrap_or(size)).ok_or(e)?;
                 terminal::note(&format!("{}: no pixel has depth: nothing is said of this frame", named()));
                 let nothing = Raster::from_vec(size.0, size.1, vec![0; size.0 * size.1])?;
                 self.write_labels(number, &nothing, Vec::new())?;
@@ -258,9 +259,9 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// Whether a frame failed only because the sensor measured nothing.
-fn is_blank(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| cause.downcast_ref().is_some_and(objecthood_io::Error::is_blank))
+/// Columns and rows of a frame that failed only because the sensor measured nothing.
+fn blank_size(error: &anyhow::Error) -> Option<(usize, usize)> {
+    error.chain().find_map(|cause| cause.downcast_ref().and_then(objecthood_io::Error::blank_size))
 }
 
 fn pose_of(capture: &Capture) -> Option<Rigid> {
