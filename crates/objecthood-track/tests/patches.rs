@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use objecthood::discovery::{Object, OrientedBox, PixelBox};
 use objecthood::{Camera, Discovery, Frame, ObjectId, Params, Raster};
-use objecthood_track::{EventKind, Rigid, TrackNotice, Tracked, Tracker};
+use objecthood_track::{Error, EventKind, Rigid, TrackNotice, Tracked, Tracker};
 
 const SIZE: (usize, usize) = (160, 120);
 
@@ -261,6 +261,19 @@ fn frames_are_counted_as_they_are_given_and_numbers_are_used_once() {
         }
     }
     assert_eq!((&told[8][..], &told[18][..]), (&[1][..], &[2][..]));
+}
+
+/// The noise of the refused frame was taken into the mean.
+#[test]
+fn a_stamp_that_does_not_rise_changes_nothing() {
+    let mut tracker = Tracker::new(Params::default());
+    let (first, second) = (frame(&[THING], &[], 0).0, frame(&[THING], &[], 1).0);
+    tracker.update(&first, 1.0, None).unwrap();
+    let before = tracker.save().unwrap();
+    for stamp_s in [1.0, 0.5] {
+        assert!(matches!(tracker.update(&second, stamp_s, None), Err(Error::Stamp { .. })));
+    }
+    assert!(tracker.save().unwrap() == before);
 }
 
 /// A regression: a mug that rolled to the border of the image was an agent from then on.
