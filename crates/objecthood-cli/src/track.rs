@@ -4,6 +4,7 @@ mod cast;
 mod files;
 mod progress;
 mod report;
+mod silence;
 mod smooth;
 mod summary;
 
@@ -27,6 +28,7 @@ use cast::Cast;
 use files::Lines;
 use progress::Going;
 use report::Filming;
+use silence::Silence;
 
 /// With `--resume` what is known is kept this often: a run that is killed loses no more.
 const KEPT_EVERY: Duration = Duration::from_secs(30);
@@ -143,23 +145,16 @@ impl<'a> Plan<'a> {
         told: &mut Told,
         filming: Option<&mut Filming>,
     ) -> Result<()> {
-        let named = || input.path.display().to_string();
         let (capture, tracked) = match self.track(tracker, input, number, told.last_stamp_s) {
             Ok(found) => found,
             Err(e) => {
                 tracker.skip();
-                // A list of points without depth has no image: it gets one as large as the last.
-                let size = blank_size(&e).map(|size| told.last_size.unwrap_or(size)).ok_or(e)?;
-                terminal::note(&format!("{}: no pixel has depth: nothing is said of this frame", named()));
-                let nothing = Raster::from_vec(size.0, size.1, vec![0; size.0 * size.1])?;
-                self.write_labels(number, &nothing, Vec::new())?;
-                told.lines.blank(number);
-                return Ok(());
+                return self.pass_over(input, number, told, e);
             }
         };
         (told.last_stamp_s, told.last_size) = (Some(tracked.stamp_s), Some(tracked.labels.size()));
         for notice in &tracked.notices {
-            terminal::note(&format!("{}: {notice}", named()));
+            terminal::note(&format!("{}: {notice}", input.path.display()));
         }
         let mut files = Vec::new();
         if self.args.write.is_some() {
@@ -181,6 +176,20 @@ impl<'a> Plan<'a> {
             hindsight.learn(&tracked);
         }
         told.events.extend(tracked.events);
+        Ok(())
+    }
+
+    /// Writes an empty label image of a frame of which nothing can be said, and a line for it.
+    ///
+    /// # Errors
+    /// `error`, when the frame failed; when an output cannot be written.
+    fn pass_over(&self, input: &Input, number: usize, told: &mut Told, error: anyhow::Error) -> Result<()> {
+        let Some(Silence { why, time_s, size }) = Silence::of(&error, input) else { return Err(error) };
+        // The size of the last frame first: a list of points without depth has no image.
+        let Some((width, height)) = told.last_size.or(size) else { return Err(error) };
+        terminal::note(&format!("{}: nothing is said of this frame: {why}", input.path.display()));
+        self.write_labels(number, &Raster::filled(width, height, 0)?, Vec::new())?;
+        told.lines.blank(number, time_s);
         Ok(())
     }
 
@@ -257,11 +266,6 @@ impl<'a> Plan<'a> {
             (false, _) => Outcome::SomeFailed,
         })
     }
-}
-
-/// Columns and rows of a frame that failed only because the sensor measured nothing.
-fn blank_size(error: &anyhow::Error) -> Option<(usize, usize)> {
-    error.chain().find_map(|cause| cause.downcast_ref().and_then(objecthood_io::Error::blank_size))
 }
 
 fn pose_of(capture: &Capture) -> Option<Rigid> {

@@ -213,6 +213,25 @@ fn a_frame_without_depth_is_passed_over() {
     folder.run("eval --tracks blank --truth clips/pick1", 0);
 }
 
+/// A frame that was given twice failed, and had no label image.
+#[test]
+fn a_frame_with_the_stamp_of_the_last_is_passed_over() {
+    let folder = pick();
+    folder.run("convert clips/pick1 --frames ..4 --to npz --out npz", 0);
+    let names = folder.names("npz");
+    let second = folder.path().join("npz").join(&names[1]);
+    std::fs::copy(&second, second.with_extension("again.npz")).unwrap();
+    let run = folder.run("track npz --out out", 0);
+    assert_eq!(run.stderr.matches("is not after that of the last frame").count(), 1, "{}", run.stderr);
+    assert_eq!(folder.names("out/labels").len(), names.len() + 1);
+    let frames = lines(&folder.files("out")["tracks.jsonl"]);
+    let silent: Vec<&Value> = frames.iter().filter(|frame| frame["camera"].is_null()).collect();
+    let [silent] = silent[..] else { panic!("{silent:?}") };
+    assert!(silent["objects"].as_array().unwrap().is_empty());
+    assert_eq!(silent["time"], frames[1]["time"]);
+    assert_eq!(frames.len(), names.len() + 1);
+}
+
 #[test]
 fn where_motion_proves_nothing_hindsight_changes_nothing() {
     let folder = pick();
