@@ -4,6 +4,7 @@ mod cast;
 mod files;
 mod progress;
 mod report;
+mod silence;
 mod smooth;
 mod summary;
 
@@ -27,6 +28,7 @@ use cast::Cast;
 use files::Lines;
 use progress::Going;
 use report::Filming;
+use silence::Silence;
 
 /// With `--resume` what is known is kept this often: a run that is killed loses no more.
 const KEPT_EVERY: Duration = Duration::from_secs(30);
@@ -70,9 +72,8 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     let fingerprints = plan.fingerprints();
     let Going { mut tracker, mut told, done } = plan.go_on(&fingerprints)?;
     if done == frames.len() && done > 0 && told.failed == 0 && unreadable.is_empty() {
-        let objects = counted(told.cast.count().objects(), "object");
-        terminal::print(&format!("{objects}, followed before -> {}\n", args.out.display()))?;
-        return Ok(Outcome::AllDone);
+        told.events.extend(tracker.finish());
+        return plan.sum_up(&told, done, ", followed before");
     }
     interrupt::catch()?;
 
@@ -114,7 +115,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     }
     told.events.extend(late);
     plan.write_lists(&told)?;
-    let outcome = plan.sum_up(&told, frames.len() + unreadable.len())?;
+    let outcome = plan.sum_up(&told, frames.len() + unreadable.len(), "")?;
     if outcome == Outcome::Interrupted {
         let next = if args.resume { "goes on from here" } else { "follows the video from its beginning" };
         terminal::note(&format!("what is written is whole and ends here; the same command {next}"));
@@ -144,22 +145,16 @@ impl<'a> Plan<'a> {
         told: &mut Told,
         filming: Option<&mut Filming>,
     ) -> Result<()> {
-        let named = || input.path.display().to_string();
         let (capture, tracked) = match self.track(tracker, input, number, told.last_stamp_s) {
             Ok(found) => found,
             Err(e) => {
                 tracker.skip();
-                let size = told.last_size.filter(|_| is_blank(&e)).ok_or(e)?;
-                terminal::note(&format!("{}: no pixel has depth: nothing is said of this frame", named()));
-                let nothing = Raster::from_vec(size.0, size.1, vec![0; size.0 * size.1])?;
-                self.write_labels(number, &nothing, Vec::new())?;
-                told.lines.blank(number);
-                return Ok(());
+                return self.pass_over(input, number, told, e);
             }
         };
         (told.last_stamp_s, told.last_size) = (Some(tracked.stamp_s), Some(tracked.labels.size()));
         for notice in &tracked.notices {
-            terminal::note(&format!("{}: {notice}", named()));
+            terminal::note(&format!("{}: {notice}", input.path.display()));
         }
         let mut files = Vec::new();
         if self.args.write.is_some() {
@@ -181,6 +176,20 @@ impl<'a> Plan<'a> {
             hindsight.learn(&tracked);
         }
         told.events.extend(tracked.events);
+        Ok(())
+    }
+
+    /// Writes an empty label image of a frame of which nothing can be said, and a line for it.
+    ///
+    /// # Errors
+    /// `error`, when the frame failed; when an output cannot be written.
+    fn pass_over(&self, input: &Input, number: usize, told: &mut Told, error: anyhow::Error) -> Result<()> {
+        let Some(Silence { why, time_s, size }) = Silence::of(&error, input) else { return Err(error) };
+        // The size of the last frame first: a list of points without depth has no image.
+        let Some((width, height)) = told.last_size.or(size) else { return Err(error) };
+        terminal::note(&format!("{}: nothing is said of this frame: {why}", input.path.display()));
+        self.write_labels(number, &Raster::filled(width, height, 0)?, Vec::new())?;
+        told.lines.blank(number, time_s);
         Ok(())
     }
 
@@ -233,11 +242,12 @@ impl<'a> Plan<'a> {
         Ok(output::write_together(&files)?)
     }
 
-    fn sum_up(&self, told: &Told, total: usize) -> Result<Outcome> {
+    /// Tells what was found, then `ending`; how the run ends.
+    fn sum_up(&self, told: &Told, total: usize, ending: &str) -> Result<Outcome> {
         let is_interrupted = told.done + told.failed < total;
         let count = told.cast.count();
         let mut text = format!(
-            "{}, {}, {} -> {}\n",
+            "{}, {}, {}{ending} -> {}\n",
             counted(told.done, "frame"),
             counted(count.objects(), "object"),
             counted(told.events.len(), "event"),
@@ -256,11 +266,6 @@ impl<'a> Plan<'a> {
             (false, _) => Outcome::SomeFailed,
         })
     }
-}
-
-/// Whether a frame failed only because the sensor measured nothing.
-fn is_blank(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| cause.downcast_ref().is_some_and(objecthood_io::Error::is_blank))
 }
 
 fn pose_of(capture: &Capture) -> Option<Rigid> {

@@ -89,6 +89,16 @@ fn a_video_that_was_followed_is_not_followed_again() {
     assert!(!folder.names("plain").contains(&"tracker.state".to_owned()));
 }
 
+/// It printed no summary.
+#[test]
+fn a_video_that_was_followed_is_summed_up_again() {
+    let folder = pick();
+    let track = || folder.run("track clips/pick1 --out out --resume --summary", 0).stdout;
+    let first = track();
+    assert!(first.lines().count() > 1, "{first}");
+    assert_eq!(track(), first.replacen(" -> ", ", followed before -> ", 1));
+}
+
 #[test]
 fn a_run_that_was_stopped_goes_on_in_the_middle() {
     let folder = pick();
@@ -145,6 +155,22 @@ fn a_run_that_cannot_go_on_says_why() {
     assert!(run.stderr.contains("files that were followed have changed"), "{}", run.stderr);
 }
 
+/// Images that had been deleted stayed missing.
+#[test]
+fn images_that_were_deleted_are_written_again() {
+    let folder = pick();
+    let track = || folder.run("track clips/pick1 --frames ..4 --out out --resume --write pictures", 0);
+    track();
+    let first = folder.files("out");
+    for kind in ["labels", "pictures"] {
+        let image = format!("out/{kind}/{}", folder.names(&format!("out/{kind}")).remove(1));
+        std::fs::remove_file(folder.path().join(&image)).unwrap();
+        let said = format!("note: begins anew with frame 0: {image} is missing");
+        assert_eq!(track().stderr.trim_end(), said);
+        assert!(folder.files("out") == first, "{kind}");
+    }
+}
+
 /// Images of the input that had the names of outputs were removed when a run began anew.
 #[test]
 fn a_run_that_begins_anew_removes_no_image() {
@@ -166,25 +192,44 @@ fn a_run_that_begins_anew_removes_no_image() {
     assert!(folder.files("pictures") == before);
 }
 
+/// A first frame without depth failed and had no label image, and the others of its clip could not be scored.
 #[test]
 fn a_frame_without_depth_is_passed_over() {
     let folder = pick();
     folder.run("track clips/pick1 --out whole", 0);
-    let depth: Vec<String> = {
-        let mut names = folder.names("clips/pick1/depth");
-        names.sort();
-        names
-    };
-    let path = folder.path().join("clips/pick1/depth").join(&depth[3]);
-    image::ImageBuffer::<image::Luma<u16>, Vec<u16>>::new(320, 240).save(&path).unwrap();
+    let depth = folder.names("clips/pick1/depth");
+    for blank in [0, 3] {
+        let path = folder.path().join("clips/pick1/depth").join(&depth[blank]);
+        image::ImageBuffer::<image::Luma<u16>, Vec<u16>>::new(320, 240).save(&path).unwrap();
+    }
     let run = folder.run("track clips/pick1 --out blank", 0);
-    assert!(run.stderr.contains("no pixel has depth"), "{}", run.stderr);
+    assert_eq!(run.stderr.matches("no pixel has depth").count(), 2, "{}", run.stderr);
     let files = folder.files("blank");
     let frames = lines(&files["tracks.jsonl"]);
     let numbers: Vec<u64> = frames.iter().filter_map(|line| line["frame"].as_u64()).collect();
     assert_eq!(numbers, (0..depth.len() as u64).collect::<Vec<_>>());
-    assert!(frames[3]["objects"].as_array().unwrap().is_empty());
+    assert!([0, 3].iter().all(|&blank: &usize| frames[blank]["objects"].as_array().unwrap().is_empty()));
     assert_eq!(folder.names("blank/labels"), folder.names("whole/labels"));
+    folder.run("eval --tracks blank --truth clips/pick1", 0);
+}
+
+/// A frame that was given twice failed, and had no label image.
+#[test]
+fn a_frame_with_the_stamp_of_the_last_is_passed_over() {
+    let folder = pick();
+    folder.run("convert clips/pick1 --frames ..4 --to npz --out npz", 0);
+    let names = folder.names("npz");
+    let second = folder.path().join("npz").join(&names[1]);
+    std::fs::copy(&second, second.with_extension("again.npz")).unwrap();
+    let run = folder.run("track npz --out out", 0);
+    assert_eq!(run.stderr.matches("is not after that of the last frame").count(), 1, "{}", run.stderr);
+    assert_eq!(folder.names("out/labels").len(), names.len() + 1);
+    let frames = lines(&folder.files("out")["tracks.jsonl"]);
+    let silent: Vec<&Value> = frames.iter().filter(|frame| frame["camera"].is_null()).collect();
+    let [silent] = silent[..] else { panic!("{silent:?}") };
+    assert!(silent["objects"].as_array().unwrap().is_empty());
+    assert_eq!(silent["time"], frames[1]["time"]);
+    assert_eq!(frames.len(), names.len() + 1);
 }
 
 #[test]
@@ -261,6 +306,29 @@ fn a_person_at_a_table_is_one_agent() {
         assert_eq!(shown(k, 110, 137), shown(0, 110, 137), "frame {k}: the brain");
         assert_eq!(shown(k, 260, 40), 0, "frame {k}: the person");
     }
+}
+
+/// A label image that one clip missed kept all from being scored.
+#[test]
+fn a_clip_that_misses_an_image_is_named_and_the_others_are_scored() {
+    let folder = pick();
+    for (name, bytes) in folder.files("clips/pick1") {
+        folder.write(&format!("clips/pick2/{name}"), &bytes);
+        if let Some(image) = name.strip_prefix("truth/") {
+            for clip in ["pick1", "pick2"] {
+                folder.write(&format!("found/{clip}/labels/{image}"), &bytes);
+            }
+        }
+    }
+    let missing = format!("found/pick1/labels/{}", folder.names("found/pick1/labels").remove(0));
+    std::fs::remove_file(folder.path().join(&missing)).unwrap();
+    let run = folder.run("eval --tracks found --truth clips --json figures.json", 1);
+    assert!(run.errors()[0].starts_with(&format!("error: pick1: {missing}: ")), "{}", run.stderr);
+    assert!(run.stderr.contains("1 of 2 clips failed"), "{}", run.stderr);
+    let figures: Value = serde_json::from_slice(&folder.files(".")["figures.json"]).unwrap();
+    let clips: Vec<&Value> =
+        figures["clips"].as_array().unwrap().iter().map(|named| &named["clip"]).collect();
+    assert_eq!(clips, ["pick2"]);
 }
 
 #[test]

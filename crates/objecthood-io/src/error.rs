@@ -307,12 +307,12 @@ impl Error {
         Self::At { path: path.to_owned(), error: Box::new(self) }
     }
 
-    /// Whether the frame could be read, but no pixel of it has depth.
-    pub fn is_blank(&self) -> bool {
+    /// Columns and rows of the frame, if it could be read but no pixel of it has depth.
+    pub fn blank_size(&self) -> Option<(usize, usize)> {
         match self {
-            Self::At { error, .. } => error.is_blank(),
-            Self::Frame(error) => matches!(error, objecthood::Error::NoValidDepth),
-            _ => false,
+            Self::At { error, .. } => error.blank_size(),
+            Self::Frame(objecthood::Error::NoValidDepth { size }) => Some(*size),
+            _ => None,
         }
     }
 }

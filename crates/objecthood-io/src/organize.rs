@@ -82,7 +82,8 @@ fn organize_list(cloud: PointCloud, given: &Given) -> Result<Capture> {
         None => {
             let is_there = |point: &[f32; 3]| point.iter().all(|part| part.is_finite()) && *point != [0.0; 3];
             if !points_m.iter().any(is_there) {
-                return Err(objecthood::Error::NoValidDepth.into());
+                let size = (cloud.width, cloud.height);
+                return Err(objecthood::Error::NoValidDepth { size }.into());
             }
             let (grid, pose) = virtual_view::choose(points_m, cloud.viewpoint, given.max_pixels)?;
             (grid, pose, Shown::Nearest)
@@ -308,7 +309,7 @@ mod tests {
                 let cloud = PointCloud { width, height, points_m, color: None, label: None, viewpoint: None };
                 let given = (height == 1 && width > 1).then_some(&given);
                 let error = organize(cloud, given).unwrap_err();
-                assert!(matches!(error, Error::Frame(objecthood::Error::NoValidDepth)), "{error}");
+                assert!(error.blank_size().is_some(), "{error}");
             }
         }
     }

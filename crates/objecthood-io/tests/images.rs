@@ -142,7 +142,7 @@ fn what_is_no_depth_is_refused() {
     }
     let nothing = png(ImageBuffer::from_pixel(WIDTH, HEIGHT, Luma([0_u16])));
     let error = decode_images(None, &nothing, &mm).unwrap_err();
-    assert!(matches!(error, Error::Frame(objecthood::Error::NoValidDepth)), "{error}");
+    assert!(matches!(error, Error::Frame(objecthood::Error::NoValidDepth { .. })), "{error}");
 }
 
 /// The decoder names every one of the sample formats, and there may be 65535.

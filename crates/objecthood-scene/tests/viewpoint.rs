@@ -58,7 +58,7 @@ fn every_sensor_works_from_anywhere_or_says_that_it_sees_nothing() {
                 match render(&world, sensor) {
                     Ok(seen) => assert_eq!(seen.frame.size(), (80, 60)),
                     Err(e) => assert!(
-                        matches!(e, Error::Frame(objecthood::Error::NoValidDepth)),
+                        matches!(e, Error::Frame(objecthood::Error::NoValidDepth { .. })),
                         "{eye_m:?} {target_m:?} {sensor}: {e}"
                     ),
                 }

@@ -54,12 +54,14 @@ pub enum Error {
 /// The tracker's result.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Refuses frames that make no sense.
-pub(crate) fn check(frame: &Frame, found: &Discovery, stamp_s: f64, last_s: Option<f64>) -> Result<()> {
+/// Refuses a stamp that does not rise.
+pub(crate) fn check_stamp(stamp_s: f64, last_s: Option<f64>) -> Result<()> {
     let last_s = last_s.unwrap_or(f64::NEG_INFINITY);
-    if !stamp_s.is_finite() || stamp_s <= last_s {
-        return Err(Error::Stamp { stamp_s, last_s });
-    }
+    if stamp_s.is_finite() && stamp_s > last_s { Ok(()) } else { Err(Error::Stamp { stamp_s, last_s }) }
+}
+
+/// Refuses labels that make no sense.
+pub(crate) fn check_labels(frame: &Frame, found: &Discovery) -> Result<()> {
     if found.labels.size() != frame.size() {
         return Err(Error::Size { labels: found.labels.size(), frame: frame.size() });
     }

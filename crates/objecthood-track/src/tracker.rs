@@ -58,6 +58,8 @@ impl Tracker {
     /// # Errors
     /// As [`Pipeline::discover`]; [`Error::Stamp`](crate::Error::Stamp) when the stamp does not rise. The frame then counts for nothing.
     pub fn update(&mut self, frame: &Frame, stamp_s: f64, pose: Option<Rigid>) -> Result<Tracked> {
+        // Before the objects are found, which changes the estimates.
+        crate::error::check_stamp(stamp_s, self.last_stamp_s())?;
         let mut pipeline = std::mem::take(&mut self.pipeline);
         let known = frame.clone().with_estimates(self.estimates);
         let mut doubtful = Doubtful::new(&self.params);
@@ -94,7 +96,8 @@ impl Tracker {
         stamp_s: f64,
         pose: Option<Rigid>,
     ) -> Result<Tracked> {
-        crate::error::check(frame, found, stamp_s, self.memory.as_ref().map(|memory| memory.stamp_s))?;
+        crate::error::check_stamp(stamp_s, self.last_stamp_s())?;
+        crate::error::check_labels(frame, found)?;
         let noise =
             found.estimates.map_or(1.0, |estimates| estimates.noise.white.max(estimates.noise.waves()));
         let view = View::of(frame, (noise as f32).clamp(1.0, 5.0));
@@ -114,6 +117,10 @@ impl Tracker {
         tracked.frame = self.numbering.of(tracked.frame);
         tracked.events.splice(0..0, ended);
         Ok(tracked)
+    }
+
+    fn last_stamp_s(&self) -> Option<f64> {
+        self.memory.as_ref().map(|memory| memory.stamp_s)
     }
 
     /// Events that become certain when the video ends.

@@ -43,7 +43,10 @@ pub enum Error {
     },
     /// Not one pixel with depth.
     #[error("no pixel has a valid depth (finite and above 0 m): check the file and its depth unit")]
-    NoValidDepth,
+    NoValidDepth {
+        /// Columns and rows of the depth; a list of points is one row.
+        size: (usize, usize),
+    },
     /// Intrinsics that no camera has.
     #[error(
         "fx {} fy {} cx {} cy {} is not a camera: give pixels, focal lengths from 1e-3 to 1e7 and a principal point within 1e7",

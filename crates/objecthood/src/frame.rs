@@ -66,7 +66,7 @@ impl Frame {
             let (depth_m, color) = (Arc::new(depth_m), color.map(Arc::new));
             Ok(Self { depth_m, color, camera, measured_px, up: None, estimates: None })
         } else {
-            Err(Error::NoValidDepth)
+            Err(Error::NoValidDepth { size: depth_m.size() })
         }
     }
 
@@ -225,7 +225,7 @@ mod tests {
     #[test]
     fn a_frame_without_depth_or_with_other_colour_is_refused() {
         let nan = Raster::filled(2, 2, f32::NAN).unwrap();
-        assert!(matches!(Frame::new(nan, None, camera()), Err(Error::NoValidDepth)));
+        assert!(matches!(Frame::new(nan, None, camera()), Err(Error::NoValidDepth { .. })));
         let depth = Raster::filled(2, 2, 1.0).unwrap();
         let color = Raster::filled(2, 3, [0; 3]).unwrap();
         assert!(matches!(Frame::new(depth.clone(), Some(color), camera()), Err(Error::SizeMismatch { .. })));

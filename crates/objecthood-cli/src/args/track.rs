@@ -50,7 +50,7 @@ pub(crate) struct TrackArgs {
     pub(crate) summary: bool,
 
     /// Go on where an earlier run with --resume into DIR was stopped or ended. Where files that it followed, the options or the version have
-    /// changed, or what it kept is damaged, its lists are removed and the video is followed from its first frame. What the tracker knows
+    /// changed, or what it kept is damaged or an image is missing, its lists are removed and the video is followed from its first frame. What the tracker knows
     /// is kept in DIR: tracker.state, and progress.json for how far it came.
     #[arg(long)]
     pub(crate) resume: bool,

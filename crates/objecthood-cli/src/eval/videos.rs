@@ -19,16 +19,15 @@ struct Clip {
     tracks: PathBuf,
 }
 
-/// Scores a clip, or every clip of a folder, and prints the figures.
+/// Scores a clip, or every clip of a folder, and prints the figures. A clip that cannot be scored is reported and left out.
 ///
 /// # Errors
-/// Of usage; when a clip cannot be scored, because figures of the others would not compare with those of all; when the
-/// figures cannot be written.
+/// Of usage; when the figures cannot be written.
 pub(super) fn run(args: &EvalArgs, tracks: &Path, truth: &Path) -> Result<Outcome> {
     let clips = clips(tracks, truth)?;
     let bar = terminal::progress_bar(clips.len(), args.settings.verbose);
     let mut scores = Vec::new();
-    let mut failed = None;
+    let mut failed = 0;
     let score = |(): &mut (), clip: &Clip| {
         ClipScore::read(&clip.truth, &clip.tracks).with_context(|| clip.name.clone())
     };
@@ -36,16 +35,26 @@ pub(super) fn run(args: &EvalArgs, tracks: &Path, truth: &Path) -> Result<Outcom
         bar.inc(1);
         match score {
             Ok(score) => scores.push((clip.name.clone(), score)),
-            Err(e) => failed = failed.take().or(Some(e)),
+            Err(e) => {
+                failed += 1;
+                bar.suspend(|| terminal::error(&e));
+            }
         }
     })?;
     bar.finish_and_clear();
-    if let Some(e) = failed {
-        return Err(e);
+    if !scores.is_empty() {
+        let report = VideoReport::new(&scores);
+        super::publish(args, &report, &format!("{report}\n"), &Params::default())?;
     }
-    let report = VideoReport::new(&scores);
-    super::publish(args, &report, &format!("{report}\n"), &Params::default())?;
-    Ok(Outcome::AllDone)
+    if failed == 0 {
+        return Ok(Outcome::AllDone);
+    }
+    if !scores.is_empty() {
+        // Figures of some clips do not compare with those of all.
+        let total = clips.len();
+        terminal::complain(&format!("{failed} of {total} clips failed: the figures are those of the others"));
+    }
+    Ok(Outcome::SomeFailed)
 }
 
 /// The clip, or the clips in the folder, in the natural order of their names.

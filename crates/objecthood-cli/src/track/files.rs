@@ -85,9 +85,10 @@ impl Lines {
         }
     }
 
-    /// Adds a frame that shows nothing.
-    pub(super) fn blank(&mut self, frame: usize) {
-        push(&mut self.tracks, &json!({ "frame": frame, "objects": [], "lost": [], "agents": [] }));
+    /// Adds a frame of which nothing is said; `time_s`: when it was taken, if that is known.
+    pub(super) fn blank(&mut self, frame: usize, time_s: Option<f64>) {
+        let line = json!({ "frame": frame, "time": time_s, "objects": [], "lost": [], "agents": [], "camera": null });
+        push(&mut self.tracks, &line);
     }
 
     pub(super) fn event(&mut self, event: &Event) {

@@ -6,6 +6,7 @@ use std::{fmt, fs, io};
 use anyhow::{Context, Result, anyhow, ensure};
 use objecthood_io::output;
 use objecthood_track::{Error, Event, Tracker};
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use super::cast::Cast;
@@ -38,6 +39,14 @@ struct Progress {
     /// Bytes of the lists, without the events that the end of the video made certain.
     lists: [usize; 3],
     cast: Cast,
+}
+
+/// What a line of `tracks.jsonl` says of the images of its frame.
+#[derive(Deserialize)]
+struct Line {
+    frame: usize,
+    /// A frame of which nothing is said has none, and no picture.
+    camera: Option<IgnoredAny>,
 }
 
 /// Why a run neither goes on nor begins anew: what the earlier one left may be of use.
@@ -131,10 +140,30 @@ impl Plan<'_> {
             let text = self.kept(name, |path| fs::read_to_string(path))?;
             list.push_str(text.get(..length).with_context(|| damaged(&self.args.out.join(name)))?);
         }
+        self.check_images(&told.lines.tracks)?;
         let events = told.lines.events.lines().map(serde_json::from_str::<Event>);
         let events = events.collect::<Result<_, _>>();
         told.events = events.map_err(|_| anyhow!("{}", damaged(&self.args.out.join(LISTS[1]))))?;
         Ok(Going { tracker, told, done: followed.len() })
+    }
+
+    /// Whether the images of the frames in these lines are there. They are not opened, so that a long video goes on at once.
+    ///
+    /// # Errors
+    /// When an image is missing, or a line is none of `tracks.jsonl`.
+    fn check_images(&self, tracks: &str) -> Result<()> {
+        let is_damaged = || damaged(&self.args.out.join(LISTS[0]));
+        for line in tracks.lines() {
+            let Line { frame, camera } =
+                serde_json::from_str(line).map_err(|_| anyhow!("{}", is_damaged()))?;
+            let name = &self.inputs.frames.get(frame).with_context(is_damaged)?.name;
+            let has_picture = camera.is_some() && self.args.write.is_some();
+            let images = [self.label_image(name)].into_iter().chain(has_picture.then(|| self.picture(name)));
+            for image in images {
+                ensure!(image.exists(), "{} is missing", image.display());
+            }
+        }
+        Ok(())
     }
 
     fn progress(&self) -> Result<Progress> {

@@ -107,6 +107,7 @@ fn understood_table(f: &mut fmt::Formatter<'_>, rows: &[(&str, &VideoFigures)]) 
         vec![
             (*name).to_owned(),
             both(figures.all_events),
+            cases(figures.events.as_ref().map(|events| events.other_named).unwrap_or_default()),
             both(figures.support),
             both(figures.flights),
             both(airborne.map(|counts| counts.frames)),
@@ -121,6 +122,7 @@ fn understood_table(f: &mut fmt::Formatter<'_>, rows: &[(&str, &VideoFigures)]) 
     let header = [
         "clip",
         "events P/R",
+        "other",
         "support P/R",
         "flights P/R",
         "airborne P/R",
@@ -165,4 +167,19 @@ fn both(counts: Option<Counts>) -> String {
 
 fn cases(cases: Cases) -> String {
     if cases.all == 0 { "-".to_owned() } else { format!("{}/{}", cases.right, cases.all) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::EventCounts;
+    use super::*;
+
+    /// It was counted, and no table showed it.
+    #[test]
+    fn who_else_had_part_in_events_is_shown() {
+        let events = EventCounts { other_named: Cases { right: 2, all: 3 }, ..EventCounts::default() };
+        let score = ClipScore { frames: 1, events: Some(events), ..ClipScore::default() };
+        let text = VideoReport::new(&[("pick1".to_owned(), score)]).to_string();
+        assert!(text.contains("other") && text.contains("2/3"), "{text}");
+    }
 }

@@ -44,7 +44,8 @@ pub fn fit_camera(cloud: &PointCloud) -> Result<CameraFit> {
         axes.iter_mut().zip(sights).for_each(|(axis, sight)| axis.add_to_mean(sight));
     }
     if points == 0 {
-        return Err(objecthood::Error::NoValidDepth.into());
+        let size = (cloud.width, cloud.height);
+        return Err(objecthood::Error::NoValidDepth { size }.into());
     }
     axes.iter_mut().for_each(|axis| axis.finish_mean(points));
     for sights in sights.clone() {

@@ -1,7 +1,7 @@
 //! What the tracker remembers: numbers, a bounded state, a state that is saved and restored.
 
 use objecthood::{Camera, Discovery, Frame, Params, Raster};
-use objecthood_track::Tracker;
+use objecthood_track::{Error, Tracker};
 
 use crate::{Patch, SIZE, THING, follow, frame, numbers};
 
@@ -33,6 +33,19 @@ fn frames_are_counted_as_they_are_given_and_numbers_are_used_once() {
         }
     }
     assert_eq!((&told[8][..], &told[18][..]), (&[1][..], &[2][..]));
+}
+
+/// A regression: the noise of the refused frame was taken into the mean.
+#[test]
+fn a_stamp_that_does_not_rise_changes_nothing() {
+    let mut tracker = Tracker::new(Params::default());
+    let (first, second) = (frame(&[THING], &[], 0).0, frame(&[THING], &[], 1).0);
+    tracker.update(&first, 1.0, None).unwrap();
+    let before = tracker.save().unwrap();
+    for stamp_s in [1.0, 0.5] {
+        assert!(matches!(tracker.update(&second, stamp_s, None), Err(Error::Stamp { .. })));
+    }
+    assert!(tracker.save().unwrap() == before);
 }
 
 /// A thing that goes round, beside one that rests.
