@@ -20,7 +20,7 @@ fn answers(arguments: &[&str], stdin: Vec<u8>) -> (Vec<Value>, i32, String) {
 }
 
 #[test]
-fn each_frame_is_answered_as_its_file_would_be() {
+fn the_first_frame_is_answered_as_its_file_would_be() {
     let folder = Folder::new();
     let camera = json!({"fx": FOCAL_PX, "fy": FOCAL_PX, "cx": 159.5, "cy": 119.5});
     folder.write("camera.json", camera.to_string().as_bytes());
@@ -47,6 +47,22 @@ fn each_frame_is_answered_as_its_file_would_be() {
     assert_eq!((&lines[1]["number"], &lines[1]["name"]), (&json!(1), &json!("wrong")));
     assert_eq!(lines[2]["scene"]["objects"].as_array().unwrap().len(), 2);
     assert!(stderr.ends_with("2 of 3 frames done, 1 failed\n"), "{stderr}");
+}
+
+/// The noise of a frame is the mean of what it and the frames before it tell, as long as they are of one camera.
+#[test]
+fn what_frames_tell_of_their_sensor_is_handed_on() {
+    let of_camera = |name: &str, fx: f64| {
+        let (mut header, depth, color) = parts(&Cloud::two_boxes(0.0), name);
+        header["camera"][0] = json!(fx);
+        sent(&header, &depth, &color)
+    };
+    let stdin = [of_camera("a", FOCAL_PX), good("b", 0.05), of_camera("other", 260.0)].concat();
+    let (lines, code, stderr) = answers(&[], stdin);
+    let alone = [good("b", 0.05), of_camera("other", 260.0)].map(|frame| answers(&[], frame).0.remove(0));
+    assert_eq!(code, 0, "{stderr}");
+    assert_ne!(lines[1]["scene"]["noise"], alone[0]["scene"]["noise"]);
+    assert_eq!(lines[2]["scene"]["noise"], alone[1]["scene"]["noise"]);
 }
 
 #[test]

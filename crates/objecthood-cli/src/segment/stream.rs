@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 
 use anyhow::Result;
-use objecthood::{Params, Pipeline};
+use objecthood::{Camera, Estimates, Frame, Params, Pipeline};
 use objecthood_io::Given;
 use objecthood_io::pipe::{Answer, Header, LabelRun, label_runs};
 use objecthood_io::scene::SceneFile;
@@ -23,6 +23,23 @@ struct Plan<'a> {
     params: Params,
     given: Given,
     scope: Scope,
+}
+
+/// What frames of one camera have told of its sensor and of gravity.
+#[derive(Default)]
+struct Earlier(Option<(Camera, (usize, usize), Estimates)>);
+
+impl Earlier {
+    /// What it tells of a frame: nothing, if that is of another camera.
+    fn estimates(&self, frame: &Frame) -> Option<Estimates> {
+        let (camera, size, estimates) = self.0?;
+        (camera == frame.camera() && size == frame.size()).then_some(estimates)
+    }
+
+    /// After one more frame, which had what was told before it.
+    fn after(frame: &Frame, estimates: Option<Estimates>) -> Self {
+        Self(estimates.map(|estimates| (frame.camera(), frame.size(), estimates)))
+    }
 }
 
 /// Answers the frames of stdin until it ends, nobody reads the answers, or Ctrl-C is pressed.
@@ -44,10 +61,10 @@ pub(super) fn run(args: &SegmentArgs) -> Result<Outcome> {
     interrupt::catch()?;
 
     let mailbox = Mailbox::open(io::stdin(), plan.given.max_pixels, args.stream.latest)?;
-    let mut pipeline = Pipeline::default();
+    let (mut pipeline, mut earlier) = (Pipeline::default(), Earlier::default());
     let (mut done, mut failed) = (0, 0);
     while let Some(taken) = mailbox.take() {
-        let answer = pool.install(|| plan.answer(&mut pipeline, &taken));
+        let answer = pool.install(|| plan.answer(&mut pipeline, &mut earlier, &taken));
         let count = if answer.error.is_none() { &mut done } else { &mut failed };
         *count += 1;
         if !terminal::print_to_reader(&answer.to_line()?)? {
@@ -68,7 +85,7 @@ pub(super) fn run(args: &SegmentArgs) -> Result<Outcome> {
 
 impl Plan<'_> {
     /// What is said of a frame, also when it fails.
-    fn answer(&self, pipeline: &mut Pipeline, taken: &Taken) -> Answer {
+    fn answer(&self, pipeline: &mut Pipeline, earlier: &mut Earlier, taken: &Taken) -> Answer {
         let &Taken { number, dropped, .. } = taken;
         let mut answer =
             Answer { number, name: None, stamp_ns: None, dropped, scene: None, labels: None, error: None };
@@ -76,7 +93,7 @@ impl Plan<'_> {
         let found = header.and_then(|header| {
             answer.name.clone_from(&header.name);
             answer.stamp_ns = header.stamp_ns;
-            self.look(pipeline, taken, &header)
+            self.look(pipeline, earlier, taken, &header)
         });
         match found {
             Ok((scene, labels)) => (answer.scene, answer.labels) = (Some(scene), Some(labels)),
@@ -93,14 +110,18 @@ impl Plan<'_> {
     fn look(
         &self,
         pipeline: &mut Pipeline,
+        earlier: &mut Earlier,
         Taken { number, frame, .. }: &Taken,
         header: &Header,
     ) -> Result<(SceneFile, Vec<LabelRun>)> {
         let mut laps = Laps::start();
-        let capture = self.args.frames.tell(frame.capture(header, &self.given)?, &self.scope)?;
+        let mut capture = self.args.frames.tell(frame.capture(header, &self.given)?, &self.scope)?;
+        let estimates = earlier.estimates(&capture.frame);
+        capture.frame = capture.frame.with_estimates(estimates);
         laps.end("reading");
         let mut watch = Watch { laps: &mut laps, next: &mut () };
         let discovery = pipeline.discover_observed(&capture.frame, &self.params, &mut watch)?;
+        *earlier = Earlier::after(&capture.frame, discovery.estimates.or(estimates));
         let name = header.name.clone().unwrap_or_else(|| number.to_string());
         tracing::info!("{name}: {laps}");
         Ok((SceneFile::new(&name, &capture, &self.params, discovery), label_runs(&discovery.labels)))

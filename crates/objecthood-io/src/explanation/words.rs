@@ -121,6 +121,7 @@ pub(super) fn flip(flip: &Flip) -> String {
             let less = if *is_tight { "" } else { "; a smaller change may do" };
             format!("would change with --set {parameter}={to} (now {from}{}{less})", share(*from, *to))
         }
+        Flip::Off { parameter } => format!("would change with --set {parameter}=false (now true)"),
         Flip::Nowhere { tried } if tried.is_empty() => {
             "no parameter suggests itself; a repair search tries all".to_owned()
         }

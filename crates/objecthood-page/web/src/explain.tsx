@@ -59,11 +59,12 @@ function Line({ text }: { text: string }) {
   const [, name, value] = change;
   // A long line breaks before the value, not within it.
   const [before, rest] = text.split(/(?<=--set [^\s=]+=)/);
-  const number = typeof defaultOf(name) === "number" ? Number(value) : value;
+  const kind = typeof defaultOf(name);
+  const wanted = kind === "number" ? Number(value) : kind === "boolean" ? value === "true" : value;
   return (
     <div class="try">
       <pre style={hanging}>{before}<wbr />{rest}</pre>
-      <button onClick={() => { set(name, number); reveal(name); }} title={`Set ${name} to ${value}`}>try it</button>
+      <button onClick={() => { set(name, wanted); reveal(name); }} title={`Set ${name} to ${value}`}>try it</button>
     </div>
   );
 }

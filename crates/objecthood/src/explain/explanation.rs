@@ -216,6 +216,12 @@ pub enum Flip {
         /// `to` may turn the decision too.
         is_tight: bool,
     },
+    /// A run of the whole method with this switch off decides otherwise. It is named when no number was found: a rule has limits that no parameter
+    /// sets.
+    Off {
+        /// The parameter of the switch, which is on.
+        parameter: &'static str,
+    },
     /// No flip was found: the method did not decide otherwise with any value that the evidence suggested.
     Nowhere {
         /// The parameters that were tried, one at a time; empty when the evidence suggested no value.

@@ -7,6 +7,7 @@ use crate::explain::guess::{Guess, guess_checks, is_whole, last_digit, switched_
 use crate::explain::run::Run;
 use crate::explain::subject::Subject;
 use crate::explain::sweep::{self, Sweep};
+use crate::params::Params;
 use crate::regions::SegmentId;
 use crate::shapes::contraction::Shapes;
 
@@ -67,12 +68,17 @@ impl<'a> Search<'a> {
                 Confirmed::Unknown => return Flip::NotSought,
             }
         }
-        if let Some((parameter, to)) = switched_off(reason, yes) {
-            let from = self.asked.params.number(parameter).unwrap_or(to);
-            match self.ask(question, parameter, to) {
-                Asked::Answer(answer) if answer != yes => {
-                    return Flip::At { parameter, from, to, is_tight: false };
+        if let Some((parameter, number)) = switched_off(reason, yes) {
+            let now = &self.asked.params;
+            let (off, flip) = match number {
+                Some(to) => {
+                    let from = now.number(parameter).unwrap_or(to);
+                    (now.with_number(parameter, to), Flip::At { parameter, from, to, is_tight: false })
                 }
+                None => (now.with_choice(parameter, "false"), Flip::Off { parameter }),
+            };
+            match self.ask(question, off) {
+                Asked::Answer(answer) if answer != yes => return flip,
                 Asked::Answer(_) => tried.push(parameter),
                 Asked::Refused => {}
                 Asked::NotRun => return Flip::NotSought,
@@ -86,7 +92,7 @@ impl<'a> Search<'a> {
     /// Tries a guess. If it turns the answer, halves the distance to the present value as long as that does too.
     fn confirm(&mut self, question: Question, yes: bool, guess: &Guess) -> Confirmed {
         let &Guess { parameter, from, mut to, .. } = guess;
-        match self.ask(question, parameter, to) {
+        match self.ask_at(question, parameter, to) {
             Asked::NotRun => return Confirmed::Unknown,
             Asked::Refused => return Confirmed::Refused,
             Asked::Answer(answer) if answer == yes => return Confirmed::No,
@@ -99,7 +105,7 @@ impl<'a> Search<'a> {
             if is_tight {
                 break;
             }
-            match self.ask(question, parameter, half) {
+            match self.ask_at(question, parameter, half) {
                 Asked::Answer(answer) if answer != yes => to = half,
                 Asked::Answer(_) => {
                     is_tight = true;
@@ -111,9 +117,14 @@ impl<'a> Search<'a> {
         Confirmed::Yes(Flip::At { parameter, from, to, is_tight })
     }
 
-    /// The answer to a question with another value of a parameter.
-    fn ask(&mut self, question: Question, parameter: &str, value: f64) -> Asked {
-        let Some(params) = self.asked.params.with_number(parameter, value) else { return Asked::Refused };
+    /// The answer to a question with another number for a parameter.
+    fn ask_at(&mut self, question: Question, parameter: &str, number: f64) -> Asked {
+        self.ask(question, self.asked.params.with_number(parameter, number))
+    }
+
+    /// The answer to a question with other parameters; `None` are such as are not allowed.
+    fn ask(&mut self, question: Question, params: Option<Params>) -> Asked {
+        let Some(params) = params else { return Asked::Refused };
         if self.spend(RUN_LOOKS).is_none() {
             return Asked::NotRun;
         }

@@ -36,11 +36,20 @@ pub(super) fn guess_checks(checks: &[Check], params: &Params) -> Vec<Guess> {
     turned(checks).flat_map(|check| guess(check, params)).collect()
 }
 
-/// The parameter and the value that switch the rules of vessels off, if one of them joined: others may join the same parts, so that no limit of the one
-/// that did turns the decision.
-pub(super) fn switched_off(reason: Reason, yes: bool) -> Option<(&'static str, f64)> {
-    let Reason::Rule(rule) = reason else { return None };
-    (yes && rule.is_of_vessels() && rule != Rule::VesselBottom).then_some(("vessels.concavity", 0.0))
+/// The parameter that switches off what decided, and the number that does so, if it is no switch. `None` where none does.
+///
+/// Of a rule with limits that no parameter sets, and where another rule would do the same, no limit turns the decision.
+pub(super) fn switched_off(reason: Reason, yes: bool) -> Option<(&'static str, Option<f64>)> {
+    match (reason, yes) {
+        (Reason::Rule(Rule::VesselBottom), _) => None,
+        (Reason::Rule(rule), true) if rule.is_of_vessels() => Some(("vessels.concavity", Some(0.0))),
+        (Reason::Rule(Rule::Neck), true) => Some(("necks.enabled", None)),
+        (Reason::Rule(Rule::Occlusion), true) => Some(("occlusion.enabled", None)),
+        (Reason::Flat, true) => Some(("flat.enabled", None)),
+        (Reason::Seam, false) => Some(("seams.enabled", None)),
+        (Reason::Skirt, _) => Some(("structure.skirt_reach_px", Some(0.0))),
+        _ => None,
+    }
 }
 
 /// Two values of a check's parameter that turn the check: the nearest round one, and one a little farther.
@@ -167,14 +176,27 @@ mod tests {
     }
 
     #[test]
-    fn joins_of_vessels_can_be_switched_off() {
+    fn what_decided_can_be_switched_off() {
         let params = Params::default();
-        let (parameter, to) = switched_off(Reason::Rule(Rule::VesselWall), true).unwrap();
-        assert!(params.with_number(parameter, to).is_some());
+        for (reason, yes) in [
+            (Reason::Rule(Rule::VesselWall), true),
+            (Reason::Rule(Rule::Neck), true),
+            (Reason::Rule(Rule::Occlusion), true),
+            (Reason::Flat, true),
+            (Reason::Seam, false),
+            (Reason::Skirt, false),
+        ] {
+            let (parameter, number) = switched_off(reason, yes).unwrap();
+            let other = match number {
+                Some(number) => params.with_number(parameter, number),
+                None => params.with_choice(parameter, "false"),
+            };
+            assert!(other.is_some_and(|other| other != params), "{parameter}");
+        }
         for (reason, yes) in [
             (Reason::Rule(Rule::VesselWall), false),
             (Reason::Rule(Rule::VesselBottom), true),
-            (Reason::Rule(Rule::Neck), true),
+            (Reason::Rule(Rule::Neck), false),
             (Reason::Folds, true),
         ] {
             assert_eq!(switched_off(reason, yes), None);

@@ -139,12 +139,13 @@ impl Explainer {
         self.subject.run.bottom_at(pixel).and_then(|step| self.joined(step)).into_iter().collect()
     }
 
-    /// The joins to the thing of a facet that rules nearly made, and no rule made: at most one of the occlusion rule and one of the vessel rules. Of each,
+    /// The joins to the thing of a facet that rules nearly made, and no rule made: at most one of the occlusion rule, one of the vessel rules and one of
+    /// the rules of necks. Of each,
     /// the join that failed the fewest checks, then by the least.
     pub(super) fn near_misses(&self, facet: SegmentId) -> Vec<Decision> {
         let Some(cluster) = self.subject.run.cluster(facet) else { return Vec::new() };
         let mut found = Vec::new();
-        for is_kind in [|rule| rule == Rule::Occlusion, Rule::is_of_vessels] {
+        for is_kind in [|rule| rule == Rule::Occlusion, Rule::is_of_vessels, |rule| rule == Rule::Neck] {
             let own = self.subject.run.near_steps.iter().filter(
                 |NearStep { miss, owners: [into, from], facets, .. }| {
                     // A bottom that one rule refuses may be the bottom by another.

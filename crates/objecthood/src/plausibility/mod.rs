@@ -196,8 +196,10 @@ mod tests {
     fn other_numbers_are_doubted() {
         let found = doubts(|z| 0.7 / z, in_place);
         assert!(matches!(found[..], [Doubt::DisparityAsDepth { .. }]), "{found:?}");
-        let found = doubts(|z| f32::from(((1000.0 * z) as u16).swap_bytes()) / 1000.0, in_place);
-        assert!(matches!(found[0], Doubt::BytesSwapped { .. }), "{found:?}");
+        for per_m in [1000.0, 4000.0] {
+            let found = doubts(|z| f32::from(((per_m * z) as u16).swap_bytes()) / per_m, in_place);
+            assert!(matches!(found[0], Doubt::BytesSwapped { .. }), "{found:?}");
+        }
         let found = doubts(|z| if z > 2.0 { 9.0 } else { z }, in_place);
         assert!(matches!(found[..], [Doubt::DepthSaturated { .. }]), "{found:?}");
         // Along a row, depth hardly changes in this scene.

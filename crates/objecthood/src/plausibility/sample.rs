@@ -19,7 +19,7 @@ const JUMP: f32 = 0.05;
 const NOISE_SHARE: f64 = 0.75;
 
 /// Units a metre in which integer depth is stored.
-const UNITS_PER_M: [f64; 4] = [1.0, 1000.0, 5000.0, 10_000.0];
+const UNITS_PER_M: [f64; 6] = [1.0, 100.0, 1000.0, 4000.0, 5000.0, 10_000.0];
 
 /// Depths are whole numbers of a unit when they are as near to them as 32 bits allow.
 const WHOLE: f64 = 0.01;
