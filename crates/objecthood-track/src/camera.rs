@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::align::{Motion, SurfacePoint, align, fit, gain, open_fit};
 use crate::rigid::Rigid;
+use crate::turn::SmallImage;
 use crate::view::View;
 
 /// Points on a grid of so many columns and rows (px at VGA size).
@@ -22,6 +23,9 @@ const STANDS_FIT: f64 = 0.85;
 /// The camera moves when that explains the frame better than standing still, by this mean square of standard deviations. A hand and its
 /// shadow hide much of the key frame. A slow motion is found once it has summed up to this: about a millimetre at a metre.
 const LEAST_GAIN: f64 = 0.1;
+
+/// A turn by less (px) is found without a guess.
+const GUESSED_PX: f64 = 4.0;
 
 /// Other intrinsics count when they move a pixel by more than this (px): those of organized clouds are fitted, and scatter a little.
 const OTHER_CAMERA_PX: f64 = 0.5;
@@ -66,6 +70,8 @@ pub(crate) struct CameraMotion {
     up: Option<DVec3>,
     /// Intrinsics of the frame whose pixels the memory has.
     intrinsics: Option<Camera>,
+    /// The last frame, from which a turn is guessed.
+    last: Option<SmallImage>,
 }
 
 impl CameraMotion {
@@ -76,12 +82,14 @@ impl CameraMotion {
             world_from_camera: Rigid::IDENTITY,
             up: None,
             intrinsics: None,
+            last: None,
         }
     }
 
     /// Where the camera is in a frame; `up` is what the frame tells, in its camera. O(n / grid).
     pub(crate) fn follow(&mut self, view: &View, given: Option<Rigid>, up: DVec3) -> Place {
         let is_first = self.key.is_empty() && self.up.is_none();
+        let last = std::mem::replace(&mut self.last, SmallImage::of(view));
         let mut covariance = [[0.0; 6]; 6];
         let mut is_lost = false;
         let step = if is_first {
@@ -91,9 +99,8 @@ impl CameraMotion {
         } else if fit(&self.key, view, &self.from_key).0 > STANDS_FIT {
             Rigid::IDENTITY
         } else {
-            // What stands before the scene, such as a person, says nothing of the camera.
-            let fits = |motion: &Motion| open_fit(&self.key, view, &motion.rigid) > LOST_FIT;
-            match align(&self.key, view, &self.from_key).filter(fits) {
+            let turn = last.zip(self.last.as_ref()).and_then(|(last, now)| last.turn_to(now));
+            match self.align(view, turn) {
                 Some(motion) => {
                     let gain = gain(&self.key, view, &motion.rigid, &self.from_key);
                     if gain.is_some_and(|gain| gain < LEAST_GAIN) {
@@ -131,6 +138,24 @@ impl CameraMotion {
         let up = self.up.map_or(told, |mean| (mean + 0.1 * (told - mean)).normalize_or(told));
         self.up = Some(up);
         Place { world_from_camera: self.world_from_camera, step, remembered, up, moves, is_lost, covariance }
+    }
+
+    /// The motion since the key frame, beginning where the camera was, or where a turn that was guessed has brought it: the one by which more lies where
+    /// it lay. `None` when neither fits.
+    fn align(&self, view: &View, turn: Option<Rigid>) -> Option<Motion> {
+        // What stands before the scene, such as a person, says nothing of the camera.
+        let fits = |guess: Rigid| {
+            let motion = align(&self.key, view, &guess)?;
+            Some((open_fit(&self.key, view, &motion.rigid), motion)).filter(|(fit, _)| *fit > LOST_FIT)
+        };
+        let is_far = |turn: &Rigid| turn.angle_rad() * view.camera.fx_px > GUESSED_PX;
+        let turned = turn.filter(is_far).and_then(|turn| fits(turn.after(&self.from_key)));
+        let still = fits(self.from_key);
+        let best = match (still, turned) {
+            (Some(still), Some(turned)) if turned.0 > still.0 => Some(turned),
+            (still, turned) => still.or(turned),
+        };
+        best.map(|(_, motion)| motion)
     }
 
     fn settle(&self, motion: &Motion) -> Rigid {

@@ -19,6 +19,7 @@
 //! | file | task |
 //! |---|---|
 //! | `camera.rs`, `align.rs` | the camera's motion; one `align` serves camera and objects |
+//! | `turn.rs` | how far the camera has turned, roughly: where `align` begins |
 //! | `scene.rs` | what is remembered of every pixel: where the frame changed, labels steadied at rest |
 //! | `field.rs` | where the sensor measures depth |
 //! | `agent.rs` | hands and people: what is nearer than the rested scene and stays connected to the border of the image |
@@ -94,6 +95,7 @@ mod taken;
 mod track;
 mod tracked;
 mod tracker;
+mod turn;
 mod uncover;
 mod vessel;
 mod view;
