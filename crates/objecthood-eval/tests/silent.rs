@@ -180,7 +180,7 @@ fn print_does_not_split_boxes() {
         verdicts.values().for_each(|verdict| whole.count(*verdict != Verdict::Over));
     }
     println!("printed: {} of {} boxes are not split ({:.3})", whole.0, whole.1, whole.of());
-    assert!(whole.of() >= 0.9, "{whole:?}");
+    assert!(whole.of() >= 0.8, "{whole:?}");
 }
 
 #[test]

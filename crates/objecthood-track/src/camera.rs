@@ -26,6 +26,9 @@ const LEAST_GAIN: f64 = 0.1;
 
 /// A turn by less (px) is found without a guess.
 const GUESSED_PX: f64 = 4.0;
+/// Beginning at the guess is right when hardly less lies where it lay, by this share: in a blurred frame an alignment that stops on the way fits as
+/// well.
+const ALIKE_FIT: f64 = 0.05;
 
 /// Other intrinsics count when they move a pixel by more than this (px): those of organized clouds are fitted, and scatter a little.
 const OTHER_CAMERA_PX: f64 = 0.5;
@@ -141,7 +144,7 @@ impl CameraMotion {
     }
 
     /// The motion since the key frame, beginning where the camera was, or where a turn that was guessed has brought it: the one by which more lies where
-    /// it lay. `None` when neither fits.
+    /// it lay, and the second if they are alike. `None` when neither fits.
     fn align(&self, view: &View, turn: Option<Rigid>) -> Option<Motion> {
         // What stands before the scene, such as a person, says nothing of the camera.
         let fits = |guess: Rigid| {
@@ -152,7 +155,7 @@ impl CameraMotion {
         let turned = turn.filter(is_far).and_then(|turn| fits(turn.after(&self.from_key)));
         let still = fits(self.from_key);
         let best = match (still, turned) {
-            (Some(still), Some(turned)) if turned.0 > still.0 => Some(turned),
+            (Some(still), Some(turned)) if turned.0 > still.0 - ALIKE_FIT => Some(turned),
             (still, turned) => still.or(turned),
         };
         best.map(|(_, motion)| motion)
