@@ -26,6 +26,8 @@ const LEAST_GAIN: f64 = 0.1;
 
 /// A turn by less (px) is found without a guess.
 const GUESSED_PX: f64 = 4.0;
+/// After a turn by more (px) in one frame what is remembered lies beside what is seen: the frame is blurred, and depth and colour are of different times.
+const FAST_PX: f64 = 8.0;
 /// Beginning at the guess is right when hardly less lies where it lay, by this share: in a blurred frame an alignment that stops on the way fits as
 /// well.
 const ALIKE_FIT: f64 = 0.05;
@@ -46,6 +48,8 @@ pub(crate) struct Place {
     pub(crate) up: DVec3,
     /// Whether it is moving, or zooming.
     pub(crate) moves: bool,
+    /// Whether it turned so fast that the motion that was found is off by more than noise.
+    pub(crate) is_fast: bool,
     /// Whether the motion could not be found.
     pub(crate) is_lost: bool,
     /// Covariance of the step: shift (m), turn (rad).
@@ -122,6 +126,7 @@ impl CameraMotion {
         let is_still = step == Rigid::IDENTITY || is_still(&step);
         let step = if is_still { Rigid::IDENTITY } else { step };
         let remembered = self.intrinsics.unwrap_or(view.camera);
+        let is_fast = given.is_none() && step.angle_rad() * view.camera.fx_px > FAST_PX;
         let moves = !is_still || shift_px(&remembered, view) > OTHER_CAMERA_PX;
         if moves || is_first {
             self.intrinsics = Some(view.camera);
@@ -140,7 +145,16 @@ impl CameraMotion {
         let told = self.world_from_camera.direction(up);
         let up = self.up.map_or(told, |mean| (mean + 0.1 * (told - mean)).normalize_or(told));
         self.up = Some(up);
-        Place { world_from_camera: self.world_from_camera, step, remembered, up, moves, is_lost, covariance }
+        Place {
+            world_from_camera: self.world_from_camera,
+            step,
+            remembered,
+            up,
+            moves,
+            is_fast,
+            is_lost,
+            covariance,
+        }
     }
 
     /// The motion since the key frame, beginning where the camera was, or where a turn that was guessed has brought it: the one by which more lies where

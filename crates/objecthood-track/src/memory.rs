@@ -113,6 +113,9 @@ impl Memory {
             self.rested.carry(&place, view);
             self.tracks.values_mut().for_each(|track| track.surface.carry(&place.step));
         }
+        if place.is_fast && self.agents.sure().next().is_none() {
+            self.scene.rest(view);
+        }
         let changed = self.scene.changed(view, place.moves);
         if self.has(Ingredient::Agents) {
             let keys = |is_such: &dyn Fn(&Track) -> bool| -> BTreeSet<Key> {

@@ -160,6 +160,12 @@ impl Scene {
         }
     }
 
+    /// Takes what is seen for what rests there. O(n).
+    pub(crate) fn rest(&mut self, view: &View) {
+        let seen = self.background.iter_mut().zip(&view.inverse).filter(|(_, inverse)| **inverse > 0.0);
+        seen.for_each(|(background, &inverse)| *background = inverse);
+    }
+
     /// Where depth or colour are not what they were. O(n).
     pub(crate) fn changed(&self, view: &View, camera_moves: bool) -> Bits {
         let limit = CHANGED_PER_M[usize::from(camera_moves)] * view.noise;
