@@ -156,7 +156,7 @@ fn check_consistent(explainer: &Explainer, explanation: &Explanation) {
         let all_hold = decision.checks.iter().all(|check| check.holds());
         match kind(decision) {
             Some(Kind::OcclusionMissed | Kind::VesselMissed | Kind::NeckMissed) => {
-                assert!(!all_hold, "{decision:?}")
+                assert!(!all_hold, "{decision:?}");
             }
             // What speaks against an object is named, and nothing of it holds.
             Some(Kind::Kept) => {
