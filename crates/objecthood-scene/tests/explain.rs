@@ -68,7 +68,7 @@ const HIDDEN_KINDS: [Asked; 3] =
 
 /// The same of what colour tells where depth is silent, on scenes of these families; a joint of necks has its limits, or a switch.
 const SILENT_KINDS: [Asked; 4] =
-    [(Kind::NeckJoined, 10, 10), (Kind::NeckMissed, 5, 0), (Kind::SeamCut, 5, 5), (Kind::Flat, 10, 10)];
+    [(Kind::NeckJoined, 10, 9), (Kind::NeckMissed, 5, 0), (Kind::SeamCut, 5, 5), (Kind::Flat, 10, 8)];
 const SILENT: [Family; 3] = [Family::Parts, Family::Flush, Family::Thin];
 
 fn kind(decision: &Decision) -> Option<Kind> {
