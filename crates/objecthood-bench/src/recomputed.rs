@@ -53,7 +53,7 @@ fn changed(params: &Params, name: &str) -> Option<Params> {
     others.filter(|&other| other != number).find_map(|other| params.with_number(name, other))
 }
 
-fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
 }

@@ -1,7 +1,6 @@
 //! What it costs to follow objects through a video, beside finding them.
 
 use std::path::Path;
-use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
 use objecthood::{Estimates, Params, Pipeline};
@@ -10,6 +9,7 @@ use objecthood_track::Tracker;
 use rayon::ThreadPoolBuilder;
 
 use crate::figure::{Figure, timed};
+use crate::recomputed::median;
 
 /// Frames a second of a clip without times, as `objecthood track` assumes.
 const RATE_HZ: f64 = 30.0;
@@ -25,6 +25,7 @@ pub fn track(folder: &Path) -> Result<Vec<Figure>> {
     let (mut pipeline, mut tracker) = (Pipeline::default(), Tracker::new(params.clone()));
     let mut whole = Tracker::new(params.clone());
     let (mut last_s, mut earlier): (_, Option<Estimates>) = (None, None);
+    // CPU time of each frame (ms).
     let [mut discovery, mut tracking, mut update] = [const { Vec::new() }; 3];
     for (number, capture) in Source::open(folder, &Given::default())?.captures().enumerate() {
         let capture = capture?;
@@ -37,36 +38,31 @@ pub fn track(folder: &Path) -> Result<Vec<Figure>> {
         let (found, spent) = timed(|| one.install(|| pipeline.discover(&known, &params)));
         let found = found?;
         earlier = found.estimates.or(earlier);
-        discovery.push(spent.cpu);
+        discovery.push(1e3 * spent.cpu.as_secs_f64());
         let (followed, spent) = timed(|| one.install(|| tracker.update_found(frame, found, stamp_s, None)));
         followed?;
-        tracking.push(spent.cpu);
+        tracking.push(1e3 * spent.cpu.as_secs_f64());
         let (followed, spent) = timed(|| one.install(|| whole.update(frame, stamp_s, None)));
         followed?;
-        update.push(spent.cpu);
+        update.push(1e3 * spent.cpu.as_secs_f64());
     }
     ensure!(!update.is_empty(), "{} has no frames", folder.display());
     let clip = folder.file_name().context("a folder without a name")?.to_string_lossy();
     let figure = |series: String, value| Figure { frame: clip.clone().into_owned(), series, value };
     let mut figures = Vec::new();
-    for (statistic, of) in [("median", median_ms as fn(&[Duration]) -> f64), ("mean", mean_ms)] {
-        let [discovery, tracking, update] = [&discovery, &tracking, &update].map(|times| of(times));
+    for (statistic, of) in [("median", median as fn(&mut [f64]) -> f64), ("mean", |values| mean(values))] {
+        let [discovery, tracking, update] =
+            [&mut discovery, &mut tracking, &mut update].map(|times_ms| of(times_ms));
         for (part, ms) in [("discovery", discovery), ("tracking", tracking), ("update", update)] {
             figures.push(figure(format!("{part}/{statistic}/cpu_ms"), ms));
         }
-        figures
-            .push(figure(format!("tracking of discovery/{statistic}/percent"), 100.0 * tracking / discovery));
+        let percent = 100.0 * tracking / discovery;
+        figures.push(figure(format!("tracking of discovery/{statistic}/percent"), percent));
     }
-    figures.push(figure("update/frames_per_s".into(), 1e3 / mean_ms(&update)));
+    figures.push(figure("update/frames_per_s".into(), 1e3 / mean(&update)));
     Ok(figures)
 }
 
-fn median_ms(times: &[Duration]) -> f64 {
-    let mut times = times.to_vec();
-    times.sort_unstable();
-    1e3 * times[times.len() / 2].as_secs_f64()
-}
-
-fn mean_ms(times: &[Duration]) -> f64 {
-    1e3 * times.iter().sum::<Duration>().as_secs_f64() / times.len() as f64
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }

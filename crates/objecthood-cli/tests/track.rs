@@ -1,10 +1,11 @@
 //! `objecthood track`, on a synthetic video, and `eval --tracks` on what it says.
 
-#![allow(clippy::unwrap_used, reason = "in a test, an unwrap that fails is the failure report")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "what fails or is skipped is reported so")]
 
 mod common;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 
 use common::Folder;
 use serde_json::Value;
@@ -275,16 +276,27 @@ fn without_its_ingredients_a_tracker_says_less() {
     assert!(run.stderr.contains("steadying and all"), "{}", run.stderr);
 }
 
+/// A video of a real sensor, if it is at hand.
+fn real(name: &str) -> Option<PathBuf> {
+    let video = common::data()?.join("video").join(name);
+    if !video.is_dir() {
+        println!("skipped: no video/{name} in the data folder");
+        return None;
+    }
+    Some(video)
+}
+
+/// The number that a frame's label image has in a column and row.
+fn shown(files: &BTreeMap<String, Vec<u8>>, (frame, u, v): (usize, u32, u32)) -> u16 {
+    let mut images = files.iter().filter(|(name, _)| name.starts_with("labels/"));
+    image::load_from_memory(images.nth(frame).unwrap().1).unwrap().into_luma16().get_pixel(u, v)[0]
+}
+
 /// A person who is there from the first frame on leans over a table, before a dark room that the sensor does not reach, and comes out of the
 /// band that registration leaves without depth.
 #[test]
 fn a_person_at_a_table_is_one_agent() {
-    let Some(data) = common::data() else { return };
-    let video = data.join("video/hand-plush");
-    if !video.is_dir() {
-        println!("skipped: no video/hand-plush in the data folder");
-        return;
-    }
+    let Some(video) = real("hand-plush") else { return };
     let folder = Folder::new();
     folder.run(&format!("track {} --frames 0..60 --out found", video.display()), 0);
     let files = folder.files("found");
@@ -298,13 +310,9 @@ fn a_person_at_a_table_is_one_agent() {
         assert!(agents[0]["size_px"].as_u64().unwrap() > 15_000, "{}", frame["frame"]);
     }
     // The brain, and the chest of the person.
-    let stems: Vec<&String> = files.keys().filter(|name| name.starts_with("labels/")).collect();
-    let shown = |k: usize, u: u32, v: u32| {
-        image::load_from_memory(&files[stems[k]]).unwrap().into_luma16().get_pixel(u, v)[0]
-    };
     for k in 40..frames.len() {
-        assert_eq!(shown(k, 110, 137), shown(0, 110, 137), "frame {k}: the brain");
-        assert_eq!(shown(k, 260, 40), 0, "frame {k}: the person");
+        assert_eq!(shown(&files, (k, 110, 137)), shown(&files, (0, 110, 137)), "frame {k}: the brain");
+        assert_eq!(shown(&files, (k, 260, 40)), 0, "frame {k}: the person");
     }
 }
 
@@ -348,12 +356,7 @@ fn mistakes_are_explained() {
 /// there, and was an agent.
 #[test]
 fn a_camera_that_is_turned_by_hand_leaves_the_desk_as_it_is() {
-    let Some(data) = common::data() else { return };
-    let video = data.join("video/tum-fr1-rpy");
-    if !video.is_dir() {
-        println!("skipped: no video/tum-fr1-rpy in the data folder");
-        return;
-    }
+    let Some(video) = real("tum-fr1-rpy") else { return };
     let folder = Folder::new();
     folder.run(&format!("track {} --out found", video.display()), 0);
     let files = folder.files("found");
@@ -364,12 +367,8 @@ fn a_camera_that_is_turned_by_hand_leaves_the_desk_as_it_is() {
     // What motion capture says of the last frame against the first: 44.9 degrees.
     let turned = frames[19]["camera"]["rotation_xyzw"][3].as_f64().unwrap().abs().acos().to_degrees() * 2.0;
     assert!((turned - 44.9).abs() < 5.0, "{turned} degrees");
-    let stems: Vec<&String> = files.keys().filter(|name| name.starts_with("labels/")).collect();
-    let shown = |(k, u, v): (usize, u32, u32)| {
-        image::load_from_memory(&files[stems[k]]).unwrap().into_luma16().get_pixel(u, v)[0]
-    };
-    let mouse = [(0, 87, 230), (19, 507, 219)].map(shown);
-    let keyboard = [(8, 69, 293), (19, 376, 277)].map(shown);
+    let mouse = [(0, 87, 230), (19, 507, 219)].map(|at| shown(&files, at));
+    let keyboard = [(8, 69, 293), (19, 376, 277)].map(|at| shown(&files, at));
     for [first, last] in [mouse, keyboard] {
         assert!(first > 0 && first == last, "{first} and {last}");
     }

@@ -196,13 +196,22 @@ fn check_flip(frame: &Frame, explainer: &Explainer, decision: &Decision, flip: &
     }
 }
 
+/// The labels of the pixels of a facet.
+fn labels_in<'a>(
+    explainer: &'a Explainer,
+    found: &'a Discovery,
+    facet: u32,
+) -> impl Iterator<Item = u16> + 'a {
+    let facets = explainer.facets().labels().as_slice().iter();
+    let own = facets.zip(found.labels.as_slice()).filter(move |(f, _)| **f == facet as i32);
+    own.map(|(_, &label)| label)
+}
+
 /// What the label image says: most pixels of both facets have one label, or those of the facet have any.
 fn shown(explainer: &Explainer, found: &Discovery, question: Question) -> bool {
     let most = |facet: u32| {
         let mut pixels = BTreeMap::<u16, usize>::new();
-        let own = explainer.facets().labels().as_slice().iter().zip(found.labels.as_slice());
-        own.filter(|(f, _)| **f == facet as i32)
-            .for_each(|(_, label)| *pixels.entry(*label).or_default() += 1);
+        labels_in(explainer, found, facet).for_each(|label| *pixels.entry(label).or_default() += 1);
         pixels.into_iter().max_by_key(|(_, pixels)| *pixels).map_or(0, |(label, _)| label)
     };
     match question {
@@ -215,9 +224,7 @@ fn shown(explainer: &Explainer, found: &Discovery, question: Question) -> bool {
 /// The label image says the same, as far as it shows what is asked.
 fn check_labels(explainer: &Explainer, found: &Discovery, question: Question, answer: bool) {
     let labels_of = |facet: u32| {
-        let own = explainer.facets().labels().as_slice().iter().zip(found.labels.as_slice());
-        let mut labels: Vec<u16> =
-            own.filter(|(f, _)| **f == facet as i32).map(|(_, label)| *label).collect();
+        let mut labels: Vec<u16> = labels_in(explainer, found, facet).collect();
         labels.sort_unstable();
         labels.dedup();
         labels

@@ -96,7 +96,9 @@ impl CameraMotion {
     /// Where the camera is in a frame; `up` is what the frame tells, in its camera. O(n / grid).
     pub(crate) fn follow(&mut self, view: &View, given: Option<Rigid>, up: DVec3) -> Place {
         let is_first = self.key.is_empty() && self.up.is_none();
-        let last = std::mem::replace(&mut self.last, SmallImage::of(view));
+        // A given pose needs no guess.
+        let now = if given.is_none() { SmallImage::of(view) } else { None };
+        let last = std::mem::replace(&mut self.last, now);
         let mut covariance = [[0.0; 6]; 6];
         let mut is_lost = false;
         let step = if is_first {

@@ -1,7 +1,7 @@
 //! The end of both methods: assembles the discovery.
 
 use crate::discovery::support_graph::SupportGraph;
-use crate::discovery::{Discovery, Notice, UpSource};
+use crate::discovery::{Discovery, Notice, Up, UpSource};
 use crate::error::Result;
 use crate::estimates::Estimates;
 use crate::facets::Facets;
@@ -46,9 +46,8 @@ pub fn conclude_paper(
     let kept = decide(hypotheses, Method::Paper, objectness);
     let (objects, labels) = make_objects(kept, facets, points_m, support)?;
     let plane = ground.plane.as_ref();
-    let missing_plane = gravity.up_from == UpFrom::Plane && ground.up.source == UpSource::Camera;
     let missing_color = frame.color().is_none();
-    let notices = [(missing_plane, Notice::NoPlane), (missing_color, Notice::NoColor)];
+    let notices = [(misses_plane(gravity, &ground.up), Notice::NoPlane), (missing_color, Notice::NoColor)];
     Ok(Discovery {
         support: mark_objects(support, &objects),
         objects,
@@ -90,8 +89,7 @@ pub fn conclude_context(
     let Standing { candidates, planes, up, graph, .. } = standing;
     let kept = decide(hypotheses, Method::Context, objectness);
     let (objects, labels) = make_objects(kept, &facets.segments, points_m, graph)?;
-    let misses_plane = gravity.up_from == UpFrom::Plane && up.source == UpSource::Camera;
-    let no_plane = misses_plane.then_some(Notice::NoPlane);
+    let no_plane = misses_plane(gravity, up).then_some(Notice::NoPlane);
     let told = match up.source {
         UpSource::Measured | UpSource::Earlier => true,
         UpSource::Plane => structure.supports.is_clear,
@@ -123,6 +121,11 @@ fn of_ground(structure: &Structure, planes: &[StructurePlane]) -> impl Iterator<
     let in_doubt = ground.filter(|_| !is_clear).map(ground_in_doubt);
     let missed = missed_gravity_deg.map(|angle_deg| Notice::GravityMissed { angle_deg });
     turned.into_iter().chain(in_doubt).chain(missed)
+}
+
+/// Whether up is the camera's own because no plane could be the ground.
+fn misses_plane(gravity: &params::Gravity, up: &Up) -> bool {
+    gravity.up_from == UpFrom::Plane && up.source == UpSource::Camera
 }
 
 /// What was mended in the depth.

@@ -117,21 +117,23 @@ impl Body {
 
     /// The overlap of the colours on both sides of a trace, without the pixels that may show both.
     pub(super) fn overlap_across(&self, trace: &Trace, lab: &LabImage) -> f64 {
-        let side = |sign: f64| {
-            let sample = self.pixels().step_by(self.size_px().div_ceil(COLORS));
-            let beyond = sample.filter(|p| sign * trace.height_m(p.point) > trace.blur_m);
-            ColorHistogram::of(beyond.map(|p| lab[p.i as usize]))
-        };
+        let side = |sign: f64| ColorHistogram::of(self.colors_beyond(trace, sign, lab));
         side(-1.0).overlap(&side(1.0))
+    }
+
+    /// Sampled colours on one side of a trace, without the pixels that may show both.
+    fn colors_beyond(&self, trace: &Trace, sign: f64, lab: &LabImage) -> impl Iterator<Item = [f32; 3]> {
+        let sample = self.pixels().step_by(self.size_px().div_ceil(COLORS));
+        let beyond = sample.filter(move |p| sign * trace.height_m(p.point) > trace.blur_m);
+        beyond.map(|p| lab[p.i as usize])
     }
 
     /// The difference of the darker side of a trace from the other in less light (ΔE of chroma), without the pixels that may show both.
     pub(super) fn unlike_shadow(&self, trace: &Trace, lab: &LabImage) -> f64 {
         let mean = |sign: f64| {
-            let sample = self.pixels().step_by(self.size_px().div_ceil(COLORS));
-            let beyond = sample.filter(|p| sign * trace.height_m(p.point) > trace.blur_m);
+            let colors = self.colors_beyond(trace, sign, lab);
             let (sum, count) =
-                beyond.fold((Vec3::ZERO, 0.0), |(sum, n), p| (sum + Vec3::from(lab[p.i as usize]), n + 1.0));
+                colors.fold((Vec3::ZERO, 0.0), |(sum, count), color| (sum + Vec3::from(color), count + 1.0));
             sum / f32::max(count, 1.0)
         };
         let (one, other) = (mean(-1.0), mean(1.0));
