@@ -44,7 +44,7 @@ impl View {
             .iter()
             .map(|&[r, g, b]| ((77 * u32::from(r) + 150 * u32::from(g) + 29 * u32::from(b)) >> 8) as u8)
             .collect();
-        let field = Field::of(&inverse, frame.size());
+        let field = Field::of(frame);
         Self { size: frame.size(), camera: frame.camera(), inverse, grey, color, field, noise }
     }
 

@@ -21,6 +21,7 @@ pub use crate::planes::StructurePlane;
 pub use crate::plausibility::Doubt;
 pub use crate::raster::PixelBox;
 use crate::raster::Raster;
+use crate::surface::bands::Bands;
 
 /// Everything found in one frame.
 #[derive(Clone, Debug)]
@@ -103,6 +104,8 @@ pub enum Notice {
         /// Angle between that direction and the normal of the surface on which most stands (degrees).
         angle_deg: f32,
     },
+    /// Along a border of the image nothing is measured, as registering depth to a colour image leaves it. What reaches there is cut.
+    EmptyBands(Bands),
     /// Depth has a grid of small holes, as registering it to a larger colour image leaves. They were bridged.
     HoleGrid {
         /// Share of the pixels.
@@ -147,6 +150,11 @@ impl fmt::Display for Notice {
                 f,
                 "no surface faces up as --gravity has it, so there is no ground: that on which most things stand faces {angle_deg:.0} degrees away \
                  from it (are the axes x right, y down, z forward?)"
+            ),
+            Self::EmptyBands(Bands { left, right, top, bottom }) => write!(
+                f,
+                "depth has bands without any measurement along the borders of the image: {left} columns to the left, {right} to the right, {top} rows above, \
+                 {bottom} below. Nothing is found there, and what reaches there is cut"
             ),
             Self::HoleGrid { share } => {
                 let percent = 100.0 * share;

@@ -128,12 +128,13 @@ fn misses_plane(gravity: &params::Gravity, up: &Up) -> bool {
     gravity.up_from == UpFrom::Plane && up.source == UpSource::Camera
 }
 
-/// What was mended in the depth.
+/// What the depth lacks, and what was mended in it.
 fn of_depth(surfaces: &Surfaces) -> impl Iterator<Item = Notice> {
-    let &Surfaces { bridged_share, sharpened_share, .. } = surfaces;
+    let &Surfaces { bands, bridged_share, sharpened_share, .. } = surfaces;
+    let bands = bands.told(surfaces.disparity.size()).map(Notice::EmptyBands);
     let holes = (bridged_share > 0.0).then_some(Notice::HoleGrid { share: bridged_share });
     let smeared = (sharpened_share > 0.0).then_some(Notice::Smeared { share: sharpened_share });
-    holes.into_iter().chain(smeared)
+    bands.into_iter().chain(holes).chain(smeared)
 }
 
 /// The notice that names the plane that was taken for the ground.

@@ -27,6 +27,7 @@
 //! # Ok::<(), objecthood::Error>(())
 //! ```
 
+pub mod bands;
 pub mod blocks;
 mod bridges;
 pub mod curvature;

@@ -6,6 +6,7 @@ use crate::frame::Frame;
 use crate::noise::MeasuredNoise;
 use crate::params::{self, ColorFor};
 use crate::raster::Raster;
+use crate::surface::bands::Bands;
 use crate::surface::blocks::{measure_waves, measure_white};
 use crate::surface::bridges::bridge_holes;
 use crate::surface::disparity::DisparitySpace;
@@ -26,6 +27,8 @@ pub struct Surfaces {
     pub lab: Option<LabImage>,
     /// Disparity (quanta); `NaN` without depth from 0.1 to 20 m, except in small holes that are bridged.
     pub disparity: Raster<f32>,
+    /// The bands along the borders in which nothing is measured.
+    pub bands: Bands,
     /// The share of the pixels that are small holes in a grid, and were bridged.
     pub bridged_share: f32,
     /// The share of the measured pixels whose depth was changed because they lay on smeared edges.
@@ -44,6 +47,7 @@ pub struct Surfaces {
 pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::LocalFit) -> Surfaces {
     let space = DisparitySpace::new(frame.camera(), sensor);
     let mut disparity = space.disparity(frame.depth_m());
+    let bands = Bands::of(&disparity);
     let bridged_share = bridge_holes(&mut disparity);
 
     let known = KnownNoise::of(sensor, frame.estimates(), &disparity, &space);
@@ -67,6 +71,7 @@ pub fn find_surfaces(frame: &Frame, sensor: &params::Sensor, params: &params::Lo
         space,
         lab,
         disparity,
+        bands,
         bridged_share,
         sharpened_share,
         noise_frames,

@@ -5,6 +5,7 @@ use super::*;
 use crate::attitude::Knowledge;
 use crate::frame::Frame;
 use crate::random::Lcg;
+use crate::surface::bands::Bands;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::plane_fit::fit_planes;
 use crate::surface::window_choice::choose_windows;
@@ -39,6 +40,7 @@ fn seen_with(params: &params::Structure, depth_m: impl Fn(usize) -> f64) -> Stru
         space,
         lab: None,
         disparity,
+        bands: Bands::default(),
         bridged_share,
         sharpened_share,
         noise_frames,

@@ -1,0 +1,84 @@
+//! Bands along the borders of the image in which the sensor measures nothing (ours: registering depth to colour leaves them).
+
+use crate::raster::Raster;
+
+/// A column or row belongs to a band without depth when less than this share of it has depth.
+const LEAST_MEASURED: f64 = 0.02;
+/// A band is at most this share of the image: where more is without depth, such as before the sky, nothing is in reach.
+const WIDEST: f64 = 0.15;
+/// Narrower bands, as most registered depth has them, are not told: this share of the image.
+const LEAST_TOLD: f64 = 0.03;
+
+/// How wide the bands without depth are (px); 0 where there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bands {
+    /// Columns along the left border.
+    pub left: usize,
+    /// Columns along the right border.
+    pub right: usize,
+    /// Rows along the upper border.
+    pub top: usize,
+    /// Rows along the lower border.
+    pub bottom: usize,
+}
+
+impl Bands {
+    /// The bands of a depth image; without depth is what is not above 0. O(pixels).
+    pub fn of(depth: &Raster<f32>) -> Self {
+        let (width, height) = depth.size();
+        let (mut columns, mut rows) = (vec![0_usize; width], vec![0_usize; height]);
+        for (row, count) in depth.as_slice().chunks_exact(width).zip(&mut rows) {
+            for (&depth, column) in row.iter().zip(&mut columns) {
+                let measured = usize::from(depth > 0.0);
+                *column += measured;
+                *count += measured;
+            }
+        }
+        let [left, right] = at_both_ends(&columns, height);
+        let [top, bottom] = at_both_ends(&rows, width);
+        Self { left, right, top, bottom }
+    }
+
+    /// The bands, if one of them is wide enough to be told.
+    pub(crate) fn told(self, (width, height): (usize, usize)) -> Option<Self> {
+        let is_wide = |band: usize, length: usize| band as f64 >= LEAST_TOLD * length as f64;
+        let Self { left, right, top, bottom } = self;
+        (is_wide(left.max(right), width) || is_wide(top.max(bottom), height)).then_some(self)
+    }
+}
+
+/// How many lines of pixels, each so long, are empty before the first that is not, and after the last. `counts`: the pixels with depth of each
+/// line.
+fn at_both_ends(counts: &[usize], length: usize) -> [usize; 2] {
+    let is_empty = |count: &&usize| (**count as f64) < LEAST_MEASURED * length as f64;
+    let empty =
+        [counts.iter().take_while(is_empty).count(), counts.iter().rev().take_while(is_empty).count()];
+    empty.map(|band| if band as f64 <= WIDEST * counts.len() as f64 { band } else { 0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: (usize, usize) = (640, 480);
+
+    fn bands(has_depth: impl Fn(usize, usize) -> bool) -> Bands {
+        let depth = |k: usize| if has_depth(k % 640, k / 640) { 1.0 } else { f32::NAN };
+        Bands::of(&Raster::from_vec(640, 480, (0..640 * 480).map(depth).collect()).unwrap())
+    }
+
+    #[test]
+    fn a_band_without_depth_is_measured_and_told() {
+        assert_eq!(bands(|_, _| true), Bands::default());
+        let registered = bands(|u, v| u < 600 && v >= 12);
+        assert_eq!(registered, Bands { right: 40, top: 12, ..Bands::default() });
+        assert_eq!(registered.told(SIZE), Some(registered));
+        assert_eq!(bands(|u, _| u >= 8).told(SIZE), None, "as most registered depth has it");
+    }
+
+    #[test]
+    fn what_is_out_of_reach_is_no_band() {
+        assert_eq!(bands(|_, v| v > 200), Bands::default());
+        assert_eq!(bands(|_, _| false), Bands::default());
+    }
+}
