@@ -15,7 +15,7 @@ DOCS = HERE.parent / "docs"
 PICTURES = "pictures/python"
 
 PAGES = {
-    "discovery": ("Discovery", "discover", "Boxes", "SupportEdge"),
+    "discovery": ("Discovery", "discover", "Estimates", "Boxes", "SupportEdge"),
     "object": ("Object",),
     "pipeline": ("Pipeline",),
     "params": ("Params",),

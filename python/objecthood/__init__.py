@@ -4,7 +4,7 @@
 files, `synthetic` makes scenes with a truth, and `score` holds labels against it.
 """
 
-from objecthood._native import Capture, __version__
+from objecthood._native import Capture, Estimates, __version__
 from objecthood.discovery import PARTS, Boxes, Discovery, Object, SupportEdge
 from objecthood.errors import FileError, InputError, ObjecthoodError, ParameterError
 from objecthood.evaluation import Score, score, synthetic
@@ -18,6 +18,7 @@ __all__ = [
     "Boxes",
     "Capture",
     "Discovery",
+    "Estimates",
     "FileError",
     "InputError",
     "Object",

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Capture",
+    "Estimates",
     "Found",
     "Pipeline",
     "Source",
@@ -90,6 +91,35 @@ class Capture:
         """Where the camera was, if that is known: position (m) and unit quaternion x, y, z, w that take its points to the world."""
 
 @final
+class Estimates:
+    """What frames tell of their sensor and of up, for the next frame of the same camera. It never changes.
+
+    A Kinect v1 is 1 in `white_noise` and `waves`. `discover(.., estimates=found.estimates)` hands them on.
+    """
+
+    @property
+    def white_noise(self) -> float:
+        """Standard deviation of single pixels, relative to a Kinect v1."""
+
+    @property
+    def waves(self) -> float:
+        """Noise of 16 to 40 px in length, relative to a Kinect v1."""
+
+    @property
+    def blocks_quanta(self) -> tuple[float, float, float]:
+        """Disagreement of neighbouring blocks of 8, 16 and 32 px at a focal length of 525 px (quanta of disparity)."""
+
+    @property
+    def frames(self) -> int:
+        """Over how many frames the noise is a mean, at most 10; 0 when no frame told of it."""
+
+    @property
+    def up(self) -> tuple[float, float, float] | None:
+        """The direction against gravity: a unit vector in the camera frame. None when no frame told it clearly."""
+
+    def __eq__(self, value: object, /) -> bool: ...
+
+@final
 class Found:
     """What was found in a frame."""
 
@@ -100,6 +130,7 @@ class Found:
     def columns(self) -> dict[str, NDArray[Any]]: ...
     def parents(self) -> list[list[int]]: ...
     def up(self) -> NDArray[np.float32]: ...
+    def estimates(self) -> Estimates | None: ...
     def planes(self) -> NDArray[np.float32]: ...
     def notices(self) -> list[str]: ...
     def points(self, id: int) -> NDArray[np.float32]: ...
@@ -118,7 +149,7 @@ class Pipeline:
     """Finds the objects of frames, and keeps the outputs of all stages for the last one."""
 
     def __new__(cls, params: str, threads: int | None) -> Pipeline: ...
-    def discover(self, capture: Capture) -> Found: ...
+    def discover(self, capture: Capture, estimates: Estimates | None) -> Found: ...
     def set(self, params: str) -> Found | None: ...
     @property
     def params(self) -> str: ...

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objecthood import _native
-from objecthood._native import Capture
+from objecthood._native import Capture, Estimates
 from objecthood.params import Params
 
 if TYPE_CHECKING:
@@ -94,6 +94,12 @@ class Discovery:
     def up(self) -> NDArray[np.float32]:
         """The direction against gravity: a unit vector."""
         return self._found.up()
+
+    @cached_property
+    def estimates(self) -> Estimates | None:
+        """What this frame, and those before it that were handed on, tell of the sensor's noise and of up. `discover` takes it with the next
+        frame of the same camera. None for the method paper."""
+        return self._found.estimates()
 
     @cached_property
     def notices(self) -> list[str]:

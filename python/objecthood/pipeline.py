@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from objecthood import _native
 from objecthood._arrays import DepthArray, Gravity, capture_of
-from objecthood._native import Capture
+from objecthood._native import Capture, Estimates
 from objecthood.discovery import Discovery
+from objecthood.errors import InputError
 from objecthood.params import Params
 
 
@@ -18,7 +19,8 @@ class Pipeline:
     """Finds the objects of a stream of frames, or of one frame with other parameters.
 
     It keeps buffers from frame to frame, and the outputs of all stages for the last frame: `set` runs only what follows a changed
-    parameter. The result never depends on earlier frames. Several threads may share one, but they wait for each other.
+    parameter. The result depends on earlier frames only if their `estimates` are given. Several threads may share one, but they wait for each
+    other.
     """
 
     def __init__(
@@ -46,10 +48,13 @@ class Pipeline:
         color: NDArray[np.uint8] | None = None,
         depth_scale: float | None = None,
         gravity: Gravity | None = None,
+        estimates: Estimates | None = None,
     ) -> Discovery:
         """As `objecthood.discover`, with the parameters of this pipeline."""
         capture = capture_of(depth, K, color=color, depth_scale=depth_scale, gravity=gravity)
-        return Discovery(self._native.discover(capture))
+        if estimates is not None and not isinstance(estimates, Estimates):
+            raise InputError(f"estimates is {type(estimates).__name__}: give found.estimates of an earlier frame, or None")
+        return Discovery(self._native.discover(capture, estimates))
 
     def set(self, name: str, value: Any) -> Discovery | None:
         """Sets a parameter, as in `set("merging.plane_tolerance_quanta", 1.5)`, and looks at the last frame again.
@@ -71,6 +76,7 @@ def discover(
     method: str | None = None,
     params: Params | None = None,
     gravity: Gravity | None = None,
+    estimates: Estimates | None = None,
     profile: str | None = None,
     threads: int | None = None,
 ) -> Discovery:
@@ -80,12 +86,13 @@ def discover(
     metre; or a `Capture`, which has everything. `K`: 3x3 or (fx, fy, cx, cy) in pixels. `color`: HxWx3 uint8 RGB, registered to the depth;
     with more pixels if it shows the same field of view.
     `method`: context (default) or paper. `gravity`: the direction in which things fall in the camera frame (x right, y down, z forward), if it
-    was measured, or "poses" for a capture with a pose. `profile`: kind of the sensor. `threads`: one a core, unless given.
+    was measured, or "poses" for a capture with a pose. `estimates`: what earlier frames of the same camera told, `found.estimates` of the
+    last one; without it the result depends on this frame alone. `profile`: kind of the sensor. `threads`: one a core, unless given.
 
     Other Python threads run meanwhile; Ctrl-C ends the call between two stages.
     """
     pipeline = Pipeline(params, method=method, profile=profile, threads=threads)
-    return pipeline.discover(depth, K, color=color, depth_scale=depth_scale, gravity=gravity)
+    return pipeline.discover(depth, K, color=color, depth_scale=depth_scale, gravity=gravity, estimates=estimates)
 
 
 def _params_of(params: Params | None, method: str | None, profile: str | None) -> Params:

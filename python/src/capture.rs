@@ -149,6 +149,16 @@ impl Capture {
 }
 
 impl Capture {
+    /// The same frame with what earlier ones told; `None` takes away what it has of that.
+    pub(crate) fn with_estimates(&self, estimates: Option<objecthood::Estimates>) -> Self {
+        let mut inner = Arc::clone(&self.inner);
+        if inner.frame.estimates().copied() != estimates {
+            let capture = Arc::make_mut(&mut inner);
+            capture.frame = capture.frame.clone().with_estimates(estimates);
+        }
+        Self { inner, source: self.source.clone() }
+    }
+
     fn with_up(&self, up: [f32; 3]) -> PyResult<Self> {
         let mut capture = objecthood_io::Capture::clone(&self.inner);
         capture.frame = capture.frame.with_up(up).map_err(core)?;

@@ -19,6 +19,7 @@ use serde_json::json;
 use crate::arrays::{image, image3, table};
 use crate::capture::Capture;
 use crate::errors::{InputError, core, file};
+use crate::estimates::Estimates;
 use crate::parameters::to_json;
 use crate::run::{Stoppable, Threads};
 use crate::stages::{StageImage, StageImages};
@@ -84,6 +85,11 @@ impl Found {
     /// The direction against gravity: a unit vector in the camera frame.
     fn up<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
         PyArray1::from_slice(py, &self.discovery.up.direction)
+    }
+
+    /// What this frame and those before it tell, for the next frame; `None` for `paper`.
+    fn estimates(&self) -> Option<Estimates> {
+        self.discovery.estimates.map(|inner| Estimates { inner })
     }
 
     /// Normal and offset (m) of each structure plane.

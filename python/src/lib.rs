@@ -7,6 +7,7 @@
 mod arrays;
 mod capture;
 mod errors;
+mod estimates;
 mod found;
 mod parameters;
 mod pipeline;
@@ -22,6 +23,8 @@ use pyo3::prelude::*;
 mod _native {
     #[pymodule_export]
     use super::capture::Capture;
+    #[pymodule_export]
+    use super::estimates::Estimates;
     #[pymodule_export]
     use super::found::{Found, write_together};
     #[pymodule_export]

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 
 use crate::capture::Capture;
 use crate::errors::core;
+use crate::estimates::Estimates;
 use crate::found::Found;
 use crate::parameters::{parse, to_json};
 use crate::run::{Stoppable, Threads};
@@ -36,9 +37,11 @@ impl Pipeline {
         Ok(Self { state: Mutex::new(state) })
     }
 
-    /// Finds the objects of a frame.
-    fn discover(&self, py: Python<'_>, capture: &Capture) -> PyResult<Found> {
-        let frame = (Arc::clone(&capture.inner), capture.source.clone());
+    /// Finds the objects of a frame, by what earlier frames told, if that is given.
+    #[pyo3(signature = (capture, estimates))]
+    fn discover(&self, py: Python<'_>, capture: &Capture, estimates: Option<&Estimates>) -> PyResult<Found> {
+        let known = capture.with_estimates(estimates.map(|earlier| earlier.inner));
+        let frame = (known.inner, known.source);
         py.detach(|| {
             // A lock is poisoned by a mistake of ours; the pipeline itself is whole all the same.
             let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
