@@ -38,9 +38,9 @@ const HIDDEN: f64 = 0.5;
 /// * stands *on* another if its foot touches it from above, level with a top. A thing behind another that hides its lower part does
 ///   not stand on it. So the lower must be a plane, or go on 3 cm behind the contact, or hold the middle of the upper, or the foot of
 ///   the upper must hang over an edge. `confidence`: the share of the foot's contacts;
-/// * lies *in* another whose rim surrounds it. The outer one is graspable (`objectness.max_side_m`). It rises above the foot, and
-///   above the floor seen under the middle, by 1 cm or by the resolution of the sensor, in two thirds of the directions around the
-///   middle. `confidence`: the share of directions; half of it if the two are not seen to touch (`hidden`);
+/// * lies *in* another whose rim surrounds it. The outer one is graspable (`objectness.max_side_m`). It rises above the floor seen
+///   under the middle, or above the foot where no floor is seen, by 1 cm or by the resolution of the sensor, in two thirds of the
+///   directions around the middle. `confidence`: the share of directions; half of it if the two are not seen to touch (`hidden`);
 /// * *leans* on another if its side touches it in the direction of the lean, and the other is no plane that faces up. The leaning
 ///   thing must be flat, tilted by 8 degrees or more, 7 cm long up its slope and 40 cm² large: thin or small things lean by noise.
 ///   `confidence`: the share of its tilted pixels that are tilted alike;
@@ -177,9 +177,9 @@ impl Relations<'_> {
         if !may_hold {
             return None;
         }
-        // The rim rises above the foot, and above the floor under the middle if that is seen.
+        // The lowest that is seen of a ball on a plate is higher than the plate's rim, so the floor is asked first.
         let floor_m = self.bodies.top_near_m(lower, inner.middle_m).unwrap_or(inner.foot_m);
-        let rim_m = inner.foot_m.max(floor_m) + inner.level_m;
+        let rim_m = floor_m + inner.level_m;
         let sectors = self.bodies.sectors_above(lower, inner.middle_m, rim_m);
         let contacts = self.meetings.get(&(lower, upper)).map_or(0, |meeting| meeting.foot + meeting.side);
         let seen = if contacts == 0 { HIDDEN } else { 1.0 };
