@@ -6,6 +6,7 @@ use std::error::Error as StdError;
 
 use objecthood_io::formats::Unread;
 use objecthood_io::images::ImageError;
+use objecthood_io::scope::Limit;
 use objecthood_io::{Error, extensions};
 
 /// What to append to the message of an error: `: ` and the advice, or nothing when no option helps.
@@ -50,11 +51,23 @@ fn for_reading(error: &Error) -> Option<String> {
         Error::NoView { .. } | Error::CameraResidual { .. } => format!("give the camera, {CAMERA}"),
         Error::NotPinhole => format!("convert them to it, or give the camera, {CAMERA}"),
         Error::NoStamp => "use --frames instead of --time".to_owned(),
-        Error::NothingInScope { .. } => "widen --range, --roi or --mask".to_owned(),
+        Error::NothingInScope { limits, .. } => {
+            let options: Vec<&str> = limits.iter().map(option_of).collect();
+            format!("widen {}", options.join(" or "))
+        }
         Error::Image(error) => return for_image(error),
         _ => return None,
     };
     Some(text)
+}
+
+/// The option that sets a limit.
+fn option_of(limit: &Limit) -> &'static str {
+    match limit {
+        Limit::Range => "--range",
+        Limit::Region => "--roi",
+        Limit::Mask => "--mask",
+    }
 }
 
 fn for_image(error: &ImageError) -> Option<String> {

@@ -23,7 +23,7 @@ use crate::failure::Outcome;
 use crate::inputs::{Input, Inputs};
 use crate::outputs::{make_folder, make_folders_of, refuse_file};
 use crate::words::counted;
-use crate::{config, crew, inputs, interrupt, terminal};
+use crate::{advice, config, crew, inputs, interrupt, terminal};
 use cast::Cast;
 use files::Lines;
 use progress::Going;
@@ -187,7 +187,8 @@ impl<'a> Plan<'a> {
         let Some(Silence { why, time_s, size }) = Silence::of(&error, input) else { return Err(error) };
         // The size of the last frame first: a list of points without depth has no image.
         let Some((width, height)) = told.last_size.or(size) else { return Err(error) };
-        terminal::note(&format!("{}: nothing is said of this frame: {why}", input.path.display()));
+        let (path, advice) = (input.path.display(), advice::of(&error));
+        terminal::note(&format!("{path}: nothing is said of this frame: {why}{advice}"));
         self.write_labels(number, &Raster::filled(width, height, 0)?, Vec::new())?;
         told.lines.blank(number, time_s);
         Ok(())

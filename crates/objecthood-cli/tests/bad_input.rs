@@ -319,7 +319,7 @@ fn what_an_option_helps_against_names_it() {
         ("bent.pcd", ": give the camera, --camera fx,fy,cx,cy"),
         ("mirrored.pcd", ": convert them to it, or give the camera, --camera"),
         ("good.pcd --max-pixels 9", ": give a smaller image, or more than --max-pixels 9"),
-        ("good.pcd --range 5..6", ": widen --range, --roi or --mask"),
+        ("good.pcd --range 5..6", "lies within the range of depths: widen --range"),
     ] {
         for command in ["segment", "explain --at 1,1"] {
             let run = folder.run(&format!("{command} {arguments} --out out"), 1);

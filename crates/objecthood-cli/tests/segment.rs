@@ -185,6 +185,23 @@ fn frames_are_selected_by_their_number() {
     );
 }
 
+/// The error named --range, --roi and --mask, also those that were not given.
+#[test]
+fn a_frame_that_an_option_empties_fails_alone_and_the_option_is_named() {
+    let folder = scenes();
+    folder.write("in/scene2.pcd", &Cloud::two_boxes(0.0).map(|point| point.xyz_m[2] += 9.0).to_binary_pcd());
+    let run = folder.run(
+        "segment in --out out --write labels --camera 262.5,262.5,159.5,119.5 --range ..5 --roi 0,0,320,240",
+        1,
+    );
+    assert_eq!(run.errors().len(), 1);
+    let error = run.errors()[0];
+    assert!(error.starts_with("error: in/scene2.pcd: none of the "), "{error}");
+    assert!(error.ends_with(" lies within the range of depths: widen --range"), "{error}");
+    assert!(run.stderr.ends_with("3 of 4 frames done, 1 failed\n"), "{}", run.stderr);
+    assert_eq!(folder.names("out"), ["scene1.labels.png", "scene10.labels.png", "scene3.labels.png"]);
+}
+
 /// The error led to `points`: of a video it is called `pictures`.
 #[test]
 fn pictures_are_overlays() {

@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use common::Folder;
+use image::{ImageBuffer, Luma};
 use serde_json::Value;
 
 fn lines(bytes: &[u8]) -> Vec<Value> {
@@ -212,6 +213,39 @@ fn a_frame_without_depth_is_passed_over() {
     assert!([0, 3].iter().all(|&blank: &usize| frames[blank]["objects"].as_array().unwrap().is_empty()));
     assert_eq!(folder.names("blank/labels"), folder.names("whole/labels"));
     folder.run("eval --tracks blank --truth clips/pick1", 0);
+}
+
+/// It failed, had no label image and no line, and the others of its clip could not be scored.
+#[test]
+fn a_frame_that_range_roi_or_mask_empties_is_passed_over() {
+    let folder = pick();
+    // Only the left half has depth, far behind the table.
+    let far = ImageBuffer::from_fn(320, 240, |u, _| Luma([if u < 160 { 50_000_u16 } else { 0 }]));
+    let depth = folder.names("clips/pick1/depth");
+    far.save(folder.path().join("clips/pick1/depth").join(&depth[3])).unwrap();
+    let right = ImageBuffer::from_fn(320, 240, |u, _| Luma([if u < 160 { 0_u8 } else { 255 }]));
+    right.save(folder.path().join("right.png")).unwrap();
+    for (limit, words) in [
+        ("--range ..4", "the range of depths"),
+        ("--roi 160,0,160,240", "the region"),
+        ("--mask right.png", "the mask"),
+    ] {
+        let run = folder.run(&format!("track clips/pick1 --frames ..6 {limit} --out out"), 0);
+        let option = limit.split_once(' ').unwrap().0;
+        let said = format!(
+            "none of the 38400 pixels with depth, 5.00 to 5.00 m away, lies within {words}: widen {option}\n"
+        );
+        assert_eq!(run.stderr.matches(&said).count(), 1, "{}", run.stderr);
+        let files = folder.files("out");
+        let frames = lines(&files["tracks.jsonl"]);
+        let silent: Vec<bool> = frames.iter().map(|frame| frame["camera"].is_null()).collect();
+        assert_eq!(silent, [false, false, false, true, false, false], "{limit}");
+        assert!(frames.iter().map(|frame| frame["time"].as_f64().unwrap()).is_sorted(), "{limit}");
+        let labels = &files[&format!("labels/{}", folder.names("out/labels")[3])];
+        let labels = image::load_from_memory(labels).unwrap().into_luma16();
+        assert_eq!(labels.dimensions(), (320, 240));
+        assert!(labels.iter().all(|&label| label == 0), "{limit}");
+    }
 }
 
 /// A frame that was given twice failed, and had no label image.

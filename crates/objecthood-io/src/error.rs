@@ -7,6 +7,7 @@ use crate::formats::{ContentError, Unread, extensions};
 use crate::images::ImageError;
 use crate::organize::MAX_RESIDUAL_PX;
 use crate::pipe::PipeFrameError;
+use crate::scope::Limit;
 
 /// Result with this crate's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -243,9 +244,14 @@ pub enum Error {
     },
     /// Limits that leave no pixel with depth.
     #[error(
-        "none of the {valid} pixels with depth, {nearest_m:.2} to {farthest_m:.2} m away, lies within what is to be looked at"
+        "none of the {valid} pixels with depth, {nearest_m:.2} to {farthest_m:.2} m away, lies within {}",
+        in_words(limits)
     )]
     NothingInScope {
+        /// What leaves nothing: those limits that do so alone, else all that are given.
+        limits: Vec<Limit>,
+        /// Columns and rows of the frame.
+        size: (usize, usize),
         /// Pixels with depth.
         valid: usize,
         /// Least depth (m).
@@ -307,11 +313,13 @@ impl Error {
         Self::At { path: path.to_owned(), error: Box::new(self) }
     }
 
-    /// Columns and rows of the frame, if it could be read but no pixel of it has depth.
+    /// Columns and rows of the frame, if it could be read but no pixel of it has depth, or none that is to be looked at.
     pub fn blank_size(&self) -> Option<(usize, usize)> {
         match self {
             Self::At { error, .. } => error.blank_size(),
-            Self::Frame(objecthood::Error::NoValidDepth { size }) => Some(*size),
+            Self::Frame(objecthood::Error::NoValidDepth { size }) | Self::NothingInScope { size, .. } => {
+                Some(*size)
+            }
             _ => None,
         }
     }
@@ -320,6 +328,11 @@ impl Error {
 /// The endings that are looked for in folders, as one reads them: `.pcd`.
 fn endings() -> String {
     extensions().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
+}
+
+/// Limits as a sentence names them.
+fn in_words(limits: &[Limit]) -> String {
+    limits.iter().map(Limit::to_string).collect::<Vec<_>>().join(" and ")
 }
 
 fn count(length: Option<usize>) -> String {

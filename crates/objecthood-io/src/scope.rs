@@ -34,6 +34,17 @@ pub struct Region {
     pub height: usize,
 }
 
+/// One of the limits of a [`Scope`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// [`Scope::range`].
+    Range,
+    /// [`Scope::region`].
+    Region,
+    /// [`Scope::mask`].
+    Mask,
+}
+
 /// What is looked at: pixels that lie in everything that is given. By default all.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scope {
@@ -75,7 +86,7 @@ impl Scope {
             }
         }
         if depth_m.as_slice().iter().all(|z| z.is_nan()) {
-            return Err(nothing_left(&capture.frame));
+            return Err(self.nothing_left(&capture.frame));
         }
         capture.frame = capture.frame.with_depth_m(depth_m)?;
         Ok(capture)
@@ -87,14 +98,46 @@ impl Scope {
             && self.region.is_none_or(|region| region.contains(u, v))
             && self.mask.as_ref().is_none_or(|mask| mask[i])
     }
+
+    /// Each limit that is given, alone.
+    fn parts(&self) -> Vec<(Limit, Self)> {
+        let all = [
+            (Limit::Range, Self { range: self.range, ..Self::default() }),
+            (Limit::Region, Self { region: self.region, ..Self::default() }),
+            (Limit::Mask, Self { mask: self.mask.clone(), ..Self::default() }),
+        ];
+        all.into_iter().filter(|(_, part)| *part != Self::default()).collect()
+    }
+
+    /// Whether no pixel with depth is looked at.
+    fn is_empty_in(&self, frame: &Frame) -> bool {
+        let width = frame.size().0;
+        let mut depth_m = frame.depth_m().as_slice().iter().enumerate();
+        depth_m.all(|(i, z)| z.is_nan() || !self.contains(i % width, i / width, i, *z))
+    }
+
+    fn nothing_left(&self, frame: &Frame) -> Error {
+        let (alone, others): (Vec<_>, Vec<_>) =
+            self.parts().into_iter().partition(|(_, part)| part.is_empty_in(frame));
+        let limits = if alone.is_empty() { others } else { alone };
+        let valid = || frame.depth_m().as_slice().iter().copied().filter(|z| !z.is_nan());
+        Error::NothingInScope {
+            limits: limits.into_iter().map(|(limit, _)| limit).collect(),
+            size: frame.size(),
+            valid: valid().count(),
+            nearest_m: valid().fold(f32::INFINITY, f32::min),
+            farthest_m: valid().fold(0.0, f32::max),
+        }
+    }
 }
 
-fn nothing_left(frame: &Frame) -> Error {
-    let valid = || frame.depth_m().as_slice().iter().copied().filter(|z| !z.is_nan());
-    Error::NothingInScope {
-        valid: valid().count(),
-        nearest_m: valid().fold(f32::INFINITY, f32::min),
-        farthest_m: valid().fold(0.0, f32::max),
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Range => "the range of depths",
+            Self::Region => "the region",
+            Self::Mask => "the mask",
+        })
     }
 }
 
@@ -198,6 +241,25 @@ mod tests {
         let range = Some("20..".parse().unwrap());
         let said = error(Scope { range, ..Scope::default() });
         assert!(said.contains("11 pixels") && said.contains("1.00 to 11.00 m"), "{said}");
+    }
+
+    /// All limits that there are were named, also those that were not given.
+    #[test]
+    fn the_limit_that_leaves_nothing_is_named() {
+        let mask =
+            |first: usize| Some(Raster::from_vec(4, 3, (0..12).map(|i| i >= first).collect()).unwrap());
+        let (near, far) = (Some("..3".parse().unwrap()), Some("20..".parse().unwrap()));
+        let region = Some("0,0,4,2".parse().unwrap());
+        for (scope, limits) in [
+            (Scope { range: far, region, mask: mask(0) }, &[Limit::Range][..]),
+            (Scope { range: near, region: None, mask: mask(11) }, &[Limit::Mask]),
+            (Scope { range: None, region, mask: mask(8) }, &[Limit::Region, Limit::Mask]),
+        ] {
+            match scope.limit(capture()).unwrap_err() {
+                Error::NothingInScope { limits: named, size: (4, 3), .. } => assert_eq!(named, limits),
+                other => panic!("{other}"),
+            }
+        }
     }
 
     #[test]

@@ -20,12 +20,17 @@ impl Silence {
             .or_else(|| error.chain().find_map(|cause| Self::late(cause.downcast_ref()?)))
     }
 
-    /// The sensor measured nothing.
+    /// The sensor measured nothing, or nothing that is to be looked at.
     fn blank(error: &objecthood_io::Error, input: &Input) -> Option<Self> {
+        let size = error.blank_size()?;
         // A recording tells when a frame was recorded, which may be another clock.
         let stamp_ns = input.stamp_ns().filter(|_| !input.is_of_recording());
         let time_s = stamp_ns.map(|stamp_ns| stamp_ns as f64 * 1e-9);
-        Some(Self { why: "no pixel has depth".to_owned(), time_s, size: Some(error.blank_size()?) })
+        let why = match error {
+            objecthood_io::Error::NothingInScope { .. } => error.to_string(),
+            _ => "no pixel has depth".to_owned(),
+        };
+        Some(Self { why, time_s, size: Some(size) })
     }
 
     /// It was taken when the last frame was, or before it.
