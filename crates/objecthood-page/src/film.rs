@@ -73,7 +73,7 @@ impl Film {
         self.views.push((tracked.world_from_camera, seen.collect()));
     }
 
-    /// Adds a frame that cannot be read: it shows no track.
+    /// Adds a frame of which nothing is said: it shows no track.
     pub(crate) fn skip(&mut self) {
         self.stamps_s.push(self.stamps_s.last().copied().unwrap_or(0.0));
         self.views.push((Rigid::IDENTITY, Vec::new()));

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use objecthood_io::label_image;
-use objecthood_track::Tracker;
+use objecthood_track::{Tracked, Tracker};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -37,8 +37,8 @@ pub(crate) struct Following {
     tracker: Tracker,
     film: Film,
     last_stamp_s: Option<f64>,
-    /// The label image of each frame, as PNG; none of a frame that cannot be read.
-    frames: Vec<Option<Vec<u8>>>,
+    /// The label image of each frame, as PNG, or why nothing is said of it.
+    frames: Vec<Result<Vec<u8>, String>>,
 }
 
 impl Following {
@@ -56,32 +56,46 @@ impl Following {
         })
     }
 
-    /// Follows the objects into the next frame, or past it if it cannot be read: the first frames of a stream are gone.
+    /// Follows the objects into the next frame, or past it if nothing can be said of it: it cannot be read, as the first frames of a stream, which
+    /// are gone, or it was not taken after the last one.
     ///
     /// # Errors
     /// [`Error::NoFrame`], and those of the tracker.
     fn step(&mut self, session: &Session) -> Result<()> {
-        let number = self.frames.len();
-        let capture = match session.read(number) {
-            Err(Error::Unreadable(_)) => {
-                self.film.skip();
-                self.frames.push(None);
-                return Ok(());
+        match self.track(session) {
+            Ok(tracked) => {
+                let labels = label_image::encode(&tracked.labels)?;
+                self.film.take(&tracked);
+                self.film.show(&tracked);
+                self.frames.push(Ok(labels));
             }
-            read => read?,
-        };
+            Err(error @ (Error::Unreadable(_) | Error::Track(objecthood_track::Error::Stamp { .. }))) => {
+                self.tracker.skip();
+                self.film.skip();
+                self.frames.push(Err(error.to_string()));
+            }
+            Err(error) => return Err(error),
+        }
+        Ok(())
+    }
+
+    /// Reads the next frame and follows the objects into it.
+    ///
+    /// # Errors
+    /// [`Error::NoFrame`], [`Error::Unreadable`], and those of the tracker.
+    fn track(&mut self, session: &Session) -> Result<Tracked> {
+        let number = self.frames.len();
+        let capture = session.read(number)?;
         let stamp_s = capture.stamp_s(number, self.last_stamp_s, RATE_HZ);
         let tracked = self.tracker.update(&capture.frame, stamp_s, None)?;
         self.last_stamp_s = Some(stamp_s);
-        self.film.take(&tracked);
-        self.film.show(&tracked);
-        self.frames.push(Some(label_image::encode(&tracked.labels)?));
-        Ok(())
+        Ok(tracked)
     }
 }
 
 /// Goes on with `kept`, or anew if the parameters are others, until the frame that is asked for or until the turn is over. The answer is packed as
-/// a look is: what is known of the video, `next`, the first frame that was not followed yet, and the tracks of the frame once it was.
+/// a look is: what is known of the video, `next`, the first frame that was not followed yet, and once the frame was, its tracks, or `silence`, why
+/// nothing is said of it.
 ///
 /// # Errors
 /// [`Error::TooLong`] behind the frames that are kept; [`Error::NoFrame`], and those of the tracker.
@@ -99,9 +113,13 @@ pub(crate) fn follow(kept: &mut Option<Following>, session: &Session, asked: &As
     }
     let mut header = json!({ "frame": asked.frame, "next": following.frames.len(), "film": following.film });
     let mut maps = Vec::new();
-    if let Some(Some(png)) = following.frames.get(asked.frame) {
-        header["paths"] = json!(following.film.paths(asked.frame));
-        maps.push(labels("tracks", &label_image::decode(png)?));
+    match following.frames.get(asked.frame) {
+        Some(Ok(png)) => {
+            header["paths"] = json!(following.film.paths(asked.frame));
+            maps.push(labels("tracks", &label_image::decode(png)?));
+        }
+        Some(Err(why)) => header["silence"] = json!(why),
+        None => {}
     }
     pack(header, &maps)
 }
@@ -116,33 +134,61 @@ mod tests {
     use super::*;
     use crate::session::{FrameList, FrameSource};
 
+    /// A flat wall, taken at a time (s) if that is known.
+    fn flat(time_s: Option<i64>) -> Capture {
+        let depth_m = Raster::from_vec(64, 48, vec![1.0; 64 * 48]).unwrap();
+        let frame = Frame::new(depth_m, None, Camera::new(60.0, 60.0, 31.5, 23.5).unwrap()).unwrap();
+        let mut capture = Capture::new(frame);
+        capture.stamp_ns = time_s.map(|time_s| time_s * 1_000_000_000);
+        capture
+    }
+
+    /// A session of frames that are read, or cannot be.
+    fn session(frames: Vec<Result<Capture, &'static str>>) -> Session {
+        let source = |frame: Result<Capture, &'static str>| {
+            FrameSource::new(String::new(), move || frame.clone().map_err(str::to_owned))
+        };
+        let frames = Arc::new(FrameList::of(frames.into_iter().map(source).collect()));
+        Session { title: String::new(), words: Vec::new(), frames, params: Params::default() }
+    }
+
+    /// Follows objects to a frame: what was followed, and the header of the last answer.
+    fn follow_to(frame: usize, session: &Session) -> (Following, serde_json::Value) {
+        let (mut kept, asked) = (None, Asked { frame, settings: Settings::default() });
+        loop {
+            let packed = follow(&mut kept, session, &asked).unwrap();
+            if kept.as_ref().is_some_and(|following: &Following| following.frames.len() > frame) {
+                let length = u32::from_le_bytes(packed[..4].try_into().unwrap()) as usize;
+                return (kept.unwrap(), serde_json::from_slice(&packed[4..4 + length]).unwrap());
+            }
+        }
+    }
+
+    fn are_told(following: &Following) -> Vec<bool> {
+        following.frames.iter().map(Result::is_ok).collect()
+    }
+
     #[test]
     fn a_frame_that_cannot_be_read_is_passed() {
-        let flat = || {
-            let depth_m = Raster::from_vec(64, 48, vec![1.0; 64 * 48]).unwrap();
-            Ok(Capture::new(Frame::new(depth_m, None, Camera::new(60.0, 60.0, 31.5, 23.5).unwrap()).unwrap()))
-        };
-        let gone = || Err("gone".to_owned());
-        let frames = FrameList::of(vec![
-            FrameSource::new("0".to_owned(), gone),
-            FrameSource::new("1".to_owned(), flat),
-            FrameSource::new("2".to_owned(), flat),
-        ]);
-        let session = Session {
-            title: String::new(),
-            words: Vec::new(),
-            frames: Arc::new(frames),
-            params: Params::default(),
-        };
-        let mut kept = None;
-        let asked = Asked { frame: 2, settings: Settings::default() };
-        while kept.as_ref().is_none_or(|following: &Following| following.frames.len() < 3) {
-            follow(&mut kept, &session, &asked).unwrap();
-        }
-        let following = kept.as_ref().unwrap();
-        assert_eq!(following.frames.iter().map(Option::is_some).collect::<Vec<_>>(), [false, true, true]);
+        let session = session(vec![Err("gone"), Ok(flat(None)), Ok(flat(None))]);
+        let (following, _) = follow_to(2, &session);
+        assert_eq!(are_told(&following), [false, true, true]);
         assert_eq!(following.film.frames(), 3);
         let behind = Asked { frame: 3, settings: Settings::default() };
-        assert!(matches!(follow(&mut kept, &session, &behind), Err(Error::NoFrame { frame: 3, last: 2 })));
+        let ends = follow(&mut Some(following), &session, &behind);
+        assert!(matches!(ends, Err(Error::NoFrame { frame: 3, last: 2 })));
+    }
+
+    /// Following ended at it with an error, and came no further.
+    #[test]
+    fn a_frame_with_the_stamp_of_the_last_is_passed() {
+        let session = session([3, 4, 4, 2, 5].map(|time_s| Ok(flat(Some(time_s)))).to_vec());
+        let (following, header) = follow_to(4, &session);
+        assert_eq!(are_told(&following), [true, true, false, false, true]);
+        assert_eq!(following.film.frames(), 5);
+        assert_eq!(header["silence"], json!(null));
+        let (_, header) = follow_to(2, &session);
+        let why = header["silence"].as_str().unwrap();
+        assert!(why.starts_with("the stamp 4 s is not after that of the last frame, 4 s"), "{why}");
     }
 }

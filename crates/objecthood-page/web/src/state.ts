@@ -186,7 +186,8 @@ async function pursue(to: number, by: Settings): Promise<void> {
       film.value = seen.film;
       if (next <= to) status.value = `following objects: ${next} of ${to + 1} frames`;
     }
-    status.value = `${followed?.paths?.length ?? 0} objects followed to this frame`;
+    if (followed?.silence) complain(followed.silence);
+    status.value = followed?.silence ? "nothing is said of this frame" : `${followed?.paths?.length ?? 0} objects followed to this frame`;
     const shown = pictures[0].peek();
     if (shown) pictures[0].value = withTracks(shown);
   } catch (error) {

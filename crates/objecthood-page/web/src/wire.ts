@@ -209,6 +209,8 @@ export interface Followed {
   /** Once the frame was followed. */
   paths?: Header["paths"];
   tracks?: PixelMap;
+  /** Once the frame was passed over: why nothing is said of it. */
+  silence?: string;
 }
 
 /** What the server refuses, in its words. */
