@@ -14,7 +14,7 @@ use crate::happenings::Happenings;
 use crate::ingredient::Ingredient;
 use crate::knowledge::Knowledge;
 use crate::output::Numbers;
-use crate::pace::Pace;
+use crate::pace::{Pace, Pauses};
 use crate::predict::predict;
 use crate::rested::Rested;
 use crate::rigid::{Rigid, wide};
@@ -39,6 +39,7 @@ pub(crate) struct Memory {
     pub(crate) frame: u64,
     pub(crate) stamp_s: f64,
     pub(crate) pace: Pace,
+    pub(crate) pauses: Pauses,
     pub(crate) camera: CameraMotion,
     pub(crate) scene: Scene,
     pub(crate) rested: Rested,
@@ -72,6 +73,7 @@ impl Memory {
             frame: 0,
             stamp_s,
             pace: Pace::UNKNOWN,
+            pauses: Pauses::default(),
             camera: CameraMotion::new(),
             scene: Scene::empty(size),
             rested: Rested::empty(size),
@@ -96,11 +98,12 @@ impl Memory {
     ) -> Tracked {
         let pause_s = stamp_s - self.stamp_s;
         self.stamp_s = stamp_s;
-        if pause_s > Pace::GAP_S {
+        if self.pauses.is_gap(pause_s) {
             notices.push(TrackNotice::Gap { seconds: pause_s });
             self.tracks.values_mut().for_each(|track| track.velocity = DVec3::ZERO);
         }
-        self.pace = self.pace.after(pause_s);
+        self.pace = self.pace.after(pause_s, &self.pauses);
+        self.pauses.add(pause_s);
 
         let still = (!self.has(Ingredient::Camera)).then_some(Rigid::IDENTITY);
         let place = self.camera.follow(view, pose.or(still), wide(found.up.direction));

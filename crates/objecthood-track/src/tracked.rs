@@ -258,7 +258,7 @@ impl fmt::Display for Event {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum TrackNotice {
-    /// The time between this frame and the last is long.
+    /// The time between this frame and the last is much longer than usual.
     Gap {
         /// So long (s).
         seconds: f64,

@@ -1,7 +1,7 @@
 //! What the tracker remembers: numbers, a bounded state, a state that is saved and restored.
 
 use objecthood::{Camera, Discovery, Frame, Params, Raster};
-use objecthood_track::{Error, Tracker};
+use objecthood_track::{Error, TrackNotice, Tracker};
 
 use crate::{Patch, SIZE, THING, follow, frame, numbers};
 
@@ -85,4 +85,22 @@ fn a_restored_tracker_goes_on_as_the_saved_one() {
         let refused = Tracker::restore(Params::default(), &saved[..cut]).unwrap_err();
         assert!(refused.to_string().contains("from its first frame"), "{refused}");
     }
+}
+
+/// A regression: of a source of less than 3.3 frames a second every frame had a notice of a gap, and what came later was forgotten between two
+/// frames.
+#[test]
+fn of_a_slow_source_only_real_gaps_are_told() {
+    let mut tracker = Tracker::new(Params::default());
+    let comes = Patch { left: 10, color: [40, 60, 200], ..THING };
+    let (mut stamp_s, mut gaps) = (0.0, Vec::new());
+    for number in 0..14 {
+        stamp_s += if number == 12 { 2.5 } else { 0.5 };
+        let patches = if number < 6 { &[THING][..] } else { &[THING, comes] };
+        let (frame, found) = frame(patches, &[0, 1], number);
+        let tracked = tracker.update_found(&frame, &found, stamp_s, None).unwrap();
+        gaps.extend(tracked.notices.iter().map(|notice| (number, *notice)));
+        assert!(number < 9 || numbers(&tracked) == [1, 2], "frame {number}: {:?}", numbers(&tracked));
+    }
+    assert_eq!(gaps, [(12, TrackNotice::Gap { seconds: 2.5 })]);
 }
