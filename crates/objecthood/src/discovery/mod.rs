@@ -151,10 +151,9 @@ impl fmt::Display for Notice {
                 "no surface faces up as --gravity has it, so there is no ground: that on which most things stand faces {angle_deg:.0} degrees away \
                  from it (are the axes x right, y down, z forward?)"
             ),
-            Self::EmptyBands(Bands { left, right, top, bottom }) => write!(
+            Self::EmptyBands(bands) => write!(
                 f,
-                "depth has bands without any measurement along the borders of the image: {left} columns to the left, {right} to the right, {top} rows above, \
-                 {bottom} below. Nothing is found there, and what reaches there is cut"
+                "depth has bands without any measurement along the borders of the image: {bands}. Nothing is found there, and what reaches there is cut"
             ),
             Self::HoleGrid { share } => {
                 let percent = 100.0 * share;

@@ -1,5 +1,7 @@
 //! Bands along the borders of the image in which the sensor measures nothing (ours: registering depth to colour leaves them).
 
+use std::fmt;
+
 use crate::raster::Raster;
 
 /// A column or row belongs to a band without depth when less than this share of it has depth.
@@ -47,6 +49,20 @@ impl Bands {
     }
 }
 
+impl fmt::Display for Bands {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { left, right, top, bottom } = *self;
+        let bands = [
+            (left, "columns on the left"),
+            (right, "columns on the right"),
+            (top, "rows at the top"),
+            (bottom, "rows at the bottom"),
+        ];
+        let named = bands.into_iter().filter(|&(px, _)| px > 0).map(|(px, place)| format!("{px} {place}"));
+        f.write_str(&named.collect::<Vec<_>>().join(", "))
+    }
+}
+
 /// How many lines of pixels, each so long, are empty before the first that is not, and after the last. `counts`: the pixels with depth of each
 /// line.
 fn at_both_ends(counts: &[usize], length: usize) -> [usize; 2] {
@@ -73,6 +89,7 @@ mod tests {
         let registered = bands(|u, v| u < 600 && v >= 12);
         assert_eq!(registered, Bands { right: 40, top: 12, ..Bands::default() });
         assert_eq!(registered.told(SIZE), Some(registered));
+        assert_eq!(registered.to_string(), "40 columns on the right, 12 rows at the top");
         assert_eq!(bands(|u, _| u >= 8).told(SIZE), None, "as most registered depth has it");
     }
 
