@@ -21,6 +21,7 @@
 //! | `camera.rs`, `align.rs` | the camera's motion; one `align` serves camera and objects |
 //! | `turn.rs` | how far the camera has turned, roughly: where `align` begins |
 //! | `scene.rs` | what is remembered of every pixel: where the frame changed, labels steadied at rest |
+//! | `pace.rs` | how long frames last, and which pauses are gaps |
 //! | `field.rs` | where the sensor measures depth |
 //! | `agent.rs` | hands and people: what is nearer than the rested scene and stays connected to the border of the image |
 //! | `arm.rs` | agents that are there from the first frame on |
