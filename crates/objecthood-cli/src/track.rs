@@ -46,7 +46,6 @@ struct Plan<'a> {
 /// What is told at the end.
 #[derive(Default)]
 struct Told {
-    lines: Lines,
     cast: Cast,
     events: Vec<Event>,
     done: usize,
@@ -70,7 +69,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     notices.iter().for_each(|notice| terminal::note(notice));
     unreadable.iter().for_each(terminal::error);
     let fingerprints = plan.fingerprints();
-    let Going { mut tracker, mut told, done } = plan.go_on(&fingerprints)?;
+    let Going { mut tracker, mut told, mut lines, done } = plan.go_on(&fingerprints)?;
     if done == frames.len() && done > 0 && told.failed == 0 && unreadable.is_empty() {
         told.events.extend(tracker.finish());
         return plan.sum_up(&told, done, ", followed before");
@@ -87,7 +86,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     let pool = crew::pool(args.settings.threads())?;
     pool.install(|| -> Result<()> {
         for (k, input) in frames.iter().enumerate().skip(done).take_while(|_| !interrupt::is_asked()) {
-            match plan.follow(&mut tracker, input, k, &mut told, filming.as_mut()) {
+            match plan.follow(&mut tracker, input, k, &mut told, &mut lines, filming.as_mut()) {
                 Ok(()) => told.done += 1,
                 Err(e) => {
                     told.failed += 1;
@@ -96,7 +95,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
             }
             bar.inc(1);
             if args.resume && kept.elapsed() > KEPT_EVERY {
-                plan.keep(&tracker, &told, unreadable.len(), &fingerprints)?;
+                plan.keep(&tracker, &told, &mut lines, unreadable.len(), &fingerprints)?;
                 kept = Instant::now();
             }
         }
@@ -104,17 +103,17 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     })?;
     bar.finish_and_clear();
     if args.resume {
-        plan.keep(&tracker, &told, unreadable.len(), &fingerprints)?;
+        plan.keep(&tracker, &told, &mut lines, unreadable.len(), &fingerprints)?;
     }
     let late = tracker.finish();
-    late.iter().for_each(|event| told.lines.event(event));
+    late.iter().for_each(|event| lines.event(event));
     filming.map(|filming| filming.finish(&late)).transpose()?;
     if let Some(mut hindsight) = told.hindsight.take() {
         hindsight.learn_events(&late);
-        plan.smooth(&mut told, hindsight)?;
+        plan.smooth(&mut told, &mut lines, hindsight)?;
     }
     told.events.extend(late);
-    plan.write_lists(&told)?;
+    lines.finish()?;
     let outcome = plan.sum_up(&told, frames.len() + unreadable.len(), "")?;
     if outcome == Outcome::Interrupted {
         let next = if args.resume { "goes on from here" } else { "follows the video from its beginning" };
@@ -143,13 +142,14 @@ impl<'a> Plan<'a> {
         input: &Input,
         number: usize,
         told: &mut Told,
+        lines: &mut Lines,
         filming: Option<&mut Filming>,
     ) -> Result<()> {
         let (capture, tracked) = match self.track(tracker, input, number, told.last_stamp_s) {
             Ok(found) => found,
             Err(e) => {
                 tracker.skip();
-                return self.pass_over(input, number, told, e);
+                return self.pass_over(input, number, told.last_size, lines, e);
             }
         };
         (told.last_stamp_s, told.last_size) = (Some(tracked.stamp_s), Some(tracked.labels.size()));
@@ -170,7 +170,7 @@ impl<'a> Plan<'a> {
         if let Some(filming) = filming {
             filming.frame(number, &input.title(), &self.params, &capture, &tracked)?;
         }
-        told.lines.frame(&tracked);
+        lines.frame(&tracked);
         told.cast.see(&tracked);
         if let Some(hindsight) = &mut told.hindsight {
             hindsight.learn(&tracked);
@@ -183,14 +183,21 @@ impl<'a> Plan<'a> {
     ///
     /// # Errors
     /// `error`, when the frame failed; when an output cannot be written.
-    fn pass_over(&self, input: &Input, number: usize, told: &mut Told, error: anyhow::Error) -> Result<()> {
+    fn pass_over(
+        &self,
+        input: &Input,
+        number: usize,
+        last_size: Option<(usize, usize)>,
+        lines: &mut Lines,
+        error: anyhow::Error,
+    ) -> Result<()> {
         let Some(Silence { why, time_s, size }) = Silence::of(&error, input) else { return Err(error) };
         // The size of the last frame first: a list of points without depth has no image.
-        let Some((width, height)) = told.last_size.or(size) else { return Err(error) };
+        let Some((width, height)) = last_size.or(size) else { return Err(error) };
         let (path, advice) = (input.path.display(), advice::of(&error));
         terminal::note(&format!("{path}: nothing is said of this frame: {why}{advice}"));
         self.write_labels(number, &Raster::filled(width, height, 0)?, Vec::new())?;
-        told.lines.blank(number, time_s);
+        lines.blank(number, time_s);
         Ok(())
     }
 
@@ -229,17 +236,6 @@ impl<'a> Plan<'a> {
     ) -> Result<()> {
         files.push((self.label_image(&self.inputs.frames[number].name), label_image::encode(labels)?));
         make_folders_of(&files)?;
-        Ok(output::write_together(&files)?)
-    }
-
-    /// Writes the lists.
-    fn write_lists(&self, told: &Told) -> Result<()> {
-        let path = |name: &str| self.args.out.join(name);
-        let files: Vec<(PathBuf, Vec<u8>)> = vec![
-            (path("tracks.jsonl"), told.lines.tracks.clone().into_bytes()),
-            (path("events.jsonl"), told.lines.events.clone().into_bytes()),
-            (path("support.jsonl"), told.lines.support.clone().into_bytes()),
-        ];
         Ok(output::write_together(&files)?)
     }
 

@@ -76,14 +76,53 @@ impl Growing {
         &self.path
     }
 
+    /// The bytes that were appended so far go to `out` too. O(bytes) time, and no memory.
+    ///
+    /// # Errors
+    /// As [`write_atomically`].
+    pub fn copy_to(&mut self, out: &mut impl Write) -> Result<()> {
+        self.try_copy_to(out).map_err(|reason| cannot_write(&self.path, reason))
+    }
+
+    fn try_copy_to(&mut self, out: &mut impl Write) -> io::Result<()> {
+        self.file.flush()?;
+        let file = self.file.get_mut().as_file_mut();
+        let place = file.stream_position()?;
+        let copied = file.rewind().and_then(|()| io::copy(file, out));
+        // Also when that failed: what is appended later goes behind what is there.
+        file.seek(SeekFrom::Start(place))?;
+        copied.map(drop)
+    }
+
+    /// The file appears, or is replaced, with what was appended so far, and goes on to grow. O(bytes) time, and no memory.
+    ///
+    /// # Errors
+    /// As [`write_atomically`].
+    pub fn keep(&mut self) -> Result<()> {
+        let mut copy = open_staged(&self.path).map_err(|reason| cannot_write(&self.path, reason))?;
+        self.copy_to(copy.as_file_mut())?;
+        take_name(copy, &self.path)
+    }
+
     /// The file takes its name.
     ///
     /// # Errors
     /// As [`write_atomically`].
     pub fn finish(self) -> Result<()> {
-        let Self { file, path } = self;
-        let file = file.into_inner().map_err(|e| cannot_write(&path, e.into_error()))?;
-        take_name(file, &path)
+        Self::finish_together([self])
+    }
+
+    /// As [`Growing::finish`], for files that belong together: none takes its name before all are whole.
+    ///
+    /// # Errors
+    /// As [`write_atomically`], for the first file that cannot be written.
+    pub fn finish_together(files: impl IntoIterator<Item = Self>) -> Result<()> {
+        let whole = |Self { file, path }: Self| match file.into_inner() {
+            Ok(file) => Ok((file, path)),
+            Err(e) => Err(cannot_write(&path, e.into_error())),
+        };
+        let staged: Vec<_> = files.into_iter().map(whole).collect::<Result<_>>()?;
+        staged.into_iter().try_for_each(|(file, path)| take_name(file, &path))
     }
 }
 
@@ -188,6 +227,26 @@ mod tests {
         drop(Growing::create(&path).unwrap());
         assert_eq!(names(folder.path()), ["long.json"]);
         assert_eq!(fs::read(&path).unwrap(), b"[1,2]");
+    }
+
+    #[test]
+    fn a_file_that_is_kept_is_whole_and_grows_on() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("long.jsonl");
+        let mut growing = Growing::create(&path).unwrap();
+        for (line, so_far) in [("1\n", "1\n"), ("22\n", "1\n22\n"), ("3\n", "1\n22\n3\n")] {
+            growing.append(line.as_bytes()).unwrap();
+            growing.keep().unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), so_far);
+        }
+        growing.append(b"4\n").unwrap();
+        let mut copy = Vec::new();
+        growing.copy_to(&mut copy).unwrap();
+        assert_eq!(copy, b"1\n22\n3\n4\n");
+        assert_eq!(fs::read(&path).unwrap(), b"1\n22\n3\n");
+        growing.finish().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), copy);
+        assert_eq!(names(folder.path()), ["long.jsonl"]);
     }
 
     /// They stayed for ever.

@@ -1,7 +1,9 @@
 //! `track --resume`: how far a run came, and what its tracker knew then.
 
-use std::path::Path;
-use std::{fmt, fs, io};
+use std::fmt;
+use std::fs::{self, File};
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, ensure};
 use objecthood_io::output;
@@ -10,6 +12,7 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use super::cast::Cast;
+use super::files::{LISTS, Lines};
 use super::{Plan, Told};
 use crate::inputs::Inputs;
 use crate::terminal;
@@ -17,7 +20,6 @@ use crate::terminal;
 /// Its files in the folder for outputs.
 const STATE: &str = "tracker.state";
 const PROGRESS: &str = "progress.json";
-const LISTS: [&str; 3] = ["tracks.jsonl", "events.jsonl", "support.jsonl"];
 /// A state of an image of the greatest size that is read is smaller (bytes).
 const MOST_STATE: u64 = 1 << 32;
 
@@ -37,7 +39,7 @@ struct Progress {
     /// Columns and rows of the last frame.
     last_size: Option<(usize, usize)>,
     /// Bytes of the lists, without the events that the end of the video made certain.
-    lists: [usize; 3],
+    lists: [u64; 3],
     cast: Cast,
 }
 
@@ -65,6 +67,7 @@ impl std::error::Error for StillOfUse {}
 pub(super) struct Going {
     pub(super) tracker: Tracker,
     pub(super) told: Told,
+    pub(super) lines: Lines,
     /// Frames that were followed, or failed.
     pub(super) done: usize,
 }
@@ -84,7 +87,7 @@ impl Plan<'_> {
     /// one are removed, and its images are written over as their frames are followed.
     ///
     /// # Errors
-    /// When what the earlier run left may be of use; when it cannot be removed.
+    /// When what the earlier run left may be of use; when it cannot be removed; when the lists cannot be written.
     pub(super) fn go_on(&self, fingerprints: &[String]) -> Result<Going> {
         let without = self.args.without.iter().flat_map(|named| named.0.iter().copied());
         let new = Tracker::new(self.params.clone()).without(without);
@@ -106,7 +109,7 @@ impl Plan<'_> {
                 }
             }
         }
-        Ok(Going { tracker: new, told: Told::default(), done: 0 })
+        Ok(Going { tracker: new, told: Told::default(), lines: Lines::begin(&self.args.out)?, done: 0 })
     }
 
     /// Whether a run with `--resume` left anything.
@@ -135,35 +138,54 @@ impl Plan<'_> {
         ensure!(progress.frames == sum(followed), "files that were followed have changed");
         let tracker = self.tracker(&progress)?;
         let mut told = Told { done, failed, last_stamp_s, last_size, cast: progress.cast, ..Told::default() };
-        let lists = [&mut told.lines.tracks, &mut told.lines.events, &mut told.lines.support];
-        for ((list, name), length) in lists.into_iter().zip(LISTS).zip(progress.lists) {
-            let text = self.kept(name, |path| fs::read_to_string(path))?;
-            list.push_str(text.get(..length).with_context(|| damaged(&self.args.out.join(name)))?);
-        }
-        self.check_images(&told.lines.tracks)?;
-        let events = told.lines.events.lines().map(serde_json::from_str::<Event>);
-        let events = events.collect::<Result<_, _>>();
-        told.events = events.map_err(|_| anyhow!("{}", damaged(&self.args.out.join(LISTS[1]))))?;
-        Ok(Going { tracker, told, done: followed.len() })
+        let mut lines = Lines::begin(&self.args.out).map_err(|e| StillOfUse(format!("{e:#}")))?;
+        let ([tracks, events, support], [tracks_length, events_length, support_length]) =
+            (LISTS, progress.lists);
+        self.each_line(tracks, tracks_length, |line| {
+            lines.tracks.append(line);
+            self.check_images(line)
+        })?;
+        self.each_line(events, events_length, |line| {
+            lines.events.append(line);
+            let event: Event = serde_json::from_str(line)
+                .map_err(|_| anyhow!("{}", damaged(&self.args.out.join(events))))?;
+            told.events.push(event);
+            Ok(())
+        })?;
+        self.each_line(support, support_length, |line| {
+            lines.support.append(line);
+            Ok(())
+        })?;
+        Ok(Going { tracker, told, lines, done: followed.len() })
     }
 
-    /// Whether the images of the frames in these lines are there. They are not opened, so that a long video goes on at once.
+    /// Hands over the lines in the first `length` bytes of a list that an earlier run left, one at a time.
     ///
     /// # Errors
-    /// When an image is missing, or a line is none of `tracks.jsonl`.
-    fn check_images(&self, tracks: &str) -> Result<()> {
-        let is_damaged = || damaged(&self.args.out.join(LISTS[0]));
-        for line in tracks.lines() {
-            let Line { frame, camera } =
-                serde_json::from_str(line).map_err(|_| anyhow!("{}", is_damaged()))?;
-            let name = &self.inputs.frames.get(frame).with_context(is_damaged)?.name;
-            let has_picture = camera.is_some() && self.args.write.is_some();
-            let images = [self.label_image(name)].into_iter().chain(has_picture.then(|| self.picture(name)));
-            for image in images {
-                ensure!(image.exists(), "{} is missing", image.display());
-            }
+    /// When the list is shorter, or cannot be read; those of `take`.
+    fn each_line(&self, name: &str, length: u64, mut take: impl FnMut(&str) -> Result<()>) -> Result<()> {
+        let mut rest = BufReader::new(self.kept(name, |path| File::open(path))?.take(length));
+        let mut line = String::new();
+        while self.kept(name, |_| rest.read_line(&mut line))? > 0 {
+            take(&line)?;
+            line.clear();
         }
+        ensure!(rest.get_ref().limit() == 0, damaged(&self.args.out.join(name)));
         Ok(())
+    }
+
+    /// Whether the images of the frame in a line of `tracks.jsonl` are there. They are not opened, so that a long video goes on at once.
+    ///
+    /// # Errors
+    /// When an image is missing, or the line is damaged.
+    fn check_images(&self, line: &str) -> Result<()> {
+        let is_damaged = || damaged(&self.args.out.join(LISTS[0]));
+        let Line { frame, camera } = serde_json::from_str(line).map_err(|_| anyhow!("{}", is_damaged()))?;
+        let name = &self.inputs.frames.get(frame).with_context(is_damaged)?.name;
+        let has_picture = camera.is_some() && self.args.write.is_some();
+        let mut images = [self.label_image(name)].into_iter().chain(has_picture.then(|| self.picture(name)));
+        let missing: Option<PathBuf> = images.find(|image| !image.exists());
+        missing.map_or(Ok(()), |image| Err(anyhow!("{} is missing", image.display())))
     }
 
     fn progress(&self) -> Result<Progress> {
@@ -184,7 +206,7 @@ impl Plan<'_> {
     }
 
     /// The content of a file that an earlier run left.
-    fn kept<T>(&self, name: &str, read: impl Fn(&Path) -> io::Result<T>) -> Result<T> {
+    fn kept<T>(&self, name: &str, read: impl FnOnce(&Path) -> io::Result<T>) -> Result<T> {
         let path = self.args.out.join(name);
         let said = |e: &io::Error| format!("{} cannot be read ({e})", path.display());
         read(&path).map_err(|e| match e.kind() {
@@ -215,11 +237,12 @@ impl Plan<'_> {
         &self,
         tracker: &Tracker,
         told: &Told,
+        lines: &mut Lines,
         unreadable: usize,
         fingerprints: &[String],
     ) -> Result<()> {
         // A run that is killed here has longer lists than it needs.
-        self.write_lists(told)?;
+        lines.keep()?;
         let state = tracker.save()?;
         let failed = told.failed - unreadable;
         let progress = Progress {
@@ -230,7 +253,7 @@ impl Plan<'_> {
             failed,
             last_stamp_s: told.last_stamp_s,
             last_size: told.last_size,
-            lists: [&told.lines.tracks, &told.lines.events, &told.lines.support].map(String::len),
+            lists: lines.lengths(),
             cast: told.cast.clone(),
         };
         let path = |name: &str| self.args.out.join(name);

@@ -8,16 +8,16 @@ use objecthood_io::{label_image, output};
 use objecthood_track::{Hindsight, TrackId};
 use serde_json::{Value, json};
 
-use super::files::lines_of;
+use super::files::Lines;
 use super::{Plan, Told};
 
 impl Plan<'_> {
     /// Rewrites the label images, from the last to the first, and the lists.
     ///
     /// # Errors
-    /// When a label image that this run wrote cannot be read or written.
-    pub(super) fn smooth(&self, told: &mut Told, mut hindsight: Hindsight) -> Result<()> {
-        let (mut tracks, support) = (parsed(&told.lines.tracks)?, parsed(&told.lines.support)?);
+    /// When a label image or a list that this run wrote cannot be read or written.
+    pub(super) fn smooth(&self, told: &mut Told, lines: &mut Lines, mut hindsight: Hindsight) -> Result<()> {
+        let (mut tracks, support) = (lines.tracks.values()?, lines.support.values()?);
         let mut with_new: BTreeMap<u64, Vec<(TrackId, TrackId)>> = BTreeMap::new();
         for line in tracks.iter_mut().rev() {
             let frame = line["frame"].as_u64().unwrap_or(0);
@@ -32,8 +32,8 @@ impl Plan<'_> {
             }
             with_new.insert(frame, parted);
         }
-        told.lines.tracks = lines_of(&tracks);
-        told.lines.support = lines_of(&smooth_support(&support, &hindsight, &with_new));
+        lines.tracks.replace(&tracks)?;
+        lines.support.replace(&smooth_support(&support, &hindsight, &with_new))?;
         told.cast = std::mem::take(&mut told.cast).renumbered(|track| hindsight.whole_of(track));
         Ok(())
     }
@@ -98,10 +98,6 @@ fn smooth_support(
         }
     }
     edges
-}
-
-fn parsed(lines: &str) -> Result<Vec<Value>> {
-    lines.lines().map(|line| Ok(serde_json::from_str(line)?)).collect()
 }
 
 fn track_of(value: &Value) -> Option<TrackId> {

@@ -20,8 +20,8 @@ pub(super) const SUFFIX: &str = ".part";
 /// [`ErrorKind::AlreadyExists`] when the name is taken, or when another process removed the file in the moment before
 /// it was locked; try another name. Otherwise what the system says.
 pub(super) fn create_locked(part: &Path) -> io::Result<fs::File> {
-    // Created as any file is, so that its permissions honour the umask.
-    let file = fs::File::create_new(part)?;
+    // Created as any file is, so that its permissions honour the umask. What is written may be read again.
+    let file = OpenOptions::new().read(true).write(true).create_new(true).open(part)?;
     // A file system without locks does not hand them to those who remove strays either.
     if file.lock().is_ok() && !part.exists() {
         return Err(io::Error::new(ErrorKind::AlreadyExists, "the file was taken for a stray one"));
