@@ -25,20 +25,18 @@ pub struct Bands {
 }
 
 impl Bands {
-    /// The bands of a depth image; without depth is what is not above 0. O(pixels).
+    /// The bands of a depth image; without depth is what is not above 0. O(pixels of the bands), and no memory.
     pub fn of(depth: &Raster<f32>) -> Self {
         let (width, height) = depth.size();
-        let (mut columns, mut rows) = (vec![0_usize; width], vec![0_usize; height]);
-        for (row, count) in depth.as_slice().chunks_exact(width).zip(&mut rows) {
-            for (&depth, column) in row.iter().zip(&mut columns) {
-                let measured = usize::from(depth > 0.0);
-                *column += measured;
-                *count += measured;
-            }
+        let measured = |u: usize, v: usize| depth[v * width + u] > 0.0;
+        let column = |u: usize| (0..height).filter(|&v| measured(u, v)).count();
+        let row = |v: usize| (0..width).filter(|&u| measured(u, v)).count();
+        Self {
+            left: empty_lines((0..width).map(column), height),
+            right: empty_lines((0..width).rev().map(column), height),
+            top: empty_lines((0..height).map(row), width),
+            bottom: empty_lines((0..height).rev().map(row), width),
         }
-        let [left, right] = at_both_ends(&columns, height);
-        let [top, bottom] = at_both_ends(&rows, width);
-        Self { left, right, top, bottom }
     }
 
     /// The bands, if one of them is wide enough to be told.
@@ -63,13 +61,13 @@ impl fmt::Display for Bands {
     }
 }
 
-/// How many lines of pixels, each so long, are empty before the first that is not, and after the last. `counts`: the pixels with depth of each
-/// line.
-fn at_both_ends(counts: &[usize], length: usize) -> [usize; 2] {
-    let is_empty = |count: &&usize| (**count as f64) < LEAST_MEASURED * length as f64;
-    let empty =
-        [counts.iter().take_while(is_empty).count(), counts.iter().rev().take_while(is_empty).count()];
-    empty.map(|band| if band as f64 <= WIDEST * counts.len() as f64 { band } else { 0 })
+/// How many lines of pixels, each so long, are empty before the first that is not; 0 where that is more than a band. `counts`: the pixels with
+/// depth of each line, from the border inwards.
+fn empty_lines(counts: impl ExactSizeIterator<Item = usize>, length: usize) -> usize {
+    let widest = (WIDEST * counts.len() as f64) as usize;
+    let is_empty = |&count: &usize| (count as f64) < LEAST_MEASURED * length as f64;
+    let empty = counts.take(widest + 1).take_while(is_empty).count();
+    if empty <= widest { empty } else { 0 }
 }
 
 #[cfg(test)]
