@@ -38,6 +38,8 @@ const FOOT_M: f64 = 0.015;
 const AROUND_M: f64 = 0.03;
 /// With a larger share of level pixels around the contact the lower part carries the upper one.
 const LEVEL_SHARE: f64 = 0.3;
+/// Two parts that both bend inwards by more than this convexity are no convex parts of a body: a bowl stands in another.
+const HOLLOW: f64 = -0.1;
 /// A pixel steeper than this is a side (degrees): it says nothing of what stands above it.
 const STEEP_DEG: f64 = 65.0;
 /// From this share of pixels on that are neither level nor steep, a thing of its own would slide off the lower part.
@@ -205,6 +207,7 @@ impl Compare<'_> {
                 Bound::Below,
                 LEVEL_SHARE,
             ),
+            self.check_not_hollow(pair),
         ];
         if alike.holds() || !slides.iter().all(Check::holds) {
             checks.insert(0, alike);
@@ -212,6 +215,12 @@ impl Compare<'_> {
             checks.extend(slides);
         }
         Some(Pair { parts: [upper, lower], overlap, checks })
+    }
+
+    /// Checks that at most one of two parts is hollow: hollow things stand in each other.
+    fn check_not_hollow(&self, pair: [SegmentId; 2]) -> Check {
+        let convexity = pair.map(|id| self.clusters.convexity(id)).into_iter().fold(f64::MIN, f64::max);
+        Check::new("how far the more convex part bends outwards", "", convexity, Bound::AtLeast, HOLLOW)
     }
 
     /// The checks by which the upper part would slide off the lower, from which a thing slides around their contact with this share.

@@ -14,6 +14,7 @@ mod boxes;
 mod insides;
 mod limits;
 mod panels;
+mod piece;
 mod remainders;
 mod revolution;
 mod turned;

@@ -47,6 +47,24 @@ fn parts_that_share_colors_are_one_unless_the_upper_one_stands_by_itself() {
     assert_eq!(joined(&depth_only), two);
 }
 
+/// Bowls of one colour that stand in each other were parts of one body.
+#[test]
+fn two_hollow_things_are_no_parts_of_a_body() {
+    // Seen from above: the inside of a bowl, around that of another one, or a dome on the flank of another.
+    let at = |bend: f64| {
+        let of = |u: usize, v: usize| match (u as f64 - 30.0).hypot(v as f64 - 30.0) {
+            r if r < 12.0 => (2, 0.060 + bend * (r * r * 0.00009 - 0.013)),
+            r if r < 27.0 => (1, 0.060 + bend * (r - 12.0) * 0.0022),
+            _ => (0, 0.0),
+        };
+        let mut table = Table::new((60, 60), |u, v| Some(of(u, v)));
+        table.lab = Some(LabImage::drawn((60, 60), |u, v| [BLUE, RED, RED][of(u, v).0 as usize]));
+        joined(&table)
+    };
+    assert_eq!(at(-1.0), [Some(0), Some(0)]);
+    assert_eq!(at(1.0), [Some(0), Some(1)]);
+}
+
 #[test]
 fn a_small_part_that_would_slide_off_is_one_with_what_is_below_whatever_its_color() {
     let (one, two) = (vec![Some(0), Some(0)], vec![Some(0), Some(1)]);

@@ -1,6 +1,7 @@
 //! Rule 1: concave pieces that touch are one inside (docs/CONTEXT.md 4.4.1).
 
 use super::limits::{CONCAVITY, INSIDE_TOUCH_PX, Limits};
+use super::piece::check_on;
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
@@ -29,7 +30,8 @@ pub(super) fn join_insides(clusters: &mut Clusters<'_>, limits: Limits<'_>, miss
                     SMALLER_SHARE,
                 ))
                 && join.check(limits.check_no_higher(clusters, small, large))
-                && join.check(limits.check_color(clusters, small, &[large]));
+                && join.check(limits.check_color(clusters, small, &[large]))
+                && check_on(clusters, limits, large, small).is_none_or(|check| join.check(check));
         if is_inside {
             clusters.join(join, JoinEvidence::VesselInside { convexity });
             return true;

@@ -51,14 +51,17 @@ impl Revolution {
         slope.iter().map(|x| x * x).sum::<f64>().sqrt().max(LEAST_SLOPE_M)
     }
 
-    /// The root mean square distance of points from the surface (m), to first order. O(points).
+    /// How far (m) a point lies beyond the surface, seen from the axis; below 0 within it. To first order.
+    pub(super) fn beyond_m(&self, point: [f64; 3]) -> f64 {
+        let [x, y, h] = self.about_origin(point);
+        let [p, q, a, b, c] = self.terms;
+        let off = x * x + y * y - (p * x + q * y + a + b * h + c * h * h);
+        off / self.slope_m([x, y, h])
+    }
+
+    /// The root mean square distance of points from the surface (m). O(points).
     pub(super) fn distance_m(&self, points_m: &[[f64; 3]]) -> f64 {
-        let squared = points_m.iter().map(|&point| {
-            let [x, y, h] = self.about_origin(point);
-            let [p, q, a, b, c] = self.terms;
-            let off = x * x + y * y - (p * x + q * y + a + b * h + c * h * h);
-            (off / self.slope_m([x, y, h])).powi(2)
-        });
+        let squared = points_m.iter().map(|&point| self.beyond_m(point).powi(2));
         (squared.sum::<f64>() / points_m.len().max(1) as f64).sqrt()
     }
 

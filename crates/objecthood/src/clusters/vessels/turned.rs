@@ -3,99 +3,21 @@
 //! What lies in a bowl or on a plate hides parts of it. The pieces that are left touch nowhere, so no border joins them, and each is too small to
 //! show a circle. But they have one axis and one profile. The far inside and the near wall are pieces too, as the wall is thin.
 
-use super::limits::{Limits, PART_PX};
-use super::revolution::{Revolution, mean_m, plane_distance_m};
+use super::limits::Limits;
+use super::piece::{Piece, radius_m};
+use super::revolution::{Revolution, plane_distance_m};
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::clusters::rim::{check_covered, check_radius, measure_covered};
-use crate::clusters::scene::sampled;
 use crate::discovery::join::JoinEvidence;
-use crate::linear::length;
-use crate::quantile::{element_at, range};
+use crate::quantile::element_at;
 use crate::regions::SegmentId;
-use crate::tangents::tangents;
 
-/// Root mean square distance of a piece from the surface, at most (m): walls are a few millimetres thick,
-const DISTANCE_M: f64 = 0.005;
-/// or this share of the radius, because a profile is no parabola,
-const DISTANCE_SHARE: f64 = 0.06;
-/// or so many quanta, for each time that the sensor's waves exceed a Kinect's,
-const NOISE_QUANTA: f64 = 1.0;
-/// but never more than this share of the radius: where noise is as large as a thing, everything is round.
-const MOST_SHARE: f64 = 0.12;
 /// The pieces are farther than noise, and than this (m), from one plane: through flat things a surface of revolution goes everywhere.
 const BENT_M: f64 = 0.0025;
-/// The radius of a surface is this quantile of the distances of its points from the axis.
-const RADIUS_SHARE: f64 = 0.95;
-/// Heights reach from the first to the second of these quantiles.
-const HEIGHT_QUANTILES: [f64; 2] = [0.05, 0.95];
 /// Two pieces have this share of the heights of the less tall one in common: what stands on another begins where that ends.
 const LEVEL_SHARE: f64 = 0.3;
-/// The middles of two pieces of one vessel are at most this far apart in the plan view (m): the diameter of the largest.
-const APART_M: f64 = 0.4;
-
-/// A cluster that may be a piece of a vessel.
-struct Piece {
-    id: SegmentId,
-    /// Some of its points: along the two tangents of the support, and the height above it (m).
-    points_m: Vec<[f64; 3]>,
-    /// The middle of these points in the plan view (m).
-    middle_m: [f64; 2],
-    /// Where it begins and ends in height (m).
-    heights_m: [f64; 2],
-    /// The noise of its points (m).
-    noise_m: f64,
-}
-
-impl Piece {
-    /// `None` for a cluster that is too small, flat, or no surface of revolution by itself.
-    fn of(clusters: &Clusters<'_>, limits: Limits<'_>, id: SegmentId) -> Option<Self> {
-        let (scene, pixels) = (clusters.scene, &clusters.get(id).pixels);
-        if pixels.len() < scene.space.area_px(PART_PX) || clusters.flat(id).is_some() {
-            return None;
-        }
-        let sideways = tangents(limits.support.normal);
-        let point = |i: usize| {
-            let [x, y] = sideways.map(|tangent| tangent.dot(scene.point_at(i)));
-            [x, y, scene.height_m(i, limits.support)]
-        };
-        let points_m: Vec<[f64; 3]> = sampled(pixels).map(point).collect();
-        let mut heights_m: Vec<f64> = points_m.iter().map(|point| point[2]).collect();
-        let heights_m = range(&mut heights_m, HEIGHT_QUANTILES);
-        let mut depths_m: Vec<f64> = scene.sampled_points(pixels).map(|point| point.z).collect();
-        let depth_m = element_at(&mut depths_m, 0.5);
-        let noise_m = scene.space.step_m(NOISE_QUANTA * scene.space.noise().waves().max(1.0), depth_m);
-        let [x, y, _] = mean_m(&points_m);
-        let piece = Self { id, points_m, middle_m: [x, y], heights_m, noise_m };
-        let surface = Revolution::fit(&piece.points_m);
-        let radius_m = radius_m(&surface, &piece.points_m);
-        let [_, is_small] = check_radius("radius of the surface", radius_m);
-        (is_small.holds() && surface.distance_m(&piece.points_m) < piece.most_m(radius_m)).then_some(piece)
-    }
-
-    /// The greatest distance (m) at which it is still of a surface with this radius.
-    fn most_m(&self, radius_m: f64) -> f64 {
-        (DISTANCE_SHARE * radius_m).max(DISTANCE_M).max(self.noise_m).min(MOST_SHARE * radius_m)
-    }
-
-    fn is_near(&self, other: &Self) -> bool {
-        length([0, 1].map(|k| self.middle_m[k] - other.middle_m[k])) < APART_M
-    }
-
-    /// The share of the heights of the less tall of two pieces that both have.
-    fn level_share(&self, other: &Self) -> f64 {
-        let [[low, high], [other_low, other_high]] = [self.heights_m, other.heights_m];
-        let common_m = high.min(other_high) - low.max(other_low);
-        common_m / (high - low).min(other_high - other_low).max(f64::MIN_POSITIVE)
-    }
-}
-
-/// The distance of the outermost points of a surface from its axis (m).
-fn radius_m(surface: &Revolution, points_m: &[[f64; 3]]) -> f64 {
-    let mut distances_m: Vec<f64> = points_m.iter().map(|&point| length(surface.about_axis(point))).collect();
-    element_at(&mut distances_m, RADIUS_SHARE)
-}
 
 /// Two pieces of one surface.
 struct Fit {
@@ -190,12 +112,24 @@ fn fit_both(
             && join.check(low)
             && join.check(high)
             && join.check(check_covered(covered))
-            && join.check(limits.check_color(clusters, from.id, &[into.id]));
+            && join.check(limits.check_color(clusters, from.id, &[into.id]))
+            && (!parts.into_iter().all(|id| clusters.convexity(id) < 0.0)
+                || join.check(check_apart(&surface, [into, from])));
     if !is_one {
         misses.push(join.refuse());
         return None;
     }
     Some(Fit { parts, off, join, evidence: JoinEvidence::VesselTurned { radius_m, covered } })
+}
+
+/// Checks that of two insides none lies beyond the other: then one stands in the other.
+fn check_apart(surface: &Revolution, [into, from]: [&Piece; 2]) -> Check {
+    let beyond_m = |piece: &Piece| {
+        let mut beyond_m: Vec<f64> = piece.points_m.iter().map(|&point| surface.beyond_m(point)).collect();
+        element_at(&mut beyond_m, 0.5)
+    };
+    let apart_m = (beyond_m(into) - beyond_m(from)).abs();
+    Check::new("distance of the pieces across that surface", "m", apart_m, Bound::Below, into.most_beyond_m())
 }
 
 #[cfg(test)]
@@ -236,6 +170,27 @@ mod tests {
             if u.hypot(v) < 36.0 { (facet, bowl_m(u, v)) } else { (0, 0.0) }
         });
         assert_eq!(two, [Some(0), Some(1)]);
+    }
+
+    #[test]
+    fn a_bowl_lies_apart_from_the_one_it_stands_in() {
+        let is_one = |inner_px: f64| {
+            let table = Table::new((160, 120), |u, v| {
+                let (u, v) = (u as f64 - 80.0, v as f64 - 60.0);
+                Some(match u.hypot(v) {
+                    r if r < 30.0 => (1, bowl_m(u * 50.0 / inner_px, v * 50.0 / inner_px)),
+                    r if r < 50.0 => (2, bowl_m(u, v)),
+                    _ => (0, 0.0),
+                })
+            });
+            let scene = table.scene();
+            let clusters = single(&scene);
+            let limits = Limits { support: scene.ground().unwrap(), params: &params::Vessels::default() };
+            let pieces = [0, 1].map(|id| Piece::of(&clusters, limits, SegmentId(id)).unwrap());
+            let points_m = pieces.each_ref().map(|piece| piece.points_m.clone()).concat();
+            check_apart(&Revolution::fit(&points_m), [&pieces[0], &pieces[1]]).holds()
+        };
+        assert!(is_one(50.0) && !is_one(36.0));
     }
 
     #[test]

@@ -6,6 +6,7 @@
 use std::collections::BTreeSet;
 
 use super::limits::{CONCAVITY, INSIDE_TOUCH_PX, Limits, PART_PX, RIM_HEIGHT};
+use super::piece::Piece;
 use crate::check::{Bound, Check};
 use crate::clusters::borders::BorderCounts;
 use crate::clusters::cluster::Clusters;
@@ -59,12 +60,19 @@ pub(super) fn join_wall(
         if !is_inside(clusters, inside) {
             continue;
         }
-        let walls = find_walls(clusters, limits, inside, misses);
+        let mut walls = find_walls(clusters, limits, inside, misses);
+        if walls.is_empty() {
+            continue;
+        }
+        let round = Piece::of(clusters, limits, inside);
+        if let Some(round) = &round {
+            walls = keep_own(clusters, limits, round, walls, misses);
+        }
         // On ties the first wall wins.
         let foremost =
             walls.iter().reduce(|best, next| if next.in_front > best.in_front { next } else { best });
         let Some(wall) = foremost else { continue };
-        let search = RimSearch { clusters, limits, inside, wall, walls: &walls };
+        let search = RimSearch { clusters, limits, inside, round: round.as_ref(), wall, walls: &walls };
         let is_joined = match search.find_rim(misses) {
             Some(rim) => {
                 join_within_rim(clusters, inside, wall, rim);
@@ -192,11 +200,40 @@ fn check_around(clusters: &Clusters<'_>, wall: SegmentId, outline: &Hull) -> Che
     )
 }
 
+/// The walls of a round inside that are its own. A bowl in a bowl has the inside of the outer one around it, and the wall beyond that is the outer
+/// one's.
+fn keep_own(
+    clusters: &Clusters<'_>,
+    limits: Limits<'_>,
+    round: &Piece,
+    walls: Vec<Wall>,
+    misses: &mut Vec<Miss>,
+) -> Vec<Wall> {
+    let is_concave = |id: &SegmentId| clusters.convexity(*id) < -FLAT;
+    let beside = clusters.get(round.id).neighbours.keys().copied().flatten().filter(is_concave);
+    let beyond_m = beside.filter_map(|id| round.beyond_m(clusters, limits, id));
+    let outer_m = beyond_m.filter(|&beyond_m| beyond_m > round.most_beyond_m()).reduce(f64::min);
+    let Some(outer_m) = outer_m else { return walls };
+    let mut own = Vec::new();
+    for mut wall in walls {
+        let what = "wall beyond the inside; limit: another inside beyond it";
+        let is_nearer = |beyond_m| wall.join.check(Check::new(what, "m", beyond_m, Bound::Below, outer_m));
+        if round.beyond_m(clusters, limits, wall.id).is_none_or(is_nearer) {
+            own.push(wall);
+        } else {
+            misses.push(wall.join.refuse());
+        }
+    }
+    own
+}
+
 /// The search for the rim of one inside.
 struct RimSearch<'a> {
     clusters: &'a Clusters<'a>,
     limits: Limits<'a>,
     inside: SegmentId,
+    /// The same, if it is round.
+    round: Option<&'a Piece>,
     /// The foremost wall.
     wall: &'a Wall,
     /// All walls.
@@ -271,7 +308,17 @@ impl RimSearch<'_> {
         join.check(check_above(Bound::AtMost, most_m))
             && (clings() || join.check(check_above(Bound::AtLeast, -most_m)))
             && join.check(Check::new("its share within the rim", "", share(), Bound::AtLeast, WITHIN_SHARE))
-            && (parts.contains(&id) || join.check(limits.check_color(clusters, id, &[inside, self.wall.id])))
+            && (parts.contains(&id)
+                || join.check(limits.check_color(clusters, id, &[inside, self.wall.id]))
+                    && self.check_no_content(id).is_none_or(|check| join.check(check)))
+    }
+
+    /// Checks that a cluster does not lie within the surface of a round inside.
+    fn check_no_content(&self, id: SegmentId) -> Option<Check> {
+        let round = self.round?;
+        let within_m = -round.beyond_m(self.clusters, self.limits, id)?;
+        let what = "how far it lies within the surface of revolution of the inside";
+        Some(Check::new(what, "m", within_m, Bound::Below, round.most_beyond_m()))
     }
 }
 
