@@ -6,6 +6,7 @@
 
 mod axes;
 mod body;
+mod face;
 mod profile;
 #[cfg(test)]
 mod tests;
@@ -156,6 +157,18 @@ struct Parting {
     pieces: Vec<Piece>,
 }
 
+impl Parting {
+    /// Notes a seam; what lies below and above it.
+    fn cut(&mut self, body: &Body, sides: &Sides, trace: &Trace, seam: Seam) -> [Piece; 2] {
+        let number = self.seams.len();
+        self.seams.push(seam);
+        [false, true].map(|is_above| Piece {
+            body: body.side(trace, is_above),
+            sides: sides.iter().copied().chain([(number, is_above)]).collect(),
+        })
+    }
+}
+
 /// A piece of a body; its seams are numbered from 0.
 struct Piece {
     body: Body,
@@ -185,55 +198,58 @@ impl Search<'_> {
         let mut open = vec![Piece { body, sides: Vec::new() }];
         while let Some(piece) = open.pop() {
             let may_part = parting.seams.len() < MOST_SEAMS;
-            let Some((trace, seam)) = may_part.then(|| self.find(&piece.body)).flatten() else {
-                parting.pieces.push(piece);
+            let find = || self.clearest(&piece.body, |trace| self.passed(&piece.body, trace));
+            let Some((trace, seam)) = may_part.then(find).flatten() else {
+                self.part_faces(piece, &mut parting);
                 continue;
             };
-            let number = parting.seams.len();
-            parting.seams.push(seam);
-            for is_above in [false, true] {
-                let body = piece.body.side(&trace, is_above);
-                let sides = piece.sides.iter().copied().chain([(number, is_above)]).collect();
-                open.push(Piece { body, sides });
-            }
+            open.extend(parting.cut(&piece.body, &piece.sides, &trace, seam));
         }
         parting
     }
 
-    /// The clearest seam of a body.
-    fn find(&self, body: &Body) -> Option<(Trace, Seam)> {
+    /// The clearest seam of a body, of those along which colour changes and that pass these checks.
+    fn clearest(&self, body: &Body, passed: impl Fn(&Trace) -> Option<Vec<Check>>) -> Option<(Trace, Seam)> {
         let axes = find_axes(body, self.up).into_iter();
         let traces = axes.flat_map(|axis| find_traces(body, axis, self.lab, self.space));
         let wide = traces.filter(|trace| trace.share >= self.params.cross_share);
-        let passed = wide.filter_map(|trace| Some((trace, Seam { checks: self.passed(body, &trace)? })));
+        let passed = wide.filter_map(|trace| Some((trace, Seam { checks: passed(&trace)? })));
         passed.reduce(|best, next| if next.0.clearness > best.0.clearness { next } else { best })
     }
 
     /// The checks of a seam that passes them. The clearer it is, the more colours its sides may share.
     fn passed(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
-        let overlap = body.overlap_across(trace, self.lab);
         let clear = (trace.clearness - FAINT) / (1.0 - FAINT);
-        let (share, most) = (self.params.cross_share, clear * self.params.color_overlap);
-        let mut checks = vec![
-            Check::new("share of the section where colour changes", "", trace.share, Bound::AtLeast, share)
-                .set_by("seams.cross_share"),
-            Check::new("overlap of the colours of both sides", "", overlap, Bound::AtMost, most)
-                .set_by("seams.color_overlap"),
-        ];
+        let mut checks = self.check_colors(body, trace, clear * self.params.color_overlap);
         // Most traces end here, before all pixels of their sides are looked at.
         if !checks.iter().all(Check::holds) {
             return None;
         }
-        checks.push(Check::new(
-            "difference of the darker side from the other in less light",
-            "ΔE",
-            body.unlike_shadow(trace, self.lab),
-            Bound::AtLeast,
-            LEAST_UNLIKE_SHADOW,
-        ));
-        let beyond = body.overlap_beyond(trace, self.lab, self.space, self.size);
-        let what = "overlap of the colours of a narrow side and beyond it";
-        checks.push(Check::new(what, "", beyond, Bound::AtMost, GOES_ON));
+        checks.extend(self.check_light(body, trace, GOES_ON));
         checks.iter().all(Check::holds).then_some(checks)
+    }
+
+    /// Checks that colour changes along a trace, and that its two sides share at most so many colours.
+    fn check_colors(&self, body: &Body, trace: &Trace, most: f64) -> Vec<Check> {
+        let overlap = body.overlap_across(trace, self.lab);
+        let (share, least) = (trace.share, self.params.cross_share);
+        vec![
+            Check::new("share of the section where colour changes", "", share, Bound::AtLeast, least)
+                .set_by("seams.cross_share"),
+            Check::new("overlap of the colours of both sides", "", overlap, Bound::AtMost, most)
+                .set_by("seams.color_overlap"),
+        ]
+    }
+
+    /// Checks that a trace is no edge of a shadow, and that a narrow side of it shares at most so many colours with what lies beyond.
+    fn check_light(&self, body: &Body, trace: &Trace, most: f64) -> [Check; 2] {
+        let unlike = body.unlike_shadow(trace, self.lab);
+        let beyond = body.overlap_beyond(trace, self.lab, self.space, self.size);
+        let darker = "difference of the darker side from the other in less light";
+        let what = "overlap of the colours of a narrow side and beyond it";
+        [
+            Check::new(darker, "ΔE", unlike, Bound::AtLeast, LEAST_UNLIKE_SHADOW),
+            Check::new(what, "", beyond, Bound::AtMost, most),
+        ]
     }
 }

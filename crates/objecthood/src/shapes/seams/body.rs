@@ -100,7 +100,7 @@ impl Body {
     }
 
     /// Whether it has faces, and nearly all are flat.
-    fn is_flat(&self) -> bool {
+    pub(super) fn is_flat(&self) -> bool {
         let flat: usize = self.faces.iter().filter(|face| face.is_flat).map(|face| face.pixels.len()).sum();
         flat > 0 && flat as f64 >= FLAT_SHARE * self.size_px() as f64
     }
