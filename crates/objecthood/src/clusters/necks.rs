@@ -20,6 +20,7 @@ use crate::clusters::necks::handle::Joint;
 use crate::clusters::necks::symmetry::Shaft;
 use crate::clusters::scene::{LEVEL_DEG, Scene, sampled};
 use crate::color::histogram::ColorHistogram;
+use crate::hull::Hull;
 use crate::neighbours::four_neighbours;
 use crate::params;
 use crate::regions::SegmentId;
@@ -38,8 +39,10 @@ const FOOT_M: f64 = 0.015;
 const AROUND_M: f64 = 0.03;
 /// With a larger share of level pixels around the contact the lower part carries the upper one.
 const LEVEL_SHARE: f64 = 0.3;
-/// Two parts that both bend inwards by more than this convexity are no convex parts of a body: a bowl stands in another.
+/// A part below this convexity is hollow, as a bowl.
 const HOLLOW: f64 = -0.1;
+/// A hollow part of which this share lies within the outline of another hollow one stands in it.
+const WITHIN_SHARE: f64 = 0.5;
 /// A pixel steeper than this is a side (degrees): it says nothing of what stands above it.
 const STEEP_DEG: f64 = 65.0;
 /// From this share of pixels on that are neither level nor steep, a thing of its own would slide off the lower part.
@@ -207,8 +210,8 @@ impl Compare<'_> {
                 Bound::Below,
                 LEVEL_SHARE,
             ),
-            self.check_not_hollow(pair),
         ];
+        checks.extend(self.check_beside(by_size));
         if alike.holds() || !slides.iter().all(Check::holds) {
             checks.insert(0, alike);
         } else {
@@ -217,10 +220,17 @@ impl Compare<'_> {
         Some(Pair { parts: [upper, lower], overlap, checks })
     }
 
-    /// Checks that at most one of two parts is hollow: hollow things stand in each other.
-    fn check_not_hollow(&self, pair: [SegmentId; 2]) -> Check {
-        let convexity = pair.map(|id| self.clusters.convexity(id)).into_iter().fold(f64::MIN, f64::max);
-        Check::new("how far the more convex part bends outwards", "", convexity, Bound::AtLeast, HOLLOW)
+    /// Checks that of two hollow parts, the smaller one first, that one lies beside the other: else it stands in it. `None` when one is not hollow.
+    fn check_beside(&self, [smaller, larger]: [SegmentId; 2]) -> Option<Check> {
+        let is_hollow = |id: SegmentId| self.clusters.convexity(id) < HOLLOW;
+        (is_hollow(smaller) && is_hollow(larger)).then(|| {
+            let pixels = |id: SegmentId| &self.clusters.get(id).pixels;
+            let outline = Hull::of(pixels(larger), self.clusters.scene.disparity.width());
+            let (within, all) = sampled(pixels(smaller))
+                .fold((0.0, 0.0), |(n, all), i| (n + f64::from(outline.contains(i)), all + 1.0));
+            let what = "share of the smaller hollow part within the outline of the larger one";
+            Check::new(what, "", within / all, Bound::Below, WITHIN_SHARE)
+        })
     }
 
     /// The checks by which the upper part would slide off the lower, from which a thing slides around their contact with this share.

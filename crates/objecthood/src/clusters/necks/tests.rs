@@ -49,20 +49,26 @@ fn parts_that_share_colors_are_one_unless_the_upper_one_stands_by_itself() {
 
 /// Bowls of one colour that stand in each other were parts of one body.
 #[test]
-fn two_hollow_things_are_no_parts_of_a_body() {
-    // Seen from above: the inside of a bowl, around that of another one, or a dome on the flank of another.
-    let at = |bend: f64| {
-        let of = |u: usize, v: usize| match (u as f64 - 30.0).hypot(v as f64 - 30.0) {
-            r if r < 12.0 => (2, 0.060 + bend * (r * r * 0.00009 - 0.013)),
-            r if r < 27.0 => (1, 0.060 + bend * (r - 12.0) * 0.0022),
-            _ => (0, 0.0),
+fn a_hollow_thing_within_another_is_no_part_of_it() {
+    // The inside of a bowl as seen from above, or a dome; parted around its middle, or across.
+    let at = |bend: f64, is_inner: fn(f64, f64) -> bool| {
+        let of = |u: usize, v: usize| {
+            let (u, v) = (u as f64 - 30.0, v as f64 - 30.0);
+            let facet = if is_inner(u, v) { 2 } else { 1 };
+            if u.hypot(v) < 27.0 {
+                (facet, 0.060 + bend * ((u * u + v * v) * 0.00008 - 0.025))
+            } else {
+                (0, 0.0)
+            }
         };
         let mut table = Table::new((60, 60), |u, v| Some(of(u, v)));
         table.lab = Some(LabImage::drawn((60, 60), |u, v| [BLUE, RED, RED][of(u, v).0 as usize]));
         joined(&table)
     };
-    assert_eq!(at(-1.0), [Some(0), Some(0)]);
-    assert_eq!(at(1.0), [Some(0), Some(1)]);
+    let around = |u: f64, v: f64| u.hypot(v) < 12.0;
+    assert_eq!(at(1.0, around), [Some(0), Some(1)]);
+    assert_eq!(at(-1.0, around), [Some(0), Some(0)]);
+    assert_eq!(at(1.0, |u, _| u < -4.0), [Some(0), Some(0)], "two sides of one");
 }
 
 #[test]
