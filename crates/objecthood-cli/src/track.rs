@@ -93,6 +93,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
                     bar.suspend(|| terminal::error(&e));
                 }
             }
+            lines.check()?;
             bar.inc(1);
             if args.resume && kept.elapsed() > KEPT_EVERY {
                 plan.keep(&tracker, &told, &mut lines, unreadable.len(), &fingerprints)?;
@@ -102,9 +103,11 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
         Ok(())
     })?;
     bar.finish_and_clear();
-    if args.resume {
-        plan.keep(&tracker, &told, &mut lines, unreadable.len(), &fingerprints)?;
-    }
+    // The state of before the end of the video, which makes late events certain; written behind the lists that have them.
+    let state = args
+        .resume
+        .then(|| plan.state(&tracker, &told, &lines, unreadable.len(), &fingerprints))
+        .transpose()?;
     let late = tracker.finish();
     late.iter().for_each(|event| lines.event(event));
     filming.map(|filming| filming.finish(&late)).transpose()?;
@@ -114,6 +117,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
     }
     told.events.extend(late);
     lines.finish()?;
+    state.map(|files| output::write_together(&files)).transpose()?;
     let outcome = plan.sum_up(&told, frames.len() + unreadable.len(), "")?;
     if outcome == Outcome::Interrupted {
         let next = if args.resume { "goes on from here" } else { "follows the video from its beginning" };

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 /// The names of the lists: of tracks, events and what stands on what.
 pub(super) const LISTS: [&str; 3] = ["tracks.jsonl", "events.jsonl", "support.jsonl"];
 
-/// All lists. Their lines are written as they come, so that a long video takes no more memory than a short one.
+/// All lists. Their lines are written as they come, and not held in memory.
 pub(super) struct Lines {
     pub(super) tracks: List,
     pub(super) events: List,
@@ -91,8 +91,8 @@ impl Lines {
     /// # Errors
     /// When one cannot be written, or could not be.
     pub(super) fn keep(&mut self) -> Result<()> {
+        self.check()?;
         for list in [&mut self.tracks, &mut self.events, &mut self.support] {
-            list.check()?;
             list.file.keep()?;
         }
         Ok(())
@@ -103,8 +103,16 @@ impl Lines {
     /// # Errors
     /// When one cannot be written, or could not be.
     pub(super) fn finish(mut self) -> Result<()> {
-        [&mut self.tracks, &mut self.events, &mut self.support].into_iter().try_for_each(List::check)?;
+        self.check()?;
         Ok(Growing::finish_together([self.tracks.file, self.events.file, self.support.file])?)
+    }
+
+    /// Whether all lines could be written so far; told once.
+    ///
+    /// # Errors
+    /// When one could not be written.
+    pub(super) fn check(&mut self) -> objecthood_io::Result<()> {
+        [&mut self.tracks, &mut self.events, &mut self.support].into_iter().try_for_each(List::check)
     }
 
     /// Adds what is said of a frame.

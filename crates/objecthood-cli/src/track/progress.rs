@@ -156,6 +156,7 @@ impl Plan<'_> {
             lines.support.append(line);
             Ok(())
         })?;
+        lines.check()?;
         Ok(Going { tracker, told, lines, done: followed.len() })
     }
 
@@ -228,8 +229,7 @@ impl Plan<'_> {
         })
     }
 
-    /// Writes the lists and keeps what the tracker knows, before the end of the video makes more certain. `unreadable`: files without a frame, which are not part
-    /// of what failed in its turn.
+    /// Writes the lists and keeps what the tracker knows. `unreadable`: files without a frame, which are not part of what failed in its turn.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -243,6 +243,21 @@ impl Plan<'_> {
     ) -> Result<()> {
         // A run that is killed here has longer lists than it needs.
         lines.keep()?;
+        Ok(output::write_together(&self.state(tracker, told, lines, unreadable, fingerprints)?)?)
+    }
+
+    /// The files that say how far the run is and what the tracker knows, before the end of the video makes more certain. They belong behind the lists.
+    ///
+    /// # Errors
+    /// When the state cannot be put into bytes.
+    pub(super) fn state(
+        &self,
+        tracker: &Tracker,
+        told: &Told,
+        lines: &Lines,
+        unreadable: usize,
+        fingerprints: &[String],
+    ) -> Result<[(PathBuf, Vec<u8>); 2]> {
         let state = tracker.save()?;
         let failed = told.failed - unreadable;
         let progress = Progress {
@@ -258,7 +273,7 @@ impl Plan<'_> {
         };
         let path = |name: &str| self.args.out.join(name);
         let progress = serde_json::to_vec(&progress)?;
-        Ok(output::write_together(&[(path(STATE), state), (path(PROGRESS), progress)])?)
+        Ok([(path(STATE), state), (path(PROGRESS), progress)])
     }
 
     /// SHA-256 of the settings.

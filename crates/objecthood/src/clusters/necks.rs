@@ -19,8 +19,8 @@ use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
 use crate::clusters::necks::handle::Joint;
 use crate::clusters::necks::symmetry::Shaft;
 use crate::clusters::scene::{LEVEL_DEG, Scene, sampled};
+use crate::clusters::vessels::piece::check_on;
 use crate::color::histogram::ColorHistogram;
-use crate::hull::Hull;
 use crate::neighbours::four_neighbours;
 use crate::params;
 use crate::regions::SegmentId;
@@ -41,8 +41,6 @@ const AROUND_M: f64 = 0.03;
 const LEVEL_SHARE: f64 = 0.3;
 /// A part below this convexity is hollow, as a bowl.
 const HOLLOW: f64 = -0.1;
-/// A hollow part of which this share lies within the outline of another hollow one stands in it.
-const WITHIN_SHARE: f64 = 0.5;
 /// A pixel steeper than this is a side (degrees): it says nothing of what stands above it.
 const STEEP_DEG: f64 = 65.0;
 /// From this share of pixels on that are neither level nor steep, a thing of its own would slide off the lower part.
@@ -211,7 +209,7 @@ impl Compare<'_> {
                 LEVEL_SHARE,
             ),
         ];
-        checks.extend(self.check_beside(by_size));
+        checks.extend(self.check_hollow(by_size));
         if alike.holds() || !slides.iter().all(Check::holds) {
             checks.insert(0, alike);
         } else {
@@ -220,17 +218,12 @@ impl Compare<'_> {
         Some(Pair { parts: [upper, lower], overlap, checks })
     }
 
-    /// Checks that of two hollow parts, the smaller one first, that one lies beside the other: else it stands in it. `None` when one is not hollow.
-    fn check_beside(&self, [smaller, larger]: [SegmentId; 2]) -> Option<Check> {
-        let is_hollow = |id: SegmentId| self.clusters.convexity(id) < HOLLOW;
-        (is_hollow(smaller) && is_hollow(larger)).then(|| {
-            let pixels = |id: SegmentId| &self.clusters.get(id).pixels;
-            let outline = Hull::of(pixels(larger), self.clusters.scene.disparity.width());
-            let (within, all) = sampled(pixels(smaller))
-                .fold((0.0, 0.0), |(n, all), i| (n + f64::from(outline.contains(i)), all + 1.0));
-            let what = "share of the smaller hollow part within the outline of the larger one";
-            Check::new(what, "", within / all, Bound::Below, WITHIN_SHARE)
-        })
+    /// Checks that of two hollow parts, the smaller one first, that one goes on in the other: else it is a bowl that stands in it. `None` when one is not
+    /// hollow, or where they lie cannot be told.
+    fn check_hollow(&self, [smaller, larger]: [SegmentId; 2]) -> Option<Check> {
+        let are_hollow = [smaller, larger].into_iter().all(|id| self.clusters.convexity(id) < HOLLOW);
+        let support = self.clusters.scene.ground().filter(|_| are_hollow)?;
+        check_on(self.clusters, support, larger, smaller)
     }
 
     /// The checks by which the upper part would slide off the lower, from which a thing slides around their contact with this share.

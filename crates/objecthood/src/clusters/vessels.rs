@@ -14,7 +14,7 @@ mod boxes;
 mod insides;
 mod limits;
 mod panels;
-mod piece;
+pub(super) mod piece;
 mod remainders;
 mod revolution;
 mod turned;

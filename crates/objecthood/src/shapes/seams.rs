@@ -2,7 +2,7 @@
 //!
 //! Two boxes that stand flush share faces: no fold and no step parts them. They are joined along a plane, and its trace runs across
 //! every face of the joint body. On the whole trace the colour changes, and what lies on one side looks unlike what lies on the other.
-//! Print does not do both: it ends within a face, or comes back on the other side.
+//! Print does not do both: it ends within a face, or comes back on the other side. Where only one face is shared, its outline speaks ([`face`]).
 
 mod axes;
 mod body;
@@ -130,7 +130,7 @@ impl Cuts {
 /// left to shapes.
 ///
 /// Planes across the body are compared, perpendicular to its edges. The clearest is a seam if colour changes along `cross_share` of its
-/// trace, and the colours of its two sides overlap little; then both sides are searched. `None` if there is no seam, or no colour.
+/// trace, and the colours of its two sides overlap little; then both sides are searched, and last each face by itself. `None` if there is no seam, or no colour.
 /// Source: ours, because the paper has no colour in this stage. O(pixels of bodies · edges of a body); parallel over bodies.
 pub fn find_seams(
     (facets, shapes): (&Facets, &Shapes),

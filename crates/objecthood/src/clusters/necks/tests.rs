@@ -49,26 +49,24 @@ fn parts_that_share_colors_are_one_unless_the_upper_one_stands_by_itself() {
 
 /// Bowls of one colour that stand in each other were parts of one body.
 #[test]
-fn a_hollow_thing_within_another_is_no_part_of_it() {
-    // The inside of a bowl as seen from above, or a dome; parted around its middle, or across.
-    let at = |bend: f64, is_inner: fn(f64, f64) -> bool| {
+fn a_bowl_in_a_bowl_is_no_part_of_it() {
+    // The bottom of a bowl as seen from above, or the inside of a narrower one; beside it the outer one is seen deeper down.
+    let at = |inner_px: f64| {
         let of = |u: usize, v: usize| {
-            let (u, v) = (u as f64 - 30.0, v as f64 - 30.0);
-            let facet = if is_inner(u, v) { 2 } else { 1 };
-            if u.hypot(v) < 27.0 {
-                (facet, 0.060 + bend * ((u * u + v * v) * 0.00008 - 0.025))
-            } else {
-                (0, 0.0)
+            let outer_m = |r: f64| 0.020 + (r / 28.0).powi(2) * 0.05;
+            let inner_m = |r: f64| outer_m(17.0) + (r * r - 17.0 * 17.0) / inner_px.powi(2) * 0.05;
+            match (u as f64 - 30.0).hypot(v as f64 - 30.0) {
+                r if r < 17.0 && v < 35 => (2, inner_m(r)),
+                r if r < 28.0 => (1, outer_m(r)),
+                _ => (0, 0.0),
             }
         };
         let mut table = Table::new((60, 60), |u, v| Some(of(u, v)));
         table.lab = Some(LabImage::drawn((60, 60), |u, v| [BLUE, RED, RED][of(u, v).0 as usize]));
         joined(&table)
     };
-    let around = |u: f64, v: f64| u.hypot(v) < 12.0;
-    assert_eq!(at(1.0, around), [Some(0), Some(1)]);
-    assert_eq!(at(-1.0, around), [Some(0), Some(0)]);
-    assert_eq!(at(1.0, |u, _| u < -4.0), [Some(0), Some(0)], "two sides of one");
+    assert_eq!(at(28.0), [Some(0), Some(0)]);
+    assert_eq!(at(60.0), [Some(0), Some(1)]);
 }
 
 #[test]

@@ -13,7 +13,7 @@ const INSIDE_PX: usize = 60;
 /// The smaller piece needs this share of the concavity that the larger one needs.
 const SMALLER_SHARE: f64 = 0.5;
 
-/// Joins the first two pieces of one inside that it finds, and returns whether it found any. Both are concave, and the smaller one
+/// Joins the first two pieces of one inside that it finds, and returns whether it found any. Both are concave and, if the larger one is round, of one surface. The smaller one
 /// is not higher than the larger one by more than the tops of a vessel differ.
 pub(super) fn join_insides(clusters: &mut Clusters<'_>, limits: Limits<'_>, misses: &mut Vec<Miss>) -> bool {
     let check_concave = |what, convexity, share| {
@@ -31,7 +31,7 @@ pub(super) fn join_insides(clusters: &mut Clusters<'_>, limits: Limits<'_>, miss
                 ))
                 && join.check(limits.check_no_higher(clusters, small, large))
                 && join.check(limits.check_color(clusters, small, &[large]))
-                && check_on(clusters, limits, large, small).is_none_or(|check| join.check(check));
+                && check_on(clusters, limits.support, large, small).is_none_or(|check| join.check(check));
         if is_inside {
             clusters.join(join, JoinEvidence::VesselInside { convexity });
             return true;

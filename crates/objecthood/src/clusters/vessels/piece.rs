@@ -1,12 +1,13 @@
 //! Clusters that are surfaces of revolution by themselves, as pieces of round vessels are.
 
-use super::limits::{Limits, PART_PX};
+use super::limits::PART_PX;
 use super::revolution::{Revolution, mean_m};
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::rim::check_radius;
 use crate::clusters::scene::sampled;
 use crate::linear::length;
+use crate::oversegment::structure::StructureSurface;
 use crate::quantile::{element_at, range};
 use crate::regions::SegmentId;
 use crate::tangents::tangents;
@@ -47,12 +48,12 @@ pub(super) struct Piece {
 
 impl Piece {
     /// `None` for a cluster that is too small, flat, or no surface of revolution by itself.
-    pub(super) fn of(clusters: &Clusters<'_>, limits: Limits<'_>, id: SegmentId) -> Option<Self> {
+    pub(super) fn of(clusters: &Clusters<'_>, support: &StructureSurface, id: SegmentId) -> Option<Self> {
         let (scene, pixels) = (clusters.scene, &clusters.get(id).pixels);
         if pixels.len() < scene.space.area_px(PART_PX) || clusters.flat(id).is_some() {
             return None;
         }
-        let points_m = points_of(clusters, limits, id);
+        let points_m = points_of(clusters, support, id);
         let mut heights_m: Vec<f64> = points_m.iter().map(|point| point[2]).collect();
         let heights_m = range(&mut heights_m, HEIGHT_QUANTILES);
         let mut depths_m: Vec<f64> = scene.sampled_points(pixels).map(|point| point.z).collect();
@@ -80,11 +81,11 @@ impl Piece {
     pub(super) fn beyond_m(
         &self,
         clusters: &Clusters<'_>,
-        limits: Limits<'_>,
+        support: &StructureSurface,
         other: SegmentId,
     ) -> Option<f64> {
         let [low_m, high_m] = self.heights_m;
-        let points_m = points_of(clusters, limits, other).into_iter();
+        let points_m = points_of(clusters, support, other).into_iter();
         let common = points_m.filter(|point| (low_m..=high_m).contains(&point[2]));
         let mut beyond_m: Vec<f64> = common.map(|point| self.surface.beyond_m(point)).collect();
         (beyond_m.len() >= LEAST_COMMON).then(|| element_at(&mut beyond_m, 0.5))
@@ -105,24 +106,24 @@ impl Piece {
 
 /// Checks that the smaller of two insides lies on the surface of the larger one. `None` when that is no surface of revolution, or the two share no
 /// heights.
-pub(super) fn check_on(
+pub(in crate::clusters) fn check_on(
     clusters: &Clusters<'_>,
-    limits: Limits<'_>,
+    support: &StructureSurface,
     large: SegmentId,
     small: SegmentId,
 ) -> Option<Check> {
-    let large = Piece::of(clusters, limits, large)?;
-    let off_m = large.beyond_m(clusters, limits, small)?.abs();
+    let large = Piece::of(clusters, support, large)?;
+    let off_m = large.beyond_m(clusters, support, small)?.abs();
     let what = "distance of the smaller piece from the surface of revolution of the larger one";
     Some(Check::new(what, "m", off_m, Bound::Below, large.most_beyond_m()))
 }
 
 /// About 200 points of a cluster: along the two tangents of the support, and the height above it (m).
-fn points_of(clusters: &Clusters<'_>, limits: Limits<'_>, id: SegmentId) -> Vec<[f64; 3]> {
-    let (scene, sideways) = (clusters.scene, tangents(limits.support.normal));
+fn points_of(clusters: &Clusters<'_>, support: &StructureSurface, id: SegmentId) -> Vec<[f64; 3]> {
+    let (scene, sideways) = (clusters.scene, tangents(support.normal));
     let point = |i: usize| {
         let [x, y] = sideways.map(|tangent| tangent.dot(scene.point_at(i)));
-        [x, y, scene.height_m(i, limits.support)]
+        [x, y, scene.height_m(i, support)]
     };
     sampled(&clusters.get(id).pixels).map(point).collect()
 }
@@ -137,7 +138,6 @@ pub(super) fn radius_m(surface: &Revolution, points_m: &[[f64; 3]]) -> f64 {
 mod tests {
     use super::*;
     use crate::clusters::testing::{Table, single};
-    use crate::params;
 
     /// A bowl in an image of (facet, height): seen from above, 5 cm deep at this radius (px).
     fn bowl_m(r: f64, radius_px: f64) -> f64 {
@@ -155,8 +155,8 @@ mod tests {
         });
         let scene = table.scene();
         let clusters = single(&scene);
-        let limits = Limits { support: scene.ground().unwrap(), params: &params::Vessels::default() };
-        check_on(&clusters, limits, SegmentId(1), SegmentId(0)).is_none_or(|check| check.holds())
+        check_on(&clusters, scene.ground().unwrap(), SegmentId(1), SegmentId(0))
+            .is_none_or(|check| check.holds())
     }
 
     /// The inner one had the number of the outer one.

@@ -32,7 +32,7 @@ struct Fit {
 /// O(clusters + pairs of near pieces), times about 200 pixels.
 pub(super) fn join_turned(clusters: &mut Clusters<'_>, limits: Limits<'_>, times: usize) {
     let ids = clusters.alive().into_iter();
-    let mut pieces: Vec<Piece> = ids.filter_map(|id| Piece::of(clusters, limits, id)).collect();
+    let mut pieces: Vec<Piece> = ids.filter_map(|id| Piece::of(clusters, limits.support, id)).collect();
     let mut misses = Vec::new();
     let mut fits = Vec::new();
     for (k, piece) in pieces.iter().enumerate() {
@@ -46,7 +46,7 @@ pub(super) fn join_turned(clusters: &mut Clusters<'_>, limits: Limits<'_>, times
         let is_of = |id: SegmentId| parts.contains(&id);
         fits.retain(|fit| !fit.parts.into_iter().any(is_of));
         pieces.retain(|piece| !is_of(piece.id));
-        if let Some(whole) = Piece::of(clusters, limits, parts[0]) {
+        if let Some(whole) = Piece::of(clusters, limits.support, parts[0]) {
             fits.extend(fit_all(clusters, limits, &whole, &pieces, &mut misses));
             pieces.push(whole);
         }
@@ -185,8 +185,8 @@ mod tests {
             });
             let scene = table.scene();
             let clusters = single(&scene);
-            let limits = Limits { support: scene.ground().unwrap(), params: &params::Vessels::default() };
-            let pieces = [0, 1].map(|id| Piece::of(&clusters, limits, SegmentId(id)).unwrap());
+            let support = scene.ground().unwrap();
+            let pieces = [0, 1].map(|id| Piece::of(&clusters, support, SegmentId(id)).unwrap());
             let points_m = pieces.each_ref().map(|piece| piece.points_m.clone()).concat();
             check_apart(&Revolution::fit(&points_m), [&pieces[0], &pieces[1]]).holds()
         };

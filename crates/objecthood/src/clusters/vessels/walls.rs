@@ -15,6 +15,7 @@ use crate::clusters::rim::{check_circle, fit_rim_circle, measure_share_within};
 use crate::clusters::scene::sampled;
 use crate::discovery::join::{JoinEvidence, RimCircle};
 use crate::hull::Hull;
+use crate::oversegment::structure::StructureSurface;
 use crate::regions::SegmentId;
 
 /// An inside bends outwards by at most this convexity, a wall inwards by at most this.
@@ -64,9 +65,9 @@ pub(super) fn join_wall(
         if walls.is_empty() {
             continue;
         }
-        let round = Piece::of(clusters, limits, inside);
+        let round = Piece::of(clusters, limits.support, inside);
         if let Some(round) = &round {
-            walls = keep_own(clusters, limits, round, walls, misses);
+            walls = keep_own(clusters, limits.support, round, walls, misses);
         }
         // On ties the first wall wins.
         let foremost =
@@ -204,21 +205,21 @@ fn check_around(clusters: &Clusters<'_>, wall: SegmentId, outline: &Hull) -> Che
 /// one's.
 fn keep_own(
     clusters: &Clusters<'_>,
-    limits: Limits<'_>,
+    support: &StructureSurface,
     round: &Piece,
     walls: Vec<Wall>,
     misses: &mut Vec<Miss>,
 ) -> Vec<Wall> {
     let is_concave = |id: &SegmentId| clusters.convexity(*id) < -FLAT;
     let beside = clusters.get(round.id).neighbours.keys().copied().flatten().filter(is_concave);
-    let beyond_m = beside.filter_map(|id| round.beyond_m(clusters, limits, id));
+    let beyond_m = beside.filter_map(|id| round.beyond_m(clusters, support, id));
     let outer_m = beyond_m.filter(|&beyond_m| beyond_m > round.most_beyond_m()).reduce(f64::min);
     let Some(outer_m) = outer_m else { return walls };
     let mut own = Vec::new();
     for mut wall in walls {
         let what = "wall beyond the inside; limit: another inside beyond it";
         let is_nearer = |beyond_m| wall.join.check(Check::new(what, "m", beyond_m, Bound::Below, outer_m));
-        if round.beyond_m(clusters, limits, wall.id).is_none_or(is_nearer) {
+        if round.beyond_m(clusters, support, wall.id).is_none_or(is_nearer) {
             own.push(wall);
         } else {
             misses.push(wall.join.refuse());
@@ -316,7 +317,7 @@ impl RimSearch<'_> {
     /// Checks that a cluster does not lie within the surface of a round inside.
     fn check_no_content(&self, id: SegmentId) -> Option<Check> {
         let round = self.round?;
-        let within_m = -round.beyond_m(self.clusters, self.limits, id)?;
+        let within_m = -round.beyond_m(self.clusters, self.limits.support, id)?;
         let what = "how far it lies within the surface of revolution of the inside";
         Some(Check::new(what, "m", within_m, Bound::Below, round.most_beyond_m()))
     }
