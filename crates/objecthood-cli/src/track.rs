@@ -103,7 +103,7 @@ pub(crate) fn run(args: &TrackArgs) -> Result<Outcome> {
         Ok(())
     })?;
     bar.finish_and_clear();
-    // The state of before the end of the video, which makes late events certain; written behind the lists that have them.
+    // Taken before the end of the video makes late events certain. Written after the lists that hold them.
     let state = args
         .resume
         .then(|| plan.state(&tracker, &told, &lines, unreadable.len(), &fingerprints))

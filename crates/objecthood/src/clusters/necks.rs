@@ -20,6 +20,7 @@ use crate::clusters::necks::handle::Joint;
 use crate::clusters::necks::symmetry::Shaft;
 use crate::clusters::scene::{LEVEL_DEG, Scene, sampled};
 use crate::clusters::vessels::piece::check_on;
+use crate::clusters::vessels::walls::FLAT;
 use crate::color::histogram::ColorHistogram;
 use crate::neighbours::four_neighbours;
 use crate::params;
@@ -39,8 +40,6 @@ const FOOT_M: f64 = 0.015;
 const AROUND_M: f64 = 0.03;
 /// With a larger share of level pixels around the contact the lower part carries the upper one.
 const LEVEL_SHARE: f64 = 0.3;
-/// A part below this convexity is hollow, as a bowl.
-const HOLLOW: f64 = -0.1;
 /// A pixel steeper than this is a side (degrees): it says nothing of what stands above it.
 const STEEP_DEG: f64 = 65.0;
 /// From this share of pixels on that are neither level nor steep, a thing of its own would slide off the lower part.
@@ -221,7 +220,7 @@ impl Compare<'_> {
     /// Checks that of two hollow parts, the smaller one first, that one goes on in the other: else it is a bowl that stands in it. `None` when one is not
     /// hollow, or where they lie cannot be told.
     fn check_hollow(&self, [smaller, larger]: [SegmentId; 2]) -> Option<Check> {
-        let are_hollow = [smaller, larger].into_iter().all(|id| self.clusters.convexity(id) < HOLLOW);
+        let are_hollow = [smaller, larger].into_iter().all(|id| self.clusters.convexity(id) < -FLAT);
         let support = self.clusters.scene.ground().filter(|_| are_hollow)?;
         check_on(self.clusters, support, larger, smaller)
     }

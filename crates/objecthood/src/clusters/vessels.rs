@@ -18,7 +18,7 @@ pub(super) mod piece;
 mod remainders;
 mod revolution;
 mod turned;
-mod walls;
+pub(super) mod walls;
 
 use std::collections::BTreeSet;
 

@@ -2,7 +2,8 @@
 //!
 //! Two boxes that stand flush share faces: no fold and no step parts them. They are joined along a plane, and its trace runs across
 //! every face of the joint body. On the whole trace the colour changes, and what lies on one side looks unlike what lies on the other.
-//! Print does not do both: it ends within a face, or comes back on the other side. Where only one face is shared, its outline speaks ([`face`]).
+//! Print does not do both: it ends within a face, or comes back on the other side. Where two things share one face only, its outline
+//! shows the joint ([`face`]).
 
 mod axes;
 mod body;
@@ -130,7 +131,8 @@ impl Cuts {
 /// left to shapes.
 ///
 /// Planes across the body are compared, perpendicular to its edges. The clearest is a seam if colour changes along `cross_share` of its
-/// trace, and the colours of its two sides overlap little; then both sides are searched, and last each face by itself. `None` if there is no seam, or no colour.
+/// trace, and the colours of its two sides overlap little; then both sides are searched, and last each face by itself. `None` if there
+/// is no seam, or no colour.
 /// Source: ours, because the paper has no colour in this stage. O(pixels of bodies · edges of a body); parallel over bodies.
 pub fn find_seams(
     (facets, shapes): (&Facets, &Shapes),
@@ -197,24 +199,24 @@ impl Search<'_> {
         let mut parting = Parting { seams: Vec::new(), pieces: Vec::new() };
         let mut open = vec![Piece { body, sides: Vec::new() }];
         while let Some(piece) = open.pop() {
-            let may_part = parting.seams.len() < MOST_SEAMS;
-            let find = || self.clearest(&piece.body, |trace| self.passed(&piece.body, trace));
-            let Some((trace, seam)) = may_part.then(find).flatten() else {
-                self.part_faces(piece, &mut parting);
+            if parting.seams.len() == MOST_SEAMS {
+                parting.pieces.push(piece);
                 continue;
-            };
-            open.extend(parting.cut(&piece.body, &piece.sides, &trace, seam));
+            }
+            let traces = self.find_traces(&piece.body);
+            match clearest(&traces, |trace| self.passed(&piece.body, trace)) {
+                Some((trace, seam)) => open.extend(parting.cut(&piece.body, &piece.sides, trace, seam)),
+                None => self.part_faces(piece, traces, &mut parting),
+            }
         }
         parting
     }
 
-    /// The clearest seam of a body, of those along which colour changes and that pass these checks.
-    fn clearest(&self, body: &Body, passed: impl Fn(&Trace) -> Option<Vec<Check>>) -> Option<(Trace, Seam)> {
+    /// The traces along which the colour of a body changes.
+    fn find_traces(&self, body: &Body) -> Vec<Trace> {
         let axes = find_axes(body, self.up).into_iter();
         let traces = axes.flat_map(|axis| find_traces(body, axis, self.lab, self.space));
-        let wide = traces.filter(|trace| trace.share >= self.params.cross_share);
-        let passed = wide.filter_map(|trace| Some((trace, Seam { checks: passed(&trace)? })));
-        passed.reduce(|best, next| if next.0.clearness > best.0.clearness { next } else { best })
+        traces.filter(|trace| trace.share >= self.params.cross_share).collect()
     }
 
     /// The checks of a seam that passes them. The clearer it is, the more colours its sides may share.
@@ -252,4 +254,10 @@ impl Search<'_> {
             Check::new(what, "", beyond, Bound::AtMost, most),
         ]
     }
+}
+
+/// The clearest of the traces that pass these checks; on ties the first.
+fn clearest(traces: &[Trace], passed: impl Fn(&Trace) -> Option<Vec<Check>>) -> Option<(&Trace, Seam)> {
+    let passed = traces.iter().filter_map(|trace| Some((trace, Seam { checks: passed(trace)? })));
+    passed.reduce(|best, next| if next.0.clearness > best.0.clearness { next } else { best })
 }

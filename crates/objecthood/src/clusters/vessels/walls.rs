@@ -18,8 +18,8 @@ use crate::hull::Hull;
 use crate::oversegment::structure::StructureSurface;
 use crate::regions::SegmentId;
 
-/// An inside bends outwards by at most this convexity, a wall inwards by at most this.
-const FLAT: f64 = 0.1;
+/// An inside bends outwards by at most this convexity, a wall inwards by at most this. What bends inwards by more is hollow.
+pub(in crate::clusters) const FLAT: f64 = 0.1;
 /// A wall is in front of the inside along at least this many pixel pairs (px at 525 px).
 const FRONT_PX: usize = 8;
 /// A wall is in front of the inside at least this many times as often as behind it.

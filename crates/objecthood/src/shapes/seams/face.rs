@@ -5,7 +5,7 @@
 
 use super::body::{Body, BodyPixel, Face};
 use super::trace::Trace;
-use super::{GOES_ON, MOST_SEAMS, Parting, Piece, Search};
+use super::{GOES_ON, MOST_SEAMS, Parting, Piece, Search, clearest};
 use crate::check::{Bound, Check};
 use crate::quantile::range;
 
@@ -23,9 +23,12 @@ const OVERLAP_FACTOR: f64 = 2.0;
 const LEAST_FACE_PX: usize = 400;
 
 impl Search<'_> {
-    /// Parts the faces of a piece, one by one, along joints that end in steps of their outlines; then both sides. O(pixels · edges of a face · seams).
-    pub(super) fn part_faces(&self, piece: Piece, parting: &mut Parting) {
+    /// Parts the faces of a piece, one by one, along joints that end in steps of their outlines; then both sides. `traces`: those of the piece.
+    /// O(pixels · edges of a face · seams).
+    pub(super) fn part_faces(&self, piece: Piece, traces: Vec<Trace>, parting: &mut Parting) {
         let Piece { body, sides } = piece;
+        // A piece of one face was searched as this face.
+        let mut known = (body.faces.len() == 1).then_some(traces);
         let mut whole = Vec::new();
         for face in body.faces {
             let mut open = vec![Piece { body: Body { faces: vec![face] }, sides: sides.clone() }];
@@ -33,9 +36,10 @@ impl Search<'_> {
                 let Piece { body, sides: own } = &piece;
                 let is_large = body.size_px() >= self.space.area_px(LEAST_FACE_PX);
                 let may_part = parting.seams.len() < MOST_SEAMS && is_large && body.is_flat();
-                let find = || self.clearest(body, |trace| self.passed_in_face(body, trace));
-                match may_part.then(find).flatten() {
-                    Some((trace, seam)) => open.extend(parting.cut(body, own, &trace, seam)),
+                let mut traces = || known.take().unwrap_or_else(|| self.find_traces(body));
+                let traces = if may_part { traces() } else { Vec::new() };
+                match clearest(&traces, |trace| self.passed_in_face(body, trace)) {
+                    Some((trace, seam)) => open.extend(parting.cut(body, own, trace, seam)),
                     None if own.len() > sides.len() => parting.pieces.push(piece),
                     None => whole.extend(piece.body.faces),
                 }
