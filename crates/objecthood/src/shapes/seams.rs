@@ -3,7 +3,7 @@
 //! Two boxes that stand flush share faces: no fold and no step parts them. They are joined along a plane, and its trace runs across
 //! every face of the joint body. On the whole trace the colour changes, and what lies on one side looks unlike what lies on the other.
 //! Print does not do both: it ends within a face, or comes back on the other side. Where two things share one face only, its outline
-//! shows the joint ([`face`]).
+//! shows the joint (`face.rs`).
 
 mod axes;
 mod body;
