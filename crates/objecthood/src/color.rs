@@ -54,8 +54,13 @@ pub(crate) fn weighted([l, a, b]: [f32; 3]) -> Vec3 {
 /// Linear light, in [0, 1].
 #[inline]
 pub(crate) fn linear(rgb: [u8; 3]) -> [f32; 3] {
-    let linear = &*LINEAR;
-    rgb.map(|value| linear[usize::from(value)])
+    let light = light_of_values();
+    rgb.map(|value| light[usize::from(value)])
+}
+
+/// The linear light of each value of a channel, for loops that look up many.
+pub(crate) fn light_of_values() -> &'static [f32; 256] {
+    &LINEAR
 }
 
 /// As [`lab`], from [`linear`] light and to within [`NEARLY_LAB_ERROR`]. Many times faster: it has no branch, so vector units convert

@@ -9,19 +9,27 @@ const RANGES: [[f32; 2]; 3] = [[0.0, 100.0], [-64.0, 128.0], [-64.0, 128.0]];
 /// shading crosses the limit of a bin stays alike.
 #[derive(Clone, Debug)]
 pub struct ColorHistogram {
-    shares: Vec<f32>,
+    shares: Box<[f32; BINS[0] * BINS[1] * BINS[2]]>,
     count: f32,
+}
+
+/// Of no colour.
+impl Default for ColorHistogram {
+    fn default() -> Self {
+        Self { shares: Box::new([0.0; BINS[0] * BINS[1] * BINS[2]]), count: 0.0 }
+    }
 }
 
 impl ColorHistogram {
     /// Counts colours (L\*a\*b\*). O(colours + bins).
     pub fn of(colors: impl Iterator<Item = [f32; 3]>) -> Self {
-        let mut histogram = Self { shares: vec![0.0; BINS.iter().product()], count: 0.0 };
+        let mut histogram = Self::default();
         colors.for_each(|color| histogram.add(color));
         histogram
     }
 
-    fn add(&mut self, color: [f32; 3]) {
+    /// Counts a colour. O(1).
+    pub(crate) fn add(&mut self, color: [f32; 3]) {
         // On each axis the lower of the two bins, and the share of the upper one.
         let place: [(usize, f32); 3] = std::array::from_fn(|axis| {
             let [lowest, range] = RANGES[axis];
@@ -30,14 +38,15 @@ impl ColorHistogram {
             let lower = (at as usize).min(BINS[axis] - 2);
             (lower, at - lower as f32)
         });
-        for corner in 0..8 {
-            let (mut bin, mut weight) = (0, 1.0);
-            for (axis, (lower, share)) in place.into_iter().enumerate() {
-                let is_upper = corner >> axis & 1;
-                bin = bin * BINS[axis] + lower + is_upper;
-                weight *= if is_upper == 1 { share } else { 1.0 - share };
+        let [(l, upper_l), (a, upper_a), (b, upper_b)] = place;
+        let first = (l * BINS[1] + a) * BINS[2] + b;
+        for (of_l, share_l) in [(0, 1.0 - upper_l), (BINS[1] * BINS[2], upper_l)] {
+            for (of_a, share_a) in [(0, 1.0 - upper_a), (BINS[2], upper_a)] {
+                let bin = first + of_l + of_a;
+                let share = share_l * share_a;
+                self.shares[bin] += share * (1.0 - upper_b);
+                self.shares[bin + 1] += share * upper_b;
             }
-            self.shares[bin] += weight;
         }
         self.count += 1.0;
     }
@@ -48,7 +57,7 @@ impl ColorHistogram {
         if self.count == 0.0 || other.count == 0.0 {
             return 0.0;
         }
-        let pairs = self.shares.iter().zip(&other.shares);
+        let pairs = self.shares.iter().zip(other.shares.iter());
         pairs.map(|(a, b)| f64::from((a / self.count).min(b / other.count))).sum()
     }
 
@@ -57,7 +66,7 @@ impl ColorHistogram {
         if self.count == 0.0 || other.count == 0.0 {
             return 0.0;
         }
-        let pairs = self.shares.iter().zip(&other.shares);
+        let pairs = self.shares.iter().zip(other.shares.iter());
         pairs.map(|(a, b)| f64::from((a / self.count).min(rare * b / other.count))).sum()
     }
 }

@@ -5,7 +5,7 @@ use std::ops::Index;
 use rayon::prelude::*;
 
 use crate::buffers::Buffer;
-use crate::color::{linear, nearly_lab};
+use crate::color::{light_of_values, nearly_lab};
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
@@ -27,21 +27,17 @@ impl LabImage {
         let (width, height) = color.size();
         let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
         let mut cells = Buffer::stale(columns * rows, [0.0; 3]);
+        let light = light_of_values();
         cells.par_chunks_mut(columns).enumerate().for_each(|(row, cells)| {
             let rows = [2 * row, (2 * row + 1).min(height - 1)];
             let row = |v: usize| v * width..(v + 1) * width;
             let (depths_m, rows) =
                 (rows.map(|v| &depth_m.as_slice()[row(v)]), rows.map(|v| &color.as_slice()[row(v)]));
             for (column, cell) in cells.iter_mut().enumerate() {
-                let (left, right) = (2 * column, (2 * column + 1).min(width - 1));
-                let light = rows.map(|row| [linear(row[left]), linear(row[right])]);
-                let is_seen = depths_m.map(|row| [left, right].map(|u| f32::from(!row[u].is_nan())));
-                let seen: f32 = is_seen.iter().flatten().sum();
-                let weigh = |is_seen: f32| if seen > 0.0 { is_seen / seen } else { 0.25 };
-                let weighed = light.iter().flatten().zip(is_seen.iter().flatten());
-                *cell = weighed.fold([0.0; 3], |sum, (light, &is_seen)| {
-                    std::array::from_fn(|k| sum[k] + weigh(is_seen) * light[k])
-                });
+                let columns = [2 * column, (2 * column + 1).min(width - 1)];
+                let [[first, second], [third, fourth]] = rows.map(|row| columns.map(|u| row[u]));
+                let has_depth = depths_m.map(|row| columns.map(|u| !row[u].is_nan()));
+                *cell = mean([first, second, third, fourth], has_depth.as_flattened(), light);
             }
             vectorized(
                 #[inline(always)]
@@ -64,6 +60,19 @@ impl LabImage {
         let cells = (0..columns * height.div_ceil(2)).map(|i| color(2 * (i % columns), 2 * (i / columns)));
         Self { cells: Raster::from_vec(columns, height.div_ceil(2), cells.collect()).unwrap(), width }
     }
+}
+
+/// The mean light of the pixels of a cell that have depth; of all where none has. `light`: that of each value.
+#[inline]
+fn mean(pixels: [[u8; 3]; 4], has_depth: &[bool], light: &[f32; 256]) -> [f32; 3] {
+    let seen = has_depth.iter().filter(|seen| **seen).count();
+    let of = |k: usize, pixel: usize| light[usize::from(pixels[pixel][k])];
+    if seen == 0 || seen == pixels.len() {
+        return std::array::from_fn(|k| 0.25 * (of(k, 0) + of(k, 1) + of(k, 2) + of(k, 3)));
+    }
+    let weight = 1.0 / seen as f32;
+    let counted = || (0..pixels.len()).filter(|&pixel| has_depth[pixel]);
+    std::array::from_fn(|k| counted().fold(0.0, |sum, pixel| sum + weight * of(k, pixel)))
 }
 
 /// The colour of the cell around pixel `i`.

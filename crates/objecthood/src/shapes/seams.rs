@@ -190,7 +190,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// The partings of the bodies that have seams, in the order of the shapes.
     fn part_all(&self, facets: &Facets, shapes: &Shapes) -> Vec<Parting> {
-        let bodies = Body::of_shapes(facets, shapes, self.space).into_par_iter().with_max_len(1);
+        let bodies = Body::of_shapes(facets, shapes, self.lab, self.space).into_par_iter().with_max_len(1);
         bodies.map(|body| self.part(body)).filter(|parting| !parting.seams.is_empty()).collect()
     }
 
@@ -215,13 +215,15 @@ impl Search<'_> {
     /// The traces along which the colour of a body changes.
     fn find_traces(&self, body: &Body) -> Vec<Trace> {
         let axes = find_axes(body, self.up).into_iter();
-        let traces = axes.flat_map(|axis| find_traces(body, axis, self.lab, self.space));
-        traces.filter(|trace| trace.share >= self.params.cross_share).collect()
+        axes.flat_map(|axis| find_traces(body, axis, self.params.cross_share, self.space)).collect()
     }
 
     /// The checks of a seam that passes them. The clearer it is, the more colours its sides may share.
     fn passed(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
         let clear = (trace.clearness - FAINT) / (1.0 - FAINT);
+        if clear < 0.0 {
+            return None;
+        }
         let mut checks = self.check_colors(body, trace, clear * self.params.color_overlap);
         // Most traces end here, before all pixels of their sides are looked at.
         if !checks.iter().all(Check::holds) {
@@ -233,7 +235,7 @@ impl Search<'_> {
 
     /// Checks that colour changes along a trace, and that its two sides share at most so many colours.
     fn check_colors(&self, body: &Body, trace: &Trace, most: f64) -> Vec<Check> {
-        let overlap = body.overlap_across(trace, self.lab);
+        let overlap = body.overlap_across(trace);
         let (share, least) = (trace.share, self.params.cross_share);
         vec![
             Check::new("share of the section where colour changes", "", share, Bound::AtLeast, least)
@@ -245,7 +247,7 @@ impl Search<'_> {
 
     /// Checks that a trace is no edge of a shadow, and that a narrow side of it shares at most so many colours with what lies beyond.
     fn check_light(&self, body: &Body, trace: &Trace, most: f64) -> [Check; 2] {
-        let unlike = body.unlike_shadow(trace, self.lab);
+        let unlike = body.unlike_shadow(trace);
         let beyond = body.overlap_beyond(trace, self.lab, self.space, self.size);
         let darker = "difference of the darker side from the other in less light";
         let what = "overlap of the colours of a narrow side and beyond it";

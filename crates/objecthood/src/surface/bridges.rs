@@ -88,9 +88,10 @@ fn find_narrow(lines: usize, is_empty: impl Fn(usize) -> bool) -> Vec<usize> {
 fn bridge_dots(disparity: &mut Raster<f32>) -> f32 {
     let (width, height) = disparity.size();
     let measured = &*disparity;
-    let holes = measured.as_slice().iter().enumerate().filter(|(_, d)| d.is_nan());
-    let bridge = |(i, _): (usize, &f32)| {
-        let (u, v) = (i % width, i / width);
+    let rows = measured.as_slice().chunks(width).enumerate();
+    let holes = rows.flat_map(|(v, row)| (0..width).filter(|&u| row[u].is_nan()).map(move |u| (u, v)));
+    let bridge = |(u, v): (usize, usize)| {
+        let i = v * width + u;
         let along = between(u, width, |u| measured[v * width + u]);
         let down = between(v, height, |v| measured[v * width + u]);
         match (along, down) {
@@ -125,6 +126,11 @@ struct Bridge {
 
 /// The value at a place of a line between the nearest measured places on both sides, if the hole is small and they agree.
 fn between(place: usize, length: usize, value: impl Fn(usize) -> f32) -> Option<f32> {
+    // Most holes are large, and end here: of a small one a side is next to each of its places.
+    let is_measured = |place: usize| place < length && !value(place).is_nan();
+    if !is_measured(place.wrapping_sub(1)) && !is_measured(place + 1) {
+        return None;
+    }
     let before = (1..=WIDEST_PX.min(place)).find(|k| !value(place - k).is_nan())?;
     let after = (1..=WIDEST_PX.min(length - 1 - place)).find(|k| !value(place + k).is_nan())?;
     let [a, b] = [value(place - before), value(place + after)];

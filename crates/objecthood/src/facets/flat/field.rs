@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use crate::facets::Facets;
 use crate::oversegment::structure::Structure;
-use crate::surface::disparity::position;
+use crate::oversegment::structure::StructureSurface;
+use crate::raster::Raster;
+use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::surfaces::Surfaces;
 
 /// Flat things rise at most this much (m) above their support: a book of 12 mm, and a millimetre or two of bent table.
@@ -41,8 +43,8 @@ pub(super) struct Field {
 impl Field {
     /// Collects the cells. O(pixels); parallel over rows.
     pub(super) fn new(surfaces: &Surfaces, structure: &Structure, facets: &Facets) -> Self {
-        let rise = Rise { surfaces, structure };
-        let is_low = low_facets(&rise, facets);
+        let rise = Rise::new(surfaces, structure);
+        let place_of_facet = places(&rise, structure, &surfaces.disparity, facets);
         let (full_width, full_height) = surfaces.disparity.size();
         let (width, height) = (full_width / 2, full_height / 2);
         let labels = facets.segments.labels().as_slice();
@@ -50,20 +52,30 @@ impl Field {
         let mut cells = vec![Cell { support: NO_SUPPORT, rise: 0.0, lab: [0.0; 3] }; width * height];
         let rows = cells.par_chunks_mut(width).zip(support.par_chunks_mut(2 * full_width));
         rows.enumerate().for_each(|(v, (cells, support))| {
-            for (u, cell) in cells.iter_mut().enumerate() {
-                let first = 2 * v * full_width + 2 * u;
-                let pixels = [0, 1, full_width, full_width + 1].map(|k| first + k);
-                let mut sum = (0, 0.0);
-                for i in pixels {
-                    let place = match labels[i] {
-                        label if label < facets.structure as i32 => rise.place_of(label),
-                        label if is_low[label as usize] => rise.nearest(i),
-                        _ => None,
+            for (row, support) in support.chunks_mut(full_width).enumerate() {
+                let row = 2 * v + row;
+                let pixels = row * full_width..row * full_width + 2 * width;
+                let seen = labels[pixels.clone()].iter().zip(&surfaces.disparity.as_slice()[pixels]);
+                for (column, ((&label, &d), support)) in seen.zip(support).enumerate() {
+                    let place =
+                        usize::try_from(label).map_or(Place::Elsewhere, |facet| place_of_facet[facet]);
+                    *support = match place {
+                        Place::On(place) if !d.is_nan() => place,
+                        Place::Low => rise.nearest([column as f64, row as f64], d),
+                        _ => NO_SUPPORT,
                     };
-                    let Some(place) = place.filter(|_| !surfaces.disparity[i].is_nan()) else { continue };
-                    support[i - 2 * v * full_width] = place as u8;
-                    cell.support = place as u8;
-                    sum = (sum.0 + 1, sum.1 + rise.quanta(i, place));
+                }
+            }
+            for (u, cell) in cells.iter_mut().enumerate() {
+                let mut sum = (0, 0.0);
+                for [du, dv] in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+                    let (column, row) = (2 * u + du, 2 * v + dv);
+                    let place = support[dv * full_width + column];
+                    if place != NO_SUPPORT {
+                        let d = surfaces.disparity[row * full_width + column];
+                        cell.support = place;
+                        sum = (sum.0 + 1, sum.1 + rise.quanta([column as f64, row as f64], d, place));
+                    }
                 }
                 if sum.0 < LEAST_PIXELS {
                     cell.support = NO_SUPPORT;
@@ -99,43 +111,55 @@ impl Field {
 
 /// Distances before the supports.
 struct Rise<'a> {
-    surfaces: &'a Surfaces,
-    structure: &'a Structure,
+    space: &'a DisparitySpace,
+    supports: Vec<&'a StructureSurface>,
 }
 
-impl Rise<'_> {
-    /// The place of a structure surface in the list of supports.
-    fn place_of(&self, label: i32) -> Option<usize> {
-        self.structure.supports.surfaces.iter().position(|&s| s as i32 == label)
+/// Where the pixels of a facet lie.
+#[derive(Clone, Copy)]
+enum Place {
+    /// On this one of the supports, of which the facet is a surface.
+    On(u8),
+    /// On a support or hardly above it: which one is told pixel by pixel.
+    Low,
+    Elsewhere,
+}
+
+impl<'a> Rise<'a> {
+    fn new(surfaces: &'a Surfaces, structure: &'a Structure) -> Self {
+        let supports = structure.supports.surfaces.iter().map(|&surface| &structure.surfaces[surface]);
+        Self { space: &surfaces.space, supports: supports.collect() }
     }
 
-    /// How far (quanta) a pixel lies before a support.
-    fn quanta(&self, i: usize, place: usize) -> f64 {
-        let surface = &self.structure.surfaces[self.structure.supports.surfaces[place]];
-        f64::from(self.surfaces.disparity[i])
-            - surface.model.value(position(i, self.surfaces.disparity.width()))
+    /// How far (quanta) a disparity lies before a support.
+    fn quanta(&self, at: [f64; 2], d: f32, place: u8) -> f64 {
+        f64::from(d) - self.supports[usize::from(place)].model.value(at)
     }
 
-    /// The support before which a pixel lies by at most the height of flat things, if there is one.
-    fn nearest(&self, i: usize) -> Option<usize> {
-        let d = f64::from(self.surfaces.disparity[i]);
-        let at = position(i, self.surfaces.disparity.width());
-        let is_near = |&place: &usize| {
-            let surface = &self.structure.surfaces[self.structure.supports.surfaces[place]];
-            let height_m = surface.height_m(at, d, &self.surfaces.space);
-            (-HIGHEST_M..HIGHEST_M).contains(&height_m)
+    /// The support before which a disparity lies by at most the height of flat things, or [`NO_SUPPORT`].
+    fn nearest(&self, at: [f64; 2], d: f32) -> u8 {
+        let is_near = |surface: &&StructureSurface| {
+            (-HIGHEST_M..HIGHEST_M).contains(&surface.height_m(at, d.into(), self.space))
         };
-        (0..self.structure.supports.surfaces.len()).find(is_near)
+        self.supports.iter().position(is_near).map_or(NO_SUPPORT, |place| place as u8)
     }
 }
 
-/// Whether a facet that is no structure lies on a support or hardly above it. O(pixels of facets · supports).
-fn low_facets(rise: &Rise<'_>, facets: &Facets) -> Vec<bool> {
+/// Where each facet lies. O(pixels of facets · supports).
+fn places(rise: &Rise<'_>, structure: &Structure, disparity: &Raster<f32>, facets: &Facets) -> Vec<Place> {
     let mut counts = vec![(0_usize, 0_usize); facets.segments.count()];
     for (run, facet) in facets.segments.runs().filter(|&(_, facet)| facet >= facets.structure) {
         let sample = || run.clone().step_by(LOW_STEP);
-        let low = sample().filter(|&i| rise.nearest(i).is_some()).count();
+        let is_low = |&i: &usize| rise.nearest(position(i, disparity.width()), disparity[i]) != NO_SUPPORT;
+        let low = sample().filter(is_low).count();
         counts[facet] = (counts[facet].0 + low, counts[facet].1 + sample().len());
     }
-    counts.into_iter().map(|(low, all)| low as f64 > LOW_SHARE * all as f64).collect()
+    let is_low = |(low, all): (usize, usize)| low as f64 > LOW_SHARE * all as f64;
+    let mut places: Vec<Place> =
+        counts.into_iter().map(|count| if is_low(count) { Place::Low } else { Place::Elsewhere }).collect();
+    places[..facets.structure].fill(Place::Elsewhere);
+    for (place, &surface) in structure.supports.surfaces.iter().enumerate() {
+        places[surface] = Place::On(place as u8);
+    }
+    places
 }

@@ -23,41 +23,48 @@ pub(super) const NO_PATCH: u32 = u32::MAX;
 
 /// Segments the cells by colour. O(cells · α), sequential: each decision depends on those before.
 pub(super) fn find_patches(field: &Field) -> Patches {
-    let edges = sorted_edges(field);
     let cells = field.cells.len();
     let mut sets = UnionFind::of_pixels(cells);
-    let mut size = vec![1_u32; cells];
-    let mut tolerated = vec![PREFERENCE; cells];
-    for &(step, p, q) in &edges {
-        let weight = f32::from(step) / WEIGHT_STEPS;
-        let (p, q) = (sets.find(p as usize), sets.find(q as usize));
-        if p != q && weight <= tolerated[p].min(tolerated[q]) {
-            let root = join(&mut sets, &mut size, p, q);
-            tolerated[root] = weight + PREFERENCE / size[root] as f32;
+    let mut growths = vec![Growth { cells: 1, tolerated: PREFERENCE }; cells];
+    // Most edges end up within a patch; the others are asked again.
+    let mut between = sorted_edges(field);
+    between.retain(|edge| {
+        let [p, q] = edge.cells(field.width).map(|cell| sets.find(cell));
+        let weight = f32::from(edge.step) / WEIGHT_STEPS;
+        let joins = p != q && weight <= growths[p].tolerated.min(growths[q].tolerated);
+        if joins {
+            let root = join(&mut sets, &mut growths, p, q);
+            growths[root].tolerated = weight + PREFERENCE / growths[root].cells as f32;
         }
-    }
-    for &(_, p, q) in &edges {
-        let (p, q) = (sets.find(p as usize), sets.find(q as usize));
-        if p != q && size[p].min(size[q]) < LEAST_CELLS {
-            join(&mut sets, &mut size, p, q);
+        p != q && !joins
+    });
+    for edge in between {
+        let [p, q] = edge.cells(field.width).map(|cell| sets.find(cell));
+        if p != q && growths[p].cells.min(growths[q].cells) < LEAST_CELLS {
+            join(&mut sets, &mut growths, p, q);
         }
     }
     number(sets, |i| field.cells[i].support != NO_SUPPORT, cells)
 }
 
+/// What has become of the patch of a root.
+#[derive(Clone, Copy)]
+struct Growth {
+    cells: u32,
+    /// The step in colour that it tolerates (ΔE).
+    tolerated: f32,
+}
+
 /// Finds the pieces of marked cells of one support that hang together. O(cells · α).
 pub(super) fn find_pieces(field: &Field, marked: &[bool]) -> Patches {
-    let Field { width, cells, .. } = field;
-    let mut sets = UnionFind::of_pixels(cells.len());
-    for i in (0..cells.len()).filter(|&i| marked[i]) {
-        for j in later_neighbours(i, *width, cells.len()) {
-            if marked[j] && cells[i].support == cells[j].support {
-                let (a, b) = (sets.find(i), sets.find(j));
-                sets.link(a.min(b), a.max(b));
-            }
+    let mut sets = UnionFind::of_pixels(marked.len());
+    for_each_pair(field, |i, j| {
+        if marked[i] && marked[j] {
+            let (a, b) = (sets.find(i), sets.find(j));
+            sets.link(a.min(b), a.max(b));
         }
-    }
-    number(sets, |i| marked[i], cells.len())
+    });
+    number(sets, |i| marked[i], marked.len())
 }
 
 /// Numbers the sets of some cells, in the order of their first cells.
@@ -75,39 +82,62 @@ fn number(mut sets: UnionFind, is_in: impl Fn(usize) -> bool, cells: usize) -> P
     Patches { of_cell, count: count as usize }
 }
 
-/// The cells right of and below a cell.
-fn later_neighbours(i: usize, width: usize, cells: usize) -> impl Iterator<Item = usize> {
-    let right = (!(i + 1).is_multiple_of(width)).then_some(i + 1);
-    right.into_iter().chain(Some(i + width).filter(|&j| j < cells))
-}
-
-fn join(sets: &mut UnionFind, size: &mut [u32], p: usize, q: usize) -> usize {
-    let (root, child) = if size[p] < size[q] { (q, p) } else { (p, q) };
-    sets.link(root, child);
-    size[root] += size[child];
-    root
-}
-
-/// Pairs of neighbouring cells of one support by ascending difference. O(cells).
-fn sorted_edges(field: &Field) -> Vec<(u16, u32, u32)> {
+/// Visits the pairs of neighbouring cells of one support, each cell with the one right of it and the one below, in scan order.
+fn for_each_pair(field: &Field, mut visit: impl FnMut(usize, usize)) {
     let Field { width, cells, .. } = field;
-    let mut edges = Vec::with_capacity(2 * cells.len());
-    let mut starts = vec![0_u32; MOST_STEPS + 2];
-    for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.support != NO_SUPPORT) {
-        for j in later_neighbours(i, *width, cells.len()) {
-            if cells[j].support == cell.support {
-                let step = ((difference(cell.lab, cells[j].lab) * WEIGHT_STEPS) as usize).min(MOST_STEPS);
-                starts[step + 1] += 1;
-                edges.push((step as u16, i as u32, j as u32));
+    for (v, row) in cells.chunks(*width).enumerate() {
+        for (u, cell) in row.iter().enumerate().filter(|(_, cell)| cell.support != NO_SUPPORT) {
+            let i = v * width + u;
+            if row.get(u + 1).is_some_and(|right| right.support == cell.support) {
+                visit(i, i + 1);
+            }
+            if cells.get(i + width).is_some_and(|below| below.support == cell.support) {
+                visit(i, i + width);
             }
         }
     }
+}
+
+fn join(sets: &mut UnionFind, growths: &mut [Growth], p: usize, q: usize) -> usize {
+    let (root, child) = if growths[p].cells < growths[q].cells { (q, p) } else { (p, q) };
+    sets.link(root, child);
+    growths[root].cells += growths[child].cells;
+    root
+}
+
+/// Two neighbouring cells.
+#[derive(Clone, Copy, Default)]
+struct Edge {
+    /// How far their colours differ, in steps.
+    step: u16,
+    is_below: bool,
+    /// The first of them; the other is right of it or below.
+    first: u32,
+}
+
+impl Edge {
+    fn cells(self, width: usize) -> [usize; 2] {
+        let first = self.first as usize;
+        [first, first + if self.is_below { width } else { 1 }]
+    }
+}
+
+/// The edges between cells of one support, by ascending difference; of equal ones the first cell first, and right before below. O(cells).
+fn sorted_edges(field: &Field) -> Vec<Edge> {
+    let cells = &field.cells;
+    let mut edges = Vec::with_capacity(2 * cells.len());
+    let mut starts = vec![0_u32; MOST_STEPS + 2];
+    for_each_pair(field, |i, j| {
+        let step = ((difference(cells[i].lab, cells[j].lab) * WEIGHT_STEPS) as usize).min(MOST_STEPS);
+        starts[step + 1] += 1;
+        edges.push(Edge { step: step as u16, is_below: j != i + 1, first: i as u32 });
+    });
     for step in 1..starts.len() {
         starts[step] += starts[step - 1];
     }
-    let mut sorted = vec![(0, 0, 0); edges.len()];
+    let mut sorted = vec![Edge::default(); edges.len()];
     for edge in edges {
-        let place = &mut starts[usize::from(edge.0)];
+        let place = &mut starts[usize::from(edge.step)];
         sorted[*place as usize] = edge;
         *place += 1;
     }

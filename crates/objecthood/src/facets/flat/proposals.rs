@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::color::histogram::ColorHistogram;
 use crate::facets::flat::field::Field;
 use crate::facets::flat::patches::{LEAST_CELLS, NO_PATCH, Patches};
-use crate::neighbours::four_neighbours;
 use crate::union_find::UnionFind;
 
 /// A patch that ends where the field ends along more than this share of its outline is the support's own: it goes on under things.
@@ -109,20 +108,43 @@ fn with_groups(found: Vec<Patch>, is_own: &[bool]) -> Vec<Proposal> {
 
 fn measure(field: &Field, patches: &Patches) -> Vec<Patch> {
     let mut found = vec![Patch::default(); patches.count];
-    let (width, height) = (field.width, field.height);
-    for (i, &k) in patches.of_cell.iter().enumerate().filter(|(_, k)| **k != NO_PATCH) {
-        let patch = &mut found[k as usize];
-        patch.cells.push(i as u32);
-        let (u, v) = (i % width, i / width);
-        patch.is_cut |= u == 0 || v == 0 || u + 1 == width || v + 1 == height;
-        for (j, _) in four_neighbours(i, width, height).filter(|(j, _)| patches.of_cell[*j] != k) {
-            patch.outline += 1;
-            if field.cells[j].support != field.cells[i].support {
-                patch.open += 1;
-            } else if patches.of_cell[j] != NO_PATCH {
-                patch.neighbours.insert(patches.of_cell[j]);
+    let (width, height, of_cell) = (field.width, field.height, &patches.of_cell);
+    let mut sizes = vec![0; patches.count];
+    of_cell.iter().filter(|k| **k != NO_PATCH).for_each(|&k| sizes[k as usize] += 1);
+    for (patch, size) in found.iter_mut().zip(sizes) {
+        patch.cells.reserve_exact(size);
+    }
+    for v in 0..height {
+        let mut from = v * width;
+        for run in of_cell[v * width..(v + 1) * width].chunk_by(|a, b| a == b) {
+            let cells = from..from + run.len();
+            if let Some(patch) = found.get_mut(run[0] as usize) {
+                patch.is_cut |=
+                    v == 0 || v + 1 == height || cells.start == v * width || cells.end == (v + 1) * width;
+                patch.cells.extend(cells.start as u32..cells.end as u32);
             }
+            if cells.end < (v + 1) * width {
+                end(&mut found, field, of_cell, [cells.end - 1, cells.end]);
+                end(&mut found, field, of_cell, [cells.end, cells.end - 1]);
+            }
+            from = cells.end;
+        }
+        let row = v * width..if v + 1 < height { (v + 1) * width } else { v * width };
+        for i in row.filter(|&i| of_cell[i] != of_cell[i + width]) {
+            end(&mut found, field, of_cell, [i, i + width]);
+            end(&mut found, field, of_cell, [i + width, i]);
         }
     }
     found
+}
+
+/// Notes that the patch of one cell, if it has one, ends at another cell.
+fn end(found: &mut [Patch], field: &Field, of_cell: &[u32], [last, beyond]: [usize; 2]) {
+    let Some(patch) = found.get_mut(of_cell[last] as usize) else { return };
+    patch.outline += 1;
+    if field.cells[beyond].support != field.cells[last].support {
+        patch.open += 1;
+    } else if of_cell[beyond] != NO_PATCH {
+        patch.neighbours.insert(of_cell[beyond]);
+    }
 }

@@ -1,6 +1,6 @@
 //! Raised cells: those whose surroundings lie before the support, by depth alone.
 
-use crate::facets::flat::field::{Field, NO_SUPPORT};
+use crate::facets::flat::field::{Cell, Field, NO_SUPPORT};
 
 /// A cell is raised where the mean over 3 x 3 cells exceeds this many times the disagreement of blocks of 8 px. On a Kinect this is one
 /// quantum: empty patches of that size reach it once in some thousand.
@@ -12,70 +12,47 @@ const REACH: usize = 3;
 /// Marks the raised cells. `disagreement_quanta`: that of blocks of 8 px. O(cells).
 pub(super) fn find_raised(field: &Field, disagreement_quanta: f64) -> Vec<bool> {
     let (width, height) = (field.width, field.height);
-    let across = sums(&values(field), width, height, 1);
-    let mean: Vec<f32> =
-        across.iter().map(|[sum, count]| if *count > 0.0 { sum / count } else { 0.0 }).collect();
-    let greatest = greatest(&mean, width, height);
+    let mean = means(field);
     let least = (RAISED_SIGMAS * disagreement_quanta) as f32;
+    // Few cells rise so far that those around them are asked.
+    let greatest = |i: usize| {
+        let near = |at: usize, all: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(all);
+        let rows = near(i / width, height).map(|v| v * width);
+        let columns = near(i % width, width);
+        rows.flat_map(|row| &mean[row + columns.start..row + columns.end]).copied().fold(mean[i], f32::max)
+    };
     let is_raised = |i: usize| {
-        field.cells[i].support != NO_SUPPORT && mean[i] > least && mean[i] > EDGE_SHARE * greatest[i]
+        field.cells[i].support != NO_SUPPORT && mean[i] > least && mean[i] > EDGE_SHARE * greatest(i)
     };
     (0..mean.len()).map(is_raised).collect()
 }
 
-/// Rise and weight of every cell.
-fn values(field: &Field) -> Vec<[f32; 2]> {
-    let value =
-        |cell: &super::field::Cell| if cell.support == NO_SUPPORT { [0.0; 2] } else { [cell.rise, 1.0] };
-    field.cells.iter().map(value).collect()
-}
-
-/// Sums over squares of cells around each cell.
-fn sums(values: &[[f32; 2]], width: usize, height: usize, reach: usize) -> Vec<[f32; 2]> {
-    let add = |a: [f32; 2], b: [f32; 2]| [a[0] + b[0], a[1] + b[1]];
-    around(&around(values, width, height, reach, true, add), width, height, reach, false, add)
-}
-
-/// The greatest value in squares of cells around each cell.
-fn greatest(values: &[f32], width: usize, height: usize) -> Vec<f32> {
-    let rows = around(values, width, height, REACH, true, f32::max);
-    around(&rows, width, height, REACH, false, f32::max)
-}
-
-/// Combines the values up to `reach` cells away along rows or columns.
-fn around<T: Copy>(
-    values: &[T],
-    width: usize,
-    height: usize,
-    reach: usize,
-    along_rows: bool,
-    combine: impl Fn(T, T) -> T,
-) -> Vec<T> {
-    let mut combined = values.to_vec();
-    for t in 1..=reach {
-        if along_rows {
-            for v in 0..height {
-                let row = v * width..(v + 1) * width;
-                let (from, to) = (&values[row.clone()], &mut combined[row]);
-                for u in t..width {
-                    to[u] = combine(to[u], from[u - t]);
-                    to[u - t] = combine(to[u - t], from[u]);
-                }
-            }
-        } else {
-            for i in t * width..width * height {
-                combined[i] = combine(combined[i], values[i - t * width]);
-                combined[i - t * width] = combine(combined[i - t * width], values[i]);
-            }
-        }
+/// The mean rise over the 3 x 3 cells around each cell that lie on a support; 0 where none does. O(cells).
+fn means(field: &Field) -> Vec<f32> {
+    let value = |cell: &Cell| if cell.support == NO_SUPPORT { [0.0; 2] } else { [cell.rise, 1.0] };
+    let values: Vec<[f32; 2]> = field.cells.iter().map(value).collect();
+    let mut rows = values.clone();
+    for (sums, values) in rows.chunks_mut(field.width).zip(values.chunks(field.width)) {
+        add_beside(sums, values, 1);
     }
-    combined
+    let mut sums = rows.clone();
+    add_beside(&mut sums, &rows, field.width);
+    sums.iter().map(|[sum, count]| if *count > 0.0 { sum / count } else { 0.0 }).collect()
+}
+
+/// Adds to each sum the values so many places before and behind it.
+fn add_beside(sums: &mut [[f32; 2]], values: &[[f32; 2]], places: usize) {
+    let add = |([sum, count], [value, weight]): (&mut [f32; 2], &[f32; 2])| {
+        *sum += value;
+        *count += weight;
+    };
+    sums.iter_mut().skip(places).zip(values).for_each(add);
+    sums.iter_mut().zip(values.iter().skip(places)).for_each(add);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::facets::flat::field::Cell;
 
     #[test]
     fn an_edge_lies_at_half_of_its_height() {

@@ -29,6 +29,8 @@ const FATTENED_PX: f64 = 16.0;
 pub(super) struct BodyPixel {
     /// Its place in the image.
     pub(super) i: u32,
+    /// Its colour: L\*a\*b\*.
+    pub(super) color: [f32; 3],
     /// The point (m) on the surface of its facet, which has less noise than the measured one.
     pub(super) point: DVec3,
 }
@@ -55,7 +57,12 @@ pub(super) struct Body {
 impl Body {
     /// The bodies that are large enough for a seam, in the order of the shapes. A flat thing was told by its outline; what is on it is
     /// print. O(pixels).
-    pub(super) fn of_shapes(facets: &Facets, shapes: &Shapes, space: &DisparitySpace) -> Vec<Self> {
+    pub(super) fn of_shapes(
+        facets: &Facets,
+        shapes: &Shapes,
+        lab: &LabImage,
+        space: &DisparitySpace,
+    ) -> Vec<Self> {
         let Facets { segments, structure, .. } = facets;
         segments.find_runs();
         let shape_of = |facet: usize| {
@@ -75,7 +82,7 @@ impl Body {
                 pixels[facet].extend(run.map(|i| {
                     let at = position(i, width);
                     let point = space.point_m(at, facets.models[facet].value(at)).into();
-                    BodyPixel { i: i as u32, point }
+                    BodyPixel { i: i as u32, color: lab[i], point }
                 }));
             }
         }
@@ -116,22 +123,34 @@ impl Body {
     }
 
     /// The overlap of the colours on both sides of a trace, without the pixels that may show both.
-    pub(super) fn overlap_across(&self, trace: &Trace, lab: &LabImage) -> f64 {
-        let side = |sign: f64| ColorHistogram::of(self.colors_beyond(trace, sign, lab));
-        side(-1.0).overlap(&side(1.0))
+    pub(super) fn overlap_across(&self, trace: &Trace) -> f64 {
+        let [mut below, mut above] = [ColorHistogram::default(), ColorHistogram::default()];
+        for pixel in self.sample() {
+            let height_m = trace.height_m(pixel.point);
+            if height_m > trace.blur_m {
+                above.add(pixel.color);
+            } else if height_m < -trace.blur_m {
+                below.add(pixel.color);
+            }
+        }
+        below.overlap(&above)
+    }
+
+    /// The pixels that tell its colours.
+    fn sample(&self) -> impl Iterator<Item = &BodyPixel> {
+        self.pixels().step_by(self.size_px().div_ceil(COLORS))
     }
 
     /// Sampled colours on one side of a trace, without the pixels that may show both.
-    fn colors_beyond(&self, trace: &Trace, sign: f64, lab: &LabImage) -> impl Iterator<Item = [f32; 3]> {
-        let sample = self.pixels().step_by(self.size_px().div_ceil(COLORS));
-        let beyond = sample.filter(move |p| sign * trace.height_m(p.point) > trace.blur_m);
-        beyond.map(|p| lab[p.i as usize])
+    fn colors_beyond(&self, trace: &Trace, sign: f64) -> impl Iterator<Item = [f32; 3]> {
+        let beyond = self.sample().filter(move |p| sign * trace.height_m(p.point) > trace.blur_m);
+        beyond.map(|p| p.color)
     }
 
     /// The difference of the darker side of a trace from the other in less light (ΔE of chroma), without the pixels that may show both.
-    pub(super) fn unlike_shadow(&self, trace: &Trace, lab: &LabImage) -> f64 {
+    pub(super) fn unlike_shadow(&self, trace: &Trace) -> f64 {
         let mean = |sign: f64| {
-            let colors = self.colors_beyond(trace, sign, lab);
+            let colors = self.colors_beyond(trace, sign);
             let (sum, count) =
                 colors.fold((Vec3::ZERO, 0.0), |(sum, count), color| (sum + Vec3::from(color), count + 1.0));
             sum / f32::max(count, 1.0)
@@ -168,7 +187,7 @@ impl Body {
             let beyond =
                 |p: &&BodyPixel| space.camera().pixel_at(p.point + trace.axis * (sign * width_m), size);
             let beyond = ColorHistogram::of(outer().filter_map(beyond).map(|i| lab[i]));
-            ColorHistogram::of(outer().map(|p| lab[p.i as usize])).overlap(&beyond)
+            ColorHistogram::of(outer().map(|p| p.color)).overlap(&beyond)
         };
         of_side(-1.0).max(of_side(1.0))
     }

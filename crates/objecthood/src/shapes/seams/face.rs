@@ -3,7 +3,7 @@
 //! A box on another may stand flush with it on one side only. Then no plane cuts their whole body where colour changes, but the outline of the face they
 //! share steps at both ends of the joint.
 
-use super::body::{Body, BodyPixel, Face};
+use super::body::{Body, Face};
 use super::trace::Trace;
 use super::{GOES_ON, MOST_SEAMS, Parting, Piece, Search, clearest};
 use crate::check::{Bound, Check};
@@ -52,9 +52,13 @@ impl Search<'_> {
 
     /// The checks of a joint of one face that passes them.
     fn passed_in_face(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
-        let step_m = step_m(body.faces.first()?, trace)?;
         let overlap = self.params.color_overlap;
         let mut checks = self.check_colors(body, trace, OVERLAP_FACTOR * overlap);
+        // Most traces end here, before the outline is measured.
+        if !checks.iter().all(Check::holds) {
+            return None;
+        }
+        let step_m = step_m(body.faces.first()?, trace)?;
         let what = "step of the outline of the face at the end with the smaller one";
         checks.push(Check::new(what, "m", step_m, Bound::AtLeast, OUTLINE_STEP_M));
         if !checks.iter().all(Check::holds) {
@@ -69,14 +73,24 @@ impl Search<'_> {
 /// seen.
 fn step_m(face: &Face, trace: &Trace) -> Option<f64> {
     let across = face.normal.cross(trace.axis).try_normalize()?;
-    let ends_m = |sign: f64, from_m: f64| {
-        let height_m = |p: &BodyPixel| sign * trace.height_m(p.point) - trace.blur_m - from_m;
-        let beside = face.pixels.iter().filter(|p| (0.0..OUTLINE_M).contains(&height_m(p)));
-        let mut places_m: Vec<f64> = beside.map(|p| across.dot(p.point)).collect();
-        (places_m.len() >= LEAST_PX).then(|| range(&mut places_m, END_QUANTILES))
-    };
-    let (below, above) = (ends_m(-1.0, 0.0)?, ends_m(1.0, 0.0)?);
-    let beyond = [ends_m(-1.0, OUTLINE_M), ends_m(1.0, OUTLINE_M)];
+    // Places along the trace (m) of the pixels beside it: below and above, each near it and one length farther.
+    let mut places_m = [const { [const { Vec::new() }; 2] }; 2];
+    for pixel in &face.pixels {
+        let height_m = trace.height_m(pixel.point);
+        for (sign, lengths) in [-1.0, 1.0].into_iter().zip(&mut places_m) {
+            let from_blur_m = sign * height_m - trace.blur_m;
+            for (from_m, places_m) in [0.0, OUTLINE_M].into_iter().zip(lengths) {
+                if (0.0..OUTLINE_M).contains(&(from_blur_m - from_m)) {
+                    places_m.push(across.dot(pixel.point));
+                }
+            }
+        }
+    }
+    let [[below, lower], [above, upper]] = places_m.map(|lengths| {
+        lengths.map(|mut places_m| (places_m.len() >= LEAST_PX).then(|| range(&mut places_m, END_QUANTILES)))
+    });
+    let (below, above) = (below?, above?);
+    let beyond = [lower, upper];
     let lengths = (2.0 * trace.blur_m + OUTLINE_M) / OUTLINE_M;
     let step_m = |end: usize| {
         let step_m = above[end] - below[end];

@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 
-use crate::color::image::LabImage;
 use crate::color::weighted;
 use crate::shapes::seams::body::{Body, BodyPixel, Face};
 use crate::shapes::seams::trace::Trace;
@@ -39,15 +38,21 @@ const MOST_TRACES: usize = 4;
 /// An edge with more places is no edge of a thing.
 const MOST_PLACES: usize = 2048;
 
-/// Proposes the clearest places along an edge, the clearest first. O(pixels + stripes · places).
-pub(super) fn find_traces(body: &Body, axis: DVec3, lab: &LabImage, space: &DisparitySpace) -> Vec<Trace> {
+/// Proposes the clearest places along an edge, the clearest first, if colour changes along this share of them. O(pixels + stripes · places).
+pub(super) fn find_traces(body: &Body, axis: DVec3, least_share: f64, space: &DisparitySpace) -> Vec<Trace> {
     let Some(places) = Places::along(body, axis, space) else { return Vec::new() };
     let is_across = |face: &&Face| face.normal.dot(axis).abs() > ACROSS;
     let (folds, faces): (Vec<&Face>, Vec<&Face>) = body.faces.iter().partition(is_across);
     let mut contrasts: Vec<Vec<f32>> = vec![Vec::new(); places.count];
-    faces.into_iter().for_each(|face| places.compare(face, lab, &mut contrasts));
+    faces.into_iter().for_each(|face| places.compare(face, &mut contrasts));
     let folds_m: Vec<f64> = folds.into_iter().map(|face| mean_along(axis, &face.pixels)).collect();
-    places.clearest(&rate(&mut contrasts), &folds_m, body, space.area_px(LEAST_SIDE_PX))
+    let mut traces = places.clearest(&rate(&mut contrasts), &folds_m);
+    let has_sides = |trace: &Trace| {
+        let above = body.pixels().filter(|p| trace.is_above(p.point)).count();
+        above.min(body.size_px() - above) >= space.area_px(LEAST_SIDE_PX)
+    };
+    traces.retain(|trace| trace.share >= least_share && has_sides(trace));
+    traces
 }
 
 /// The mean place of pixels along a direction (m).
@@ -118,11 +123,15 @@ impl Places {
     }
 
     /// Adds the contrast at each place of each stripe of a face.
-    fn compare(&self, face: &Face, lab: &LabImage, contrasts: &mut [Vec<f32>]) {
+    fn compare(&self, face: &Face, contrasts: &mut [Vec<f32>]) {
         let across = face.normal.cross(self.axis).normalize();
-        let first_m = face.pixels.iter().map(|p| across.dot(p.point)).fold(f64::INFINITY, f64::min);
-        let stripe = |p: &BodyPixel| ((across.dot(p.point) - first_m) / self.stripe_m) as usize;
-        let stripes = face.pixels.iter().map(stripe).max().map_or(0, |last| last + 1);
+        let (mut first_m, mut last_m) = (f64::INFINITY, f64::NEG_INFINITY);
+        for pixel in &face.pixels {
+            let at_m = across.dot(pixel.point);
+            (first_m, last_m) = (first_m.min(at_m), last_m.max(at_m));
+        }
+        let stripe = |at_m: f64| ((at_m - first_m) / self.stripe_m) as usize;
+        let stripes = stripe(last_m) + 1;
         let width = self.count + 1;
         if stripes > MOST_PLACES {
             return;
@@ -130,9 +139,9 @@ impl Places {
         let mut sums = vec![Sum::default(); stripes * width];
         for pixel in &face.pixels {
             let place = ((self.axis.dot(pixel.point) - self.low_m) / self.step_m) as usize;
-            let cell = &mut sums[stripe(pixel) * width + place.min(self.count - 1) + 1];
+            let cell = &mut sums[stripe(across.dot(pixel.point)) * width + place.min(self.count - 1) + 1];
             cell.count += 1.0;
-            (0..3).for_each(|k| cell.color[k] += lab[pixel.i as usize][k]);
+            (0..3).for_each(|k| cell.color[k] += pixel.color[k]);
         }
         for sums in sums.chunks_mut(width) {
             for k in 1..width {
@@ -170,8 +179,8 @@ impl Places {
         Some((change.length() - (gradient * windows_apart).max(0.0)).max(0.0))
     }
 
-    /// The clearest places that are a window apart, if they lie a margin from the ends and from folds, with enough on both sides.
-    fn clearest(&self, rated: &[[f64; 2]], folds_m: &[f64], body: &Body, least_px: usize) -> Vec<Trace> {
+    /// The clearest places that are a window apart, if they lie a margin from the ends and from folds.
+    fn clearest(&self, rated: &[[f64; 2]], folds_m: &[f64]) -> Vec<Trace> {
         let place_m = |k: usize| self.low_m + k as f64 * self.step_m;
         let ends_m = [self.low_m, place_m(self.count - 1)];
         let is_inside =
@@ -191,10 +200,8 @@ impl Places {
                 open.iter().filter(is_alike).fold((0.0, 0), |(sum, n), &k| (sum + place_m(k), n + 1));
             let (at_m, blur_m) = (sum_m / f64::from(alike), self.gap as f64 * self.step_m);
             open.retain(|k| k.abs_diff(best) > self.window);
-            let trace = Trace { axis: self.axis, at_m, share, clearness, blur_m };
-            let above = body.pixels().filter(|p| trace.is_above(p.point)).count();
-            if is_inside(at_m) && above.min(body.size_px() - above) >= least_px {
-                traces.push(trace);
+            if is_inside(at_m) {
+                traces.push(Trace { axis: self.axis, at_m, share, clearness, blur_m });
             }
         }
         traces

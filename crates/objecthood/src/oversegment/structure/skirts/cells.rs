@@ -1,7 +1,10 @@
 //! The image in cells of 2 x 2 pixels, as colour has it, within a frame of one cell that is outside.
 
+use std::ops::Range;
+
 use crate::color::image::LabImage;
 use crate::raster::Raster;
+use crate::union_find::UnionFind;
 
 /// A cell with a measured pixel of no surface.
 pub(super) const BARE: i32 = -1;
@@ -97,30 +100,38 @@ impl Cells {
     /// Whether each cell is of a piece of its surface that is smaller than a share of it. O(cells).
     pub(super) fn islands(&self, share: f32) -> Vec<bool> {
         let surfaces = self.of.iter().max().map_or(0, |&last| (last + 1).max(0) as usize);
+        let mut runs: Vec<Range<usize>> = Vec::new();
         let mut sizes = vec![0_usize; surfaces];
-        self.of.iter().filter(|&&surface| surface >= 0).for_each(|&surface| sizes[surface as usize] += 1);
-        let (mut is_met, mut is_island) = (vec![false; self.count()], vec![false; self.count()]);
-        let mut piece = Vec::new();
-        for start in 0..self.count() {
-            if !self.is_surface(start) || is_met[start] {
-                continue;
+        let mut first = 0;
+        for run in self.of.chunk_by(|a, b| a == b) {
+            let cells = first..first + run.len();
+            first = cells.end;
+            if let Ok(surface) = usize::try_from(run[0]) {
+                sizes[surface] += run.len();
+                runs.push(cells);
             }
-            is_met[start] = true;
-            piece.clear();
-            piece.push(start);
-            let mut next = 0;
-            while let Some(&cell) = piece.get(next) {
-                next += 1;
-                for other in self.around(cell) {
-                    if self.of[other] == self.of[start] && !is_met[other] {
-                        is_met[other] = true;
-                        piece.push(other);
-                    }
-                }
+        }
+        let mut pieces = UnionFind::new(runs.len());
+        let mut above = 0;
+        for (k, run) in runs.iter().enumerate() {
+            // Every row begins and ends outside, so no run goes on into the next.
+            while runs[above].end + self.columns <= run.start {
+                above += 1;
             }
-            if (piece.len() as f32) < share * sizes[self.of[start] as usize] as f32 {
-                piece.iter().for_each(|&cell| is_island[cell] = true);
+            let touching = (above..k).take_while(|&other| runs[other].start + self.columns < run.end);
+            for other in touching.filter(|&other| self.of[runs[other].start] == self.of[run.start]) {
+                let (a, b) = (pieces.find(other), pieces.find(k));
+                pieces.link(a.min(b), a.max(b));
             }
+        }
+        let mut piece_cells = vec![0_usize; runs.len()];
+        for (k, run) in runs.iter().enumerate() {
+            piece_cells[pieces.find(k)] += run.len();
+        }
+        let mut is_island = vec![false; self.count()];
+        for (k, run) in runs.into_iter().enumerate() {
+            let all = sizes[self.of[run.start] as usize];
+            is_island[run].fill((piece_cells[pieces.find(k)] as f32) < share * all as f32);
         }
         is_island
     }
