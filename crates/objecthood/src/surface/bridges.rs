@@ -3,7 +3,6 @@
 //! Depth that is registered to a larger colour image has holes in a regular grid: no measurement falls there. A link of the watershed
 //! or the border of a facet would end at each of them.
 
-use crate::buffers::Buffer;
 use crate::raster::Raster;
 
 /// Holes of at most this many pixels in a row or column are bridged.
@@ -86,35 +85,44 @@ fn find_narrow(lines: usize, is_empty: impl Fn(usize) -> bool) -> Vec<usize> {
 /// borders, and stay too. But when holes that are small along one of both are a [`SCATTERED_SHARE`], lines are everywhere, as in depth that
 /// was mapped forward and turned: then one is enough. Returns the share that was bridged. O(pixels).
 fn bridge_dots(disparity: &mut Raster<f32>) -> f32 {
-    let (width, height) = disparity.size();
-    let measured = &*disparity;
-    let rows = measured.as_slice().chunks(width).enumerate();
-    let holes = rows.flat_map(|(v, row)| (0..width).filter(|&u| row[u].is_nan()).map(move |u| (u, v)));
-    let bridge = |(u, v): (usize, usize)| {
-        let i = v * width + u;
-        let along = between(u, width, |u| measured[v * width + u]);
-        let down = between(v, height, |v| measured[v * width + u]);
-        match (along, down) {
-            (Some(along), Some(down)) => Some(Bridge { i, value: (along + down) / 2.0, is_dot: true }),
-            (one, other) => one.or(other).map(|value| Bridge { i, value, is_dot: false }),
-        }
-    };
-    let bridges: Buffer<Bridge> = holes.filter_map(bridge).collect();
     let share = |count: usize| count as f32 / disparity.len() as f32;
-    let is_scattered = share(bridges.len()) >= SCATTERED_SHARE;
-    let is_built = |bridge: &&Bridge| bridge.is_dot || is_scattered;
-    let built = share(bridges.iter().filter(is_built).count());
+    let (mut all, mut dots) = (0, 0);
+    visit_holes(disparity, |bridge| {
+        all += 1;
+        dots += usize::from(bridge.is_dot);
+    });
+    let is_scattered = share(all) >= SCATTERED_SHARE;
+    let built = share(if is_scattered { all } else { dots });
     if built < LEAST_SHARE {
         return 0.0;
     }
-    for bridge in bridges.iter().filter(is_built) {
-        disparity.as_mut_slice()[bridge.i] = bridge.value;
-    }
+    let measured = disparity.clone();
+    visit_holes(&measured, |bridge| {
+        if bridge.is_dot || is_scattered {
+            disparity.as_mut_slice()[bridge.i] = bridge.value;
+        }
+    });
     built
 }
 
+/// Visits what may fill missing pixels, in scan order.
+fn visit_holes(measured: &Raster<f32>, mut visit: impl FnMut(Bridge)) {
+    let (width, height) = measured.size();
+    for (v, row) in measured.as_slice().chunks(width).enumerate() {
+        for u in (0..width).filter(|&u| row[u].is_nan()) {
+            let i = v * width + u;
+            let along = between(u, width, |u| row[u]);
+            let down = between(v, height, |v| measured[v * width + u]);
+            match (along, down) {
+                (Some(along), Some(down)) => visit(Bridge { i, value: (along + down) / 2.0, is_dot: true }),
+                (Some(value), None) | (None, Some(value)) => visit(Bridge { i, value, is_dot: false }),
+                (None, None) => (),
+            }
+        }
+    }
+}
+
 /// What may fill a missing pixel.
-#[derive(Clone, Copy)]
 struct Bridge {
     /// The pixel.
     i: usize,
