@@ -350,22 +350,6 @@ fn a_person_at_a_table_is_one_agent() {
     }
 }
 
-/// The head and the body of a soft toy nod against each other while a hand carries them. Where they touch, a third part lies between, which
-/// had become one with the body before.
-#[test]
-fn head_and_body_of_a_soft_toy_are_one_once_they_moved_together() {
-    let Some(video) = real("hand-plush") else { return };
-    let folder = Folder::new();
-    folder.run(&format!("track {} --out found", video.display()), 0);
-    let files = folder.files("found");
-    let [head, body] = [(186, 85), (182, 136)].map(|(u, v)| move |frame: usize| (frame, u, v));
-    assert_ne!(shown(&files, head(100)), shown(&files, body(100)));
-    for frame in [125, 145, 149] {
-        assert_ne!(shown(&files, head(frame)), 0, "{frame}");
-        assert_eq!(shown(&files, head(frame)), shown(&files, body(frame)), "{frame}");
-    }
-}
-
 /// A label image that one clip missed kept all from being scored.
 #[test]
 fn a_clip_that_misses_an_image_is_named_and_the_others_are_scored() {

@@ -80,7 +80,8 @@ fn ground_of(found: &Discovery, world: &World, exact: &Rendered) -> Option<Groun
     let named = found.structure_planes.iter().position(|plane| plane.normal == found.up.direction)?;
     let (boards, places) = fullest_boards(world, exact);
     let Viewpoint { camera, size_px: (width, _), pose } = *world.viewpoint();
-    let up = DQuat::from_array(pose.rotation_xyzw()).inverse() * DVec3::Z;
+    let into_camera = DQuat::from_array(pose.rotation_xyzw()).inverse();
+    let up = into_camera * DVec3::Z;
     let (mut all, mut right, mut kinds) = (0, 0, BTreeMap::<_, usize>::new());
     let pixels = found.structure.as_slice().iter().enumerate();
     for (i, _) in pixels.filter(|(_, label)| usize::from(**label) == named + 1) {
@@ -95,7 +96,6 @@ fn ground_of(found: &Discovery, world: &World, exact: &Rendered) -> Option<Groun
     }
     let (kind, _) = kinds.into_iter().max_by_key(|&(_, pixels)| pixels)?;
     let plane = found.structure_planes[named];
-    let into_camera = DQuat::from_array(pose.rotation_xyzw()).inverse();
     let distances = places.iter().map(|place| {
         let point = into_camera * (DVec3::from(*place) - DVec3::from(pose.origin_m()));
         (Vec3::from(plane.normal).as_dvec3().dot(point) + f64::from(plane.offset_m)).abs()
@@ -133,7 +133,8 @@ fn is_told(found: &Discovery) -> bool {
 
 /// Of each family as many scenes as `OBJECTHOOD_MANY` says, or so few that the test is quick. Up has to be right in 49 of 50 frames (all but one of fewer), and
 /// right or announced in as many that are turned by 90 degrees. Of those turned by 180 degrees one in ten may fail: a few bins and shelves do. In every
-/// room, and in a third of all frames at least, most of the plane that is taken for the ground is the floor or the board on which most objects stand.
+/// room, and in a third of all frames at least, most of the plane that is taken for the ground is the floor or the board on which most objects stand. In three of
+/// four it is that or lies within 1 cm of the board, as the table under a bin does.
 #[test]
 fn up_is_right_where_walls_shelves_and_bins_are_larger_than_the_ground() {
     let scenes: u64 = std::env::var("OBJECTHOOD_MANY").map_or(4, |text| text.parse().unwrap());
@@ -188,5 +189,5 @@ fn up_is_right_where_walls_shelves_and_bins_are_larger_than_the_ground() {
     println!("it is that, or within 1 cm of the board, in {level}");
     let [few, more] = [all / 50, all / 10].map(|share| share.max(1));
     assert!(right + few >= all && quarter + few >= all && half + more >= all);
-    assert!(floors as u64 == scenes && 3 * grounds >= all);
+    assert!(floors as u64 == scenes && 3 * grounds >= all && 4 * level >= 3 * all);
 }

@@ -16,9 +16,8 @@ use crate::tracked::Relation;
 const TOGETHER_PATH_M: f64 = 0.03;
 /// with less than this share of it between them at the end,
 const TOGETHER_SHARE: f64 = 0.2;
-/// and less than this from frame to frame (root mean square): of two that go each its own way it is twice as much, of a soft toy's head and body
-/// 0.7,
-const TOGETHER_STEP_SHARE: f64 = 1.0;
+/// and less than this from frame to frame (root mean square): what noise moves goes each its own way,
+const TOGETHER_STEP_SHARE: f64 = 0.5;
 /// in so many frames,
 const TOGETHER_FRAMES: u32 = 6;
 /// in which the motions of both fit this well (share of points).
@@ -91,7 +90,11 @@ impl Knowledge {
         for &(a, b) in touching {
             let (Some(one), Some(other)) = (tracks.get(&a), tracks.get(&b)) else { continue };
             let (Some(rest_a), Some(rest_b)) = (one.rest, other.rest) else { continue };
-            if one.is_agent_part() || other.is_agent_part() {
+            if one.is_agent_part()
+                || other.is_agent_part()
+                || one.part_of.is_some()
+                || other.part_of.is_some()
+            {
                 continue;
             }
             // What lies in a vessel moves with it.

@@ -41,12 +41,7 @@ impl Memory {
             }
         }
         if self.has(Ingredient::Knowledge) {
-            let of_two = touching.iter().copied().filter(|&(a, b)| {
-                let [a, b] = [a, b].map(|key| self.root(key));
-                a != b && !self.knowledge.are_apart(a, b)
-            });
-            let of_two: BTreeSet<(Key, Key)> = of_two.collect();
-            for (a, b) in self.knowledge.learn(&of_two, &self.tracks, look.place.moves) {
+            for (a, b) in self.knowledge.learn(&touching, &self.tracks, look.place.moves) {
                 let px = |key: Key| self.tracks[&key].last.px;
                 let whole = if px(b) > px(a) { self.join(b, a) } else { self.join(a, b) };
                 self.tracks.entry(whole).and_modify(|track| track.note(Deed::PartsMovedAsOne));

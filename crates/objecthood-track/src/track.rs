@@ -334,10 +334,7 @@ impl Track {
 
     /// Whether it was moved by more than this (m) against another since both first rested.
     pub(crate) fn was_moved_against(&self, other: &Self, least_m: f64) -> bool {
-        let moved = |track: &Self| {
-            let (rest, first) = (track.rest?, track.first_rest?);
-            are_alike(rest.px, first.px).then_some(rest.center - first.center)
-        };
+        let moved = |track: &Self| Some(track.rest?.center - track.first_rest?.center);
         moved(self).zip(moved(other)).is_some_and(|(own, others)| (own - others).length() > least_m)
     }
 

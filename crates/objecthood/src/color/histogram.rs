@@ -13,19 +13,17 @@ pub struct ColorHistogram {
     count: f32,
 }
 
-/// Of no colour.
-impl Default for ColorHistogram {
-    fn default() -> Self {
-        Self { shares: Box::new([0.0; BINS[0] * BINS[1] * BINS[2]]), count: 0.0 }
-    }
-}
-
 impl ColorHistogram {
     /// Counts colours (L\*a\*b\*). O(colours + bins).
     pub fn of(colors: impl Iterator<Item = [f32; 3]>) -> Self {
-        let mut histogram = Self::default();
+        let mut histogram = Self::empty();
         colors.for_each(|color| histogram.add(color));
         histogram
+    }
+
+    /// Of no colour. O(bins).
+    pub(crate) fn empty() -> Self {
+        Self { shares: Box::new([0.0; BINS[0] * BINS[1] * BINS[2]]), count: 0.0 }
     }
 
     /// Counts a colour. O(1).

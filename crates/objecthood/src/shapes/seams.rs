@@ -221,6 +221,7 @@ impl Search<'_> {
     /// The checks of a seam that passes them. The clearer it is, the more colours its sides may share.
     fn passed(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
         let clear = (trace.clearness - FAINT) / (1.0 - FAINT);
+        // No overlap is below 0.
         if clear < 0.0 {
             return None;
         }

@@ -157,9 +157,12 @@ fn places(rise: &Rise<'_>, structure: &Structure, disparity: &Raster<f32>, facet
     let is_low = |(low, all): (usize, usize)| low as f64 > LOW_SHARE * all as f64;
     let mut places: Vec<Place> =
         counts.into_iter().map(|count| if is_low(count) { Place::Low } else { Place::Elsewhere }).collect();
-    places[..facets.structure].fill(Place::Elsewhere);
+    // The first facets are those of the structure; a map of fewer has none of the others.
+    let surfaces = facets.structure.min(places.len());
     for (place, &surface) in structure.supports.surfaces.iter().enumerate() {
-        places[surface] = Place::On(place as u8);
+        if let Some(of_surface) = places[..surfaces].get_mut(surface) {
+            *of_surface = Place::On(place as u8);
+        }
     }
     places
 }

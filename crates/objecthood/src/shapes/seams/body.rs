@@ -124,7 +124,7 @@ impl Body {
 
     /// The overlap of the colours on both sides of a trace, without the pixels that may show both.
     pub(super) fn overlap_across(&self, trace: &Trace) -> f64 {
-        let [mut below, mut above] = [ColorHistogram::default(), ColorHistogram::default()];
+        let [mut below, mut above] = [ColorHistogram::empty(), ColorHistogram::empty()];
         for pixel in self.sample() {
             let height_m = trace.height_m(pixel.point);
             if height_m > trace.blur_m {

@@ -38,7 +38,8 @@ const MOST_TRACES: usize = 4;
 /// An edge with more places is no edge of a thing.
 const MOST_PLACES: usize = 2048;
 
-/// Proposes the clearest places along an edge, the clearest first, if colour changes along this share of them. O(pixels + stripes · places).
+/// Proposes the clearest places along an edge, the clearest first. At each colour changes in at least this share of the stripes, and both sides are large
+/// enough for an object. O(pixels + stripes · places).
 pub(super) fn find_traces(body: &Body, axis: DVec3, least_share: f64, space: &DisparitySpace) -> Vec<Trace> {
     let Some(places) = Places::along(body, axis, space) else { return Vec::new() };
     let is_across = |face: &&Face| face.normal.dot(axis).abs() > ACROSS;
