@@ -157,7 +157,7 @@ fn places(rise: &Rise<'_>, structure: &Structure, disparity: &Raster<f32>, facet
     let is_low = |(low, all): (usize, usize)| low as f64 > LOW_SHARE * all as f64;
     let mut places: Vec<Place> =
         counts.into_iter().map(|count| if is_low(count) { Place::Low } else { Place::Elsewhere }).collect();
-    // The first facets are those of the structure; a map of fewer has none of the others.
+    // A label map that was made elsewhere may have fewer facets than the structure has surfaces.
     let surfaces = facets.structure.min(places.len());
     for (place, &surface) in structure.supports.surfaces.iter().enumerate() {
         if let Some(of_surface) = places[..surfaces].get_mut(surface) {

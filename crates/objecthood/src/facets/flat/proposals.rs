@@ -115,36 +115,37 @@ fn measure(field: &Field, patches: &Patches) -> Vec<Patch> {
         patch.cells.reserve_exact(size);
     }
     for v in 0..height {
-        let mut from = v * width;
-        for run in of_cell[v * width..(v + 1) * width].chunk_by(|a, b| a == b) {
+        let row = v * width..(v + 1) * width;
+        let mut from = row.start;
+        for run in of_cell[row.clone()].chunk_by(|a, b| a == b) {
             let cells = from..from + run.len();
+            from = cells.end;
             if let Some(patch) = found.get_mut(run[0] as usize) {
-                patch.is_cut |=
-                    v == 0 || v + 1 == height || cells.start == v * width || cells.end == (v + 1) * width;
+                patch.is_cut |= v == 0 || v + 1 == height || cells.start == row.start || cells.end == row.end;
                 patch.cells.extend(cells.start as u32..cells.end as u32);
             }
-            if cells.end < (v + 1) * width {
-                end(&mut found, field, of_cell, [cells.end - 1, cells.end]);
-                end(&mut found, field, of_cell, [cells.end, cells.end - 1]);
+            if cells.end < row.end {
+                end_at_each_other(&mut found, field, of_cell, [cells.end - 1, cells.end]);
             }
-            from = cells.end;
         }
-        let row = v * width..if v + 1 < height { (v + 1) * width } else { v * width };
-        for i in row.filter(|&i| of_cell[i] != of_cell[i + width]) {
-            end(&mut found, field, of_cell, [i, i + width]);
-            end(&mut found, field, of_cell, [i + width, i]);
+        for i in row {
+            if of_cell.get(i + width).is_some_and(|below| *below != of_cell[i]) {
+                end_at_each_other(&mut found, field, of_cell, [i, i + width]);
+            }
         }
     }
     found
 }
 
-/// Notes that the patch of one cell, if it has one, ends at another cell.
-fn end(found: &mut [Patch], field: &Field, of_cell: &[u32], [last, beyond]: [usize; 2]) {
-    let Some(patch) = found.get_mut(of_cell[last] as usize) else { return };
-    patch.outline += 1;
-    if field.cells[beyond].support != field.cells[last].support {
-        patch.open += 1;
-    } else if of_cell[beyond] != NO_PATCH {
-        patch.neighbours.insert(of_cell[beyond]);
+/// Notes that the patches of two neighbouring cells end at each other. A cell outside the field has no patch.
+fn end_at_each_other(found: &mut [Patch], field: &Field, of_cell: &[u32], [one, other]: [usize; 2]) {
+    for (last, beyond) in [(one, other), (other, one)] {
+        let Some(patch) = found.get_mut(of_cell[last] as usize) else { continue };
+        patch.outline += 1;
+        if field.cells[beyond].support != field.cells[last].support {
+            patch.open += 1;
+        } else if of_cell[beyond] != NO_PATCH {
+            patch.neighbours.insert(of_cell[beyond]);
+        }
     }
 }

@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
+use crate::buffers::Buffer;
 use crate::color::image::LabImage;
 use crate::raster::Raster;
+use crate::regions::runs;
 use crate::union_find::UnionFind;
 
 /// A cell with a measured pixel of no surface.
@@ -16,9 +18,7 @@ const OUTSIDE: i32 = -3;
 /// The surface of every cell.
 pub(super) struct Cells {
     /// The surface of all its measured pixels, [`BARE`], [`HOLE`] or [`OUTSIDE`].
-    pub of: Vec<i32>,
-    /// Cells in a row, with the two outside.
-    columns: usize,
+    pub of: Raster<i32>,
     /// Columns and rows of the image.
     size: (usize, usize),
 }
@@ -28,9 +28,10 @@ impl Cells {
     pub(super) fn of(labels: &Raster<i32>, disparity: &Raster<f32>) -> Self {
         let (width, height) = labels.size();
         let columns = width.div_ceil(2) + 2;
-        let mut of = vec![OUTSIDE; columns * (height.div_ceil(2) + 2)];
+        let rows = height.div_ceil(2) + 2;
+        let mut of = Raster::of_buffer(columns, rows, Buffer::filled(columns * rows, OUTSIDE));
         let row = |v: usize| v * width..(v + 1) * width;
-        for (cells, top) in of.chunks_exact_mut(columns).skip(1).zip((0..height).step_by(2)) {
+        for (cells, top) in of.as_mut_slice().chunks_exact_mut(columns).skip(1).zip((0..height).step_by(2)) {
             cells[1..columns - 1].fill(HOLE);
             for v in top..(top + 2).min(height) {
                 let (labels, disparity) = (&labels.as_slice()[row(v)], &disparity.as_slice()[row(v)]);
@@ -43,11 +44,16 @@ impl Cells {
                 }
             }
         }
-        Self { of, columns, size: (width, height) }
+        Self { of, size: (width, height) }
     }
 
     pub(super) fn count(&self) -> usize {
         self.of.len()
+    }
+
+    /// Cells in a row, with the two outside.
+    fn columns(&self) -> usize {
+        self.of.width()
     }
 
     /// Whether a cell is of a surface.
@@ -65,7 +71,7 @@ impl Cells {
 
     /// The cells beside a cell of the image.
     pub(super) fn around(&self, cell: usize) -> [usize; 4] {
-        [cell + 1, cell - 1, cell + self.columns, cell - self.columns]
+        [cell + 1, cell - 1, cell + self.columns(), cell - self.columns()]
     }
 
     pub(super) fn color(&self, cell: usize, lab: &LabImage) -> [f32; 3] {
@@ -87,7 +93,7 @@ impl Cells {
         let (mut sum, mut count) = ([0.0_f32; 3], 0_u32);
         for row in near(row, rows) {
             for column in near(column, columns) {
-                if counts((row + 1) * self.columns + column + 1) {
+                if counts((row + 1) * self.columns() + column + 1) {
                     let color = lab.cell(column, row);
                     sum = std::array::from_fn(|k| sum[k] + color[k]);
                     count += 1;
@@ -99,45 +105,34 @@ impl Cells {
 
     /// Whether each cell is of a piece of its surface that is smaller than a share of it. O(cells).
     pub(super) fn islands(&self, share: f32) -> Vec<bool> {
-        let surfaces = self.of.iter().max().map_or(0, |&last| (last + 1).max(0) as usize);
-        let mut runs: Vec<Range<usize>> = Vec::new();
-        let mut sizes = vec![0_usize; surfaces];
-        let mut first = 0;
-        for run in self.of.chunk_by(|a, b| a == b) {
-            let cells = first..first + run.len();
-            first = cells.end;
-            if let Ok(surface) = usize::try_from(run[0]) {
-                sizes[surface] += run.len();
-                runs.push(cells);
-            }
-        }
+        let runs: Vec<(Range<usize>, usize)> = runs(&self.of, 0..self.of.height()).collect();
+        let mut sizes = vec![0_usize; runs.iter().map(|(_, surface)| surface + 1).max().unwrap_or(0)];
+        runs.iter().for_each(|(run, surface)| sizes[*surface] += run.len());
         let mut pieces = UnionFind::new(runs.len());
         let mut above = 0;
-        for (k, run) in runs.iter().enumerate() {
-            // Every row begins and ends outside, so no run goes on into the next.
-            while runs[above].end + self.columns <= run.start {
+        for (k, (run, surface)) in runs.iter().enumerate() {
+            while runs[above].0.end + self.columns() <= run.start {
                 above += 1;
             }
-            let touching = (above..k).take_while(|&other| runs[other].start + self.columns < run.end);
-            for other in touching.filter(|&other| self.of[runs[other].start] == self.of[run.start]) {
+            let touching = (above..k).take_while(|&other| runs[other].0.start + self.columns() < run.end);
+            for other in touching.filter(|&other| runs[other].1 == *surface) {
                 let (a, b) = (pieces.find(other), pieces.find(k));
                 pieces.link(a.min(b), a.max(b));
             }
         }
         let mut piece_cells = vec![0_usize; runs.len()];
-        for (k, run) in runs.iter().enumerate() {
+        for (k, (run, _)) in runs.iter().enumerate() {
             piece_cells[pieces.find(k)] += run.len();
         }
         let mut is_island = vec![false; self.count()];
-        for (k, run) in runs.into_iter().enumerate() {
-            let all = sizes[self.of[run.start] as usize];
-            is_island[run].fill((piece_cells[pieces.find(k)] as f32) < share * all as f32);
+        for (k, (run, surface)) in runs.into_iter().enumerate() {
+            is_island[run].fill((piece_cells[pieces.find(k)] as f32) < share * sizes[surface] as f32);
         }
         is_island
     }
 
     /// Column and row of a cell of the image, from 0.
     fn place(&self, cell: usize) -> [usize; 2] {
-        [cell % self.columns - 1, cell / self.columns - 1]
+        [cell % self.columns() - 1, cell / self.columns() - 1]
     }
 }
