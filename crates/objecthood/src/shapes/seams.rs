@@ -22,6 +22,7 @@ use crate::color::image::LabImage;
 use crate::facets::Facets;
 use crate::oversegment::structure::Structure;
 use crate::params::{self, Params};
+use crate::raster::Raster;
 use crate::regions::{RegionGraph, Segments};
 use crate::shapes::border::{BorderEvidence, measure_borders};
 use crate::shapes::contraction::{Shapes, contract, sum_votes};
@@ -143,7 +144,8 @@ pub fn find_seams(
     let (space, up) = (&surfaces.space, structure.ground_normal());
     let lab = surfaces.lab_for_shapes().filter(|_| params.seams.enabled)?;
     let size = facets.segments.labels().size();
-    let partings = Search { lab, space, params: &params.seams, up, size }.part_all(facets, shapes);
+    let partings = Search { lab, space, disparity: &surfaces.disparity, params: &params.seams, up, size }
+        .part_all(facets, shapes);
     if partings.is_empty() {
         return None;
     }
@@ -181,6 +183,8 @@ struct Piece {
 struct Search<'a> {
     lab: &'a LabImage,
     space: &'a DisparitySpace,
+    /// Disparity (quanta) of the image.
+    disparity: &'a Raster<f32>,
     params: &'a params::Seams,
     up: Option<DVec3>,
     /// Columns and rows of the image.
@@ -225,7 +229,8 @@ impl Search<'_> {
         if clear < 0.0 {
             return None;
         }
-        let mut checks = self.check_colors(body, trace, clear * self.params.color_overlap);
+        let mut checks =
+            self.check_colors(trace, body.overlap_across(trace), clear * self.params.color_overlap);
         // Most traces end here, before all pixels of their sides are looked at.
         if !checks.iter().all(Check::holds) {
             return None;
@@ -235,8 +240,7 @@ impl Search<'_> {
     }
 
     /// Checks that colour changes along a trace, and that its two sides share at most so many colours.
-    fn check_colors(&self, body: &Body, trace: &Trace, most: f64) -> Vec<Check> {
-        let overlap = body.overlap_across(trace);
+    fn check_colors(&self, trace: &Trace, overlap: f64, most: f64) -> Vec<Check> {
         let (share, least) = (trace.share, self.params.cross_share);
         vec![
             Check::new("share of the section where colour changes", "", share, Bound::AtLeast, least)
