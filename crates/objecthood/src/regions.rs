@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use crate::raster::Raster;
+use crate::union_find::UnionFind;
 
 /// Number of a segment (superpixel, facet, shape) within its [`Segments`], counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -212,6 +213,24 @@ pub(crate) fn runs(
         Some((start..end, label))
     });
     run.filter_map(|(pixels, label)| usize::try_from(label).ok().map(|label| (pixels, label)))
+}
+
+/// The connected piece that each of these [`runs`] of an image of this width belongs to, and the number of pieces: runs of one label that share a
+/// column in adjacent rows are connected. O(runs).
+pub(crate) fn connect(runs: &[(Range<usize>, usize)], width: usize) -> (Vec<u32>, usize) {
+    let mut pieces = UnionFind::new(runs.len());
+    let mut above = 0;
+    for (k, (run, label)) in runs.iter().enumerate() {
+        while runs[above].0.end + width <= run.start {
+            above += 1;
+        }
+        let touching = (above..k).take_while(|&other| runs[other].0.start + width < run.end);
+        for other in touching.filter(|&other| runs[other].1 == *label) {
+            let (a, b) = (pieces.find(other), pieces.find(k));
+            pieces.link(a.min(b), a.max(b));
+        }
+    }
+    pieces.groups()
 }
 
 /// The number of labels at the start that equal the first one. Long runs are compared in strides.

@@ -6,7 +6,9 @@
 mod candidates;
 mod choice;
 mod ground;
+mod islands;
 mod labels;
+mod pieces;
 mod planes;
 mod sample;
 mod size;
@@ -21,6 +23,7 @@ use rayon::prelude::*;
 use self::candidates::{Candidate, GRID_PX, View};
 pub use self::ground::Supports;
 use self::ground::find_supports;
+use self::islands::free_islands;
 use self::labels::label_pixels;
 use self::planes::fit_planes;
 use self::size::SurfaceSize;
@@ -81,6 +84,7 @@ pub fn find_structure(
     let view = View { disparity, orientation, space, grid: space.length_px(GRID_PX), alike };
     let Found { mut surfaces, large } = find_surfaces(&view, fits);
     let mut labels = label_pixels(&surfaces, disparity, orientation, &view.alike, params.tolerance_quanta);
+    free_islands(&mut labels, &surfaces, disparity, space, params.tolerance_quanta);
     let mut supports = find_supports(&surfaces, large, &labels, disparity, space, attitude);
     let kept = supports.keep(surfaces.len(), large);
     if kept.len() < surfaces.len() {
@@ -109,7 +113,7 @@ fn find_surfaces(view: &View<'_>, fits: &PlaneFits) -> Found {
     let samples = view.sample(fits);
     let all = samples.len() as f64;
     let candidates = view.find_candidates(samples);
-    let sizes: Vec<SurfaceSize> = candidates.par_iter().map(|c| SurfaceSize::measure(c, view)).collect();
+    let sizes: Vec<SurfaceSize> = candidates.par_iter().map(|c| c.size(view)).collect();
     let (mut surfaces, mut boards) = (Vec::new(), Vec::new());
     for (Candidate { surface, inliers }, size) in candidates.into_iter().zip(sizes) {
         let is_large = size.area_m2 > LARGE_M2 && size.longest_m > LONG_M;

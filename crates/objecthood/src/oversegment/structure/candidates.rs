@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
+use super::pieces::largest_piece;
 use super::sample::Sample;
+use super::size::SurfaceSize;
 use super::surface::StructureSurface;
 use super::tilt::{Alike, Tilt};
 use super::trials::find_best_plane;
@@ -51,6 +53,23 @@ pub(super) struct Candidate {
     pub(super) inliers: Vec<Sample>,
 }
 
+impl Candidate {
+    /// The size of the largest connected piece of its samples, because the tops of boxes of equal height are not one surface.
+    pub(super) fn size(&self, view: &View<'_>) -> SurfaceSize {
+        let inliers: Vec<&Sample> = self.inliers.iter().collect();
+        let point_m = |s: &Sample| DVec3::from(view.space.point_m(s.at, s.disparity));
+        let points_m: Vec<DVec3> = largest_piece(&inliers, view.grid).into_iter().map(point_m).collect();
+        SurfaceSize::measure(&points_m, self.surface.normal, view.grid * view.grid, &view.space.camera())
+    }
+}
+
+impl StructureSurface {
+    /// Whether a sample lies near this surface.
+    fn is_inlier(&self, sample: &Sample) -> bool {
+        (sample.disparity - self.model.value(sample.at)).abs() < self.scale * INLIER_QUANTA
+    }
+}
+
 /// The inputs of the search.
 pub(super) struct View<'a> {
     pub(super) disparity: &'a Raster<f32>,
@@ -76,8 +95,8 @@ impl View<'_> {
         pixels.filter(|&pixel| fits.at(pixel).is_some()).map(sample).collect()
     }
 
-    /// Finds up to eight surfaces. Each round takes the plane near most samples, and removes the samples near its surface from the
-    /// pool.
+    /// Finds up to eight surfaces. Each round takes the plane near most samples, fits a surface to the largest piece of it and to what lies
+    /// near that, and removes the samples near this surface from the pool.
     pub(super) fn find_candidates(&self, mut pool: Vec<Sample>) -> Vec<Candidate> {
         let mut random = Lcg::new(SEED);
         let mut candidates = Vec::new();
@@ -85,16 +104,39 @@ impl View<'_> {
             if pool.len() <= LEAST_POOL {
                 break;
             }
-            let Some([a, b, c]) = find_best_plane(&pool, &mut random, self.space) else { break };
-            let normal = DVec3::from(self.space.normal([0.0; 2], c, [a, b]));
-            let Some((model, scale)) = self.refit(&pool, [a, b, c], normal) else { continue };
-            let offset_m = self.space.distance_m([0.0; 2], c, [a, b]);
-            let is_inlier = |s: &mut Sample| (s.disparity - model.value(s.at)).abs() < scale * INLIER_QUANTA;
-            let inliers = pool.extract_if(.., is_inlier).collect();
-            candidates
-                .push(Candidate { surface: StructureSurface { model, normal, offset_m, scale }, inliers });
+            let Some(plane) = find_best_plane(&pool, &mut random, self.space) else { break };
+            let Some(found) = self.surface_near(&pool, plane) else { continue };
+            let of_piece = self.plane_of_largest_piece(&pool, &found);
+            let surface = of_piece.and_then(|plane| self.surface_near(&pool, plane)).unwrap_or(found);
+            let inliers = pool.extract_if(.., |s: &mut Sample| surface.is_inlier(s)).collect();
+            candidates.push(Candidate { surface, inliers });
         }
         candidates
+    }
+
+    /// The surface of the samples near the plane a u + b v + c; `None` for fewer than fifty.
+    fn surface_near(&self, pool: &[Sample], [a, b, c]: [f64; 3]) -> Option<StructureSurface> {
+        let normal = DVec3::from(self.space.normal([0.0; 2], c, [a, b]));
+        let (model, scale) = self.refit(pool, [a, b, c], normal)?;
+        let offset_m = self.space.distance_m([0.0; 2], c, [a, b]);
+        Some(StructureSurface { model, normal, offset_m, scale })
+    }
+
+    /// The plane a u + b v + c of the largest piece of a surface; `None` if the piece has fewer than fifty samples.
+    ///
+    /// The plane near most samples may run through many things by chance. Its largest piece tells which surface is meant.
+    fn plane_of_largest_piece(&self, pool: &[Sample], surface: &StructureSurface) -> Option<[f64; 3]> {
+        let has_tilt = |s: &Sample| {
+            let slope = surface.model.slope(s.at);
+            self.has_tilt(&Tilt { normal: surface.normal, slope }, s, surface.scale)
+        };
+        let own: Vec<&Sample> = pool.iter().filter(|s| surface.is_inlier(s) && has_tilt(s)).collect();
+        let piece = largest_piece(&own, self.grid);
+        let mut moments = Moments::about([0.0; 2]);
+        piece.iter().for_each(|s| moments.add(s.at, s.disparity));
+        let plane = (piece.len() >= LEAST_REFIT).then(|| moments.fit(Basis::Plane).model)?;
+        let [a, b] = plane.slope([0.0; 2]);
+        Some([a, b, plane.value([0.0; 2])])
     }
 
     /// Fits a quadratic to the samples near a plane that have its tilt; `None` for fewer than fifty. Also returns the factor on

@@ -116,6 +116,63 @@ fn what_does_not_hang_together_is_no_surface() {
     assert_eq!((touching.surfaces.len(), on_top(&touching) > 30_000), (2, true), "one shelf");
 }
 
+/// A regression: the tops of cartons in a room were a part of the cupboard that is as high, and the cartons were lost.
+#[test]
+fn what_is_as_high_as_a_table_is_no_part_of_it() {
+    let [floor_m, tops_m, tower_m] = [2.0, 1.7, 1.4];
+    let within = |i: usize, columns: std::ops::Range<usize>, rows: std::ops::Range<usize>| {
+        columns.contains(&(i % SIZE.0)) && rows.contains(&(i / SIZE.0))
+    };
+    let is_carton = |i: usize| within(i, 240..280, 90..140);
+    let room = |has_tower: bool| {
+        seen(move |i| {
+            if has_tower && within(i, 140..250, 100..130) {
+                tower_m
+            } else if is_carton(i) || within(i, 10..150, 20..220) {
+                tops_m
+            } else {
+                floor_m
+            }
+        })
+    };
+    let on_structure = |found: &Structure, i: usize| found.labels[i] >= 0;
+    let (carton, table) = (95 * SIZE.0 + 270, 60 * SIZE.0 + 80);
+    let apart = room(false);
+    assert!(on_structure(&apart, table) && !on_structure(&apart, carton), "the floor is seen between them");
+    assert!(on_structure(&room(true), carton), "one table, with a tower on it");
+}
+
+/// A regression: a surface leant towards small things beside it that lay on one plane with it by chance.
+#[test]
+fn the_largest_piece_tells_which_surface_is_meant() {
+    let quantum_per_m = params::Sensor::default().disparity_quantum_per_m;
+    let at_quanta = |quanta: f64| 1.0 / (quanta * quantum_per_m);
+    let [far, table] = [150.0, 200.0];
+    // Level, and things beside it that are higher by so many quanta.
+    let room = |higher: f64| {
+        seen(move |i| {
+            let [u, v] = [i % SIZE.0, i / SIZE.0];
+            let is_thing = (200..310).contains(&u) && (20..220).contains(&v) && u % 28 < 20 && v % 28 < 20;
+            let is_table = (10..130).contains(&u) && (20..220).contains(&v);
+            at_quanta(if is_table {
+                table
+            } else if is_thing {
+                table + higher
+            } else {
+                far
+            })
+        })
+    };
+    let found = room(4.0);
+    let facing = found.surfaces.iter().map(|surface| surface.normal.dot(DVec3::NEG_Z));
+    assert_eq!(
+        facing.clone().filter(|&cosine| cosine > 0.999_99).count(),
+        2,
+        "{:?}",
+        facing.collect::<Vec<_>>()
+    );
+}
+
 #[test]
 fn heights_are_above_the_surface_it_is_supported_by() {
     let found = seen(|i| plane(i, table_normal(), 0.6));

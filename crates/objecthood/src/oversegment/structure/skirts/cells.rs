@@ -5,8 +5,7 @@ use std::ops::Range;
 use crate::buffers::Buffer;
 use crate::color::image::LabImage;
 use crate::raster::Raster;
-use crate::regions::runs;
-use crate::union_find::UnionFind;
+use crate::regions::{connect, runs};
 
 /// A cell with a measured pixel of no surface.
 pub(super) const BARE: i32 = -1;
@@ -108,25 +107,14 @@ impl Cells {
         let runs: Vec<(Range<usize>, usize)> = runs(&self.of, 0..self.of.height()).collect();
         let mut sizes = vec![0_usize; runs.iter().map(|(_, surface)| surface + 1).max().unwrap_or(0)];
         runs.iter().for_each(|(run, surface)| sizes[*surface] += run.len());
-        let mut pieces = UnionFind::new(runs.len());
-        let mut above = 0;
-        for (k, (run, surface)) in runs.iter().enumerate() {
-            while runs[above].0.end + self.columns() <= run.start {
-                above += 1;
-            }
-            let touching = (above..k).take_while(|&other| runs[other].0.start + self.columns() < run.end);
-            for other in touching.filter(|&other| runs[other].1 == *surface) {
-                let (a, b) = (pieces.find(other), pieces.find(k));
-                pieces.link(a.min(b), a.max(b));
-            }
-        }
-        let mut piece_cells = vec![0_usize; runs.len()];
-        for (k, (run, _)) in runs.iter().enumerate() {
-            piece_cells[pieces.find(k)] += run.len();
+        let (piece_of, pieces) = connect(&runs, self.columns());
+        let mut piece_cells = vec![0_usize; pieces];
+        for ((run, _), &piece) in runs.iter().zip(&piece_of) {
+            piece_cells[piece as usize] += run.len();
         }
         let mut is_island = vec![false; self.count()];
-        for (k, (run, surface)) in runs.into_iter().enumerate() {
-            is_island[run].fill((piece_cells[pieces.find(k)] as f32) < share * sizes[surface] as f32);
+        for ((run, surface), piece) in runs.into_iter().zip(piece_of) {
+            is_island[run].fill((piece_cells[piece as usize] as f32) < share * sizes[surface] as f32);
         }
         is_island
     }
