@@ -53,16 +53,10 @@ pub struct Structure {
     pub planes: Vec<StructurePlane>,
 }
 
-/// A surface with a larger area than this ...
-const LARGE_M2: f64 = 0.18;
-/// ... and a longer side than this is structure.
-const LONG_M: f64 = 0.5;
 /// The first surface is structure also when it holds more than this share of the samples ...
 const DOMINANT_SHARE: f64 = 0.2;
 /// ... and has a larger area than this.
 const DOMINANT_M2: f64 = 0.03;
-/// A surface as long as structure with a larger area than this is a board: structure if things stand on it.
-const BOARD_M2: f64 = 0.06;
 /// Where depth is smeared (docs/CONTEXT.md 0.7) a skirt reaches farther by this factor: such depth comes of large matching windows.
 const SMEARED_REACH: usize = 2;
 
@@ -116,12 +110,11 @@ fn find_surfaces(view: &View<'_>, fits: &PlaneFits) -> Found {
     let sizes: Vec<SurfaceSize> = candidates.par_iter().map(|c| c.size(view)).collect();
     let (mut surfaces, mut boards) = (Vec::new(), Vec::new());
     for (Candidate { surface, inliers }, size) in candidates.into_iter().zip(sizes) {
-        let is_large = size.area_m2 > LARGE_M2 && size.longest_m > LONG_M;
         let dominates =
             surfaces.is_empty() && inliers.len() as f64 > DOMINANT_SHARE * all && size.area_m2 > DOMINANT_M2;
-        if is_large || dominates {
+        if size.is_large() || dominates {
             surfaces.push(surface);
-        } else if size.area_m2 > BOARD_M2 && size.longest_m > LONG_M {
+        } else if size.is_board() {
             boards.push(surface);
         }
     }

@@ -10,7 +10,6 @@ use rayon::prelude::*;
 
 use super::size::SurfaceSize;
 use super::surface::StructureSurface;
-use super::{BOARD_M2, LONG_M};
 use crate::raster::Raster;
 use crate::regions::{Segments, connect, runs};
 use crate::surface::disparity::{DisparitySpace, position};
@@ -95,7 +94,6 @@ impl StructureSurface {
             DVec3::from(space.point_m(at, self.model.value(at)))
         };
         let points_m: Vec<DVec3> = pixels.iter().map(point_m).collect();
-        let size = SurfaceSize::measure(&points_m, self.normal, 1, &space.camera());
-        size.area_m2 > BOARD_M2 && size.longest_m > LONG_M
+        SurfaceSize::measure(&points_m, self.normal, 1, &space.camera()).is_board()
     }
 }

@@ -6,6 +6,12 @@ use crate::camera::Camera;
 use crate::quantile::element_at;
 use crate::tangents::tangents;
 
+/// A surface with a larger area than this ...
+const LARGE_M2: f64 = 0.18;
+/// ... and a longer side than this is structure.
+const LONG_M: f64 = 0.5;
+/// A surface as long as structure with a larger area than this is a board: structure if things stand on it.
+const BOARD_M2: f64 = 0.06;
 /// Least cosine between normal and ray in the area of a pixel: smaller cosines are raised to it.
 const LEAST_COSINE: f64 = 0.15;
 /// A side of a surface begins at this quantile of its points ...
@@ -33,5 +39,15 @@ impl SurfaceSize {
         };
         let [t1, t2] = tangents(normal);
         Self { area_m2: area_m2.sum(), longest_m: width_m(t1).max(width_m(t2)) }
+    }
+
+    /// Whether it is structure whatever stands on it.
+    pub(super) fn is_large(&self) -> bool {
+        self.area_m2 > LARGE_M2 && self.longest_m > LONG_M
+    }
+
+    /// Whether it is large enough for the board of a shelf.
+    pub(super) fn is_board(&self) -> bool {
+        self.area_m2 > BOARD_M2 && self.longest_m > LONG_M
     }
 }
