@@ -23,7 +23,7 @@ const HIGH_SHARE: f64 = 0.95;
 pub(super) struct SurfaceSize {
     pub(super) area_m2: f64,
     /// Its longer side, from the 5th to the 95th percentile of its points.
-    pub(super) longest_m: f64,
+    longest_m: f64,
 }
 
 impl SurfaceSize {
