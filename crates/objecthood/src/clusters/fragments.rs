@@ -5,7 +5,6 @@
 use std::collections::BTreeMap;
 
 use crate::check::{Bound, Check};
-use crate::clusters::borders::BorderCounts;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
 use crate::params;
@@ -16,15 +15,12 @@ use crate::surface::disparity::DisparitySpace;
 const ROUNDS: usize = 3;
 /// Touching pixel pairs that a fragment needs to be absorbed by a neighbour (px at a focal length of 525 px).
 const LEAST_TOUCH_PX: usize = 4;
-/// What is large enough for an object is no fragment of what it touches along less than this share of its border.
-const LEAST_TOUCH_SHARE: f64 = 0.25;
 
 /// Merges clusters of fewer than `max_size_px` pixels, except flat things, into the neighbour that they touch most. The neighbour may be the background,
-/// but not a smaller cluster. Clusters of at least `object_px` pixels (at 525 px) may be objects, and stay if they hardly touch it.
-/// O(rounds · clusters · neighbours).
-pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fragments, object_px: usize) {
+/// but not a smaller cluster. O(rounds · clusters · neighbours).
+pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fragments) {
     for round in 1..=ROUNDS {
-        let (moves, stays) = find_moves(clusters, params, object_px);
+        let (moves, stays) = find_moves(clusters, params);
         let is_last = moves.is_empty() || round == ROUNDS;
         moves.into_iter().for_each(|event| clusters.give(event));
         if is_last {
@@ -36,11 +32,7 @@ pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fra
 
 /// The fragments that move in a round, by ascending number, and the fragments that stay. The smallest are decided first. None moves
 /// to a fragment whose own move was decided before it, so that two of equal size cannot move into each other.
-fn find_moves(
-    clusters: &Clusters<'_>,
-    params: &params::Fragments,
-    object_px: usize,
-) -> (Vec<Event>, Vec<Miss>) {
+fn find_moves(clusters: &Clusters<'_>, params: &params::Fragments) -> (Vec<Event>, Vec<Miss>) {
     let space = clusters.scene.space;
     let least_touch = space.length_px(LEAST_TOUCH_PX) as f64;
     let size = |id: SegmentId| clusters.get(id).pixels.len();
@@ -60,7 +52,6 @@ fn find_moves(
         let mut merge = Proposal::new(Rule::Fragment, Source::Cluster(id), into);
         let moves_on = merge.check(check_small(size(id), space, params))
             && merge.check(Check::new("touches it along", "px", touch, Bound::AtLeast, least_touch))
-            && (size(id) < space.area_px(object_px) || merge.check(check_touch_share(clusters, id, touch)))
             && !into.is_some_and(|into| moves.contains_key(&into));
         if moves_on {
             moves.insert(id, merge.accept(None));
@@ -77,13 +68,6 @@ pub(crate) fn check_small(size_px: usize, space: &DisparitySpace, params: &param
     Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("fragments.max_size_px")
 }
 
-/// Checks that a cluster touches another one along enough of its border. A small thing far away touches what it stands on with its foot alone.
-fn check_touch_share(clusters: &Clusters<'_>, id: SegmentId, touch: f64) -> Check {
-    let border: u32 = clusters.get(id).neighbours.values().map(BorderCounts::all).sum();
-    let what = "share of its border along which it touches it";
-    Check::new(what, "", touch / f64::from(border), Bound::AtLeast, LEAST_TOUCH_SHARE)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,20 +75,10 @@ mod tests {
 
     /// The final cluster of each of the facets a, b, ..
     fn absorbed(rows: &[&str], heights_m: &[f64], max_size_px: usize) -> Vec<Option<u32>> {
-        absorbed_below(rows, heights_m, max_size_px, max_size_px)
-    }
-
-    /// The same where clusters of `object_px` pixels may be objects.
-    fn absorbed_below(
-        rows: &[&str],
-        heights_m: &[f64],
-        max_size_px: usize,
-        object_px: usize,
-    ) -> Vec<Option<u32>> {
         let table = Table::drawn(rows, heights_m);
         let scene = table.scene();
         let mut clusters = single(&scene);
-        absorb_fragments(&mut clusters, &params::Fragments { max_size_px }, object_px);
+        absorb_fragments(&mut clusters, &params::Fragments { max_size_px });
         named(&clusters)
     }
 
@@ -145,19 +119,6 @@ mod tests {
         // Four touching pairs suffice, three do not.
         assert_eq!(absorbed(&["aaaa", "____"], &[0.002], 30), [None]);
         assert_eq!(absorbed(&["aaa.", "____"], &[0.002], 30), [Some(0)]);
-    }
-
-    /// A regression: bottles and cans of 200 to 250 pixels at the far side of a room were parts of the cupboard that they stood on.
-    #[test]
-    fn what_is_large_enough_for_an_object_and_touches_with_its_foot_stays() {
-        let tall = [
-            "________", "__aaaa__", "__aaaa__", "__aaaa__", "__aaaa__", "__aaaa__", "bbbbbbbb", "bbbbbbbb",
-            "bbbbbbbb",
-        ];
-        let rows = |from: usize| absorbed_below(&tall[from..], &[0.1, 0.1], 22, 12);
-        assert_eq!(rows(0), [Some(0), Some(1)], "it touches along 4 of 18 pairs");
-        assert_eq!(rows(3), [Some(1), Some(1)], "along 4 of 10: the upper side is the border of the image");
-        assert_eq!(absorbed_below(&tall, &[0.1, 0.1], 22, 21), [Some(1), Some(1)], "too small for an object");
     }
 
     #[test]

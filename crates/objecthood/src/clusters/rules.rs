@@ -26,15 +26,13 @@ pub struct Rules<'a> {
     pub necks: &'a params::Necks,
     /// For parts behind something nearer.
     pub occlusion: &'a params::Occlusion,
-    /// For the size of the smallest object.
-    pub objectness: &'a params::Objectness,
 }
 
 impl<'a> Rules<'a> {
     /// Selects the rules' groups from all parameters.
     pub fn of(params: &'a Params) -> Self {
-        let Params { fragments, height, vessels, necks, occlusion, objectness, .. } = params;
-        Self { fragments, height, vessels, necks, occlusion, objectness }
+        let Params { fragments, height, vessels, necks, occlusion, .. } = params;
+        Self { fragments, height, vessels, necks, occlusion }
     }
 }
 
@@ -44,7 +42,7 @@ impl<'a> Rules<'a> {
 /// O(pixels + border pixels · log(border pixels)), plus the cost of each rule.
 pub fn find_clusters(scene: &Scene<'_>, shapes: &Shapes, rules: Rules<'_>) -> Clustering {
     let mut clusters = Clusters::new(scene, shapes);
-    absorb_fragments(&mut clusters, rules.fragments, rules.objectness.min_size_px);
+    absorb_fragments(&mut clusters, rules.fragments);
     drop_low(&mut clusters, rules.height);
     drop_bumps(&mut clusters);
     join_vessels(&mut clusters, rules.vessels);
