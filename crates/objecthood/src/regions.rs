@@ -216,7 +216,7 @@ pub(crate) fn runs(
 }
 
 /// The connected piece that each of these [`runs`] of an image of this width belongs to, and the number of pieces: runs of one label that share a
-/// column in adjacent rows are connected. O(runs).
+/// column in adjacent rows are connected. O(runs · log(runs)).
 pub(crate) fn connect(runs: &[(Range<usize>, usize)], width: usize) -> (Vec<u32>, usize) {
     let mut pieces = UnionFind::new(runs.len());
     let mut above = 0;

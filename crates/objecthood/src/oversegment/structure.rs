@@ -63,7 +63,8 @@ const SMEARED_REACH: usize = 2;
 /// Finds the structure of a scene.
 ///
 /// RANSAC (Fischler and Bolles 1981) with fixed random numbers over a grid of pixels. The best plane is fitted again as a
-/// quadratic and kept when it is large. `attitude`: how the camera is held. O(rounds · trials · pixels / 36).
+/// quadratic, to its largest piece and what lies near that, and kept when it is large. Last, islands are taken away. `attitude`: how the
+/// camera is held. O(rounds · trials · pixels / 36 + surfaces · pixels · log(pixels)).
 pub fn find_structure(
     depth_m: &Raster<f32>,
     surfaces_at: &Surfaces,

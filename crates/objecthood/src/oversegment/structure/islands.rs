@@ -12,6 +12,7 @@ use super::size::SurfaceSize;
 use super::surface::StructureSurface;
 use crate::raster::Raster;
 use crate::regions::{Segments, connect, runs};
+use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 
 /// The surface is seen, or may go on behind what is seen.
@@ -31,21 +32,18 @@ pub(super) fn free_islands(
     tolerance_quanta: f64,
 ) {
     let of = |(s, surface): (usize, &StructureSurface)| {
-        let pieces = find_pieces(surface, s as i32, labels, disparity, surface.scale * tolerance_quanta);
-        // On ties the first.
-        let largest = (0..pieces.len()).rev().max_by_key(|&piece| pieces[piece].len());
-        let others = pieces.into_iter().enumerate().filter(|(piece, _)| Some(*piece) != largest);
-        let islands = others
-            .map(|(_, pixels)| pixels)
-            .filter(|pixels| !surface.is_board(pixels, labels.width(), space));
+        let others =
+            find_lesser_pieces(surface, s as i32, labels, disparity, surface.scale * tolerance_quanta);
+        let islands = others.into_iter().filter(|pixels| !surface.is_board(pixels, disparity, space));
         islands.flatten().collect()
     };
     let islands: Vec<Vec<usize>> = surfaces.par_iter().enumerate().map(of).collect();
     islands.into_iter().flatten().for_each(|i| labels.as_mut_slice()[i] = Segments::NONE);
 }
 
-/// The pixels with the label of a surface, by the pieces of the image in which it may go on. O(pixels).
-fn find_pieces(
+/// The pixels with the label of a surface, by the pieces of the image in which it may go on, without the piece with most of them.
+/// O(pixels · log(pixels)).
+fn find_lesser_pieces(
     surface: &StructureSurface,
     label: i32,
     labels: &Raster<i32>,
@@ -53,23 +51,35 @@ fn find_pieces(
     tolerance_quanta: f64,
 ) -> Vec<Vec<usize>> {
     let width = labels.width();
-    let goes_on = |(i, &d): (usize, &f32)| {
-        let behind = surface.model.value(position(i, width)) - f64::from(d);
-        if d.is_nan() {
-            UNSEEN
-        } else if behind <= tolerance_quanta {
-            GOES_ON
-        } else {
-            ENDS
-        }
-    };
-    let mut seen = labels.with_data(disparity.as_slice().iter().enumerate().map(goes_on).collect());
-    seen.as_mut_slice().chunks_mut(width).for_each(fill_unseen);
+    let mut seen = labels.map(|_| ENDS);
+    for (v, (seen, disparity)) in
+        seen.as_mut_slice().chunks_mut(width).zip(disparity.as_slice().chunks(width)).enumerate()
+    {
+        vectorized(
+            #[inline(always)]
+            || {
+                for (u, (seen, d)) in seen.iter_mut().zip(disparity).enumerate() {
+                    let behind = surface.model.value([u as f64, v as f64]) - f64::from(*d);
+                    let measured = if behind <= tolerance_quanta { GOES_ON } else { ENDS };
+                    *seen = if d.is_nan() { UNSEEN } else { measured };
+                }
+            },
+        );
+        fill_unseen(seen);
+    }
     let runs: Vec<(Range<usize>, usize)> = runs(&seen, 0..labels.height()).collect();
     let (piece_of, count) = connect(&runs, width);
+    let own = |run: &Range<usize>| labels.as_slice()[run.clone()].iter().filter(|&&l| l == label).count();
+    let mut sizes = vec![0; count];
+    runs.iter().zip(&piece_of).for_each(|((run, _), &piece)| sizes[piece as usize] += own(run));
+    // On ties the first.
+    let largest = (0..count).rev().max_by_key(|&piece| sizes[piece]);
     let mut pieces = vec![Vec::new(); count];
     for ((run, _), piece) in runs.into_iter().zip(piece_of) {
-        pieces[piece as usize].extend(run.filter(|&i| labels[i] == label));
+        let piece = piece as usize;
+        if Some(piece) != largest && sizes[piece] > 0 {
+            pieces[piece].extend(run.filter(|&i| labels[i] == label));
+        }
     }
     pieces.retain(|pixels| !pixels.is_empty());
     pieces
@@ -88,11 +98,9 @@ fn fill_unseen(row: &mut [i32]) {
 
 impl StructureSurface {
     /// Whether these of its pixels are as large as the board of a shelf.
-    fn is_board(&self, pixels: &[usize], width: usize, space: &DisparitySpace) -> bool {
-        let point_m = |&i: &usize| {
-            let at = position(i, width);
-            DVec3::from(space.point_m(at, self.model.value(at)))
-        };
+    fn is_board(&self, pixels: &[usize], disparity: &Raster<f32>, space: &DisparitySpace) -> bool {
+        let point_m =
+            |&i: &usize| DVec3::from(space.point_m(position(i, disparity.width()), disparity[i].into()));
         let points_m: Vec<DVec3> = pixels.iter().map(point_m).collect();
         SurfaceSize::measure(&points_m, self.normal, 1, &space.camera()).is_board()
     }

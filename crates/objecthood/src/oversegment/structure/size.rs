@@ -27,7 +27,7 @@ pub(super) struct SurfaceSize {
 }
 
 impl SurfaceSize {
-    /// Measures a surface with this normal by points on it, at least one, each of which stands for `area_px` pixels. O(points).
+    /// Measures a surface with this normal by points on it, each of which stands for `area_px` pixels. O(points).
     pub(super) fn measure(points: &[DVec3], normal: DVec3, area_px: usize, camera: &Camera) -> Self {
         let area_m2 = points.iter().map(|p| {
             let cosine = (-normal.dot(*p) / p.length()).max(LEAST_COSINE);

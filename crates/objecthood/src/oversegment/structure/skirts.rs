@@ -24,7 +24,7 @@ const AROUND: usize = 4;
 const BEYOND: usize = 2;
 /// Islands of a surface smaller than this share of it count once the flood comes to them: a plate's bottom lies within the tolerance of the
 /// table, but looks otherwise.
-const ISLAND_SHARE: f32 = 0.01;
+const SPECK_SHARE: f32 = 0.01;
 
 /// Gives skirts back to the surfaces that they belong to.
 ///
@@ -86,13 +86,13 @@ impl<'a> Flood<'a> {
     fn from_surfaces(cells: &'a Cells, lab: &LabImage, reach: u32) -> Self {
         let mut flood = Self { cells, reach, reached: vec![None; cells.count()], taken: Vec::new() };
         let mut open = VecDeque::new();
-        let is_island = cells.islands(ISLAND_SHARE);
+        let is_speck = cells.specks(SPECK_SHARE);
         let start = |cell: usize| {
             let surface = cells.of[cell];
             let color = cells.mean_color(cell, AROUND, lab, |other| cells.of[other] == surface);
             color.map(|color| Reached { surface, steps: 0, color })
         };
-        for cell in (0..cells.count()).filter(|&cell| cells.is_surface(cell) && !is_island[cell]) {
+        for cell in (0..cells.count()).filter(|&cell| cells.is_surface(cell) && !is_speck[cell]) {
             if cells.around(cell).into_iter().any(|next| cells.of[next] == BARE) {
                 flood.reached[cell] = start(cell);
                 open.push_back(cell);
@@ -101,7 +101,7 @@ impl<'a> Flood<'a> {
         while let Some(cell) = open.pop_front() {
             let Some(from) = flood.reached[cell].filter(|from| from.steps < reach) else { continue };
             for next in cells.around(cell) {
-                let may_take = cells.of[next] == BARE || is_island[next];
+                let may_take = cells.of[next] == BARE || is_speck[next];
                 if !may_take || flood.reached[next].is_some() {
                     continue;
                 }
@@ -110,7 +110,7 @@ impl<'a> Flood<'a> {
                     continue;
                 }
                 let color = std::array::from_fn(|k| from.color[k] + FOLLOWED * (own[k] - from.color[k]));
-                if is_island[next] {
+                if is_speck[next] {
                     flood.reached[next] = start(next);
                 } else {
                     flood.reached[next] = Some(Reached { steps: from.steps + 1, color, ..from });
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_island_that_looks_otherwise_is_no_place_to_start_from() {
+    fn a_small_speck_that_looks_otherwise_is_no_place_to_start_from() {
         // A plate of one colour on a table of another; its bottom is taken for the table.
         let is_plate = |u: usize, v: usize| (60..90).contains(&u) && (20..40).contains(&v);
         let is_bottom = |u: usize, v: usize| (72..78).contains(&u) && (28..32).contains(&v);

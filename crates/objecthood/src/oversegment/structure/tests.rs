@@ -148,22 +148,19 @@ fn the_largest_piece_tells_which_surface_is_meant() {
     let quantum_per_m = params::Sensor::default().disparity_quantum_per_m;
     let at_quanta = |quanta: f64| 1.0 / (quanta * quantum_per_m);
     let [far, table] = [150.0, 200.0];
-    // Level, and things beside it that are higher by so many quanta.
-    let room = |higher: f64| {
-        seen(move |i| {
-            let [u, v] = [i % SIZE.0, i / SIZE.0];
-            let is_thing = (200..310).contains(&u) && (20..220).contains(&v) && u % 28 < 20 && v % 28 < 20;
-            let is_table = (10..130).contains(&u) && (20..220).contains(&v);
-            at_quanta(if is_table {
-                table
-            } else if is_thing {
-                table + higher
-            } else {
-                far
-            })
+    let found = seen(|i| {
+        let [u, v] = [i % SIZE.0, i / SIZE.0];
+        let is_thing = (200..310).contains(&u) && (20..220).contains(&v) && u % 28 < 20 && v % 28 < 20;
+        let is_table = (10..130).contains(&u) && (20..220).contains(&v);
+        // The things beside the table are four quanta higher.
+        at_quanta(if is_table {
+            table
+        } else if is_thing {
+            table + 4.0
+        } else {
+            far
         })
-    };
-    let found = room(4.0);
+    });
     let facing = found.surfaces.iter().map(|surface| surface.normal.dot(DVec3::NEG_Z));
     assert_eq!(
         facing.clone().filter(|&cosine| cosine > 0.999_99).count(),

@@ -91,14 +91,14 @@ impl Search<'_> {
         let [first_m, last_m] = outline.steps_m;
         let step = "step of the outline of the face at the end with the larger one";
         let hidden = "share beyond it that something hides";
-        let end = usize::from(last_m > first_m);
-        outline.shows_slant.then(|| {
-            let share = self.hidden_share(outline.beyond(end, face, trace));
-            [
-                Check::new(step, "m", first_m.max(last_m), Bound::AtLeast, LONE_STEP_M),
-                Check::new(hidden, "", share, Bound::AtMost, MOST_HIDDEN),
-            ]
-        })
+        if !outline.shows_slant {
+            return None;
+        }
+        let share = self.hidden_share(outline.beyond(usize::from(last_m > first_m), face, trace));
+        Some([
+            Check::new(step, "m", first_m.max(last_m), Bound::AtLeast, LONE_STEP_M),
+            Check::new(hidden, "", share, Bound::AtMost, MOST_HIDDEN),
+        ])
     }
 
     /// The share of points that something hides, or that lie outside the image.
@@ -106,7 +106,7 @@ impl Search<'_> {
         let is_hidden = |point: DVec3| {
             let seen = self.space.camera().pixel_at(point, self.size);
             let depth_m = seen.map(|i| self.space.depth_m(self.disparity[i].into()));
-            // What is not measured lies in a shadow: behind the face.
+            // Nothing is measured in the shadow of the face itself, where it does end.
             depth_m.is_none_or(|depth_m| depth_m < point.z - BEFORE_M)
         };
         let (hidden, all) =
@@ -177,12 +177,15 @@ impl Outline {
     ) -> impl Iterator<Item = DVec3> + 'a {
         let outward = [-1.0, 1.0][end];
         let [below_m, above_m] = self.ends_m.map(|ends_m| outward * ends_m[end]);
+        // The axis may be a little out of the plane.
+        let in_plane = trace.axis - trace.axis.dot(face.normal) * face.normal;
+        let mirror = in_plane * (2.0 / in_plane.length_squared());
         let (wider, narrow_m) = if above_m > below_m { (1.0, below_m) } else { (-1.0, above_m) };
         face.pixels.iter().filter_map(move |pixel| {
             let height_m = trace.height_m(pixel.point);
             let is_beside = (0.0..OUTLINE_M).contains(&(wider * height_m - trace.blur_m));
             let is_beyond = outward * self.across.dot(pixel.point) > narrow_m;
-            (is_beside && is_beyond).then(|| pixel.point - 2.0 * height_m * trace.axis)
+            (is_beside && is_beyond).then(|| pixel.point - height_m * mirror)
         })
     }
 }

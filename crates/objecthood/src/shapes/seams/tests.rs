@@ -129,6 +129,7 @@ fn a_joint_at_which_the_outline_steps_at_both_ends_may_share_more_colors() {
     };
     assert_eq!(pieces(&|u, v| v >= 40 || (15..85).contains(&u)), 2);
     assert_eq!(pieces(&|_, _| true), 1, "no step: it may be print");
+    assert_eq!(pieces(&|u, v| v >= 40 || u < 80), 1, "one step is not enough for so many colours");
     assert_eq!(
         pieces(&|u, v| v >= 40 || u >= 15),
         1,

@@ -103,7 +103,7 @@ impl Cells {
     }
 
     /// Whether each cell is of a piece of its surface that is smaller than a share of it. O(cells).
-    pub(super) fn islands(&self, share: f32) -> Vec<bool> {
+    pub(super) fn specks(&self, share: f32) -> Vec<bool> {
         let runs: Vec<(Range<usize>, usize)> = runs(&self.of, 0..self.of.height()).collect();
         let mut sizes = vec![0_usize; runs.iter().map(|(_, surface)| surface + 1).max().unwrap_or(0)];
         runs.iter().for_each(|(run, surface)| sizes[*surface] += run.len());
@@ -112,11 +112,11 @@ impl Cells {
         for ((run, _), &piece) in runs.iter().zip(&piece_of) {
             piece_cells[piece as usize] += run.len();
         }
-        let mut is_island = vec![false; self.count()];
+        let mut is_speck = vec![false; self.count()];
         for ((run, surface), piece) in runs.into_iter().zip(piece_of) {
-            is_island[run].fill((piece_cells[piece as usize] as f32) < share * sizes[surface] as f32);
+            is_speck[run].fill((piece_cells[piece as usize] as f32) < share * sizes[surface] as f32);
         }
-        is_island
+        is_speck
     }
 
     /// Column and row of a cell of the image, from 0.
