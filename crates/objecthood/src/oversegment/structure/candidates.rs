@@ -30,6 +30,8 @@ const LEAST_POOL: usize = 150;
 const REFIT_QUANTA: [f64; 3] = [3.5, 3.0, 3.0];
 /// Least number of samples of such a fit.
 const LEAST_REFIT: usize = 50;
+/// A surface whose largest piece has this share of its samples is that piece: nothing else makes it lean.
+const MOST_SHARE: f64 = 0.8;
 /// Samples nearer than this to a surface (quanta) are taken out with it.
 const INLIER_QUANTA: f64 = 3.0;
 /// Refits before this one measure the spread of the surface.
@@ -122,7 +124,7 @@ impl View<'_> {
         Some(StructureSurface { model, normal, offset_m, scale })
     }
 
-    /// The plane a u + b v + c of the largest piece of a surface; `None` if the piece has fewer than fifty samples.
+    /// The plane a u + b v + c of the largest piece of a surface; `None` if the piece has fewer than fifty samples, or nearly all.
     ///
     /// The plane near most samples may run through many things by chance. Its largest piece tells which surface is meant.
     fn plane_of_largest_piece(&self, pool: &[Sample], surface: &StructureSurface) -> Option<[f64; 3]> {
@@ -134,7 +136,8 @@ impl View<'_> {
         let piece = largest_piece(&own, self.grid);
         let mut moments = Moments::about([0.0; 2]);
         piece.iter().for_each(|s| moments.add(s.at, s.disparity));
-        let plane = (piece.len() >= LEAST_REFIT).then(|| moments.fit(Basis::Plane).model)?;
+        let is_meant = piece.len() >= LEAST_REFIT && (piece.len() as f64) < MOST_SHARE * own.len() as f64;
+        let plane = is_meant.then(|| moments.fit(Basis::Plane).model)?;
         let [a, b] = plane.slope([0.0; 2]);
         Some([a, b, plane.value([0.0; 2])])
     }

@@ -15,6 +15,8 @@ use crate::regions::{Segments, connect, runs};
 use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 
+/// A smaller island (px at 525 px) stays: so little is noise, and shows no thing.
+const LEAST_PX: usize = 50;
 /// The surface is seen, or may go on behind what is seen.
 const GOES_ON: i32 = 0;
 /// Something behind the surface is seen. Runs leave it out.
@@ -22,7 +24,7 @@ const ENDS: i32 = -1;
 /// Nothing is measured.
 const UNSEEN: i32 = -2;
 
-/// Takes the labels of islands away, unless one is as large as the board of a shelf: that is another board of the same height.
+/// Takes the labels of islands away, unless one is tiny, or as large as the board of a shelf: that is another board of the same height.
 /// O(surfaces · pixels); parallel over surfaces.
 pub(super) fn free_islands(
     labels: &mut Raster<i32>,
@@ -31,10 +33,13 @@ pub(super) fn free_islands(
     space: &DisparitySpace,
     tolerance_quanta: f64,
 ) {
+    let least_px = space.area_px(LEAST_PX);
     let of = |(s, surface): (usize, &StructureSurface)| {
         let others =
             find_lesser_pieces(surface, s as i32, labels, disparity, surface.scale * tolerance_quanta);
-        let islands = others.into_iter().filter(|pixels| !surface.is_board(pixels, disparity, space));
+        let is_island =
+            |pixels: &Vec<usize>| pixels.len() >= least_px && !surface.is_board(pixels, disparity, space);
+        let islands = others.into_iter().filter(is_island);
         islands.flatten().collect()
     };
     let islands: Vec<Vec<usize>> = surfaces.par_iter().enumerate().map(of).collect();

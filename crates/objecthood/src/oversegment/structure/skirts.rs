@@ -22,7 +22,7 @@ const FOLLOWED: f32 = 0.25;
 const AROUND: usize = 4;
 /// The colour beyond the end of a skirt is the mean within this distance (cells): more than the grain of a texture.
 const BEYOND: usize = 2;
-/// Islands of a surface smaller than this share of it count once the flood comes to them: a plate's bottom lies within the tolerance of the
+/// Pieces of a surface smaller than this share of it count once the flood comes to them: a plate's bottom lies within the tolerance of the
 /// table, but looks otherwise.
 const SPECK_SHARE: f32 = 0.01;
 
