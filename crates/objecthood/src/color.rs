@@ -22,7 +22,9 @@ pub fn lab(rgb: [u8; 3]) -> [f32; 3] {
 }
 
 /// Weight of lightness in the difference of two colours: light and shading change it more than chroma.
-const LIGHTNESS: f32 = 0.6;
+pub(crate) const LIGHTNESS: f32 = 0.6;
+/// L\* plus this, a\* and b\* all scale with the cube root of the light (CIE 1976).
+pub(crate) const LIGHT_OFFSET: f32 = 16.0;
 
 /// The difference of two colours (L\*a\*b\*), lightness weighted less.
 #[inline]
@@ -41,7 +43,7 @@ pub(crate) fn unlike_shadow(color: [f32; 3], lit: [f32; 3]) -> f64 {
     if color[0] >= lit[0] {
         return f64::INFINITY;
     }
-    let dimming = (color[0] + 16.0) / (lit[0] + 16.0);
+    let dimming = (color[0] + LIGHT_OFFSET) / (lit[0] + LIGHT_OFFSET);
     let [a, b] = [1, 2].map(|k| f64::from(color[k] - dimming * lit[k]));
     (a * a + b * b).sqrt()
 }

@@ -9,6 +9,7 @@ mod axes;
 mod body;
 mod face;
 mod profile;
+mod side_colors;
 #[cfg(test)]
 mod tests;
 mod trace;
@@ -29,6 +30,7 @@ use crate::shapes::contraction::{Shapes, contract, sum_votes};
 use crate::shapes::seams::axes::find_axes;
 use crate::shapes::seams::body::Body;
 use crate::shapes::seams::profile::find_traces;
+use crate::shapes::seams::side_colors::{SideColors, ToldApart};
 use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::surfaces::Surfaces;
@@ -37,6 +39,12 @@ use crate::surface::surfaces::Surfaces;
 const MOST_SEAMS: usize = 8;
 /// A seam of this clearness parts nothing, whatever the colours beside it: print and shading are as clear.
 const FAINT: f64 = 0.25;
+/// Sides whose colours are taken for each other at most so often are even things of their own colours.
+const MOST_CONFUSED: f64 = 0.05;
+/// Colour changes at a joint by at least this share of what its sides differ: a gradient changes beside it as well.
+const LEAST_STEP: f64 = 0.3;
+/// From this share on the darker side follows the light from face to face as paint does; a shadow does not.
+const LEAST_FOLLOWED: f64 = 0.75;
 /// A narrow side that shares so many colours with what lies beyond it, twice what two things share, is no thing.
 const GOES_ON: f64 = 0.25;
 
@@ -222,20 +230,30 @@ impl Search<'_> {
         axes.flat_map(|axis| find_traces(body, axis, self.params.cross_share, self.space)).collect()
     }
 
-    /// The checks of a seam that passes them. The clearer it is, the more colours its sides may share.
+    /// The checks of a seam that passes them. The clearer it is, the more colours its sides may share; where their colours are never taken for
+    /// each other, as many as at the clearest.
     fn passed(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
         let clear = (trace.clearness - FAINT) / (1.0 - FAINT);
         // No overlap is below 0.
         if clear < 0.0 {
             return None;
         }
-        let mut checks =
-            self.check_colors(trace, body.overlap_across(trace), clear * self.params.color_overlap);
+        let colors = SideColors::of(body, trace);
+        let (overlap, most) = (colors.overlap(), self.params.color_overlap);
         // Most traces end here, before all pixels of their sides are looked at.
-        if !checks.iter().all(Check::holds) {
+        if !self.check_colors(trace, overlap, most).iter().all(Check::holds) {
             return None;
         }
-        checks.extend(self.check_light(body, trace, GOES_ON));
+        let ToldApart { confused, difference } = colors.tell_apart()?;
+        let mut checks = self.check_colors(trace, overlap, clear * most);
+        if overlap > clear * most {
+            checks = self.check_colors(trace, overlap, most);
+            let what = "share of colours that are taken for those of the other side";
+            checks.push(Check::new(what, "", confused, Bound::AtMost, MOST_CONFUSED));
+        }
+        let what = "contrast at the joint, as a share of the difference of both sides";
+        checks.push(Check::new(what, "", trace.contrast / difference, Bound::AtLeast, LEAST_STEP));
+        checks.extend(self.check_light(body, trace, &colors, GOES_ON));
         checks.iter().all(Check::holds).then_some(checks)
     }
 
@@ -251,15 +269,18 @@ impl Search<'_> {
     }
 
     /// Checks that a trace is no edge of a shadow, and that a narrow side of it shares at most so many colours with what lies beyond.
-    fn check_light(&self, body: &Body, trace: &Trace, most: f64) -> [Check; 2] {
-        let unlike = body.unlike_shadow(trace);
+    fn check_light(&self, body: &Body, trace: &Trace, colors: &SideColors, most: f64) -> [Check; 2] {
         let beyond = body.overlap_beyond(trace, self.lab, self.space, self.size);
         let darker = "difference of the darker side from the other in less light";
+        let follows = "share of the light's differences between faces that the darker side follows";
+        let unlike = Check::new(darker, "ΔE", colors.unlike_shadow(), Bound::AtLeast, LEAST_UNLIKE_SHADOW);
+        let shadow = if unlike.holds() {
+            unlike
+        } else {
+            Check::new(follows, "", colors.follows_light(), Bound::AtLeast, LEAST_FOLLOWED)
+        };
         let what = "overlap of the colours of a narrow side and beyond it";
-        [
-            Check::new(darker, "ΔE", unlike, Bound::AtLeast, LEAST_UNLIKE_SHADOW),
-            Check::new(what, "", beyond, Bound::AtMost, most),
-        ]
+        [shadow, Check::new(what, "", beyond, Bound::AtMost, most)]
     }
 }
 

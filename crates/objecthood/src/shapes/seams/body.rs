@@ -1,10 +1,9 @@
 //! A body: facets that their borders have joined, with their pixels in space.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use crate::color::histogram::ColorHistogram;
 use crate::color::image::LabImage;
-use crate::color::unlike_shadow;
 use crate::facets::Facets;
 use crate::regions::SegmentId;
 use crate::shapes::contraction::Shapes;
@@ -19,8 +18,6 @@ const FLAT_DEG: f64 = 10.0;
 const FLAT_SHARE: f64 = 0.7;
 /// About this many pixels of a face show whether it is flat.
 const NORMALS: usize = 32;
-/// About this many pixels of a body tell its colours.
-const COLORS: usize = 4096;
 /// Depth that is measured over windows of an image reaches at most so far over the edge of a near thing (px at 525 px).
 const FATTENED_PX: f64 = 16.0;
 
@@ -120,44 +117,6 @@ impl Body {
             (!pixels.is_empty()).then_some(Face { pixels, ..*face })
         };
         Self { faces: self.faces.iter().filter_map(of_face).collect() }
-    }
-
-    /// The overlap of the colours on both sides of a trace, without the pixels that may show both.
-    pub(super) fn overlap_across(&self, trace: &Trace) -> f64 {
-        let [mut below, mut above] = [ColorHistogram::empty(), ColorHistogram::empty()];
-        for pixel in self.sample() {
-            let height_m = trace.height_m(pixel.point);
-            if height_m > trace.blur_m {
-                above.add(pixel.color);
-            } else if height_m < -trace.blur_m {
-                below.add(pixel.color);
-            }
-        }
-        below.overlap(&above)
-    }
-
-    /// The pixels that tell its colours.
-    fn sample(&self) -> impl Iterator<Item = &BodyPixel> {
-        self.pixels().step_by(self.size_px().div_ceil(COLORS))
-    }
-
-    /// Sampled colours on one side of a trace, without the pixels that may show both.
-    fn colors_beyond(&self, trace: &Trace, sign: f64) -> impl Iterator<Item = [f32; 3]> {
-        let beyond = self.sample().filter(move |p| sign * trace.height_m(p.point) > trace.blur_m);
-        beyond.map(|p| p.color)
-    }
-
-    /// The difference of the darker side of a trace from the other in less light (ΔE of chroma), without the pixels that may show both.
-    pub(super) fn unlike_shadow(&self, trace: &Trace) -> f64 {
-        let mean = |sign: f64| {
-            let colors = self.colors_beyond(trace, sign);
-            let (sum, count) =
-                colors.fold((Vec3::ZERO, 0.0), |(sum, count), color| (sum + Vec3::from(color), count + 1.0));
-            sum / f32::max(count, 1.0)
-        };
-        let (one, other) = (mean(-1.0), mean(1.0));
-        let (dark, lit) = if one.x < other.x { (one, other) } else { (other, one) };
-        unlike_shadow(dark.into(), lit.into())
     }
 
     /// The overlap of the colours of a narrow side of a trace and of what the image shows beyond that side, in an image of this size: where

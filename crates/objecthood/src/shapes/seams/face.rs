@@ -6,6 +6,7 @@
 use glam::DVec3;
 
 use super::body::{Body, Face};
+use super::side_colors::SideColors;
 use super::trace::Trace;
 use super::{GOES_ON, MOST_SEAMS, Parting, Piece, Search, clearest};
 use crate::check::{Bound, Check};
@@ -61,7 +62,8 @@ impl Search<'_> {
     /// The checks of a joint of one face that passes them. Its outline steps at both ends, or one step is large, and the colours of both sides
     /// differ as those of a whole body have to.
     fn passed_in_face(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
-        let (overlap, most) = (body.overlap_across(trace), self.params.color_overlap);
+        let colors = SideColors::of(body, trace);
+        let (overlap, most) = (colors.overlap(), self.params.color_overlap);
         let mut checks = self.check_colors(trace, overlap, OVERLAP_FACTOR * most);
         // Most traces end here, before the outline is measured.
         if !checks.iter().all(Check::holds) {
@@ -81,7 +83,7 @@ impl Search<'_> {
         if !checks.iter().all(Check::holds) {
             return None;
         }
-        checks.extend(self.check_light(body, trace, GOES_ON.min(most)));
+        checks.extend(self.check_light(body, trace, &colors, GOES_ON.min(most)));
         checks.iter().all(Check::holds).then_some(checks)
     }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::color::weighted;
+use crate::color::{LIGHT_OFFSET, LIGHTNESS, weighted};
 use crate::shapes::seams::body::{Body, BodyPixel, Face};
 use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::DisparitySpace;
@@ -29,6 +29,10 @@ const ACROSS: f64 = 0.8;
 const CONTRAST: f32 = 12.0;
 /// A difference from this on is wholly clear (Lab, lightness weighted).
 const CLEAR_CONTRAST: f64 = 40.0;
+/// L\* + 16 of middle light: from there up colours differ as they are measured.
+const MIDDLE_LIGHTNESS: f32 = 66.0;
+/// Differences grow at most so much, as their noise does too.
+const MOST_GAIN: f32 = 2.0;
 /// A place needs this share of the stripes that the best measured place has.
 const LEAST_MEASURED: f64 = 0.5;
 /// Places of this share of the greatest clearness are alike: the joint is in their middle.
@@ -61,20 +65,32 @@ fn mean_along(axis: DVec3, pixels: &[BodyPixel]) -> f64 {
     pixels.iter().map(|p| axis.dot(p.point)).sum::<f64>() / pixels.len() as f64
 }
 
-/// For each place the share of its stripes whose colour changes, and its clearness; 0 where few stripes are seen.
-fn rate(contrasts: &mut [Vec<f32>]) -> Vec<[f64; 2]> {
+/// What the stripes of a place show; 0 where few are seen.
+#[derive(Clone, Copy, Default)]
+struct Rating {
+    share: f64,
+    clearness: f64,
+    contrast: f64,
+}
+
+fn rate(contrasts: &mut [Vec<f32>]) -> Vec<Rating> {
     let most = contrasts.iter().map(Vec::len).max().unwrap_or(0);
     let rate = |contrasts: &mut Vec<f32>| {
         let count = contrasts.len() as f64;
         if contrasts.is_empty() || count < LEAST_MEASURED * most as f64 {
-            return [0.0; 2];
+            return Rating::default();
         }
         let share = contrasts.iter().filter(|contrast| **contrast > CONTRAST).count() as f64 / count;
         contrasts.sort_by(f32::total_cmp);
-        let median = f64::from(contrasts[contrasts.len() / 2]);
-        [share, share * (median / CLEAR_CONTRAST).min(1.0)]
+        let contrast = f64::from(contrasts[contrasts.len() / 2]);
+        Rating { share, clearness: share * (contrast / CLEAR_CONTRAST).min(1.0), contrast }
     };
     contrasts.iter_mut().map(rate).collect()
+}
+
+/// By how much differences grow where light is dim: they are those that would be seen in middle light, within what noise allows.
+fn gain(weighted_lightness: f32) -> f32 {
+    (MIDDLE_LIGHTNESS / (weighted_lightness / LIGHTNESS + LIGHT_OFFSET)).clamp(1.0, MOST_GAIN)
 }
 
 /// Places along an edge of a body.
@@ -177,32 +193,34 @@ impl Places {
         let slopes = [lower, higher].into_iter().flatten().map(|beside| way.dot(beside));
         let (sum, count) = slopes.fold((0.0, 0.0), |(sum, count), slope| (sum + slope, count + 1.0));
         let gradient = sum / f32::max(count, 1.0);
-        Some((change.length() - (gradient * windows_apart).max(0.0)).max(0.0))
+        let contrast = (change.length() - (gradient * windows_apart).max(0.0)).max(0.0);
+        Some(contrast * gain(low.x.max(high.x)))
     }
 
     /// The clearest places that are a window apart, if they lie a margin from the ends and from folds.
-    fn clearest(&self, rated: &[[f64; 2]], folds_m: &[f64]) -> Vec<Trace> {
+    fn clearest(&self, rated: &[Rating], folds_m: &[f64]) -> Vec<Trace> {
         let place_m = |k: usize| self.low_m + k as f64 * self.step_m;
         let ends_m = [self.low_m, place_m(self.count - 1)];
         let is_inside =
             |at_m: f64| ends_m.iter().chain(folds_m).all(|other_m| (other_m - at_m).abs() > MARGIN_M);
-        let mut open: Vec<usize> = (0..rated.len()).filter(|&k| rated[k][1] > 0.0).collect();
+        let mut open: Vec<usize> = (0..rated.len()).filter(|&k| rated[k].clearness > 0.0).collect();
         let mut traces = Vec::new();
         for _ in 0..MOST_TRACES {
             // On ties the first place.
-            let clearest = open.iter().rev().max_by(|&&a, &&b| rated[a][1].total_cmp(&rated[b][1]));
+            let clearest =
+                open.iter().rev().max_by(|&&a, &&b| rated[a].clearness.total_cmp(&rated[b].clearness));
             let Some(&best) = clearest else { break };
-            let [share, clearness] = rated[best];
+            let Rating { share, clearness, contrast } = rated[best];
             // All places whose gap hides the joint are as clear; the joint is in their middle.
             let is_alike = |k: &&usize| {
-                k.abs_diff(best) <= 2 * self.gap + self.window && rated[**k][1] >= ALIKE * clearness
+                k.abs_diff(best) <= 2 * self.gap + self.window && rated[**k].clearness >= ALIKE * clearness
             };
             let (sum_m, alike) =
                 open.iter().filter(is_alike).fold((0.0, 0), |(sum, n), &k| (sum + place_m(k), n + 1));
             let (at_m, blur_m) = (sum_m / f64::from(alike), self.gap as f64 * self.step_m);
             open.retain(|k| k.abs_diff(best) > self.window);
             if is_inside(at_m) {
-                traces.push(Trace { axis: self.axis, at_m, share, clearness, blur_m });
+                traces.push(Trace { axis: self.axis, at_m, share, clearness, contrast, blur_m });
             }
         }
         traces

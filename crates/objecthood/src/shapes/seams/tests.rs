@@ -93,6 +93,27 @@ fn shading_and_the_same_color_are_no_joint() {
     assert_eq!(count(|u, _| [if u < 50 { 50.0 } else { 60.0 }, RED[1], RED[2]]), 1, "a pale shadow");
 }
 
+/// Grey boxes of another simulator were one: their colours are near each other, but never the same.
+#[test]
+fn even_colors_may_be_as_near_as_they_like_if_none_is_taken_for_the_other() {
+    let (rose, pale) = ([50.0, 10.0, 0.0], [82.0, 0.0, 0.0]);
+    assert_eq!(count(|u, _| if u < 50 { rose } else { pale }), 2);
+    let spotted = |u: usize, v: usize| {
+        if u >= 50 || (u.is_multiple_of(4) && v.is_multiple_of(4)) { pale } else { rose }
+    };
+    assert_eq!(count(spotted), 1, "a sixteenth of one side has the colour of the other");
+}
+
+/// The faces of boxes of another simulator that were turned away from the light showed no change of colour.
+#[test]
+fn colors_differ_as_much_in_dim_light() {
+    let halves = |lightness: f32| {
+        move |u: usize, _: usize| if u < 50 { [lightness, -4.0, 0.0] } else { [lightness + 0.1, 7.0, 0.0] }
+    };
+    assert_eq!(count(halves(10.0)), 2);
+    assert_eq!(count(halves(60.0)), 1);
+}
+
 /// A regression: a hard shadow on a white or coloured box was a joint.
 #[test]
 fn the_edge_of_a_hard_shadow_is_no_joint() {
