@@ -1,7 +1,7 @@
 //! Stage 2: superpixels grouped to facets, each one face of a convex shape (paper, III-B).
 //!
 //! `paper` groups superpixels of similar appearance ([`appearance`], [`grouping`]). `context` merges superpixels on one surface
-//! ([`merging`]) and straightens their borders ([`refinement`]).
+//! ([`merging`]), cuts what is one only because of noise (`folds`) and straightens borders ([`refinement`]).
 //!
 //! On a box of 10 cm, seen from above:
 //!
@@ -32,6 +32,7 @@ pub mod appearance;
 mod bins;
 pub mod facet;
 pub mod flat;
+mod folds;
 pub mod grouping;
 pub mod merging;
 pub mod paper;
@@ -39,6 +40,7 @@ pub mod refinement;
 
 pub use crate::facets::facet::{Facets, Flat};
 
+use crate::facets::folds::cut_folds;
 use crate::facets::merging::merge_surfaces;
 use crate::facets::refinement::refine;
 use crate::oversegment::linked::LinkedSuperpixels;
@@ -46,7 +48,7 @@ use crate::oversegment::structure::Structure;
 use crate::params;
 use crate::surface::surfaces::Surfaces;
 
-/// Stage 2 of `context`: merges superpixels that lie on one surface, and straightens the borders of the facets.
+/// Stage 2 of `context`: merges superpixels that lie on one surface, cuts facets at folds that noise hid, and straightens their borders.
 /// See [`merge_surfaces`] and [`refine`].
 pub fn find_facets(
     surfaces: &Surfaces,
@@ -56,5 +58,6 @@ pub fn find_facets(
     refinement: &params::Refinement,
 ) -> Facets {
     let merged = merge_surfaces(superpixels, structure, &surfaces.space, merging);
-    refine(merged, &surfaces.disparity, refinement)
+    let cut = cut_folds(merged, &surfaces.disparity, &surfaces.space);
+    refine(cut, &surfaces.disparity, refinement)
 }

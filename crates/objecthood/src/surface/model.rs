@@ -54,4 +54,13 @@ impl Model {
     pub fn steepness(&self) -> f64 {
         length([self.weights[1], self.weights[2]])
     }
+
+    /// The direction (columns, rows) in which it bends most: of the largest second derivative.
+    pub(crate) fn steepest_bend(&self) -> [f64; 2] {
+        let [.., cxx, cxy, cyy] = self.weights;
+        let turn = 0.5 * libm::atan2(cxy, cxx - cyy);
+        // The larger of both second derivatives along the axes, by size, lies along this turn or across it.
+        let turn = if cxx + cyy < 0.0 { turn + std::f64::consts::FRAC_PI_2 } else { turn };
+        [libm::cos(turn), libm::sin(turn)]
+    }
 }

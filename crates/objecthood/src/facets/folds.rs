@@ -1,0 +1,221 @@
+//! Cuts facets at folds that noise hid (docs/CONTEXT.md 2.1).
+
+use std::ops::Range;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::facets::facet::Facets;
+use crate::raster::Raster;
+use crate::regions::Segments;
+use crate::surface::disparity::{DisparitySpace, position};
+use crate::surface::model::{Basis, Model};
+use crate::surface::moments::Moments;
+
+/// A smaller facet is not cut (px at a focal length of 525 px): each half has the pixels of the smallest object.
+const LEAST_PX: usize = 400;
+/// Each side of a fold has at least this share of the facet.
+const LEAST_SHARE: f64 = 0.15;
+/// The planes meet at this angle or more (degrees): half that of two sides of a box.
+const LEAST_FOLD_DEG: f64 = 40.0;
+/// Two planes leave at most this share of the squared error of the curved surface, which has as many free numbers.
+const MOST_ERROR: f64 = 0.8;
+/// Places along the steepest bend that are tried as fold: limits of so many stripes.
+const STRIPES: usize = 16;
+/// The planes and the line in which they meet are fitted so often in turns.
+const ROUNDS: usize = 4;
+/// A facet is cut at most so often: three sides of a box are seen.
+const MOST_CUTS: usize = 2;
+
+/// Cuts facets that bend into planes that meet in a fold, if these explain them better than a curved surface does.
+///
+/// Noise raises the tolerance of merging, so that two sides of a box become one curved facet. Both surfaces have six numbers, so the one of less error is
+/// the likelier one. Where noise raises no tolerance nothing is done.
+/// Source: ours, because the paper's sensor has no such noise. O(pixels of curved facets); parallel over facets.
+pub(super) fn cut_folds(facets: Facets, disparity: &Raster<f32>, space: &DisparitySpace) -> Facets {
+    let Facets { segments, mut models, structure, flats } = facets;
+    let least_px = space.area_px(LEAST_PX);
+    let look = |facet: usize, runs: &[Range<usize>]| {
+        let size: usize = runs.iter().map(ExactSizeIterator::len).sum();
+        let side_px = space.length_at_525_px((size as f64).sqrt());
+        let is_loose = facet >= structure && size >= least_px && space.noise().merge_scale(side_px) > 1.0;
+        is_loose.then(|| runs.iter().flat_map(|run| run.clone().map(|i| i as u32)).collect::<Vec<u32>>())
+    };
+    let loose: Vec<(usize, Vec<u32>)> = segments
+        .runs_of_each()
+        .map(look)
+        .into_iter()
+        .enumerate()
+        .filter_map(|(facet, pixels)| Some((facet, pixels?)))
+        .collect();
+    let search = Search { disparity, space, least_px };
+    let cut: Vec<(usize, Vec<Piece>)> =
+        loose.into_par_iter().map(|(facet, pixels)| (facet, search.cut(pixels))).collect();
+    let mut labels = segments.into_labels();
+    for (facet, pieces) in cut.into_iter().filter(|(_, pieces)| pieces.len() > 1) {
+        for (k, Piece { pixels, model }) in pieces.into_iter().enumerate() {
+            let number = if k == 0 { facet } else { models.len() };
+            if k == 0 {
+                models[facet] = model;
+            } else {
+                models.push(model);
+            }
+            pixels.iter().for_each(|&i| labels.as_mut_slice()[i as usize] = number as i32);
+        }
+    }
+    Facets { segments: Segments::from_numbered(labels, models.len()), models, structure, flats }
+}
+
+/// A piece of a facet, and its surface.
+struct Piece {
+    pixels: Vec<u32>,
+    model: Model,
+}
+
+struct Search<'a> {
+    /// Disparity (quanta).
+    disparity: &'a Raster<f32>,
+    space: &'a DisparitySpace,
+    least_px: usize,
+}
+
+impl Search<'_> {
+    /// The pieces of a facet: itself, if it has no fold.
+    fn cut(&self, pixels: Vec<u32>) -> Vec<Piece> {
+        let mut open = vec![pixels];
+        let mut pieces = Vec::new();
+        while let Some(pixels) = open.pop() {
+            let halves = if pieces.len() + open.len() < MOST_CUTS { self.halves(&pixels) } else { None };
+            match halves {
+                Some(halves) => open.extend(halves),
+                None => {
+                    let model = self.moments(&pixels).fit(Basis::Quadratic).model;
+                    pieces.push(Piece { pixels, model });
+                }
+            }
+        }
+        pieces
+    }
+
+    fn moments(&self, pixels: &[u32]) -> Moments {
+        Moments::of(pixels, self.disparity)
+    }
+
+    /// Both sides of the fold of a facet.
+    fn halves(&self, pixels: &[u32]) -> Option<[Vec<u32>; 2]> {
+        if pixels.len() < self.least_px {
+            return None;
+        }
+        let whole = self.moments(pixels);
+        let curved = whole.fit(Basis::Quadratic);
+        let mut halves = self.across_bend(pixels, &curved.model, whole.center)?;
+        for _ in 0..ROUNDS {
+            let [one, other] = halves.each_ref().map(|half| self.moments(half).fit(Basis::Plane).model);
+            // The nearer plane is the one seen at a concave fold, the farther one at a convex fold.
+            let nearer = halves[0].iter().filter(|&&i| self.is_nearer(&one, &other, i)).count();
+            let is_concave = 2 * nearer > halves[0].len();
+            let (first, second) =
+                pixels.iter().copied().partition(|&i| self.is_nearer(&one, &other, i) == is_concave);
+            halves = [first, second];
+            let least = LEAST_SHARE * pixels.len() as f64;
+            if halves.iter().any(|half| (half.len() as f64) < least) {
+                return None;
+            }
+        }
+        let fits = halves.each_ref().map(|half| {
+            let moments = self.moments(half);
+            (moments.fit(Basis::Plane), moments.center)
+        });
+        let error: f64 = fits.iter().map(|(fit, _)| fit.squared_error).sum();
+        let [one, other] = fits.map(|(fit, center)| {
+            DVec3::from(self.space.normal(center, fit.model.value(center), fit.model.slope(center)))
+        });
+        let is_fold = one.dot(other) <= libm::cos(LEAST_FOLD_DEG.to_radians());
+        (is_fold && error <= MOST_ERROR * curved.squared_error).then_some(halves)
+    }
+
+    fn is_nearer(&self, one: &Model, other: &Model, i: u32) -> bool {
+        let at = position(i as usize, self.disparity.width());
+        one.value(at) > other.value(at)
+    }
+
+    /// The pixels before and behind the best fold across the direction in which the surface bends most.
+    fn across_bend(&self, pixels: &[u32], curved: &Model, center: [f64; 2]) -> Option<[Vec<u32>; 2]> {
+        let [cos, sin] = curved.steepest_bend();
+        let along = |i: u32| {
+            let [u, v] = position(i as usize, self.disparity.width());
+            cos * (u - center[0]) + sin * (v - center[1])
+        };
+        let mut places: Vec<f64> = pixels.iter().map(|&i| along(i)).collect();
+        places.sort_by(f64::total_cmp);
+        let mut stripes = vec![Moments::about(center); STRIPES];
+        let limits: Vec<f64> = (1..STRIPES).map(|k| places[k * places.len() / STRIPES]).collect();
+        for &i in pixels {
+            let stripe = limits.partition_point(|limit| *limit <= along(i));
+            stripes[stripe]
+                .add(position(i as usize, self.disparity.width()), self.disparity[i as usize].into());
+        }
+        let error = |stripes: &[Moments]| {
+            let sum = stripes.iter().skip(1).fold(stripes[0].clone(), |sum, next| sum.merged(next));
+            if sum.count() > 0.0 { sum.fit(Basis::Plane).squared_error } else { 0.0 }
+        };
+        let errors = (1..STRIPES).map(|k| error(&stripes[..k]) + error(&stripes[k..]));
+        let (best, _) = errors.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (first, second) = pixels.iter().copied().partition(|&i| along(i) < limits[best]);
+        Some([first, second])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::{KINECT_QUANTA, Noise};
+    use crate::testing::kinect;
+
+    const SIZE: (usize, usize) = (80, 60);
+
+    /// One facet that fills the image, with this disparity (quanta) at each column; and the space of a camera with this much noise of blocks.
+    fn cut(at: impl Fn(f64) -> f64, waves: f64) -> Facets {
+        let (width, height) = SIZE;
+        // Waves as noise makes them, by no means the same in each row.
+        let wave = |u: usize, v: usize| 0.6 * libm::sin(u as f64 / 5.0 + v as f64 / 9.0);
+        let seen = (0..width * height).map(|i| (at((i % width) as f64) + wave(i % width, i / width)) as f32);
+        let disparity = Raster::from_vec(width, height, seen.collect()).unwrap();
+        let pixels: Vec<u32> = (0..(width * height) as u32).collect();
+        let model = Moments::of(&pixels, &disparity).fit(Basis::Quadratic).model;
+        let segments = Segments::from_numbered(disparity.map(|_| 0), 1);
+        let facets = Facets { segments, models: vec![model], structure: 0, flats: Vec::new() };
+        let noise = Noise { white: 1.0, blocks_quanta: KINECT_QUANTA.map(|quanta| waves * quanta) };
+        cut_folds(facets, &disparity, &kinect().with_noise(noise))
+    }
+
+    /// Two sides of a box, whose edge at column 30 is nearer to the camera (or, with -1, farther away).
+    fn fold(sign: f64) -> impl Fn(f64) -> f64 {
+        move |u| 351.0 - sign * 0.8 * (u - 30.0).abs()
+    }
+
+    #[test]
+    fn a_fold_that_noise_hid_is_cut() {
+        for sign in [1.0, -1.0] {
+            let cut = cut(fold(sign), 3.0);
+            assert_eq!((cut.segments.count(), cut.models.len()), (2, 2));
+            let labels = cut.segments.labels();
+            let wrong = (0..labels.len()).filter(|i| (labels[*i] == labels[0]) != (i % SIZE.0 < 30)).count();
+            assert!(wrong <= 3 * SIZE.1, "{wrong} pixels of a fold of sign {sign}");
+            let slopes = [10, 70].map(|u| cut.models[labels[u] as usize].slope([u as f64, 30.0])[0]);
+            assert!(slopes[0] * sign > 0.5 && slopes[1] * sign < -0.5, "{slopes:?}");
+        }
+    }
+
+    #[test]
+    fn a_curved_surface_and_a_flat_one_stay_whole() {
+        let can = |u: f64| 351.0 - 0.016 * (u - 40.0).powi(2);
+        assert_eq!(cut(can, 3.0).segments.count(), 1);
+        assert_eq!(cut(|u| 351.0 + 0.2 * u, 3.0).segments.count(), 1);
+    }
+
+    #[test]
+    fn where_noise_raises_no_tolerance_nothing_is_cut() {
+        assert_eq!(cut(fold(1.0), 1.0).segments.count(), 1);
+    }
+}
