@@ -120,6 +120,8 @@ impl Memory {
     /// What came off another thing and moved against it was one with it before.
     pub(crate) fn tell_partings(&mut self) {
         const PARTED_M: f64 = 0.005;
+        // What stands before the scene as it rested is not there for the first time, and a slow push shows no motion from frame to frame.
+        const PUSHED_M: f64 = 0.01;
         const SEEN_LATE_S: f64 = 0.2;
         let mut parted = Vec::new();
         for (&key, track) in &self.tracks {
@@ -144,6 +146,7 @@ impl Memory {
             if own.max(others) > PARTED_M
                 && (own - others).abs() > PARTED_M
                 && (track.drift.length().max(other.drift.length()) > PARTED_M
+                    || track.is_off_thing && own > PUSHED_M
                     || !self.has(Ingredient::Motion) && track.rests())
             {
                 parted.push((key, from, own > others));

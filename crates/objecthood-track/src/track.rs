@@ -175,6 +175,8 @@ pub(crate) struct Track {
     pub(crate) was_doubted: bool,
     /// The track with which it was one until it was first seen.
     pub(crate) came_off: Option<u32>,
+    /// Whether nearly all of it belonged to a known thing when it was first seen: then it is no part of the agent that pushes it.
+    pub(crate) is_off_thing: bool,
     /// Whether it has been seen whole.
     pub(crate) sight: Sight,
     /// Whether a part of it was moved.
@@ -233,6 +235,7 @@ impl Track {
             is_doubted: false,
             was_doubted: false,
             came_off: None,
+            is_off_thing: false,
             sight: Sight::NEW,
             lost_part: false,
             moved_off: None,
@@ -287,7 +290,7 @@ impl Track {
     /// What comes with an agent and never rested is part of it, until it is let go.
     fn judge_agent(&mut self, segment: &Segment) {
         let is_part = self.is_agent_part();
-        if segment.of_agent > 0.5 && self.rest.is_none() && self.part_from().is_none() {
+        if segment.of_agent > 0.5 && !self.was_thing() {
             self.agent_score = (self.agent_score + 2).min(6);
         }
         if is_part && segment.of_agent < FREE_OF_AGENT {
@@ -410,9 +413,14 @@ impl Track {
         self.moved_off.or(self.inside_of)
     }
 
+    /// Whether it rested as a thing, or is a part of what did.
+    fn was_thing(&self) -> bool {
+        self.rest.is_some() || self.part_from().is_some() || self.is_off_thing
+    }
+
     /// Whether it is known to be a thing, or a part of one, and not part of an agent.
     pub(crate) fn is_known(&self) -> bool {
-        (self.rest.is_some() || self.part_from().is_some()) && !self.is_agent_part()
+        self.was_thing() && !self.is_agent_part()
     }
 
     /// Whether it is open.
