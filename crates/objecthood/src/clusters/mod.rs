@@ -46,6 +46,7 @@ pub(crate) mod candidates;
 pub(crate) mod cluster;
 pub mod clustering;
 mod convexity;
+mod deep_bottoms;
 pub mod fill;
 pub(crate) mod fragments;
 pub(crate) mod height;

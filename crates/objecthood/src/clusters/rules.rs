@@ -4,6 +4,7 @@ use crate::clusters::bottoms::join_bottoms;
 use crate::clusters::bumps::drop_bumps;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::clustering::Clustering;
+use crate::clusters::deep_bottoms::join_deep_bottoms;
 use crate::clusters::fragments::absorb_fragments;
 use crate::clusters::height::drop_low;
 use crate::clusters::necks::join_necks;
@@ -47,6 +48,7 @@ pub fn find_clusters(scene: &Scene<'_>, shapes: &Shapes, rules: Rules<'_>) -> Cl
     drop_bumps(&mut clusters);
     join_vessels(&mut clusters, rules.vessels);
     join_bottoms(&mut clusters, rules.vessels);
+    join_deep_bottoms(&mut clusters);
     join_necks(&mut clusters, rules.necks);
     join_behind_occluders(&mut clusters, rules.occlusion);
     clusters.finish()

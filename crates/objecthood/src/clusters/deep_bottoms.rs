@@ -1,0 +1,296 @@
+//! Deep bottoms: what an object encloses in the image, and what looks unlike the support around it, is its bottom (ours).
+//!
+//! The near wall of a deep vessel hides a part of the bottom, across a step, as what stands before the table does. And where the near wall is as thin as
+//! noise, the bottom seems to go on into the table. Colour tells them apart.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use crate::check::{Bound, Check};
+use crate::clusters::cluster::Clusters;
+use crate::clusters::history::{Proposal, Rule, Source};
+use crate::clusters::scene::sampled;
+use crate::color::histogram::ColorHistogram;
+use crate::color::image::LabImage;
+use crate::color::{LEAST_UNLIKE_SHADOW, unlike_shadow};
+use crate::discovery::join::{Join, JoinEvidence, JoinedPart};
+use crate::hull::{RowSpan, fill_hull, find_row_spans};
+use crate::neighbours::four_neighbours;
+use crate::quantile::range;
+use crate::raster::PixelBox;
+use crate::regions::{SegmentId, connect};
+
+/// A smaller piece (px at a focal length of 525 px) is a hole, or too small to compare its colours; so is the support around.
+const LEAST_PX: usize = 100;
+/// No support goes on along this share of its border, which is that of three sides of a square: a gap in a thin wall is shorter.
+const LEAST_ENCLOSED: f64 = 0.75;
+/// The vessel itself is beyond this share of its border: the rest may be what stands on the bottom.
+const LEAST_OF_VESSEL: f64 = 0.3;
+/// Its colours overlap those of the support around the vessel at most so much, as those of flat things do (`flat.color_overlap`).
+const MOST_ALIKE: f64 = 0.35;
+/// It is at most this share as high as the top of the vessel, which is this quantile of its heights.
+const MOST_OF_TOP: f64 = 0.5;
+const TOP_SHARE: f64 = 0.95;
+/// Around the vessel is what is this close to the rectangle around it (px at a focal length of 525 px), as the ring of flat things.
+const AROUND_PX: usize = 20;
+
+/// Gives pieces of support within the convex hull of a cluster in the image to that cluster, if they are enclosed, and their colours are neither those of the
+/// support around it nor those in less light. Does nothing without colour. O(pixels of the clusters and of their hulls).
+pub(crate) fn join_deep_bottoms(clusters: &mut Clusters<'_>) {
+    let Some(lab) = clusters.scene.lab else { return };
+    let mut is_taken = find_taken(clusters);
+    for id in clusters.alive() {
+        for bottom in find_pieces(clusters, id, &is_taken) {
+            let Some(checks) = check(clusters, id, &bottom, lab) else { continue };
+            let mut join =
+                Proposal::new(Rule::VesselBottom, Source::Patch(bottom.runs[0].start as u32), Some(id));
+            join.extend(checks);
+            let contact_share = bottom.share(bottom.of_vessel);
+            let parts = [clusters.part(id), bottom.part(clusters.scene.disparity.width())];
+            let evidence = JoinEvidence::VesselBottom { contact_share };
+            clusters.give(join.accept(Some((Join { parts, evidence, behind: None }, None))));
+            let pixels: Vec<u32> = bottom.pixels().map(|i| i as u32).collect();
+            pixels.iter().for_each(|&i| is_taken[i as usize] = true);
+            clusters.extend(id, &pixels);
+        }
+    }
+}
+
+/// A connected piece of support within the hull of a cluster.
+struct Piece {
+    /// In scan order.
+    runs: Vec<Range<usize>>,
+    /// The sides of its pixels beyond which it ends ...
+    border: u32,
+    /// ... of these, those where the cluster begins,
+    of_vessel: u32,
+    /// and those where a support or another surface goes on.
+    open: u32,
+}
+
+impl Piece {
+    fn pixels(&self) -> impl Iterator<Item = usize> + '_ {
+        self.runs.iter().cloned().flatten()
+    }
+
+    fn share(&self, sides: u32) -> f64 {
+        f64::from(sides) / f64::from(self.border.max(1))
+    }
+
+    fn part(&self, width: usize) -> JoinedPart {
+        JoinedPart { size_px: self.pixels().count(), box_px: PixelBox::around(self.pixels(), width) }
+    }
+}
+
+/// The pixels of structure that earlier rules gave to clusters.
+fn find_taken(clusters: &Clusters<'_>) -> Vec<bool> {
+    let mut is_taken = vec![false; clusters.scene.disparity.len()];
+    for id in clusters.alive() {
+        clusters.get(id).pixels.iter().for_each(|&i| is_taken[i as usize] = true);
+    }
+    is_taken
+}
+
+/// Whether a pixel shows a support, or what earlier rules gave to it.
+fn is_background(clusters: &Clusters<'_>, i: usize) -> bool {
+    let scene = clusters.scene;
+    let is_low = |facet: usize| facet >= scene.facets.structure && clusters.at_pixel(i).is_none();
+    let facet = scene.facets.segments.at(i).map(SegmentId::index);
+    facet.is_some_and(|facet| scene.supports.contains(&facet) || is_low(facet))
+}
+
+/// The pieces of support within the hull of a cluster that are large enough for a bottom.
+fn find_pieces(clusters: &Clusters<'_>, id: SegmentId, is_taken: &[bool]) -> Vec<Piece> {
+    let (scene, pixels) = (clusters.scene, &clusters.get(id).pixels);
+    let (width, least_px) = (scene.disparity.width(), scene.space.area_px(LEAST_PX));
+    let spans = hull(clusters, id);
+    let hull_px: usize = spans.iter().map(|span| (span.last + 1).saturating_sub(span.first)).sum();
+    if hull_px < pixels.len() + least_px {
+        return Vec::new();
+    }
+    let is_free = |i: usize| !is_taken[i] && is_background(clusters, i);
+    let mut runs = Vec::new();
+    for RowSpan { v, first, last } in spans {
+        let row: Vec<usize> = (v * width + first..=v * width + last).filter(|&i| is_free(i)).collect();
+        let adjacent = row.chunk_by(|a, b| a + 1 == *b);
+        runs.extend(adjacent.map(|run| (run[0]..run[run.len() - 1] + 1, 0)));
+    }
+    let (piece_of, count) = connect(&runs, width);
+    let mut pieces: Vec<Vec<Range<usize>>> = vec![Vec::new(); count];
+    runs.into_iter().zip(piece_of).for_each(|((run, _), piece)| pieces[piece as usize].push(run));
+    pieces.retain(|runs| runs.iter().map(Range::len).sum::<usize>() >= least_px);
+    pieces.into_iter().map(|runs| measure(clusters, id, runs)).collect()
+}
+
+/// The hull of a cluster in the image.
+fn hull(clusters: &Clusters<'_>, id: SegmentId) -> Vec<RowSpan> {
+    let pixels = clusters.get(id).pixels.iter().map(|&i| i as usize);
+    fill_hull(&find_row_spans(pixels, clusters.scene.disparity.width()))
+}
+
+/// Counts the sides of a piece. Pixels without a facet end it, as the things on it do.
+fn measure(clusters: &Clusters<'_>, id: SegmentId, runs: Vec<Range<usize>>) -> Piece {
+    let (width, height) = clusters.scene.disparity.size();
+    let mut piece = Piece { runs, border: 0, of_vessel: 0, open: 0 };
+    let is_inside = |i: usize| {
+        let after = piece.runs.partition_point(|run| run.end <= i);
+        piece.runs.get(after).is_some_and(|run| run.contains(&i))
+    };
+    let (mut border, mut of_vessel, mut open) = (0, 0, 0);
+    for i in piece.pixels() {
+        let mut sides = 0;
+        for (j, _) in four_neighbours(i, width, height) {
+            sides += 1;
+            if is_inside(j) {
+                continue;
+            }
+            border += 1;
+            let facet = clusters.scene.facets.segments.at(j);
+            let cluster = clusters.at_pixel(j);
+            of_vessel += u32::from(cluster == Some(id));
+            open += u32::from(facet.is_some() && cluster.is_none());
+        }
+        // Beyond the image it may go on.
+        (border, open) = (border + 4 - sides, open + 4 - sides);
+    }
+    (piece.border, piece.of_vessel, piece.open) = (border, of_vessel, open);
+    piece
+}
+
+/// The checks of a bottom; `None` if one fails, or too little of the support is seen around the vessel.
+fn check(clusters: &Clusters<'_>, id: SegmentId, piece: &Piece, lab: &LabImage) -> Option<Vec<Check>> {
+    let share = |what, value, least| Check::new(what, "", value, Bound::AtLeast, least);
+    let mut checks = vec![
+        share("share of its border where no support goes on", 1.0 - piece.share(piece.open), LEAST_ENCLOSED),
+        share("share of its border with the vessel", piece.share(piece.of_vessel), LEAST_OF_VESSEL),
+    ];
+    if !checks.iter().all(Check::holds) {
+        return None;
+    }
+    checks.extend(check_place(clusters, id, piece)?);
+    if !checks.iter().all(Check::holds) {
+        return None;
+    }
+    let own: Vec<[f32; 3]> = piece.pixels().map(|i| lab[i]).collect();
+    let around: Vec<[f32; 3]> = support_around(clusters, id).map(|i| lab[i]).collect();
+    if around.len() < clusters.scene.space.area_px(LEAST_PX) {
+        return None;
+    }
+    let [own_colors, others] = [&own, &around].map(|colors| ColorHistogram::of(colors.iter().copied()));
+    let alike = "overlap of its colours with those of the support around the vessel";
+    let darker = "difference from that support in less light";
+    let unlike = unlike_shadow(mean(&own), mean(&around));
+    checks.extend([
+        Check::new(alike, "", own_colors.overlap(&others), Bound::AtMost, MOST_ALIKE),
+        Check::new(darker, "ΔE", unlike, Bound::AtLeast, LEAST_UNLIKE_SHADOW),
+    ]);
+    checks.iter().all(Check::holds).then_some(checks)
+}
+
+/// Checks that a piece lies as far away as the vessel, to the height of that, and low in it: what is seen behind a thing does not. `None` without a support
+/// below it.
+fn check_place(clusters: &Clusters<'_>, id: SegmentId, piece: &Piece) -> Option<[Check; 3]> {
+    let (scene, vessel) = (clusters.scene, &clusters.get(id).pixels);
+    let depths_m = |pixels: &mut dyn Iterator<Item = usize>, shares| {
+        let mut depths_m: Vec<f64> = pixels.map(|i| scene.point_at(i).z).collect();
+        range(&mut depths_m, shares)
+    };
+    let [near_m, far_m] = depths_m(&mut vessel.iter().map(|&i| i as usize), [0.0, 1.0]);
+    let [depth_m, _] = depths_m(&mut piece.pixels(), [0.5, 0.5]);
+    let support = scene.own_support(vessel)?;
+    let pixels: Vec<u32> = piece.pixels().map(|i| i as u32).collect();
+    let height_m = scene.height_quantile_m(sampled(&pixels), support, 0.5);
+    let top_m = scene.height_quantile_m(sampled(vessel), support, TOP_SHARE);
+    let check = |what, unit, value, bound, limit| Check::new(what, unit, value, bound, limit);
+    Some([
+        check(
+            "its depth, against the least of the vessel less its height",
+            "m",
+            depth_m,
+            Bound::AtLeast,
+            near_m - top_m,
+        ),
+        check(
+            "its depth, against the greatest of the vessel and its height",
+            "m",
+            depth_m,
+            Bound::AtMost,
+            far_m + top_m,
+        ),
+        check(
+            "its height, over that of the top of the vessel",
+            "",
+            height_m / top_m,
+            Bound::AtMost,
+            MOST_OF_TOP,
+        ),
+    ])
+}
+
+/// The pixels of the support near a vessel and outside of its hull.
+fn support_around<'a>(clusters: &'a Clusters<'_>, id: SegmentId) -> impl Iterator<Item = usize> + 'a {
+    let scene = clusters.scene;
+    let ((width, height), reach) = (scene.disparity.size(), scene.space.length_px(AROUND_PX));
+    let PixelBox { u, v, width: columns, height: rows } = clusters.part(id).box_px;
+    let near =
+        |from: usize, length: usize, end: usize| from.saturating_sub(reach)..(from + length + reach).min(end);
+    let (columns, spans) = (near(u, columns, width), hull(clusters, id));
+    let in_row = move |row: usize| {
+        let inside = row.checked_sub(v).and_then(|k| spans.get(k)).map(|span| span.first..=span.last);
+        let outside = move |u: &usize| inside.as_ref().is_none_or(|inside| !inside.contains(u));
+        columns.clone().filter(outside).map(move |u| row * width + u)
+    };
+    near(v, rows, height).flat_map(in_row).filter(|&i| is_background(clusters, i))
+}
+
+fn mean(colors: &[[f32; 3]]) -> [f32; 3] {
+    let sum: Vec3 = colors.iter().map(|color| Vec3::from(*color)).sum();
+    (sum / colors.len() as f32).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clusters::testing::{Table, single};
+
+    const SIZE: (usize, usize) = (60, 50);
+    const WOOD: [f32; 3] = [60.0, 10.0, 25.0];
+    const BLUE: [f32; 3] = [40.0, 5.0, -40.0];
+
+    /// The pixels that a wall 5 cm high gains, which goes round columns 15 to 44 and rows 10 to 39 but for a gap; inside of it the background lies at a
+    /// height (m) and has a colour.
+    fn gained(gap: Range<usize>, inside_m: f64, color: Option<[f32; 3]>) -> usize {
+        let within = |u: usize, v: usize, wall: usize| {
+            (15 + wall..45 - wall).contains(&u) && (10 + wall..40 - wall).contains(&v)
+        };
+        let mut table = Table::new(SIZE, |u, v| {
+            let is_wall = within(u, v, 0) && !within(u, v, 3) && !(v > 30 && gap.contains(&u));
+            Some(if is_wall { (1, 0.05) } else { (0, if within(u, v, 3) { inside_m } else { 0.0 }) })
+        });
+        let paint = |color: [f32; 3]| move |u: usize, v: usize| if within(u, v, 3) { color } else { WOOD };
+        table.lab = color.map(|color| LabImage::drawn(SIZE, paint(color)));
+        let scene = table.scene();
+        let mut clusters = single(&scene);
+        let before = clusters.get(SegmentId(0)).pixels.len();
+        join_deep_bottoms(&mut clusters);
+        let gained = clusters.get(SegmentId(0)).pixels.len() - before;
+        join_deep_bottoms(&mut clusters);
+        let pixels = &clusters.get(SegmentId(0)).pixels;
+        assert!(pixels.is_sorted() && pixels.len() == before + gained, "a bottom is given once");
+        gained
+    }
+
+    /// A regression: pans and trays of another simulator came out as rings, because the near wall hid where it meets the bottom, or was not seen.
+    #[test]
+    fn what_a_wall_encloses_and_looks_unlike_the_table_is_its_bottom() {
+        assert_eq!(gained(0..0, 0.0, Some(BLUE)), 24 * 24);
+        assert!(gained(25..35, 0.0, Some(BLUE)) >= 24 * 24, "a gap in the near wall");
+        assert_eq!(gained(0..0, 0.0, Some(WOOD)), 0, "the table, seen through a ring");
+        let dimmed = [0.7 * (WOOD[0] + 16.0) - 16.0, 0.7 * WOOD[1], 0.7 * WOOD[2]];
+        assert_eq!(gained(0..0, 0.0, Some(dimmed)), 0, "the table in the shadow of the ring");
+        assert_eq!(gained(15..45, 0.0, Some(BLUE)), 0, "open on one side");
+        assert_eq!(gained(0..0, -0.2, Some(BLUE)), 0, "far behind");
+        assert_eq!(gained(0..0, 0.0, None), 0, "without colour");
+    }
+}
