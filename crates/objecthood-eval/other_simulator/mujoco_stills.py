@@ -6,7 +6,7 @@
     python count_kinds.py objecthood stills/kinect labels/kinect
     objecthood eval stills/kinect
 
-Kinds are table, pile, shelf, bin, floor and vessels. Sensors are kinect, stereo and tof. The same kind, seed and sensor make the same
+Kinds are table, pile, shelf, bin, floor, vessels and flush. Sensors are kinect, stereo and tof. The same kind, seed and sensor make the same
 scene. The things come to rest before the image is taken. A scene is a folder in the layout of BOP. Its `truth.png` has the number of the
 thing at each pixel, from 1 on. Its `kinds.json` has the kinds of the things in that order. Room, table, shelf and bin are no things: they
 are 0. `count_kinds.py` counts what is found, by kind, and what is false. Lengths are metres, angles degrees.
@@ -24,7 +24,7 @@ from PIL import Image
 from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter, maximum_filter, minimum_filter
 
-KINDS = ("table", "pile", "shelf", "bin", "floor", "vessels")
+KINDS = ("table", "pile", "shelf", "bin", "floor", "vessels", "flush")
 DEPTH_PER_M, LEAST_MASK_PX, TEXTURE_PX = 4000, 20, 256
 STEP_S, SETTLE_STEPS, BRAKE_STEPS, BRAKE = 0.002, 2500, 10, 0.9
 TABLE_M, BOARDS_M, SHELF_Y_M = 0.74, (0.35, 0.75, 1.15), 0.3
@@ -190,7 +190,7 @@ class Scene:
     def __init__(self, kind, seed, folder):
         self.rng, self.folder = np.random.default_rng([seed, sum(map(ord, kind))]), folder
         self.assets, self.room, self.things, self.kinds = [], "", "", []
-        self.ground_m = TABLE_M if kind in ("table", "pile", "vessels") else 0
+        self.ground_m = TABLE_M if kind in ("table", "pile", "vessels", "flush") else 0
         rng = self.rng
         self.build("plane", [4, 4, 0.1], [0, 0, 0], self.paint())
         if rng.random() < 0.7:
@@ -288,6 +288,23 @@ class Scene:
             self.put(VESSELS, *place, self.ground_m)
             for k in range(self.rng.integers(1, 4)):
                 self.put(CONTENTS, *(place + self.rng.uniform(-0.02, 0.02, 2)), self.ground_m + 0.1 + 0.1 * k)
+
+    def fill_flush(self):
+        """Groups of two or three boxes, side by side or on each other, whose other sides lie in one plane."""
+        places, gap_m = [], 0.0003
+        for _ in range(3):
+            place, turn_deg = self.free_place(0.28, 0.7, 0.26, places), self.rng.uniform(0, 360)
+            size_m, is_stack, along_m = self.rng.uniform([0.05, 0.04, 0.04], [0.12, 0.1, 0.12]), self.rng.random() < 0.4, 0
+            axis = np.array([0, 0, 1]) if is_stack else np.array([np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg)), 0])
+            for _ in range(self.rng.integers(2, 4)):
+                if not is_stack:
+                    size_m[0] = self.rng.uniform(0.03, 0.09)
+                length_m = size_m[2 if is_stack else 0]
+                foot = np.array([*place, self.ground_m + gap_m]) + (0 if is_stack else size_m[2] / 2) * np.array([0, 0, 1])
+                at, euler = numbers(foot + (along_m + length_m / 2) * axis), numbers([0, 0, turn_deg], 2)
+                self.things += f'<body pos="{at}" euler="{euler}"><freejoint/>{geom("box", size_m / 2, looks=self.paint())}</body>'
+                self.kinds.append("box")
+                along_m += length_m + gap_m
 
     def fill_shelf(self):
         rng, half_m, looks, deep_m = self.rng, self.rng.uniform(0.4, 0.5), self.paint(), 0.16
