@@ -9,7 +9,7 @@ use crate::happenings::REACHED_S;
 use crate::ingredient::Ingredient;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
-use crate::track::{Deed, Track};
+use crate::track::{Deed, Track, are_alike};
 use crate::tracked::EventKind;
 use crate::whole::Sight;
 
@@ -120,8 +120,8 @@ impl Memory {
     /// What came off another thing and moved against it was one with it before.
     pub(crate) fn tell_partings(&mut self) {
         const PARTED_M: f64 = 0.005;
-        // What stands before the scene as it rested is not there for the first time, and a slow push shows no motion from frame to frame.
-        const PUSHED_M: f64 = 0.01;
+        // A slow push shows no motion from frame to frame. What an agent pushed off has moved if its middle has, by so much, while as much of it was seen.
+        const SHIFTED_M: f64 = 0.01;
         const SEEN_LATE_S: f64 = 0.2;
         let mut parted = Vec::new();
         for (&key, track) in &self.tracks {
@@ -146,7 +146,7 @@ impl Memory {
             if own.max(others) > PARTED_M
                 && (own - others).abs() > PARTED_M
                 && (track.drift.length().max(other.drift.length()) > PARTED_M
-                    || track.is_off_thing && own > PUSHED_M
+                    || track.is_off_thing && own > SHIFTED_M && are_alike(track.first.px, track.last.px)
                     || !self.has(Ingredient::Motion) && track.rests())
             {
                 parted.push((key, from, own > others));

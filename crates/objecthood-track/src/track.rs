@@ -175,7 +175,7 @@ pub(crate) struct Track {
     pub(crate) was_doubted: bool,
     /// The track with which it was one until it was first seen.
     pub(crate) came_off: Option<u32>,
-    /// Whether nearly all of it belonged to a known thing when it was first seen: then it is no part of the agent that pushes it.
+    /// Whether most of it belonged to a known thing when it was first seen, in an agent's region: then it is no part of the agent that pushes it.
     pub(crate) is_off_thing: bool,
     /// Whether it has been seen whole.
     pub(crate) sight: Sight,
@@ -448,6 +448,7 @@ impl Track {
     pub(crate) fn become_arm(&mut self) {
         self.is_arm = true;
         (self.rest, self.first_rest, self.lay, self.agent_score) = (None, None, None, 6);
+        (self.came_off, self.is_off_thing) = (None, false);
     }
 
     /// It rests as it was just seen.

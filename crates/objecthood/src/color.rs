@@ -48,6 +48,18 @@ pub(crate) fn unlike_shadow(color: [f32; 3], lit: [f32; 3]) -> f64 {
     (a * a + b * b).sqrt()
 }
 
+/// The difference of the darker of two colours from the other in less light (ΔE of chroma): 0 for paint and its shadow.
+pub(crate) fn unlike_in_light(one: Vec3, other: Vec3) -> f64 {
+    let (dark, lit) = if one.x < other.x { (one, other) } else { (other, one) };
+    unlike_shadow(dark.into(), lit.into())
+}
+
+/// The mean of colours; 0 of none.
+pub(crate) fn mean(colors: impl Iterator<Item = Vec3>) -> Vec3 {
+    let (sum, count) = colors.fold((Vec3::ZERO, 0.0), |(sum, count), color| (sum + color, count + 1.0));
+    sum / f32::max(count, 1.0)
+}
+
 /// A colour (L\*a\*b\*) as a place whose distance to another is their [`difference`].
 pub(crate) fn weighted([l, a, b]: [f32; 3]) -> Vec3 {
     Vec3::new(LIGHTNESS * l, a, b)

@@ -13,10 +13,11 @@ use crate::clusters::history::{Proposal, Rule, Source};
 use crate::clusters::scene::sampled;
 use crate::color::histogram::ColorHistogram;
 use crate::color::image::LabImage;
-use crate::color::{LEAST_UNLIKE_SHADOW, unlike_shadow};
+use crate::color::{LEAST_UNLIKE_SHADOW, mean, unlike_in_light};
 use crate::discovery::join::{Join, JoinEvidence, JoinedPart};
 use crate::hull::{RowSpan, fill_hull, find_row_spans};
 use crate::neighbours::four_neighbours;
+use crate::params;
 use crate::quantile::range;
 use crate::raster::PixelBox;
 use crate::regions::{SegmentId, connect};
@@ -32,21 +33,31 @@ const MOST_ALIKE: f64 = 0.35;
 /// It is at most this share as high as the top of the vessel, which is this quantile of its heights.
 const MOST_OF_TOP: f64 = 0.5;
 const TOP_SHARE: f64 = 0.95;
+/// The vessel reaches from the first of these quantiles of its depths to the second.
+const ENDS: [f64; 2] = [0.05, 0.95];
 /// Around the vessel is what is this close to the rectangle around it (px at a focal length of 525 px), as the ring of flat things.
 const AROUND_PX: usize = 20;
 
 /// Gives pieces of support within the convex hull of a cluster in the image to that cluster, if they are enclosed, and their colours are neither those of the
-/// support around it nor those in less light. Does nothing without colour. O(pixels of the clusters and of their hulls).
-pub(crate) fn join_deep_bottoms(clusters: &mut Clusters<'_>) {
-    let Some(lab) = clusters.scene.lab else { return };
+/// support around it nor those in less light. Does nothing without colour, nor where bottoms are switched off. O(pixels of the clusters and of their hulls).
+pub(crate) fn join_deep_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels) {
+    let is_on = params.bottom_contact_share <= 1.0;
+    let Some(lab) = clusters.scene.lab.filter(|_| is_on) else { return };
     let mut is_taken = find_taken(clusters);
     for id in clusters.alive() {
-        for bottom in find_pieces(clusters, id, &is_taken) {
-            let Some(checks) = check(clusters, id, &bottom, lab) else { continue };
+        let hull = hull(clusters, id);
+        for bottom in find_pieces(clusters, (id, &hull), &is_taken) {
+            let around = || support_around(clusters, (id, &hull), &is_taken);
+            let Some(checks) = check(clusters, id, (&bottom, around), lab) else { continue };
             let mut join =
                 Proposal::new(Rule::VesselBottom, Source::Patch(bottom.runs[0].start as u32), Some(id));
+            let is_bottom = checks.iter().all(Check::holds);
             join.extend(checks);
-            let contact_share = bottom.share(bottom.of_vessel);
+            if !is_bottom {
+                clusters.history.note_misses([join.refuse()]);
+                continue;
+            }
+            let contact_share = bottom.share(bottom.touch);
             let parts = [clusters.part(id), bottom.part(clusters.scene.disparity.width())];
             let evidence = JoinEvidence::VesselBottom { contact_share };
             clusters.give(join.accept(Some((Join { parts, evidence, behind: None }, None))));
@@ -63,8 +74,9 @@ struct Piece {
     runs: Vec<Range<usize>>,
     /// The sides of its pixels beyond which it ends ...
     border: u32,
-    /// ... of these, those where the cluster begins,
+    /// ... of these, those where the cluster begins, and those of them without a step,
     of_vessel: u32,
+    touch: u32,
     /// and those where a support or another surface goes on.
     open: u32,
 }
@@ -83,7 +95,7 @@ impl Piece {
     }
 }
 
-/// The pixels of structure that earlier rules gave to clusters.
+/// The pixels of all clusters, those of the background that earlier rules gave to them among these.
 fn find_taken(clusters: &Clusters<'_>) -> Vec<bool> {
     let mut is_taken = vec![false; clusters.scene.disparity.len()];
     for id in clusters.alive() {
@@ -101,17 +113,20 @@ fn is_background(clusters: &Clusters<'_>, i: usize) -> bool {
 }
 
 /// The pieces of support within the hull of a cluster that are large enough for a bottom.
-fn find_pieces(clusters: &Clusters<'_>, id: SegmentId, is_taken: &[bool]) -> Vec<Piece> {
+fn find_pieces(
+    clusters: &Clusters<'_>,
+    (id, hull): (SegmentId, &[RowSpan]),
+    is_taken: &[bool],
+) -> Vec<Piece> {
     let (scene, pixels) = (clusters.scene, &clusters.get(id).pixels);
     let (width, least_px) = (scene.disparity.width(), scene.space.area_px(LEAST_PX));
-    let spans = hull(clusters, id);
-    let hull_px: usize = spans.iter().map(|span| (span.last + 1).saturating_sub(span.first)).sum();
+    let hull_px: usize = hull.iter().map(|span| (span.last + 1).saturating_sub(span.first)).sum();
     if hull_px < pixels.len() + least_px {
         return Vec::new();
     }
     let is_free = |i: usize| !is_taken[i] && is_background(clusters, i);
     let mut runs = Vec::new();
-    for RowSpan { v, first, last } in spans {
+    for &RowSpan { v, first, last } in hull {
         let row: Vec<usize> = (v * width + first..=v * width + last).filter(|&i| is_free(i)).collect();
         let adjacent = row.chunk_by(|a, b| a + 1 == *b);
         runs.extend(adjacent.map(|run| (run[0]..run[run.len() - 1] + 1, 0)));
@@ -132,12 +147,13 @@ fn hull(clusters: &Clusters<'_>, id: SegmentId) -> Vec<RowSpan> {
 /// Counts the sides of a piece. Pixels without a facet end it, as the things on it do.
 fn measure(clusters: &Clusters<'_>, id: SegmentId, runs: Vec<Range<usize>>) -> Piece {
     let (width, height) = clusters.scene.disparity.size();
-    let mut piece = Piece { runs, border: 0, of_vessel: 0, open: 0 };
+    let vessel = &clusters.get(id).pixels;
+    let mut piece = Piece { runs, border: 0, of_vessel: 0, touch: 0, open: 0 };
     let is_inside = |i: usize| {
         let after = piece.runs.partition_point(|run| run.end <= i);
         piece.runs.get(after).is_some_and(|run| run.contains(&i))
     };
-    let (mut border, mut of_vessel, mut open) = (0, 0, 0);
+    let (mut border, mut of_vessel, mut touch, mut open) = (0, 0, 0, 0);
     for i in piece.pixels() {
         let mut sides = 0;
         for (j, _) in four_neighbours(i, width, height) {
@@ -147,19 +163,26 @@ fn measure(clusters: &Clusters<'_>, id: SegmentId, runs: Vec<Range<usize>>) -> P
             }
             border += 1;
             let facet = clusters.scene.facets.segments.at(j);
-            let cluster = clusters.at_pixel(j);
-            of_vessel += u32::from(cluster == Some(id));
-            open += u32::from(facet.is_some() && cluster.is_none());
+            let is_of_vessel = vessel.binary_search(&(j as u32)).is_ok();
+            of_vessel += u32::from(is_of_vessel);
+            touch += u32::from(is_of_vessel && clusters.scene.steps.touch(clusters.scene.disparity, i, j));
+            open += u32::from(facet.is_some() && !is_of_vessel && clusters.at_pixel(j).is_none());
         }
         // Beyond the image it may go on.
         (border, open) = (border + 4 - sides, open + 4 - sides);
     }
-    (piece.border, piece.of_vessel, piece.open) = (border, of_vessel, open);
+    (piece.border, piece.of_vessel, piece.touch, piece.open) = (border, of_vessel, touch, open);
     piece
 }
 
-/// The checks of a bottom; `None` if one fails, or too little of the support is seen around the vessel.
-fn check(clusters: &Clusters<'_>, id: SegmentId, piece: &Piece, lab: &LabImage) -> Option<Vec<Check>> {
+/// The checks of a bottom, beside the support `around` the vessel. `None` where the vessel does not enclose it, as most pieces of background in a hull, or too
+/// little of the support is seen.
+fn check<I: Iterator<Item = usize>>(
+    clusters: &Clusters<'_>,
+    id: SegmentId,
+    (piece, around): (&Piece, impl Fn() -> I),
+    lab: &LabImage,
+) -> Option<Vec<Check>> {
     let share = |what, value, least| Check::new(what, "", value, Bound::AtLeast, least);
     let mut checks = vec![
         share("share of its border where no support goes on", 1.0 - piece.share(piece.open), LEAST_ENCLOSED),
@@ -169,23 +192,22 @@ fn check(clusters: &Clusters<'_>, id: SegmentId, piece: &Piece, lab: &LabImage) 
         return None;
     }
     checks.extend(check_place(clusters, id, piece)?);
-    if !checks.iter().all(Check::holds) {
-        return None;
-    }
     let own: Vec<[f32; 3]> = piece.pixels().map(|i| lab[i]).collect();
-    let around: Vec<[f32; 3]> = support_around(clusters, id).map(|i| lab[i]).collect();
+    let around: Vec<[f32; 3]> = around().map(|i| lab[i]).collect();
     if around.len() < clusters.scene.space.area_px(LEAST_PX) {
         return None;
     }
     let [own_colors, others] = [&own, &around].map(|colors| ColorHistogram::of(colors.iter().copied()));
     let alike = "overlap of its colours with those of the support around the vessel";
-    let darker = "difference from that support in less light";
-    let unlike = unlike_shadow(mean(&own), mean(&around));
+    let darker = "difference from that support in other light";
+    let [own_mean, mean_around] =
+        [&own, &around].map(|colors| mean(colors.iter().map(|color| Vec3::from(*color))));
+    let unlike = unlike_in_light(own_mean, mean_around);
     checks.extend([
         Check::new(alike, "", own_colors.overlap(&others), Bound::AtMost, MOST_ALIKE),
         Check::new(darker, "ΔE", unlike, Bound::AtLeast, LEAST_UNLIKE_SHADOW),
     ]);
-    checks.iter().all(Check::holds).then_some(checks)
+    Some(checks)
 }
 
 /// Checks that a piece lies as far away as the vessel, to the height of that, and low in it: what is seen behind a thing does not. `None` without a support
@@ -196,12 +218,15 @@ fn check_place(clusters: &Clusters<'_>, id: SegmentId, piece: &Piece) -> Option<
         let mut depths_m: Vec<f64> = pixels.map(|i| scene.point_at(i).z).collect();
         range(&mut depths_m, shares)
     };
-    let [near_m, far_m] = depths_m(&mut vessel.iter().map(|&i| i as usize), [0.0, 1.0]);
+    let [near_m, far_m] = depths_m(&mut sampled(vessel), ENDS);
     let [depth_m, _] = depths_m(&mut piece.pixels(), [0.5, 0.5]);
     let support = scene.own_support(vessel)?;
     let pixels: Vec<u32> = piece.pixels().map(|i| i as u32).collect();
     let height_m = scene.height_quantile_m(sampled(&pixels), support, 0.5);
     let top_m = scene.height_quantile_m(sampled(vessel), support, TOP_SHARE);
+    if top_m <= 0.0 {
+        return None;
+    }
     let check = |what, unit, value, bound, limit| Check::new(what, unit, value, bound, limit);
     Some([
         check(
@@ -228,25 +253,24 @@ fn check_place(clusters: &Clusters<'_>, id: SegmentId, piece: &Piece) -> Option<
     ])
 }
 
-/// The pixels of the support near a vessel and outside of its hull.
-fn support_around<'a>(clusters: &'a Clusters<'_>, id: SegmentId) -> impl Iterator<Item = usize> + 'a {
+/// The pixels of the support near a vessel and outside of its hull, but for what was given to others.
+fn support_around<'a>(
+    clusters: &'a Clusters<'_>,
+    (id, hull): (SegmentId, &'a [RowSpan]),
+    is_taken: &'a [bool],
+) -> impl Iterator<Item = usize> + 'a {
     let scene = clusters.scene;
     let ((width, height), reach) = (scene.disparity.size(), scene.space.length_px(AROUND_PX));
     let PixelBox { u, v, width: columns, height: rows } = clusters.part(id).box_px;
     let near =
         |from: usize, length: usize, end: usize| from.saturating_sub(reach)..(from + length + reach).min(end);
-    let (columns, spans) = (near(u, columns, width), hull(clusters, id));
+    let columns = near(u, columns, width);
     let in_row = move |row: usize| {
-        let inside = row.checked_sub(v).and_then(|k| spans.get(k)).map(|span| span.first..=span.last);
+        let inside = row.checked_sub(v).and_then(|k| hull.get(k)).map(|span| span.first..=span.last);
         let outside = move |u: &usize| inside.as_ref().is_none_or(|inside| !inside.contains(u));
         columns.clone().filter(outside).map(move |u| row * width + u)
     };
-    near(v, rows, height).flat_map(in_row).filter(|&i| is_background(clusters, i))
-}
-
-fn mean(colors: &[[f32; 3]]) -> [f32; 3] {
-    let sum: Vec3 = colors.iter().map(|color| Vec3::from(*color)).sum();
-    (sum / colors.len() as f32).into()
+    near(v, rows, height).flat_map(in_row).filter(|&i| !is_taken[i] && is_background(clusters, i))
 }
 
 #[cfg(test)]
@@ -273,9 +297,10 @@ mod tests {
         let scene = table.scene();
         let mut clusters = single(&scene);
         let before = clusters.get(SegmentId(0)).pixels.len();
-        join_deep_bottoms(&mut clusters);
+        let params = params::Vessels::default();
+        join_deep_bottoms(&mut clusters, &params);
         let gained = clusters.get(SegmentId(0)).pixels.len() - before;
-        join_deep_bottoms(&mut clusters);
+        join_deep_bottoms(&mut clusters, &params);
         let pixels = &clusters.get(SegmentId(0)).pixels;
         assert!(pixels.is_sorted() && pixels.len() == before + gained, "a bottom is given once");
         gained
@@ -289,6 +314,9 @@ mod tests {
         assert_eq!(gained(0..0, 0.0, Some(WOOD)), 0, "the table, seen through a ring");
         let dimmed = [0.7 * (WOOD[0] + 16.0) - 16.0, 0.7 * WOOD[1], 0.7 * WOOD[2]];
         assert_eq!(gained(0..0, 0.0, Some(dimmed)), 0, "the table in the shadow of the ring");
+        let lit = [(WOOD[0] + 16.0) / 0.7 - 16.0, WOOD[1] / 0.7, WOOD[2] / 0.7];
+        assert_eq!(gained(0..0, 0.0, Some(lit)), 0, "the table in the light that falls into the ring");
+        assert_eq!(gained(0..0, 0.03, Some(BLUE)), 0, "too high for a bottom");
         assert_eq!(gained(15..45, 0.0, Some(BLUE)), 0, "open on one side");
         assert_eq!(gained(0..0, -0.2, Some(BLUE)), 0, "far behind");
         assert_eq!(gained(0..0, 0.0, None), 0, "without colour");

@@ -48,7 +48,7 @@ pub fn find_clusters(scene: &Scene<'_>, shapes: &Shapes, rules: Rules<'_>) -> Cl
     drop_bumps(&mut clusters);
     join_vessels(&mut clusters, rules.vessels);
     join_bottoms(&mut clusters, rules.vessels);
-    join_deep_bottoms(&mut clusters);
+    join_deep_bottoms(&mut clusters, rules.vessels);
     join_necks(&mut clusters, rules.necks);
     join_behind_occluders(&mut clusters, rules.occlusion);
     clusters.finish()

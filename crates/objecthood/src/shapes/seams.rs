@@ -39,7 +39,7 @@ use crate::surface::surfaces::Surfaces;
 const MOST_SEAMS: usize = 8;
 /// A seam of this clearness parts nothing, whatever the colours beside it: print and shading are as clear.
 const FAINT: f64 = 0.25;
-/// Sides whose colours are taken for each other at most so often are even things of their own colours.
+/// Sides whose colours are taken for each other at most so often (shares of both added up) are even things of their own colours.
 const MOST_CONFUSED: f64 = 0.05;
 /// Colour changes at a joint by at least this share of what its sides differ: a gradient changes beside it as well.
 const LEAST_STEP: f64 = 0.3;
@@ -230,8 +230,8 @@ impl Search<'_> {
         axes.flat_map(|axis| find_traces(body, axis, self.params.cross_share, self.space)).collect()
     }
 
-    /// The checks of a seam that passes them. The clearer it is, the more colours its sides may share; where their colours are never taken for
-    /// each other, as many as at the clearest.
+    /// The checks of a seam that passes them. The clearer it is, the more colours its sides may share; where their colours are hardly ever
+    /// taken for each other, as many as at the clearest.
     fn passed(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
         let clear = (trace.clearness - FAINT) / (1.0 - FAINT);
         // No overlap is below 0.
@@ -244,15 +244,20 @@ impl Search<'_> {
         if !self.check_colors(trace, overlap, most).iter().all(Check::holds) {
             return None;
         }
-        let ToldApart { confused, difference } = colors.tell_apart()?;
-        let mut checks = self.check_colors(trace, overlap, clear * most);
-        if overlap > clear * most {
-            checks = self.check_colors(trace, overlap, most);
-            let what = "share of colours that are taken for those of the other side";
-            checks.push(Check::new(what, "", confused, Bound::AtMost, MOST_CONFUSED));
+        let is_clear = overlap <= clear * most;
+        let mut checks = self.check_colors(trace, overlap, if is_clear { clear * most } else { most });
+        match colors.tell_apart() {
+            Some(ToldApart { confused, difference }) => {
+                let what = "contrast at the joint, as a share of the difference of both sides";
+                let step = trace.contrast / difference;
+                checks.push(Check::new(what, "", step, Bound::AtLeast, LEAST_STEP));
+                let what = "share of colours that are taken for those of the other side";
+                let even = Check::new(what, "", confused, Bound::AtMost, MOST_CONFUSED);
+                checks.extend((!is_clear).then_some(even));
+            }
+            None if is_clear => {}
+            None => return None,
         }
-        let what = "contrast at the joint, as a share of the difference of both sides";
-        checks.push(Check::new(what, "", trace.contrast / difference, Bound::AtLeast, LEAST_STEP));
         checks.extend(self.check_light(body, trace, &colors, GOES_ON));
         checks.iter().all(Check::holds).then_some(checks)
     }

@@ -60,7 +60,7 @@ impl Search<'_> {
     }
 
     /// The checks of a joint of one face that passes them. Its outline steps at both ends, or one step is large, and the colours of both sides
-    /// differ as those of a whole body have to.
+    /// share no more than those of a whole body may at the clearest.
     fn passed_in_face(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
         let colors = SideColors::of(body, trace);
         let (overlap, most) = (colors.overlap(), self.params.color_overlap);

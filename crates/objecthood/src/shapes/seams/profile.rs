@@ -48,7 +48,7 @@ pub(super) fn find_traces(body: &Body, axis: DVec3, least_share: f64, space: &Di
     let Some(places) = Places::along(body, axis, space) else { return Vec::new() };
     let is_across = |face: &&Face| face.normal.dot(axis).abs() > ACROSS;
     let (folds, faces): (Vec<&Face>, Vec<&Face>) = body.faces.iter().partition(is_across);
-    let mut contrasts: Vec<Vec<f32>> = vec![Vec::new(); places.count];
+    let mut contrasts: Vec<Vec<Contrast>> = vec![Vec::new(); places.count];
     faces.into_iter().for_each(|face| places.compare(face, &mut contrasts));
     let folds_m: Vec<f64> = folds.into_iter().map(|face| mean_along(axis, &face.pixels)).collect();
     let mut traces = places.clearest(&rate(&mut contrasts), &folds_m);
@@ -65,6 +65,15 @@ fn mean_along(axis: DVec3, pixels: &[BodyPixel]) -> f64 {
     pixels.iter().map(|p| axis.dot(p.point)).sum::<f64>() / pixels.len() as f64
 }
 
+/// How far the colours on both sides of a place of a stripe lie apart (Lab, lightness weighted), without what a gradient makes of it.
+#[derive(Clone, Copy)]
+struct Contrast {
+    /// As it is measured.
+    plain: f32,
+    /// In middle light.
+    in_middle_light: f32,
+}
+
 /// What the stripes of a place show; 0 where few are seen.
 #[derive(Clone, Copy, Default)]
 struct Rating {
@@ -73,17 +82,22 @@ struct Rating {
     contrast: f64,
 }
 
-fn rate(contrasts: &mut [Vec<f32>]) -> Vec<Rating> {
+/// Rates the stripes of each place.
+fn rate(contrasts: &mut [Vec<Contrast>]) -> Vec<Rating> {
     let most = contrasts.iter().map(Vec::len).max().unwrap_or(0);
-    let rate = |contrasts: &mut Vec<f32>| {
+    let rate = |contrasts: &mut Vec<Contrast>| {
         let count = contrasts.len() as f64;
         if contrasts.is_empty() || count < LEAST_MEASURED * most as f64 {
             return Rating::default();
         }
-        let share = contrasts.iter().filter(|contrast| **contrast > CONTRAST).count() as f64 / count;
-        contrasts.sort_by(f32::total_cmp);
-        let contrast = f64::from(contrasts[contrasts.len() / 2]);
-        Rating { share, clearness: share * (contrast / CLEAR_CONTRAST).min(1.0), contrast }
+        let share =
+            contrasts.iter().filter(|contrast| contrast.in_middle_light > CONTRAST).count() as f64 / count;
+        let mut median = |value: fn(&Contrast) -> f32| {
+            contrasts.sort_by(|a, b| value(a).total_cmp(&value(b)));
+            f64::from(value(&contrasts[contrasts.len() / 2]))
+        };
+        let clear = median(|contrast| contrast.in_middle_light) / CLEAR_CONTRAST;
+        Rating { share, clearness: share * clear.min(1.0), contrast: median(|contrast| contrast.plain) }
     };
     contrasts.iter_mut().map(rate).collect()
 }
@@ -140,7 +154,7 @@ impl Places {
     }
 
     /// Adds the contrast at each place of each stripe of a face.
-    fn compare(&self, face: &Face, contrasts: &mut [Vec<f32>]) {
+    fn compare(&self, face: &Face, contrasts: &mut [Vec<Contrast>]) {
         let across = face.normal.cross(self.axis).normalize();
         let (mut first_m, mut last_m) = (f64::INFINITY, f64::NEG_INFINITY);
         for pixel in &face.pixels {
@@ -175,7 +189,7 @@ impl Places {
     ///
     /// Paint that runs from one colour into another changes beside the place as it does across it. So the change from one window to the next,
     /// on average of both sides, is continued across the place and taken off.
-    fn contrast_at(&self, sums: &[Sum], place: usize) -> Option<f32> {
+    fn contrast_at(&self, sums: &[Sum], place: usize) -> Option<Contrast> {
         let mean = |from: usize, to: usize| {
             let count = sums[to].count - sums[from].count;
             let color = std::array::from_fn(|k| (sums[to].color[k] - sums[from].color[k]) / count);
@@ -193,8 +207,8 @@ impl Places {
         let slopes = [lower, higher].into_iter().flatten().map(|beside| way.dot(beside));
         let (sum, count) = slopes.fold((0.0, 0.0), |(sum, count), slope| (sum + slope, count + 1.0));
         let gradient = sum / f32::max(count, 1.0);
-        let contrast = (change.length() - (gradient * windows_apart).max(0.0)).max(0.0);
-        Some(contrast * gain(low.x.max(high.x)))
+        let plain = (change.length() - (gradient * windows_apart).max(0.0)).max(0.0);
+        Some(Contrast { plain, in_middle_light: plain * gain(low.x.max(high.x)) })
     }
 
     /// The clearest places that are a window apart, if they lie a margin from the ends and from folds.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::color::histogram::ColorHistogram;
-use crate::color::{LIGHT_OFFSET, unlike_shadow, weighted};
+use crate::color::{LIGHT_OFFSET, mean, unlike_in_light, weighted};
 use crate::shapes::seams::body::{Body, BodyPixel};
 use crate::shapes::seams::trace::Trace;
 
@@ -61,8 +61,7 @@ impl SideColors {
     /// The difference of the darker side from the other in less light (ΔE of chroma).
     pub(super) fn unlike_shadow(&self) -> f64 {
         let [below, above] = [0, 1].map(|side| mean(self.side(side).map(Vec3::from)));
-        let (dark, lit) = if below.x < above.x { (below, above) } else { (above, below) };
-        unlike_shadow(dark.into(), lit.into())
+        unlike_in_light(below, above)
     }
 
     /// How even and how far apart the colours of both sides are. Light differs from face to face: each face that shows both sides counts as if
@@ -83,8 +82,8 @@ impl SideColors {
         Some(ToldApart { confused: least_error(&sides, way), difference: way.length().into() })
     }
 
-    /// How far the darker side follows the light from face to face, as a share of how far the other does: near 1 for paint, which reflects one
-    /// share of any light, near 0 for a shadow, which has the light of the room alone. 0 if no two faces are lit unlike.
+    /// How far the darker side follows the light from face to face, as a share of how far the other does, or the other way round if it goes farther: near 1
+    /// for paint, which reflects one share of any light, near 0 for a shadow, which has the light of the room alone. 0 if no two faces are lit unlike.
     pub(super) fn follows_light(&self) -> f64 {
         let lit = self.faces.iter().filter(|face| face.iter().all(|side| side.len() >= LEAST_LIT));
         let mut logs: Vec<[f32; 2]> =
@@ -98,18 +97,13 @@ impl SideColors {
             return 0.0;
         };
         let [dark, lit] = [0, 1].map(|side| bright[side] - dim[side]);
-        if lit < LIT_UNLIKE { 0.0 } else { f64::from(dark / lit) }
+        if lit < LIT_UNLIKE || dark <= 0.0 { 0.0 } else { f64::from((dark / lit).min(lit / dark)) }
     }
 }
 
 /// The mean of L\* + 16.
 fn lightness(colors: &[[f32; 3]]) -> f32 {
     mean(colors.iter().map(|color| Vec3::from(*color))).x + LIGHT_OFFSET
-}
-
-fn mean(colors: impl Iterator<Item = Vec3>) -> Vec3 {
-    let (sum, count) = colors.fold((Vec3::ZERO, 0.0), |(sum, count), color| (sum + color, count + 1.0));
-    sum / f32::max(count, 1.0)
 }
 
 /// The least sum of the shares of both sides that lie beyond one place along a direction from the first to the second.
@@ -151,6 +145,8 @@ mod tests {
         assert!((turned.follows_light() - 1.0).abs() < 1e-3);
         let shadow = faces(&[[GREY, WHITE], [GREY, lit(WHITE, 0.7)]]);
         assert!(shadow.follows_light().abs() < 1e-3);
+        let other_way = faces(&[[GREY, WHITE], [lit(GREY, 0.5), lit(WHITE, 0.7)]]);
+        assert!(other_way.follows_light() < 0.6, "it goes farther than the light");
         assert_eq!(faces(&[[GREY, WHITE]]).follows_light(), 0.0, "one face tells nothing");
         assert_eq!(faces(&[[GREY, WHITE], [GREY, WHITE]]).follows_light(), 0.0, "faces that are lit alike");
     }
