@@ -56,6 +56,11 @@ impl Noise {
         if DEAD_BAND.contains(&waves) { 1.0 } else { waves }
     }
 
+    /// Whether its waves are larger than those of a sensor that may be a Kinect.
+    pub(crate) fn is_wavy(&self) -> bool {
+        self.sure_waves() > 1.0
+    }
+
     /// Whether the sensor matches windows, as stereo does: its waves are large, and larger than its noise over 8 px tells.
     pub(crate) fn is_matched(&self) -> bool {
         let short = self.blocks_quanta[0] / KINECT_QUANTA[0];
