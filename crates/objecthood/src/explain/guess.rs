@@ -36,12 +36,16 @@ pub(super) fn guess_checks(checks: &[Check], params: &Params) -> Vec<Guess> {
     turned(checks).flat_map(|check| guess(check, params)).collect()
 }
 
+/// No share is larger: it switches bottoms off.
+const BOTTOMS_OFF: f64 = 1.01;
+
 /// The parameter that switches off what decided, and the number that does so, if it is no switch. `None` where none does.
 ///
 /// Of a rule with limits that no parameter sets, and where another rule would do the same, no limit turns the decision.
 pub(super) fn switched_off(reason: Reason, yes: bool) -> Option<(&'static str, Option<f64>)> {
     match (reason, yes) {
-        (Reason::Rule(Rule::VesselBottom), _) => None,
+        (Reason::Rule(Rule::VesselBottom), true) => Some(("vessels.bottom_contact_share", Some(BOTTOMS_OFF))),
+        (Reason::Rule(Rule::VesselBottom), false) => None,
         (Reason::Rule(rule), true) if rule.is_of_vessels() => Some(("vessels.concavity", Some(0.0))),
         (Reason::Rule(Rule::Neck), true) => Some(("necks.enabled", None)),
         (Reason::Rule(Rule::Occlusion), true) => Some(("occlusion.enabled", None)),
@@ -180,6 +184,7 @@ mod tests {
         let params = Params::default();
         for (reason, yes) in [
             (Reason::Rule(Rule::VesselWall), true),
+            (Reason::Rule(Rule::VesselBottom), true),
             (Reason::Rule(Rule::Neck), true),
             (Reason::Rule(Rule::Occlusion), true),
             (Reason::Flat, true),
@@ -195,7 +200,7 @@ mod tests {
         }
         for (reason, yes) in [
             (Reason::Rule(Rule::VesselWall), false),
-            (Reason::Rule(Rule::VesselBottom), true),
+            (Reason::Rule(Rule::VesselBottom), false),
             (Reason::Rule(Rule::Neck), false),
             (Reason::Folds, true),
         ] {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::color::{LIGHT_OFFSET, LIGHTNESS, weighted};
+use crate::color::{LIGHT_OFFSET, weighted};
 use crate::shapes::seams::body::{Body, BodyPixel, Face};
 use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::DisparitySpace;
@@ -33,6 +33,8 @@ const CLEAR_CONTRAST: f64 = 40.0;
 const MIDDLE_LIGHTNESS: f32 = 66.0;
 /// Differences grow at most so much, as their noise does too.
 const MOST_GAIN: f32 = 2.0;
+/// Weight of the clearness in middle light in the rank of a place: it decides only where the other is 0.
+const LEAST_RANK: f64 = 1e-3;
 /// A place needs this share of the stripes that the best measured place has.
 const LEAST_MEASURED: f64 = 0.5;
 /// Places of this share of the greatest clearness are alike: the joint is in their middle.
@@ -77,9 +79,14 @@ struct Contrast {
 /// What the stripes of a place show; 0 where few are seen.
 #[derive(Clone, Copy, Default)]
 struct Rating {
+    /// The share of them whose colour changes, and its clearness, in middle light.
     share: f64,
     clearness: f64,
+    /// The median contrast, as it is measured.
     contrast: f64,
+    /// Clearness as it is measured, by which the place is found: what is added in dim light differs from stripe to stripe and shifts the place. Where no
+    /// colour changes as it is measured, that in middle light decides.
+    rank: f64,
 }
 
 /// Rates the stripes of each place.
@@ -90,21 +97,24 @@ fn rate(contrasts: &mut [Vec<Contrast>]) -> Vec<Rating> {
         if contrasts.is_empty() || count < LEAST_MEASURED * most as f64 {
             return Rating::default();
         }
-        let share =
-            contrasts.iter().filter(|contrast| contrast.in_middle_light > CONTRAST).count() as f64 / count;
-        let mut median = |value: fn(&Contrast) -> f32| {
+        let mut clear = |value: fn(&Contrast) -> f32| {
+            let share = contrasts.iter().filter(|contrast| value(contrast) > CONTRAST).count() as f64 / count;
             contrasts.sort_by(|a, b| value(a).total_cmp(&value(b)));
-            f64::from(value(&contrasts[contrasts.len() / 2]))
+            let median = f64::from(value(&contrasts[contrasts.len() / 2]));
+            (share, share * (median / CLEAR_CONTRAST).min(1.0), median)
         };
-        let clear = median(|contrast| contrast.in_middle_light) / CLEAR_CONTRAST;
-        Rating { share, clearness: share * clear.min(1.0), contrast: median(|contrast| contrast.plain) }
+        let (share, clearness, _) = clear(|contrast| contrast.in_middle_light);
+        let (_, measured, contrast) = clear(|contrast| contrast.plain);
+        Rating { share, clearness, contrast, rank: measured + LEAST_RANK * clearness }
     };
     contrasts.iter_mut().map(rate).collect()
 }
 
-/// By how much differences grow where light is dim: they are those that would be seen in middle light, within what noise allows.
-fn gain(weighted_lightness: f32) -> f32 {
-    (MIDDLE_LIGHTNESS / (weighted_lightness / LIGHTNESS + LIGHT_OFFSET)).clamp(1.0, MOST_GAIN)
+/// By how much differences of colour grow on a face in dim light: they are those that would be seen in middle light, within what noise allows.
+fn gain(face: &Face) -> f32 {
+    let light =
+        face.pixels.iter().map(|pixel| pixel.color[0] + LIGHT_OFFSET).sum::<f32>() / face.pixels.len() as f32;
+    (MIDDLE_LIGHTNESS / light).clamp(1.0, MOST_GAIN)
 }
 
 /// Places along an edge of a body.
@@ -174,13 +184,14 @@ impl Places {
             cell.count += 1.0;
             (0..3).for_each(|k| cell.color[k] += pixel.color[k]);
         }
+        let gain = gain(face);
         for sums in sums.chunks_mut(width) {
             for k in 1..width {
                 let before = sums[k - 1];
                 sums[k].count += before.count;
                 (0..3).for_each(|c| sums[k].color[c] += before.color[c]);
             }
-            contrasts.iter_mut().enumerate().for_each(|(k, all)| all.extend(self.contrast_at(sums, k)));
+            contrasts.iter_mut().enumerate().for_each(|(k, all)| all.extend(self.contrast_at(sums, k, gain)));
         }
     }
 
@@ -189,7 +200,7 @@ impl Places {
     ///
     /// Paint that runs from one colour into another changes beside the place as it does across it. So the change from one window to the next,
     /// on average of both sides, is continued across the place and taken off.
-    fn contrast_at(&self, sums: &[Sum], place: usize) -> Option<Contrast> {
+    fn contrast_at(&self, sums: &[Sum], place: usize, gain: f32) -> Option<Contrast> {
         let mean = |from: usize, to: usize| {
             let count = sums[to].count - sums[from].count;
             let color = std::array::from_fn(|k| (sums[to].color[k] - sums[from].color[k]) / count);
@@ -208,7 +219,7 @@ impl Places {
         let (sum, count) = slopes.fold((0.0, 0.0), |(sum, count), slope| (sum + slope, count + 1.0));
         let gradient = sum / f32::max(count, 1.0);
         let plain = (change.length() - (gradient * windows_apart).max(0.0)).max(0.0);
-        Some(Contrast { plain, in_middle_light: plain * gain(low.x.max(high.x)) })
+        Some(Contrast { plain, in_middle_light: plain * gain })
     }
 
     /// The clearest places that are a window apart, if they lie a margin from the ends and from folds.
@@ -217,17 +228,16 @@ impl Places {
         let ends_m = [self.low_m, place_m(self.count - 1)];
         let is_inside =
             |at_m: f64| ends_m.iter().chain(folds_m).all(|other_m| (other_m - at_m).abs() > MARGIN_M);
-        let mut open: Vec<usize> = (0..rated.len()).filter(|&k| rated[k].clearness > 0.0).collect();
+        let mut open: Vec<usize> = (0..rated.len()).filter(|&k| rated[k].rank > 0.0).collect();
         let mut traces = Vec::new();
         for _ in 0..MOST_TRACES {
             // On ties the first place.
-            let clearest =
-                open.iter().rev().max_by(|&&a, &&b| rated[a].clearness.total_cmp(&rated[b].clearness));
+            let clearest = open.iter().rev().max_by(|&&a, &&b| rated[a].rank.total_cmp(&rated[b].rank));
             let Some(&best) = clearest else { break };
-            let Rating { share, clearness, contrast } = rated[best];
+            let Rating { share, clearness, contrast, rank } = rated[best];
             // All places whose gap hides the joint are as clear; the joint is in their middle.
             let is_alike = |k: &&usize| {
-                k.abs_diff(best) <= 2 * self.gap + self.window && rated[**k].clearness >= ALIKE * clearness
+                k.abs_diff(best) <= 2 * self.gap + self.window && rated[**k].rank >= ALIKE * rank
             };
             let (sum_m, alike) =
                 open.iter().filter(is_alike).fold((0.0, 0), |(sum, n), &k| (sum + place_m(k), n + 1));
