@@ -11,7 +11,7 @@ use crate::track::{KNOWN_S, Track};
 /// Least overlap (intersection over union) of a segment with where a track should be seen.
 const LEAST_IOU: f64 = 0.25;
 /// What comes out of a hand has the colours of its thing in this share of its pixels,
-const OWN_LOOK: f64 = 0.75;
+pub(crate) const OWN_LOOK: f64 = 0.75;
 /// and counts as if it overlapped by so much with where that should be: more than the least, less than a good overlap.
 const COMES_OUT_IOU: f64 = 0.3;
 /// A segment holds a track when it covers this share of where the track should be.

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use objecthood::Discovery;
 
-use crate::associate::{Overlap, by_overlap, find_again};
+use crate::associate::{OWN_LOOK, Overlap, by_overlap, find_again};
 use crate::bits::Bits;
 use crate::camera::Place;
 use crate::face::unite;
 use crate::ingredient::Ingredient;
 use crate::memory::{Look, Memory};
+use crate::moved_part::BELONGED;
 use crate::rested::Beside;
 use crate::scene::Key;
 use crate::segment::{Measure, Segment, labels, pixels_by_label, segments};
@@ -23,10 +24,6 @@ const IN_PLACE: f64 = 0.8;
 const BESIDE_PX: f64 = 16.0;
 /// What came off a thing has its colours in this share of its pixels.
 const LEAST_OF_ITS_COLORS: f64 = 0.5;
-/// In an agent's region it is a part of the thing, and not of the agent, if more than this share of it belonged to the thing until now ...
-const BELONGED: f64 = 0.7;
-/// ... and more than this share has the thing's colours.
-const OWN_LOOK: f64 = 0.75;
 
 impl Memory {
     /// Which track each segment shows; writes the tracks that are seen to the scene. `doubtful`: the pixels of hypotheses that are no objects.

@@ -15,7 +15,7 @@ use crate::view::View;
 const MOST: f64 = 0.6;
 const FEW: f64 = 0.3;
 /// A moved part belonged to its thing with this share of its pixels or more, and this share stands before where that rested.
-const BELONGED: f64 = 0.7;
+pub(crate) const BELONGED: f64 = 0.7;
 const BEFORE: f64 = 0.5;
 /// This share of a part has colours of its thing.
 const LEAST_LOOK: f64 = 0.6;

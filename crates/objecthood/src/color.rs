@@ -22,7 +22,7 @@ pub fn lab(rgb: [u8; 3]) -> [f32; 3] {
 }
 
 /// Weight of lightness in the difference of two colours: light and shading change it more than chroma.
-pub(crate) const LIGHTNESS: f32 = 0.6;
+const LIGHTNESS: f32 = 0.6;
 /// L\* plus this, a\* and b\* all scale with the cube root of the light (CIE 1976).
 pub(crate) const LIGHT_OFFSET: f32 = 16.0;
 

@@ -10,6 +10,7 @@ use glam::Vec3;
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
+use crate::clusters::patches::{Owner, find_owners};
 use crate::clusters::scene::sampled;
 use crate::color::histogram::ColorHistogram;
 use crate::color::image::LabImage;
@@ -43,11 +44,11 @@ const AROUND_PX: usize = 20;
 pub(crate) fn join_deep_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let is_on = params.bottom_contact_share <= 1.0;
     let Some(lab) = clusters.scene.lab.filter(|_| is_on) else { return };
-    let mut is_taken = find_taken(clusters);
+    let mut is_free = find_free(clusters);
     for id in clusters.alive() {
         let hull = hull(clusters, id);
-        for bottom in find_pieces(clusters, (id, &hull), &is_taken) {
-            let around = || support_around(clusters, (id, &hull), &is_taken);
+        for bottom in find_pieces(clusters, (id, &hull), &is_free) {
+            let around = support_around(clusters, &hull, &is_free);
             let Some(checks) = check(clusters, id, (&bottom, around), lab) else { continue };
             let mut join =
                 Proposal::new(Rule::VesselBottom, Source::Patch(bottom.runs[0].start as u32), Some(id));
@@ -62,7 +63,7 @@ pub(crate) fn join_deep_bottoms(clusters: &mut Clusters<'_>, params: &params::Ve
             let evidence = JoinEvidence::VesselBottom { contact_share };
             clusters.give(join.accept(Some((Join { parts, evidence, behind: None }, None))));
             let pixels: Vec<u32> = bottom.pixels().map(|i| i as u32).collect();
-            pixels.iter().for_each(|&i| is_taken[i as usize] = true);
+            pixels.iter().for_each(|&i| is_free[i as usize] = false);
             clusters.extend(id, &pixels);
         }
     }
@@ -95,39 +96,30 @@ impl Piece {
     }
 }
 
-/// The pixels of all clusters, those of the background that earlier rules gave to them among these.
-fn find_taken(clusters: &Clusters<'_>) -> Vec<bool> {
-    let mut is_taken = vec![false; clusters.scene.disparity.len()];
+/// The pixels of the background that no cluster was given.
+fn find_free(clusters: &Clusters<'_>) -> Vec<bool> {
+    let owners = find_owners(clusters);
+    let is_background = |facet: SegmentId| owners[facet.index()] == Owner::Background;
+    let segments = &clusters.scene.facets.segments;
+    let pixels = 0..clusters.scene.disparity.len();
+    let mut is_free: Vec<bool> = pixels.map(|i| segments.at(i).is_some_and(is_background)).collect();
     for id in clusters.alive() {
-        clusters.get(id).pixels.iter().for_each(|&i| is_taken[i as usize] = true);
+        clusters.get(id).pixels.iter().for_each(|&i| is_free[i as usize] = false);
     }
-    is_taken
-}
-
-/// Whether a pixel shows a support, or what earlier rules gave to it.
-fn is_background(clusters: &Clusters<'_>, i: usize) -> bool {
-    let scene = clusters.scene;
-    let is_low = |facet: usize| facet >= scene.facets.structure && clusters.at_pixel(i).is_none();
-    let facet = scene.facets.segments.at(i).map(SegmentId::index);
-    facet.is_some_and(|facet| scene.supports.contains(&facet) || is_low(facet))
+    is_free
 }
 
 /// The pieces of support within the hull of a cluster that are large enough for a bottom.
-fn find_pieces(
-    clusters: &Clusters<'_>,
-    (id, hull): (SegmentId, &[RowSpan]),
-    is_taken: &[bool],
-) -> Vec<Piece> {
+fn find_pieces(clusters: &Clusters<'_>, (id, hull): (SegmentId, &[RowSpan]), is_free: &[bool]) -> Vec<Piece> {
     let (scene, pixels) = (clusters.scene, &clusters.get(id).pixels);
     let (width, least_px) = (scene.disparity.width(), scene.space.area_px(LEAST_PX));
     let hull_px: usize = hull.iter().map(|span| (span.last + 1).saturating_sub(span.first)).sum();
     if hull_px < pixels.len() + least_px {
         return Vec::new();
     }
-    let is_free = |i: usize| !is_taken[i] && is_background(clusters, i);
     let mut runs = Vec::new();
     for &RowSpan { v, first, last } in hull {
-        let row: Vec<usize> = (v * width + first..=v * width + last).filter(|&i| is_free(i)).collect();
+        let row: Vec<usize> = (v * width + first..=v * width + last).filter(|&i| is_free[i]).collect();
         let adjacent = row.chunk_by(|a, b| a + 1 == *b);
         runs.extend(adjacent.map(|run| (run[0]..run[run.len() - 1] + 1, 0)));
     }
@@ -177,10 +169,10 @@ fn measure(clusters: &Clusters<'_>, id: SegmentId, runs: Vec<Range<usize>>) -> P
 
 /// The checks of a bottom, beside the support `around` the vessel. `None` where the vessel does not enclose it, as most pieces of background in a hull, or too
 /// little of the support is seen.
-fn check<I: Iterator<Item = usize>>(
+fn check(
     clusters: &Clusters<'_>,
     id: SegmentId,
-    (piece, around): (&Piece, impl Fn() -> I),
+    (piece, around): (&Piece, impl Iterator<Item = usize>),
     lab: &LabImage,
 ) -> Option<Vec<Check>> {
     let share = |what, value, least| Check::new(what, "", value, Bound::AtLeast, least);
@@ -193,7 +185,7 @@ fn check<I: Iterator<Item = usize>>(
     }
     checks.extend(check_place(clusters, id, piece)?);
     let own: Vec<[f32; 3]> = piece.pixels().map(|i| lab[i]).collect();
-    let around: Vec<[f32; 3]> = around().map(|i| lab[i]).collect();
+    let around: Vec<[f32; 3]> = around.map(|i| lab[i]).collect();
     if around.len() < clusters.scene.space.area_px(LEAST_PX) {
         return None;
     }
@@ -227,23 +219,22 @@ fn check_place(clusters: &Clusters<'_>, id: SegmentId, piece: &Piece) -> Option<
     if top_m <= 0.0 {
         return None;
     }
-    let check = |what, unit, value, bound, limit| Check::new(what, unit, value, bound, limit);
     Some([
-        check(
+        Check::new(
             "its depth, against the least of the vessel less its height",
             "m",
             depth_m,
             Bound::AtLeast,
             near_m - top_m,
         ),
-        check(
+        Check::new(
             "its depth, against the greatest of the vessel and its height",
             "m",
             depth_m,
             Bound::AtMost,
             far_m + top_m,
         ),
-        check(
+        Check::new(
             "its height, over that of the top of the vessel",
             "",
             height_m / top_m,
@@ -253,24 +244,26 @@ fn check_place(clusters: &Clusters<'_>, id: SegmentId, piece: &Piece) -> Option<
     ])
 }
 
-/// The pixels of the support near a vessel and outside of its hull, but for what was given to others.
+/// The free pixels of the background near the hull of a vessel and outside of it.
 fn support_around<'a>(
-    clusters: &'a Clusters<'_>,
-    (id, hull): (SegmentId, &'a [RowSpan]),
-    is_taken: &'a [bool],
+    clusters: &Clusters<'_>,
+    hull: &'a [RowSpan],
+    is_free: &'a [bool],
 ) -> impl Iterator<Item = usize> + 'a {
     let scene = clusters.scene;
     let ((width, height), reach) = (scene.disparity.size(), scene.space.length_px(AROUND_PX));
-    let PixelBox { u, v, width: columns, height: rows } = clusters.part(id).box_px;
     let near =
-        |from: usize, length: usize, end: usize| from.saturating_sub(reach)..(from + length + reach).min(end);
-    let columns = near(u, columns, width);
+        |first: usize, last: usize, end: usize| first.saturating_sub(reach)..(last + 1 + reach).min(end);
+    let (left, right) =
+        hull.iter().fold((usize::MAX, 0), |(left, right), span| (left.min(span.first), right.max(span.last)));
+    let [top, bottom] = [hull.first(), hull.last()].map(|span| span.map_or(0, |span| span.v));
+    let columns = near(left, right, width);
     let in_row = move |row: usize| {
-        let inside = row.checked_sub(v).and_then(|k| hull.get(k)).map(|span| span.first..=span.last);
+        let inside = row.checked_sub(top).and_then(|k| hull.get(k)).map(|span| span.first..=span.last);
         let outside = move |u: &usize| inside.as_ref().is_none_or(|inside| !inside.contains(u));
         columns.clone().filter(outside).map(move |u| row * width + u)
     };
-    near(v, rows, height).flat_map(in_row).filter(|&i| !is_taken[i] && is_background(clusters, i))
+    near(top, bottom, height).flat_map(in_row).filter(|&i| is_free[i])
 }
 
 #[cfg(test)]

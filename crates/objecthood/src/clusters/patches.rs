@@ -21,7 +21,7 @@ const STEP_M: f64 = 0.01;
 
 /// The owner of a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Owner {
+pub(super) enum Owner {
     /// Structure other than the support: a wall.
     Nobody,
     Background,
@@ -99,7 +99,7 @@ impl Patch {
 }
 
 /// The owner of every facet.
-fn find_owners(clusters: &Clusters<'_>) -> Vec<Owner> {
+pub(super) fn find_owners(clusters: &Clusters<'_>) -> Vec<Owner> {
     let Scene { facets: Facets { segments, structure, .. }, supports, .. } = clusters.scene;
     let owner = |facet: usize| match facet.checked_sub(*structure) {
         None if supports.contains(&facet) => Owner::Background,

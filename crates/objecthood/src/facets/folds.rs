@@ -50,11 +50,12 @@ pub(super) fn cut_folds(facets: Facets, disparity: &Raster<f32>, space: &Dispari
         .filter_map(|(facet, pixels)| Some((facet, pixels?)))
         .collect();
     let search = Search { disparity, space, least_px, least_side_px: space.area_px(LEAST_SIDE_PX) };
-    let cut: Vec<(usize, Vec<Piece>)> =
+    let cut: Vec<(usize, Vec<Vec<u32>>)> =
         loose.into_par_iter().map(|(facet, pixels)| (facet, search.cut(pixels))).collect();
     let mut labels = segments.into_labels();
     for (facet, pieces) in cut.into_iter().filter(|(_, pieces)| pieces.len() > 1) {
-        for (k, Piece { pixels, model }) in pieces.into_iter().enumerate() {
+        for (k, pixels) in pieces.into_iter().enumerate() {
+            let model = search.moments(&pixels).fit(Basis::Quadratic).model;
             let number = if k == 0 { facet } else { models.len() };
             if k == 0 {
                 models[facet] = model;
@@ -67,12 +68,6 @@ pub(super) fn cut_folds(facets: Facets, disparity: &Raster<f32>, space: &Dispari
     Facets { segments: Segments::from_numbered(labels, models.len()), models, structure, flats }
 }
 
-/// A piece of a facet, and its surface.
-struct Piece {
-    pixels: Vec<u32>,
-    model: Model,
-}
-
 struct Search<'a> {
     /// Disparity (quanta).
     disparity: &'a Raster<f32>,
@@ -83,17 +78,14 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// The pieces of a facet: itself, if it has no fold.
-    fn cut(&self, pixels: Vec<u32>) -> Vec<Piece> {
+    fn cut(&self, pixels: Vec<u32>) -> Vec<Vec<u32>> {
         let mut open = vec![pixels];
         let mut pieces = Vec::new();
         while let Some(pixels) = open.pop() {
             let halves = if pieces.len() + open.len() < MOST_CUTS { self.halves(&pixels) } else { None };
             match halves {
                 Some(halves) => open.extend(halves),
-                None => {
-                    let model = self.moments(&pixels).fit(Basis::Quadratic).model;
-                    pieces.push(Piece { pixels, model });
-                }
+                None => pieces.push(pixels),
             }
         }
         pieces

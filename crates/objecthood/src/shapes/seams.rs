@@ -241,7 +241,7 @@ impl Search<'_> {
         let colors = SideColors::of(body, trace);
         let (overlap, most) = (colors.overlap(), self.params.color_overlap);
         // Most traces end here, before all pixels of their sides are looked at.
-        if !self.check_colors(trace, overlap, most).iter().all(Check::holds) {
+        if overlap > most {
             return None;
         }
         let is_clear = overlap <= clear * most;

@@ -52,6 +52,11 @@ impl SideColors {
         self.faces.iter().flat_map(move |face| face[side].iter().copied())
     }
 
+    /// The faces that show enough of both sides to say how light falls on them.
+    fn lit_faces(&self) -> impl Iterator<Item = &FaceSides> {
+        self.faces.iter().filter(|face| face.iter().all(|side| side.len() >= LEAST_LIT))
+    }
+
     /// The overlap of the colours of both sides.
     pub(super) fn overlap(&self) -> f64 {
         let [below, above] = [0, 1].map(|side| ColorHistogram::of(self.side(side)));
@@ -67,12 +72,11 @@ impl SideColors {
     /// How even and how far apart the colours of both sides are. Light differs from face to face: each face that shows both sides counts as if
     /// lit like the largest; others do not count. `None` if no face shows both sides. O(pixels · log pixels).
     pub(super) fn tell_apart(&self) -> Option<ToldApart> {
-        let lit = |face: &&FaceSides| face.iter().all(|side| side.len() >= LEAST_LIT);
         let light = |face: &FaceSides| face.iter().map(|side| lightness(side)).sum::<f32>();
         let shown = |face: &&FaceSides| face.iter().map(Vec::len).min();
-        let largest = light(self.faces.iter().filter(lit).max_by_key(shown)?);
+        let largest = light(self.lit_faces().max_by_key(shown)?);
         let mut sides = [Vec::new(), Vec::new()];
-        for face in self.faces.iter().filter(lit) {
+        for face in self.lit_faces() {
             let gain = largest / light(face);
             let in_that_light = |[l, a, b]: &[f32; 3]| weighted([l + LIGHT_OFFSET, *a, *b]) * gain;
             sides.iter_mut().zip(face).for_each(|(all, side)| all.extend(side.iter().map(in_that_light)));
@@ -85,9 +89,8 @@ impl SideColors {
     /// How far the darker side follows the light from face to face, as a share of how far the other does, or the other way round if it goes farther: near 1
     /// for paint, which reflects one share of any light, near 0 for a shadow, which has the light of the room alone. 0 if no two faces are lit unlike.
     pub(super) fn follows_light(&self) -> f64 {
-        let lit = self.faces.iter().filter(|face| face.iter().all(|side| side.len() >= LEAST_LIT));
         let mut logs: Vec<[f32; 2]> =
-            lit.map(|face| [0, 1].map(|side| libm::logf(lightness(&face[side])))).collect();
+            self.lit_faces().map(|face| [0, 1].map(|side| libm::logf(lightness(&face[side])))).collect();
         let total = |side: usize| logs.iter().map(|face| face[side]).sum::<f32>();
         if total(0) > total(1) {
             logs.iter_mut().for_each(|face| face.swap(0, 1));
