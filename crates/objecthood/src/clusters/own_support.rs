@@ -35,6 +35,12 @@ impl<'a> Scene<'a> {
         element_at(&mut heights, share)
     }
 
+    /// A quantile of the heights (m) of some pixels above their own support; 0 without a support. O(1).
+    pub(crate) fn own_height_m(&self, pixels: &[u32], share: f64) -> f64 {
+        let support = self.own_support(pixels);
+        support.map_or(0.0, |support| self.height_quantile_m(sampled(pixels), support, share))
+    }
+
     /// Height (m) of a pixel above a support. Other supports than the ground may be far away and small: there a plane goes on, and a
     /// quadratic bends off.
     pub(crate) fn height_over_m(&self, i: usize, support: usize) -> f64 {

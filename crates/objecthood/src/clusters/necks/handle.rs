@@ -2,31 +2,67 @@
 
 use glam::DVec3;
 
+use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
+use crate::clusters::necks::contact::contacts;
+use crate::clusters::necks::limits::{FOOT_M, SIDES, WIDTH_QUANTA};
 use crate::quantile::reach_m;
 use crate::regions::SegmentId;
 
-/// Lengths and widths reach from the first to the second of these quantiles: outlines are noisy.
-const QUANTILES: [f64; 2] = [0.05, 0.95];
+/// A part stands on the one below if that touches it within this (m) of the height of its foot.
+const STANDS_M: f64 = 0.005;
+/// A handle touches its body along this share of their border: what is merely pushed against another leaves gaps,
+const CLOSED_SHARE: f64 = 0.7;
+/// with all of its end: the width of the joint over that of the end,
+const END_WIDTHS: [f64; 2] = [0.7, 1.5];
+/// and is so many times as long as wide. Handles of synthetic tools and hammers measure 3 to 9.
+const SLIMNESS: f64 = 2.5;
 /// The end of a part is what lies this near (m) to its joint.
 const END_M: f64 = 0.03;
-/// A width of fewer quanta than this is noise: of what stands upright only the front is seen.
-const WIDTH_QUANTA: f64 = 2.0;
+
+/// The checks by which one of two parts is a handle of the other; `None` when one fails, or the upper one, with its foot at `foot_m`, stands on
+/// the lower. `carrying`: the pixels of the lower one that touch the upper.
+/// O(pixels of both).
+pub(super) fn checks(
+    clusters: &Clusters<'_>,
+    up: DVec3,
+    [upper, lower]: [SegmentId; 2],
+    carrying: &[usize],
+    foot_m: f64,
+) -> Option<Vec<Check>> {
+    let pixels: Vec<u32> = carrying.iter().map(|&i| i as u32).collect();
+    if foot_m > FOOT_M && (clusters.scene.own_height_m(&pixels, 0.5) - foot_m).abs() < STANDS_M {
+        return None;
+    }
+    let ways = [([upper, lower], &*contacts(clusters, [upper, lower])), ([lower, upper], carrying)];
+    ways.into_iter().find_map(|([part, body], contacts)| {
+        let Joint { closed_share, width_share, slimness } = joint(clusters, up, [part, body], contacts)?;
+        let check = |name, value, bound, limit| Check::new(name, "", value, bound, limit);
+        let width = "width of the joint, over that of the end of the slim part";
+        let checks = vec![
+            check("share of their border at which they touch", closed_share, Bound::AtLeast, CLOSED_SHARE),
+            check(width, width_share, Bound::AtLeast, END_WIDTHS[0]),
+            check(width, width_share, Bound::AtMost, END_WIDTHS[1]),
+            check("length of the slim part, over its width", slimness, Bound::AtLeast, SLIMNESS),
+        ];
+        checks.iter().all(Check::holds).then_some(checks)
+    })
+}
 
 /// How a part is joined to a body, in the plan view.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Joint {
+struct Joint {
     /// The share of their common border, in [0, 1], at which they touch: what is merely pushed against another leaves gaps.
-    pub(super) closed_share: f64,
+    closed_share: f64,
     /// The width of the joint, over that of the end of the part.
-    pub(super) width_share: f64,
+    width_share: f64,
     /// How far the part goes away from the joint, over the width of its end.
-    pub(super) slimness: f64,
+    slimness: f64,
 }
 
 /// Measures the joint of a part with a body; `contacts`: the pixels of the part that touch it. `None` when there are none, or the part is seen
 /// from its narrow side only. O(sampled pixels · log(sampled pixels)).
-pub(super) fn joint(
+fn joint(
     clusters: &Clusters<'_>,
     up: DVec3,
     [part, body]: [SegmentId; 2],
@@ -43,7 +79,7 @@ pub(super) fn joint(
     let away = (mean(&own) - from).try_normalize()?;
     let aside = up.cross(away);
     let extent_m = |points: &mut dyn Iterator<Item = &DVec3>, direction| {
-        let [low_m, high_m] = reach_m(points.copied(), direction, QUANTILES);
+        let [low_m, high_m] = reach_m(points.copied(), direction, SIDES);
         high_m - low_m
     };
     let is_end = |point: &&DVec3| away.dot(**point - from).abs() < END_M;

@@ -2,10 +2,20 @@
 
 use glam::DVec3;
 
+use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
+use crate::clusters::necks::limits::{FOOT_M, FOOT_SHARE, HIDDEN_M, SMALLER_SHARE};
 use crate::clusters::scene::sampled;
 use crate::regions::SegmentId;
 
+/// A part hangs when at least the first of these shares of its pixels hangs, and less than the second stands. What it hangs on stands with at
+/// least the second.
+const HANGING_SHARE: f64 = 0.5;
+const STANDING_SHARE: f64 = 0.3;
+/// The foot of a hanging part is at least this share as high as its top: what leans stands on an end.
+const FOOT_OF_TOP: f64 = 0.35;
+/// The top of a part is this quantile of its heights.
+const TOP_SHARE: f64 = 0.98;
 /// A part is followed down in steps of this (m), for at most so many.
 const STEP_M: f64 = 0.002;
 const MOST_STEPS: usize = 150;
@@ -13,18 +23,64 @@ const MOST_STEPS: usize = 150;
 const UNDERSIDE_M: f64 = 0.006;
 const UNDERSIDE_QUANTA: f64 = 2.5;
 
+/// The checks by which the smaller part hangs on the larger; `None` when one fails. O(sampled pixels · (steps + sampled pixels)).
+pub(super) fn checks(clusters: &Clusters<'_>, [part, carrier]: [SegmentId; 2]) -> Option<Vec<Check>> {
+    let [part_px, carrier_px] = [part, carrier].map(|id| clusters.get(id).pixels.len() as f64);
+    let smaller = Check::new(
+        "pixels of the hanging part, over those of the other",
+        "",
+        part_px / carrier_px,
+        Bound::AtMost,
+        SMALLER_SHARE,
+    );
+    let share = |name, value, bound, limit| Check::new(name, "", value, bound, limit);
+    let bends = clusters.convexity(carrier);
+    let bends = share("how far the other bends outwards", bends, Bound::Above, 0.0);
+    let [foot_m, top_m] =
+        [FOOT_SHARE, TOP_SHARE].map(|share| clusters.scene.own_height_m(&clusters.get(part).pixels, share));
+    let foot = Check::new("foot of the hanging part above its support", "m", foot_m, Bound::Above, FOOT_M);
+    let ends =
+        share("height of that foot, over that of its top", foot_m / top_m, Bound::AtLeast, FOOT_OF_TOP);
+    // Most pairs fail these, which cost little.
+    if ![smaller, bends, foot, ends].iter().all(Check::holds) {
+        return None;
+    }
+    let distance_m = distance_m(clusters, [part, carrier]);
+    let near = Check::new("distance of the parts", "m", distance_m, Bound::AtMost, HIDDEN_M);
+    if !near.holds() {
+        return None;
+    }
+    let [own, other] = [part, carrier].map(|id| underside(clusters, id));
+    let checks = vec![
+        foot,
+        ends,
+        share(
+            "share of the part that hangs: its support is seen below it",
+            own.hanging,
+            Bound::AtLeast,
+            HANGING_SHARE,
+        ),
+        share("share of the part that stands", own.standing, Bound::Below, STANDING_SHARE),
+        share("share of the other that stands", other.standing, Bound::AtLeast, STANDING_SHARE),
+        near,
+        smaller,
+        bends,
+    ];
+    checks.iter().all(Check::holds).then_some(checks)
+}
+
 /// Shares of the pixels of a part by what is seen below it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Underside {
+struct Underside {
     /// The support, below where the part ends.
-    pub(super) hanging: f64,
+    hanging: f64,
     /// The support, where the part meets it.
-    pub(super) standing: f64,
+    standing: f64,
 }
 
 /// Follows pixels of a part down along gravity, across holes, to the first that is not its own. The line below a thing that stands leaves its
 /// outline where it meets the support, or lower. O(sampled pixels · steps).
-pub(super) fn underside(clusters: &Clusters<'_>, part: SegmentId) -> Underside {
+fn underside(clusters: &Clusters<'_>, part: SegmentId) -> Underside {
     let scene = clusters.scene;
     let pixels = &clusters.get(part).pixels;
     let Some(support) = scene.own_support(pixels) else { return Underside::default() };
@@ -60,7 +116,7 @@ pub(super) fn underside(clusters: &Clusters<'_>, part: SegmentId) -> Underside {
 }
 
 /// The least distance (m) between sampled points of two parts. O(sampled pixels²).
-pub(super) fn distance_m(clusters: &Clusters<'_>, parts: [SegmentId; 2]) -> f64 {
+fn distance_m(clusters: &Clusters<'_>, parts: [SegmentId; 2]) -> f64 {
     let scene = clusters.scene;
     let [a, b] = parts.map(|id| scene.sampled_points(&clusters.get(id).pixels).collect::<Vec<_>>());
     let distances = a.iter().flat_map(|one| b.iter().map(move |other| one.distance_squared(*other)));

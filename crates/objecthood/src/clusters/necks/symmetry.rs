@@ -4,16 +4,15 @@ use glam::DVec3;
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
+use crate::clusters::necks::limits::SIDES;
 use crate::linear::principal_angle;
 use crate::quantile::{range, reach_m};
 use crate::regions::SegmentId;
 
 /// A part is slim when it is so many times as long as wide and as thick.
 const SLIMNESS: f64 = 3.0;
-/// Lengths reach from the first to the second of these quantiles, ...
+/// Lengths reach from the first to the second of these quantiles: outlines are noisy.
 const ENDS: [f64; 2] = [0.03, 0.97];
-/// ... widths from the first to the second of these: outlines are noisy.
-const SIDES: [f64; 2] = [0.05, 0.95];
 /// Sine of the greatest slope of an axis, 45 degrees: what is upright carries others in its axis.
 const STEEP: f64 = 0.707;
 /// The end of the slim part is so near to the other along the axis (m): fattened edges and shadows hide as much.

@@ -1,4 +1,4 @@
-//! Parts on slopes, hammers, planks and cylinders as seen from above.
+//! Parts on slopes, hammers, planks, cylinders, balls and dumbbells as seen from above.
 
 use super::*;
 use crate::clusters::testing::{Table, named, single};
@@ -163,6 +163,103 @@ fn a_part_that_hangs_in_the_air_is_one_with_what_lies_beside_it() {
     assert_eq!(lying([0.045, 0.045]), one);
     assert_eq!(lying([0.003, 0.003]), two, "it lies on the table");
     assert_eq!(lying([0.08, 0.002]), two, "it leans");
+}
+
+/// A ball of 3 cm radius whose centre is at a height (m), on a body that is so high (m) at a distance (m) from its axis; and, if asked, a box beside
+/// both.
+fn ball_on(centre_m: f64, body_m: impl Fn(f64) -> f64, has_box: bool) -> Vec<Option<u32>> {
+    let at = |u: usize, v: usize| {
+        let (x, y) = ((u as f64 - 39.5) / 525.0, (v as f64 - 39.5) / 525.0);
+        let from_axis_m = x.hypot(y);
+        let ball_m = centre_m + (0.03_f64.powi(2) - from_axis_m.powi(2)).max(0.0).sqrt();
+        match body_m(from_axis_m) {
+            _ if from_axis_m < 0.03 => (2, ball_m),
+            _ if has_box && x > 0.03 && y.abs() < 0.03 => (3, centre_m),
+            height_m if height_m > 0.0 => (1, height_m),
+            _ => (0, 0.0),
+        }
+    };
+    joined(&Table::new((80, 80), |u, v| Some(at(u, v))))
+}
+
+/// A ball of 3 cm radius on the left end of a bar of this width (px), which widens to a plate. All lie far from the middle of the image.
+fn ball_on_a_bar(width_px: f64) -> Vec<Option<u32>> {
+    let at = |u: usize, v: usize| {
+        let (x, y) = (u as f64 - 40.0, v as f64 - 39.5);
+        let from_axis_m = x.hypot(y) / 525.0;
+        let body_m = 0.04 - 4.0 * (y / 525.0).powi(2);
+        if from_axis_m < 0.03 {
+            (2, 0.06 + (0.03_f64.powi(2) - from_axis_m.powi(2)).sqrt())
+        } else if (0.0..26.0).contains(&x) && y.abs() < width_px / 2.0
+            || (26.0..45.0).contains(&x) && y.abs() < 18.0
+        {
+            (1, body_m)
+        } else {
+            (0, 0.0)
+        }
+    };
+    joined(&Table::new((400, 80), |u, v| Some(at(u, v))))
+}
+
+/// A regression: ducks, dolls and pawns, made by us and by another simulator, lost their heads.
+#[test]
+fn a_ball_on_a_slope_is_the_head_of_what_it_lies_on() {
+    let (one, two) = (vec![Some(0), Some(0)], vec![Some(0), Some(1)]);
+    let dome = |from_axis_m: f64| (0.05_f64.powi(2) - from_axis_m.powi(2)).max(0.0).sqrt();
+    let block = |from_axis_m: f64| if from_axis_m < 0.05 { 0.04 } else { 0.0 };
+    assert_eq!(ball_on(0.07, dome, false), one);
+    assert_eq!(ball_on(0.07, block, false), two, "it lies on a level face");
+    let apart = [Some(0), Some(1), Some(2)];
+    assert_eq!(ball_on(0.07, dome, true), apart, "a box holds it");
+    assert_eq!(ball_on(0.10, dome, false), two, "it does not touch");
+    assert_eq!(ball_on(0.035, |at| 0.8 * dome(at), false), two, "it lies on the table");
+    assert_eq!(ball_on_a_bar(10.0), one);
+    assert_eq!(ball_on_a_bar(24.0), two, "the bar is no neck");
+}
+
+/// Two discs of 40 px, 4 cm high, and between them a bar of this length (px), as clusters with these numbers from left to right, and of these
+/// colours. The disc on the left goes on above the bar.
+fn dumbbell(length: usize, numbers: [i32; 3], colors: [[f32; 3]; 3]) -> Vec<Option<u32>> {
+    let of = |u: usize, v: usize| {
+        let is_in = |middle: usize| (u as f64 - middle as f64).hypot(v as f64 - 30.0) < 20.0;
+        match u {
+            _ if is_in(24) || (u < 34 && (6..30).contains(&v)) => Some(0),
+            _ if is_in(64 + length) => Some(2),
+            _ if (34..64 + length).contains(&u) && (25..35).contains(&v) => Some(1),
+            _ => None,
+        }
+    };
+    // All are a little round.
+    let height_m = |v: usize, half_px: f64| 0.04 - 0.004 * ((v as f64 - 29.5) / half_px).powi(2);
+    let seen = |u: usize, v: usize| {
+        of(u, v).map_or((0, 0.0), |k| (numbers[k], height_m(v, if k == 1 { 5.0 } else { 20.0 })))
+    };
+    let mut table = Table::new((128, 60), |u, v| Some(seen(u, v)));
+    table.lab = Some(LabImage::drawn((128, 60), |u, v| of(u, v).map_or(BLUE, |k| colors[k])));
+    joined(&table)
+}
+
+/// A regression: dumbbells and taps, made by another simulator, came in pieces.
+#[test]
+fn a_neck_is_one_with_what_is_wider_at_both_its_ends_if_their_colors_are_alike() {
+    let (one, two) = (vec![Some(0), Some(0)], vec![Some(0), Some(1)]);
+    let dark = [0.8 * (RED[0] + 16.0) - 16.0, 0.8 * RED[1], 0.8 * RED[2]];
+    assert_eq!(dumbbell(24, [1, 2, 2], [RED; 3]), one);
+    assert_eq!(dumbbell(24, [1, 2, 2], [dark, RED, RED]), one, "in the shade");
+    assert_eq!(dumbbell(24, [1, 2, 2], [BLUE, RED, RED]), two, "other colours");
+    assert_eq!(dumbbell(0, [1, 2, 2], [RED; 3]), two, "there is no neck: they just touch");
+    assert_eq!(dumbbell(14, [1, 2, 3], [RED; 3]), [Some(0); 3]);
+    let apart = [Some(0), Some(1), Some(2)];
+    assert_eq!(dumbbell(14, [1, 2, 3], [RED, RED, BLUE]), apart, "its other end holds nothing of its colour");
+}
+
+#[test]
+fn a_body_that_was_joined_may_be_the_neck_of_another() {
+    // The bar is a handle of the disc on the right, whatever its colour. Both together have the colours of the left one.
+    let bar = [60.0, 10.0, 10.0];
+    assert_eq!(dumbbell(44, [1, 2, 3], [BLUE, BLUE, BLUE]), [Some(0); 3]);
+    assert_eq!(dumbbell(44, [1, 2, 3], [BLUE, bar, BLUE]), [Some(0); 3]);
+    assert_eq!(dumbbell(44, [1, 2, 3], [RED, bar, BLUE]), [Some(0), Some(1), Some(1)]);
 }
 
 #[test]

@@ -1,0 +1,42 @@
+//! Which parts lie beside each other, and where they touch (docs/CONTEXT.md 4.7).
+
+use crate::clusters::cluster::Clusters;
+use crate::neighbours::four_neighbours;
+use crate::regions::SegmentId;
+
+/// Parts lie beside each other along at least this many pairs of pixels (px at 525 px), ...
+const BESIDE_PX: usize = 8;
+/// ... and a smaller part has too few colours to compare (px at 525 px).
+const PART_PX: usize = 100;
+
+/// Whether a cluster is large enough to be compared.
+pub(super) fn is_part(clusters: &Clusters<'_>, id: SegmentId) -> bool {
+    clusters.get(id).pixels.len() >= clusters.scene.space.area_px(PART_PX)
+}
+
+/// The clusters large enough to be compared that lie beside another, touching or not.
+pub(super) fn beside<'a>(clusters: &'a Clusters<'_>, id: SegmentId) -> impl Iterator<Item = SegmentId> + 'a {
+    let neighbours = clusters.get(id).neighbours.iter();
+    let near = neighbours.filter(|(_, borders)| is_long(clusters, borders.all()));
+    near.filter_map(|(other, _)| *other).filter(|&other| is_part(clusters, other))
+}
+
+/// Whether two parts touch, and not only at a corner.
+pub(super) fn touch(clusters: &Clusters<'_>, [a, b]: [SegmentId; 2]) -> bool {
+    is_long(clusters, clusters.borders(a, b).touch)
+}
+
+fn is_long(clusters: &Clusters<'_>, pairs: u32) -> bool {
+    pairs as usize >= clusters.scene.space.length_px(BESIDE_PX)
+}
+
+/// The pixels of one part that touch the other. O(pixels of the part).
+pub(super) fn contacts(clusters: &Clusters<'_>, [of, with]: [SegmentId; 2]) -> Vec<usize> {
+    let scene = clusters.scene;
+    let (width, height) = scene.disparity.size();
+    let meets = |&i: &usize| {
+        four_neighbours(i, width, height)
+            .any(|(j, _)| clusters.at_pixel(j) == Some(with) && scene.steps.touch(scene.disparity, i, j))
+    };
+    clusters.get(of).pixels.iter().map(|&i| i as usize).filter(meets).collect()
+}

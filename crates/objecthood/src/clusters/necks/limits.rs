@@ -1,0 +1,18 @@
+//! Limits that several kinds of evidence share (docs/CONTEXT.md 4.7).
+
+/// The foot of a part is this quantile of its heights.
+pub(super) const FOOT_SHARE: f64 = 0.05;
+/// A part whose foot is no higher above its support (m) stands on it: twice the noise of a foot at 1.5 m.
+pub(super) const FOOT_M: f64 = 0.015;
+/// A part on a slope, or that hangs, has at most this share of the pixels of the other: caps and heads measure 0.1 to 0.35. Of things that
+/// lean on each other, the front one hides the foot of the other, and both are of a size. What is smaller beside a ball, ears say, holds
+/// it not.
+pub(super) const SMALLER_SHARE: f64 = 0.4;
+/// What holds a part is this close (m): a shoulder hides as much of the neck behind it.
+pub(super) const HIDDEN_M: f64 = 0.03;
+/// The lower part is looked at this far (m) around the contact, or around a ball: where a foot would stand.
+pub(super) const AROUND_M: f64 = 0.03;
+/// Widths reach from the first to the second of these quantiles of places: outlines are noisy.
+pub(super) const SIDES: [f64; 2] = [0.05, 0.95];
+/// A width of fewer quanta than this is noise: of what stands upright only the front is seen.
+pub(super) const WIDTH_QUANTA: f64 = 2.0;

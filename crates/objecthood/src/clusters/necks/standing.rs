@@ -1,0 +1,101 @@
+//! Whether the upper part stands on the lower one, or would slide off it (docs/CONTEXT.md 4.7).
+
+use glam::DVec3;
+
+use crate::check::{Bound, Check};
+use crate::clusters::cluster::Clusters;
+use crate::clusters::necks::limits::{AROUND_M, FOOT_M, SMALLER_SHARE};
+use crate::clusters::necks::slopes::{SlopeCounts, Slopes};
+use crate::clusters::vessels::piece::check_on;
+use crate::clusters::vessels::walls::FLAT;
+use crate::regions::SegmentId;
+use crate::surface::disparity::position;
+
+/// With a larger share of level pixels around the contact the lower part carries the upper one.
+const LEVEL_SHARE: f64 = 0.3;
+/// From this share of pixels on that are neither level nor steep, a thing of its own would slide off the lower part.
+const SLIDING_SHARE: f64 = 0.33;
+/// Contacts around which the lower part is looked at, at most: evenly spread, their surroundings overlap.
+const CONTACTS: usize = 16;
+
+/// The checks by which the upper part, with its foot at `foot_m`, does not stand by itself, and is one with the lower: by their colours (`alike`), or
+/// because it would slide off. `carrying`: the pixels of the lower one that touch the upper. O(pixels of the lower).
+pub(super) fn checks(
+    clusters: &Clusters<'_>,
+    up: DVec3,
+    [upper, lower]: [SegmentId; 2],
+    carrying: &[usize],
+    foot_m: f64,
+    alike: Check,
+) -> Vec<Check> {
+    let slopes = slopes_around(clusters, up, lower, carrying);
+    let slides = slides(clusters, [upper, lower], slopes.sliding);
+    let level = "share of the lower part around it that is level";
+    let mut checks = vec![
+        Check::new("foot of the upper part above its support", "m", foot_m, Bound::Above, FOOT_M),
+        Check::new(level, "", slopes.level, Bound::Below, LEVEL_SHARE),
+    ];
+    checks.extend(check_hollow(clusters, [upper, lower]));
+    if alike.holds() || !slides.iter().all(Check::holds) {
+        checks.insert(0, alike);
+    } else {
+        checks.extend(slides);
+    }
+    checks
+}
+
+/// Checks that of two hollow parts one goes on in the other: else it is a bowl that stands in it. `None` when one is not
+/// hollow, or where they lie cannot be told.
+fn check_hollow(clusters: &Clusters<'_>, mut parts: [SegmentId; 2]) -> Option<Check> {
+    parts.sort_by_key(|&id| clusters.get(id).pixels.len());
+    let [smaller, larger] = parts;
+    let are_hollow = [smaller, larger].into_iter().all(|id| clusters.convexity(id) < -FLAT);
+    let support = clusters.scene.ground().filter(|_| are_hollow)?;
+    check_on(clusters, support, larger, smaller)
+}
+
+/// The checks by which the upper part would slide off the lower, from which a thing slides around their contact with this share.
+fn slides(clusters: &Clusters<'_>, [upper, lower]: [SegmentId; 2], sliding_share: f64) -> [Check; 2] {
+    let [upper_px, lower_px] = [upper, lower].map(|id| clusters.get(id).pixels.len() as f64);
+    [
+        Check::new(
+            "share of the lower part around it from which it would slide off",
+            "",
+            sliding_share,
+            Bound::AtLeast,
+            SLIDING_SHARE,
+        ),
+        Check::new(
+            "pixels of the upper part, over those of the lower",
+            "",
+            upper_px / lower_px,
+            Bound::AtMost,
+            SMALLER_SHARE,
+        ),
+    ]
+}
+
+/// How the lower part slopes around its contacts with the upper one.
+fn slopes_around(clusters: &Clusters<'_>, up: DVec3, lower: SegmentId, contacts: &[usize]) -> Slopes {
+    let scene = clusters.scene;
+    let width = scene.disparity.width();
+    let pixels = &clusters.get(lower).pixels;
+    let step = contacts.len().div_ceil(CONTACTS).max(1);
+    let around: Vec<(usize, DVec3)> =
+        contacts.iter().step_by(step).map(|&i| (i, scene.point_at(i))).collect();
+    let focal_px = scene.space.camera().fx_px.max(scene.space.camera().fy_px);
+    let is_near = |&i: &usize| {
+        let at = position(i, width);
+        around.iter().any(|&(contact, point)| {
+            let reach_px = AROUND_M * focal_px / point.z;
+            let of_contact = position(contact, width);
+            (0..2).all(|k| (at[k] - of_contact[k]).abs() < reach_px)
+                && scene.point_at(i).distance(point) < AROUND_M
+        })
+    };
+    let mut counts = SlopeCounts::new();
+    for i in pixels.iter().map(|&i| i as usize).filter(is_near) {
+        counts.add(scene, up, i);
+    }
+    counts.shares()
+}
