@@ -14,15 +14,14 @@ const SHADE: f32 = 0.7;
 
 /// The overlap of the colours of two parts; 0 without colour. O(sampled pixels).
 pub(super) fn overlap(clusters: &Clusters<'_>, pair: [SegmentId; 2]) -> f64 {
-    let [a, b] = colors(clusters, pair).map(|colors| ColorHistogram::of(colors.into_iter()));
-    a.overlap(&b)
+    overlap_of(&colors(clusters, pair))
 }
 
 /// The same, or if it is more, that with the darker part in the light of the other: light that falls scales L\* + 16, a\* and b\* alike. O(sampled
 /// pixels).
 fn overlap_in_light(clusters: &Clusters<'_>, pair: [SegmentId; 2]) -> f64 {
-    let as_seen = overlap(clusters, pair);
     let mut colors = colors(clusters, pair);
+    let as_seen = overlap_of(&colors);
     let light =
         colors.each_ref().map(|colors| mean(colors.iter().map(|color| Vec3::from(*color))).x + LIGHT_OFFSET);
     let darker = usize::from(light[1] < light[0]);
@@ -30,8 +29,7 @@ fn overlap_in_light(clusters: &Clusters<'_>, pair: [SegmentId; 2]) -> f64 {
     for [l, a, b] in &mut colors[darker] {
         (*l, *a, *b) = ((*l + LIGHT_OFFSET) * gain - LIGHT_OFFSET, *a * gain, *b * gain);
     }
-    let [a, b] = colors.map(|colors| ColorHistogram::of(colors.into_iter()));
-    a.overlap(&b).max(as_seen)
+    overlap_of(&colors).max(as_seen)
 }
 
 /// Checks that an overlap of colours is larger than `least`.
@@ -44,6 +42,10 @@ pub(super) fn check_alike_in_light(clusters: &Clusters<'_>, pair: [SegmentId; 2]
     let overlap = overlap_in_light(clusters, pair);
     Check::new("overlap of their colours in the same light", "", overlap, Bound::Above, least)
         .set_by("necks.color_overlap")
+}
+
+fn overlap_of([a, b]: &[Vec<[f32; 3]>; 2]) -> f64 {
+    ColorHistogram::of(a.iter().copied()).overlap(&ColorHistogram::of(b.iter().copied()))
 }
 
 /// Some colours (L\*a\*b\*) of two parts; none without colour.

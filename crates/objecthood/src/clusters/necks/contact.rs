@@ -30,13 +30,23 @@ fn is_long(clusters: &Clusters<'_>, pairs: u32) -> bool {
     pairs as usize >= clusters.scene.space.length_px(BESIDE_PX)
 }
 
+/// The pairs of neighbouring pixels of which the first is of one part and the second of the other, in the order of the first. O(pixels of the
+/// part).
+pub(super) fn pixel_pairs<'a>(
+    clusters: &'a Clusters<'_>,
+    [of, with]: [SegmentId; 2],
+) -> impl Iterator<Item = (usize, usize)> + 'a {
+    let (width, height) = clusters.scene.disparity.size();
+    let own = clusters.get(of).pixels.iter().map(|&i| i as usize);
+    let pairs = own.flat_map(move |i| four_neighbours(i, width, height).map(move |(j, _)| (i, j)));
+    pairs.filter(move |&(_, j)| clusters.at_pixel(j) == Some(with))
+}
+
 /// The pixels of one part that touch the other. O(pixels of the part).
-pub(super) fn contacts(clusters: &Clusters<'_>, [of, with]: [SegmentId; 2]) -> Vec<usize> {
+pub(super) fn contacts(clusters: &Clusters<'_>, parts: [SegmentId; 2]) -> Vec<usize> {
     let scene = clusters.scene;
-    let (width, height) = scene.disparity.size();
-    let meets = |&i: &usize| {
-        four_neighbours(i, width, height)
-            .any(|(j, _)| clusters.at_pixel(j) == Some(with) && scene.steps.touch(scene.disparity, i, j))
-    };
-    clusters.get(of).pixels.iter().map(|&i| i as usize).filter(meets).collect()
+    let touching = pixel_pairs(clusters, parts).filter(|&(i, j)| scene.steps.touch(scene.disparity, i, j));
+    let mut pixels: Vec<usize> = touching.map(|(i, _)| i).collect();
+    pixels.dedup();
+    pixels
 }

@@ -5,10 +5,9 @@ use glam::DVec3;
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::necks::colors;
-use crate::clusters::necks::contact::beside;
+use crate::clusters::necks::contact::{beside, pixel_pairs};
 use crate::clusters::necks::limits::{HIDDEN_M, SIDES, WIDTH_QUANTA};
 use crate::linear::length;
-use crate::neighbours::four_neighbours;
 use crate::quantile::{range, reach_m};
 use crate::regions::SegmentId;
 
@@ -156,19 +155,15 @@ struct Joint {
 
 impl Joint {
     /// `None` if they are not side by side. O(pixels of the part).
-    fn of(clusters: &Clusters<'_>, [part, other]: [SegmentId; 2]) -> Option<Self> {
-        let scene = clusters.scene;
-        let (width, height) = scene.disparity.size();
-        let (mut points, mut gap_m) = (Vec::new(), f64::INFINITY);
-        for i in clusters.get(part).pixels.iter().map(|&i| i as usize) {
-            let beside = four_neighbours(i, width, height).map(|(j, _)| j);
-            let mut beside = beside.filter(|&j| clusters.at_pixel(j) == Some(other)).peekable();
-            if beside.peek().is_some() {
-                let point = scene.point_at(i);
-                gap_m = beside.map(|j| scene.point_at(j).distance(point)).fold(gap_m, f64::min);
-                points.push(point);
-            }
+    fn of(clusters: &Clusters<'_>, parts: [SegmentId; 2]) -> Option<Self> {
+        let point = |i| clusters.scene.point_at(i);
+        let (mut pixels, mut gap_m) = (Vec::new(), f64::INFINITY);
+        for (i, j) in pixel_pairs(clusters, parts) {
+            gap_m = gap_m.min(point(j).distance(point(i)));
+            pixels.push(i);
         }
+        pixels.dedup();
+        let points: Vec<DVec3> = pixels.into_iter().map(point).collect();
         let middle = points.iter().sum::<DVec3>() / points.len() as f64;
         (!points.is_empty()).then_some(Self { points, middle, gap_m })
     }
