@@ -13,6 +13,7 @@ use crate::raster::Raster;
 use crate::regions::SegmentId;
 use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
 use crate::support::load::{Load, is_level, what_is_carried};
+use crate::support::post::Post;
 use crate::support::scene::SupportScene;
 
 /// About this many pixels of a thing are looked at.
@@ -106,6 +107,8 @@ struct Things<'a> {
     mean_m: Vec<f64>,
     /// Whether each region is too large to be grasped.
     is_furniture: Vec<bool>,
+    /// The regions that are posts.
+    posts: Vec<Option<Post>>,
     /// The things from the lowest to the highest.
     rising: Vec<usize>,
 }
@@ -120,15 +123,16 @@ impl<'a> Things<'a> {
         let height_m = |&i: &usize| DVec3::from(scene.points_m[i].map(f64::from)).dot(up);
         let mean_m = |pixels: &Vec<usize>| pixels.iter().map(height_m).sum::<f64>() / pixels.len() as f64;
         let mean_m: Vec<f64> = pixels.iter().map(mean_m).collect();
+        let points = |pixels: &[usize]| pixels.iter().map(|&i| scene.points_m[i]).collect::<Vec<_>>();
         let is_furniture = |pixels: &Vec<usize>| {
-            let points: Vec<[f32; 3]> = pixels.iter().map(|&i| scene.points_m[i]).collect();
-            let [_, second_m, longest_m] = fit_oriented_box(&points, scene.up.direction).sides_m();
+            let [_, second_m, longest_m] = fit_oriented_box(&points(pixels), scene.up.direction).sides_m();
             longest_m > objectness.max_side_m || second_m > objectness.max_second_side_m
         };
         let is_furniture = pixels.iter().map(is_furniture).collect();
+        let posts = pixels.iter().map(|pixels| Post::of(&points(pixels), up)).collect();
         let mut rising: Vec<usize> = (0..pixels.len()).filter(|&thing| !mean_m[thing].is_nan()).collect();
         rising.sort_by(|&a, &b| mean_m[a].total_cmp(&mean_m[b]));
-        Self { scene, up, pixels, mean_m, is_furniture, rising }
+        Self { scene, up, pixels, mean_m, is_furniture, posts, rising }
     }
 
     /// What the columns below a thing tell; `found`: the same of what is lower.
@@ -155,9 +159,12 @@ impl<'a> Things<'a> {
             }
             known += 1.0;
         }
-        let held = if followed > 0.0 { (held / followed / ENOUGH).min(1.0) } else { 1.0 };
         let known = known.max(1.0);
-        Below { held, cut: (own_cut + inherited) / known, own_cut: own_cut / known }
+        Below {
+            held: held_of(held, followed, known),
+            cut: (own_cut + inherited) / known,
+            own_cut: own_cut / known,
+        }
     }
 
     /// The shares of the columns above a thing that end on structure and on furniture which it carries, among those that can be followed.
@@ -165,12 +172,18 @@ impl<'a> Things<'a> {
     fn follow_up(&self, thing: usize, shows_foot: bool) -> [f32; 2] {
         // Furniture on which it stands is below it.
         let is_above = |region: usize| self.is_furniture[region] && self.mean_m[region] > self.mean_m[thing];
-        let pixels = self.pixels[thing].iter();
-        let ends: Vec<Load> = pixels
-            .filter_map(|&i| what_is_carried(self.scene, self.up, i, thing, shows_foot, is_above))
-            .collect();
+        let post = self.posts[thing];
+        let load = |&i: &usize| {
+            let load = what_is_carried(self.scene, self.up, i, thing, shows_foot, is_above);
+            let is_free = load.is_none_or(|load| load == Load::Nothing);
+            let goes_on = post.is_some_and(|post| is_free && post.goes_on(self.scene, self.up, i, thing));
+            if goes_on { Some(Load::Furniture) } else { load }
+        };
+        let ends: Vec<Load> = self.pixels[thing].iter().filter_map(load).collect();
         let share = |load| ends.iter().filter(|&&end| end == load).count() as f32 / ends.len().max(1) as f32;
-        [Load::Structure, Load::Furniture].map(share)
+        // A post is slim: what a part of it carries, it carries.
+        let enough = if post.is_some() { ENOUGH } else { 1.0 };
+        [Load::Structure, Load::Furniture].map(|load| (share(load) / enough).min(1.0))
     }
 
     /// Whether level surfaces are seen and a thing lies below each of them, on average.
@@ -182,6 +195,13 @@ impl<'a> Things<'a> {
         let mut heights_m = level.map(|plane| plane.height_m(center_m)).peekable();
         heights_m.peek().is_some() && heights_m.all(|height_m| height_m < 0.0)
     }
+}
+
+/// The footing by columns that go down to the structure, of those that can be followed, of those that are known. Where most leave the image, the few others
+/// count less.
+fn held_of(held: f32, followed: f32, known: f32) -> f32 {
+    let share = |part: f32, of: f32| (part / of.max(1.0) / ENOUGH).min(1.0);
+    1.0 - share(followed, known) * (1.0 - share(held, followed))
 }
 
 /// About [`COLUMNS`] of the pixels with depth in these runs, evenly spread.
@@ -321,6 +341,15 @@ mod tests {
     fn what_is_cut_by_the_image_is_not_seen_to_hang() {
         let cut = footing_of(&[[100..120, 225..240]]);
         assert_eq!(cut[2], 1.0);
+    }
+
+    /// A teddy at the lower border of the image was no object, because its arms hang over air.
+    #[test]
+    fn what_few_columns_show_counts_little() {
+        assert_eq!(held_of(0.0, 300.0, 300.0), 0.0, "it hangs");
+        assert_eq!(held_of(0.0, 75.0, 300.0), 0.0, "a quarter of the columns is enough to see it");
+        assert_eq!(held_of(0.0, 15.0, 300.0), 0.8, "it may go on below the image");
+        assert_eq!(held_of(0.0, 0.0, 300.0), 1.0, "nothing is seen");
     }
 
     #[test]

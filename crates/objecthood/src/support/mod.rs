@@ -54,5 +54,8 @@ mod meeting;
 pub mod paper;
 mod pixel_block;
 mod plan;
+mod post;
 pub mod scene;
 pub mod standing;
+#[cfg(test)]
+mod testing;

@@ -55,7 +55,8 @@ fn check_hollow(clusters: &Clusters<'_>, mut parts: [SegmentId; 2]) -> Option<Ch
 }
 
 /// The checks by which the upper part would slide off the lower, from which a thing slides around their contact with this share.
-fn slides(clusters: &Clusters<'_>, [upper, lower]: [SegmentId; 2], sliding_share: f64) -> [Check; 2] {
+fn slides(clusters: &Clusters<'_>, [upper, lower]: [SegmentId; 2], sliding_share: f64) -> [Check; 3] {
+    let bends = clusters.convexity(lower);
     let [upper_px, lower_px] = [upper, lower].map(|id| clusters.get(id).pixels.len() as f64);
     [
         Check::new(
@@ -72,6 +73,7 @@ fn slides(clusters: &Clusters<'_>, [upper, lower]: [SegmentId; 2], sliding_share
             Bound::AtMost,
             SMALLER_SHARE,
         ),
+        Check::new("how far the lower part bends outwards", "", bends, Bound::AtLeast, -FLAT),
     ]
 }
 

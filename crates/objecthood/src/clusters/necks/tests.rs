@@ -6,6 +6,7 @@ use crate::color::image::LabImage;
 
 const RED: [f32; 3] = [50.0, 50.0, 30.0];
 const BLUE: [f32; 3] = [40.0, 10.0, -40.0];
+const GREEN: [f32; 3] = [50.0, -40.0, 30.0];
 
 /// A part that rises from a height by a slope to its right, where a level part joins it, as seen from above.
 fn body(heights: [f64; 3], colors: [[f32; 3]; 2]) -> Table {
@@ -80,6 +81,27 @@ fn a_small_part_that_would_slide_off_is_one_with_what_is_below_whatever_its_colo
     let mut depth_only = body_with(20, bottle, [RED, BLUE]);
     depth_only.lab = None;
     assert_eq!(joined(&depth_only), one);
+}
+
+/// A can that stood in a bowl was one with the bowl, because the slopes around it would not carry it.
+#[test]
+fn what_lies_in_a_bowl_does_not_slide_off() {
+    // A round slope that rises by this much (m) to its border at 28 px, or to its middle, where the level top of another part is 4 mm higher.
+    let at = |rise_m: f64| {
+        let of = |u: usize, v: usize| {
+            let slope_m = |r: f64| 0.060 + (r / 28.0).powi(2) * rise_m;
+            match (u as f64 - 30.0).hypot(v as f64 - 30.0) {
+                r if r < 14.0 => (2, slope_m(14.0) + 0.004),
+                r if r < 28.0 => (1, slope_m(r)),
+                _ => (0, 0.0),
+            }
+        };
+        let mut table = Table::new((60, 60), |u, v| Some(of(u, v)));
+        table.lab = Some(LabImage::drawn((60, 60), |u, v| [BLUE, RED, GREEN][of(u, v).0 as usize]));
+        joined(&table)
+    };
+    assert_eq!(at(-0.05), [Some(0), Some(0)], "a shoulder");
+    assert_eq!(at(0.05), [Some(0), Some(1)], "a bowl");
 }
 
 /// A hammer as seen from above: a head, and from its middle to the right, or so far (px) above it, a handle of this width and length (px), of

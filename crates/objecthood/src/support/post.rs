@@ -1,0 +1,130 @@
+//! Posts: things much higher than wide whose upper end is out of sight, as the legs of tables and chairs (docs/CONTEXT.md 6.7).
+
+use glam::{DVec3, Quat};
+
+use crate::oriented_box::fit_oriented_box;
+use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
+use crate::support::load::is_level;
+use crate::support::scene::SupportScene;
+
+/// A post is at least this many times as long as wide. Bottles are up to four times, seen whole.
+const SLIM: f32 = 4.0;
+/// What is seen of a post is at least this long (m), longer than a pen.
+const LONG_M: f32 = 0.15;
+/// A post that leaves the image is at least this many times as long as wide: only a part of it is seen.
+const SLIM_OUTSIDE: f32 = 6.0;
+/// Its long side makes an angle with up whose cosine is at least this (26 degrees): legs may be splayed.
+const UPRIGHT: f64 = 0.9;
+/// A column is followed up for at most this length (m), the height of a table.
+const HIGHEST_M: f64 = 0.8;
+
+/// A thing much higher than wide.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Post {
+    /// What is seen of its length, over its width.
+    slimness: f32,
+}
+
+impl Post {
+    /// `None` unless a thing of which these points are seen is a post. Its width is measured across the line of sight, where depth has no noise.
+    /// O(points).
+    pub(super) fn of(points_m: &[[f32; 3]], up: DVec3) -> Option<Self> {
+        let sum: DVec3 = points_m.iter().map(|&point| DVec3::from(point.map(f64::from))).sum();
+        let ahead = (sum - up * sum.dot(up)).try_normalize()?;
+        let seen = fit_oriented_box(points_m, ahead.as_vec3().to_array());
+        let [long_m, wide_m, _] = seen.extents_m;
+        let along = Quat::from_array(seen.rotation_xyzw).as_dquat() * DVec3::X;
+        let is_post = long_m >= LONG_M.max(SLIM * wide_m) && along.dot(up).abs() >= UPRIGHT;
+        is_post.then_some(Self { slimness: long_m / wide_m })
+    }
+
+    /// Whether it goes on, out of sight, above pixel `i` of the thing: the column above leaves the image, or goes up behind 4 cm of what it then
+    /// meets, as the edge and the top of a table. It meets a level surface of the structure also where something on that surface hides the place.
+    ///
+    /// O(steps). Source: ours, because what is much higher than wide does not stand by itself, and what hides only its upper end hangs over.
+    pub(super) fn goes_on(self, scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> bool {
+        let point = DVec3::from(scene.points_m[i].map(f64::from));
+        let board = |region: usize| scene.planes.get(region).filter(|plane| is_level(plane, up));
+        let (mut height_m, mut air_m) = (0.0, 0.0);
+        // What hides the column, and how much of it (m).
+        let (mut before, mut hidden_m) = (None, 0.0);
+        for Place { region, farther_m, behind_m } in places(scene, i, up, HIGHEST_M) {
+            height_m += STEP_M;
+            let region = region.map(|region| region.index());
+            if region == Some(thing) {
+                continue;
+            }
+            let is_hidden = farther_m < -behind_m;
+            if !is_hidden && farther_m.is_nan() || farther_m > behind_m {
+                air_m += STEP_M;
+                if air_m >= LEAST_AIR_M {
+                    return false;
+                }
+                continue;
+            }
+            if is_hidden && hidden_m < LEAST_AIR_M {
+                hidden_m = if region == before { hidden_m + STEP_M } else { STEP_M };
+                before = region;
+            }
+            let Some(over) = before.filter(|_| hidden_m >= LEAST_AIR_M) else { continue };
+            let is_crossed = board(over).is_some_and(|plane| {
+                plane.height_m(point) < -LEAST_AIR_M && plane.height_m(point + up * height_m) > 0.0
+            });
+            if is_crossed || !is_hidden && region == before {
+                return true;
+            }
+        }
+        self.slimness >= SLIM_OUTSIDE && height_m < HIGHEST_M - STEP_M
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::testing::{pixels_of, table_scene};
+
+    /// What is seen of these things of the scene as posts, and the share of the pixels of each above which it goes on, in an image that begins at this
+    /// column and row.
+    fn posts(first: [usize; 2], things: &[usize], has_table: bool) -> Vec<Option<f64>> {
+        table_scene(0.0, first, has_table, |scene, up| {
+            let share = |&thing: &usize| {
+                let pixels: Vec<usize> = pixels_of(scene, thing).collect();
+                let points_m: Vec<[f32; 3]> = pixels.iter().map(|&i| scene.points_m[i]).collect();
+                let post = Post::of(&points_m, up)?;
+                let on = pixels.iter().filter(|&&i| post.goes_on(scene, up, i, thing)).count();
+                Some(on as f64 / pixels.len() as f64)
+            };
+            things.iter().map(share).collect()
+        })
+    }
+
+    /// The back legs of tables and chairs were objects: their upper end is hidden, less than 40 cm above the rest.
+    #[test]
+    fn a_leg_behind_a_table_goes_on() {
+        let [back, stands_on, free] = posts([0, 0], &[3, 4, 5], true)[..] else { unreachable!() };
+        assert!(back > Some(0.9), "behind the table, and what stands on it hides where they meet: {back:?}");
+        assert_eq!(
+            [stands_on, free],
+            [None, Some(0.0)],
+            "a box on the table; a post of which the end is seen"
+        );
+    }
+
+    #[test]
+    fn what_leaves_the_image_goes_on_if_it_is_slimmer_than_a_bottle() {
+        // A front leg, 5 cm wide, that ends below the image too.
+        let of = |first_row| posts([0, first_row], &[6], true)[0];
+        assert!(of(160) > Some(0.9), "51 cm of it are seen: {:?}", of(160));
+        assert_eq!(of(210), Some(0.0), "19 cm");
+    }
+
+    #[test]
+    fn a_rod_that_lies_is_no_post() {
+        let rod = |k: usize| [0.004 * k as f32, 0.5, 1.5];
+        let lying: Vec<[f32; 3]> = (0..100).map(rod).collect();
+        let upright: Vec<[f32; 3]> = lying.iter().map(|&[x, y, z]| [y, x, z]).collect();
+        assert!(Post::of(&lying, DVec3::NEG_Y).is_none() && Post::of(&upright, DVec3::NEG_Y).is_some());
+        let short: Vec<[f32; 3]> = upright.iter().map(|point| point.map(|x| x / 4.0)).collect();
+        assert!(Post::of(&short, DVec3::NEG_Y).is_none(), "10 cm");
+    }
+}
