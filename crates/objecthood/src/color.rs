@@ -33,6 +33,11 @@ pub(crate) fn difference(one: [f32; 3], other: [f32; 3]) -> f32 {
     ((LIGHTNESS * l).powi(2) + a * a + b * b).sqrt()
 }
 
+/// Colours differ from this difference on (L\*a\*b\*, lightness weighted): print and light change even faces by less.
+pub(crate) const CONTRAST: f32 = 12.0;
+/// A difference from this on is wholly clear (L\*a\*b\*, lightness weighted).
+pub(crate) const CLEAR_CONTRAST: f64 = 40.0;
+
 /// A darker colour is no shadow of another from this difference from it in less light on (ΔE of chroma): lamp and room light differ a little in
 /// colour.
 pub(crate) const LEAST_UNLIKE_SHADOW: f64 = 8.0;

@@ -16,6 +16,7 @@ use crate::facets::paper::group_alike;
 use crate::frame::Frame;
 use crate::objectness::conclusion::{ContextScene, PaperScene, conclude_context, conclude_paper};
 use crate::objectness::hypotheses::{Evidence, find_cluster_hypotheses, find_hypotheses};
+use crate::objectness::outline::ColorEvidence;
 use crate::observe::{LabelMap, Observer, Output};
 use crate::outputs::{ContextOutputs, PaperOutputs, recall, try_recall};
 use crate::oversegment::linked::flood_superpixels;
@@ -77,8 +78,8 @@ pub(crate) fn paper<'k>(
     observer.observe(Output::Support { graph: support, regions: shapes });
     let hypotheses = recall(&mut kept.hypotheses, || {
         let (space, up) = (&DisparitySpace::new(frame.camera(), &params.sensor), &ground.up);
-        let evidence =
-            Evidence { regions: shapes, points_m, normals, support, footing: None, up, space, seams: None };
+        let (regions, footing, color) = (shapes, None, ColorEvidence::default());
+        let evidence = Evidence { regions, points_m, normals, support, footing, up, space, color };
         find_hypotheses(&evidence, &params.objectness, &params.contraction)
     });
     observer.observe(Output::Hypotheses(hypotheses));

@@ -68,6 +68,7 @@ mod tests {
             top_m: None,
             joins: Vec::new(),
             is_flat: false,
+            contrast: 0.0,
         }
     }
 

@@ -11,7 +11,7 @@ use crate::discovery::parts::ObjectnessParts;
 use crate::discovery::support_graph::SupportGraph;
 use crate::discovery::up::Up;
 use crate::objectness::compactness::measure_compactness;
-use crate::objectness::outline::{SeamsAt, measure_outlines};
+use crate::objectness::outline::{ColorEvidence, SeamsAt, measure_outlines};
 use crate::objectness::size::{rate_height, rate_resolution, rate_rise, rate_size, resolved_side_m};
 use crate::oriented_box::fit_oriented_box;
 use crate::params;
@@ -44,6 +44,8 @@ pub struct Hypothesis {
     pub joins: Vec<Join>,
     /// Whether it is a flat thing on a support (docs/CONTEXT.md 2.3). Never in `paper`.
     pub is_flat: bool,
+    /// The share of its outline at which its colours differ from the background's, in [0, 1]; 0 without colour and in `paper`.
+    pub contrast: f32,
 }
 
 /// The inputs by which regions are judged.
@@ -63,8 +65,8 @@ pub struct Evidence<'a> {
     pub up: &'a Up,
     /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
-    /// The seams between facets, if there are any.
-    pub seams: Option<SeamsAt<'a>>,
+    /// What colour shows of borders: nothing in `paper`.
+    pub color: ColorEvidence<'a>,
 }
 
 /// Makes hypotheses of the regions that have at least `objectness.min_size_px` points, in their order. O(pixels + area of the
@@ -93,10 +95,10 @@ fn judge_regions(
     objectness: &params::Objectness,
     contraction: &params::Contraction,
 ) -> Vec<Hypothesis> {
-    let Evidence { regions, points_m, normals, support, footing, up, space, seams } = *evidence;
+    let Evidence { regions, points_m, normals, support, footing, up, space, color } = *evidence;
     let pixels = measured_pixels(regions, first, points_m);
     let (outlines, compactness) = rayon::join(
-        || measure_outlines(regions, first, points_m, normals, space, contraction, seams),
+        || measure_outlines(regions, first, points_m, normals, space, contraction, color),
         || measure_compactness(regions, &pixels, points_m, space),
     );
     let carried = support.carried();
@@ -116,9 +118,9 @@ fn judge_regions(
             visibility,
         };
         let objectness = parts.objectness(objectness);
-        let region = SegmentId(region as u32);
+        let id = SegmentId(region as u32);
         Some(Hypothesis {
-            region,
+            region: id,
             pixels,
             box_m,
             objectness,
@@ -126,6 +128,7 @@ fn judge_regions(
             top_m: None,
             joins: Vec::new(),
             is_flat: false,
+            contrast: outlines[region].contrast(),
         })
     };
     pixels.into_par_iter().enumerate().filter_map(judge).collect()
@@ -161,7 +164,10 @@ pub fn find_cluster_hypotheses(
         footing: Some(&footing.held),
         up,
         space,
-        seams: scene.cuts.map(|cuts| SeamsAt { facets: &scene.facets.segments, cuts }),
+        color: ColorEvidence {
+            lab: scene.lab,
+            seams: scene.cuts.map(|cuts| SeamsAt { facets: &scene.facets.segments, cuts }),
+        },
     };
     // All candidates are large enough.
     let candidates_only = Judged { first: planes.len(), min_size_px: 1 };
@@ -191,7 +197,8 @@ pub fn find_cluster_hypotheses(
             let parts = &mut hypothesis.parts;
             parts.separation = parts.separation.max(flat.separation());
         } else if scene.is_smeared {
-            hypothesis.parts.size *= rate_resolution(hypothesis.pixels.len(), space);
+            let resolution = rate_resolution(hypothesis.pixels.len(), space);
+            hypothesis.parts.size *= 1.0 - (1.0 - hypothesis.contrast) * (1.0 - resolution);
         }
         hypothesis.objectness = hypothesis.parts.objectness(objectness);
     }

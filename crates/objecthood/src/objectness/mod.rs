@@ -1,7 +1,7 @@
 //! Objectness: decides which regions are objects, by their size, support and borders (paper, III-D).
 //!
 //! [`hypotheses`] rates every region in six parts: [`size`], support, footing (`context` only), [`compactness`], and from the
-//! [`outline`] separation and visibility. [`decision`] keeps the hypotheses that are objects, [`objects`] numbers and describes them.
+//! [`outline`], and the contrast across it, separation and visibility. [`decision`] keeps the hypotheses that are objects, [`objects`] numbers and describes them.
 //!
 //! On a box of 10 cm, seen from above:
 //!
@@ -50,6 +50,7 @@
 
 pub mod compactness;
 pub mod conclusion;
+mod contrast;
 pub mod decision;
 pub mod hypotheses;
 pub mod objects;

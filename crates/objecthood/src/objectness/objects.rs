@@ -34,8 +34,17 @@ pub fn make_objects(
     let mut objects = Vec::with_capacity(hypotheses.len());
     let mut seen = vec![0; facets.count() + 1];
     for (number, hypothesis) in (1..=u16::MAX).zip(hypotheses) {
-        let &Hypothesis { region, ref pixels, box_m, objectness, parts, top_m, ref joins, is_flat } =
-            hypothesis;
+        let &Hypothesis {
+            region,
+            ref pixels,
+            box_m,
+            objectness,
+            parts,
+            top_m,
+            ref joins,
+            is_flat,
+            contrast: _,
+        } = hypothesis;
         pixels.iter().for_each(|&i| labels[i] = number);
         objects.push(Object {
             id: ObjectId(number),
@@ -111,6 +120,7 @@ mod tests {
             top_m: None,
             joins: vec![],
             is_flat: false,
+            contrast: 0.0,
         }
     }
 

@@ -6,6 +6,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::clusters::borders::REACH_PX;
+use crate::color::image::LabImage;
+use crate::objectness::contrast::{Across, measure_contrast};
 use crate::params;
 use crate::raster::{Raster, marked};
 use crate::regions::{SegmentId, Segments};
@@ -31,6 +33,8 @@ pub struct Outline {
     pub clear_m: f64,
     /// Length at which the border can be judged: steps in depth, and folds with a normal on both sides.
     pub judged_m: f64,
+    /// Length at which its colours differ from those of the background beside it, times how clearly (docs/CONTEXT.md 6.4).
+    pub colored_m: f64,
 }
 
 /// One side of a pixel beyond which its region does not go on.
@@ -38,8 +42,10 @@ struct OutlineSide {
     region: SegmentId,
     end: End,
     length_m: f64,
-    /// The part of `length_m` that is clearly the border of a thing; `None` if it cannot be judged.
+    /// The part of `length_m` that depth shows to be clearly the border of a thing; `None` if it cannot be judged.
     clear_m: Option<f64>,
+    /// Where its colours are compared.
+    across: Option<Across>,
 }
 
 /// How a region ends at a side.
@@ -65,7 +71,7 @@ struct View<'a> {
     normals: &'a Raster<[f32; 3]>,
     space: &'a DisparitySpace,
     params: &'a params::Contraction,
-    seams: Option<SeamsAt<'a>>,
+    color: ColorEvidence<'a>,
     /// Farthest distance (px) at which the pixel beyond a hole is searched.
     reach: usize,
     /// Distance (px) from the border at which normals are read.
@@ -74,6 +80,15 @@ struct View<'a> {
     rise_aside: usize,
     /// Regions below this number are structure.
     structure: usize,
+}
+
+/// What colour shows of borders.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ColorEvidence<'a> {
+    /// The colours, if there are any.
+    pub lab: Option<&'a LabImage>,
+    /// The seams between facets, if there are any.
+    pub seams: Option<SeamsAt<'a>>,
 }
 
 /// The seams between facets.
@@ -96,7 +111,8 @@ impl SeamsAt<'_> {
 /// Measures the outline of every region from number `first` on; the other outlines stay empty.
 ///
 /// A step in depth is clear, whichever side is in front. The deeper the valley of a fold, the clearer it is: not clear at all where it
-/// votes fully for one shape, wholly clear where it votes fully against (docs/CONTEXT.md 3.2). A seam is clear. Across a hole in the depth the search
+/// votes fully for one shape, wholly clear where it votes fully against (docs/CONTEXT.md 3.2). A seam is clear. Beside the background a fold
+/// is at least as clear as the colours on both sides are unlike. Across a hole in the depth the search
 /// reaches up to 24 px (at 525 px); a side without a measured pixel in reach does not count. O(pixels + outline · 24); parallel over
 /// bands of rows.
 pub fn measure_outlines(
@@ -106,18 +122,19 @@ pub fn measure_outlines(
     normals: &Raster<[f32; 3]>,
     space: &DisparitySpace,
     params: &params::Contraction,
-    seams: Option<SeamsAt<'_>>,
+    color: ColorEvidence<'_>,
 ) -> Vec<Outline> {
     let height = regions.labels().height();
     let [reach, aside, rise_aside] = [REACH_PX, ASIDE_PX, RISE_ASIDE_PX].map(|px| space.length_px(px));
     let structure = first;
-    let view = View { regions, points_m, normals, space, params, seams, reach, aside, rise_aside, structure };
+    let view = View { regions, points_m, normals, space, params, color, reach, aside, rise_aside, structure };
     regions.find_runs();
     let band = |band: usize| view.band(band * BAND_ROWS..height.min((band + 1) * BAND_ROWS), first);
-    let bands: Vec<Vec<OutlineSide>> = (0..height.div_ceil(BAND_ROWS)).into_par_iter().map(band).collect();
+    let bands: Vec<Vec<(OutlineSide, f64)>> =
+        (0..height.div_ceil(BAND_ROWS)).into_par_iter().map(band).collect();
     let mut outlines = vec![Outline::default(); regions.count()];
-    for side in bands.into_iter().flatten() {
-        outlines[side.region.index()].add(&side);
+    for (side, contrast) in bands.into_iter().flatten() {
+        outlines[side.region.index()].add(&side, contrast);
     }
     outlines
 }
@@ -140,8 +157,8 @@ fn mark_border(labels: &Raster<i32>, run: &Range<usize>, label: i32, marks: &mut
 }
 
 impl View<'_> {
-    /// The outline sides in some rows, for regions from number `first` on.
-    fn band(&self, rows: Range<usize>, first: usize) -> Vec<OutlineSide> {
+    /// The outline sides in some rows, for regions from number `first` on, and the contrast at each.
+    fn band(&self, rows: Range<usize>, first: usize) -> Vec<(OutlineSide, f64)> {
         let labels = self.regions.labels();
         let mut sides = Vec::new();
         let mut marks = vec![0; labels.width()];
@@ -151,7 +168,10 @@ impl View<'_> {
             let region = SegmentId(region as u32);
             marked(marks).for_each(|k| self.sides(run.start + k, region, &mut sides));
         }
-        sides
+        let across: Vec<_> = sides.iter().map(|side| (side.region, side.across)).collect();
+        let contrasts = self.color.lab.map(|lab| measure_contrast(lab, labels.width(), &across));
+        let contrasts = contrasts.unwrap_or_else(|| vec![0.0; sides.len()]);
+        sides.into_iter().zip(contrasts).collect()
     }
 
     /// Adds the sides of pixel `i` that belong to the outline of its region, if the pixel is measured.
@@ -171,14 +191,14 @@ impl View<'_> {
             (height - 1 - v, width as isize, wide_m),
             (v, -(width as isize), wide_m),
         ];
-        sides.extend(directions.into_iter().filter_map(|(room, step, length_m)| {
-            let (end, clear_m) = self.side(i, region, room, step, length_m)?;
-            Some(OutlineSide { region, end, length_m, clear_m })
-        }));
+        sides.extend(
+            directions
+                .into_iter()
+                .filter_map(|(room, step, length_m)| self.side(i, region, room, step, length_m)),
+        );
     }
 
-    /// How the region of pixel `i` ends on one side, and its clear length there; `None` when the region goes on or nothing is measured in
-    /// reach.
+    /// How the region of pixel `i` ends on one side; `None` when the region goes on or nothing is measured in reach.
     fn side(
         &self,
         i: usize,
@@ -186,11 +206,12 @@ impl View<'_> {
         room: usize,
         step: isize,
         length_m: f64,
-    ) -> Option<(End, Option<f64>)> {
+    ) -> Option<OutlineSide> {
         let own_m = f64::from(self.points_m[i][2]);
+        let side = |end, clear_m, across| Some(OutlineSide { region, end, length_m, clear_m, across });
         for t in 1..=self.reach {
             if t > room {
-                return Some((End::Cut, None));
+                return side(End::Cut, None, None);
             }
             let j = i.checked_add_signed(step * t as isize)?;
             if self.regions.at(j) == Some(region) {
@@ -200,11 +221,12 @@ impl View<'_> {
             if z_m.is_nan() {
                 continue;
             }
+            let across = self.across(i, j, step);
             if (z_m - own_m).abs() > self.space.step_m(STEP_QUANTA, own_m.min(z_m)) {
-                return Some((if z_m < own_m { End::Hidden } else { End::Own }, Some(length_m)));
+                return side(if z_m < own_m { End::Hidden } else { End::Own }, Some(length_m), across);
             }
             let clear_m = || {
-                if self.seams.is_some_and(|seams| seams.part(i, j)) {
+                if self.color.seams.is_some_and(|seams| seams.part(i, j)) {
                     return Some(length_m);
                 }
                 let beyond = self.surface(j, step)?;
@@ -214,7 +236,7 @@ impl View<'_> {
                 let fold = Fold { angle_deg: fold_angle_deg(self.surface(i, -step)?, beyond), length_m };
                 Some((length_m - fold.vote_m(self.params)) / 2.0)
             };
-            return Some((End::Own, clear_m()));
+            return side(End::Own, clear_m(), across);
         }
         None
     }
@@ -231,14 +253,30 @@ impl View<'_> {
         normal.dot(own - point) > self.space.step_m(quanta, own.z).max(RISE_M)
     }
 
-    /// Point and normal in the region of `i`, some pixels away from the border; nearer where the region is narrow.
-    fn surface(&self, i: usize, step: isize) -> Option<(DVec3, DVec3)> {
+    /// Where the colours of the region of `i` and of the background at `j` beside it are compared. Parts of one printed thing differ in colour too.
+    fn across(&self, i: usize, j: usize, step: isize) -> Option<Across> {
+        if self.color.lab.is_none()
+            || self.regions.at(j).is_some_and(|beyond| beyond.index() >= self.structure)
+        {
+            return None;
+        }
+        Some([self.inwards(i, -step).next()?, self.inwards(j, step).next()?])
+    }
+
+    /// Pixels in the region of `i`, from some pixels away from the border towards it; nearer where the region is narrow.
+    fn inwards(&self, i: usize, step: isize) -> impl Iterator<Item = usize> {
         let own = self.regions.at(i);
-        let along = |t: usize| i.checked_add_signed(step * t as isize).filter(|&j| j < self.points_m.len());
+        let along =
+            move |t: usize| i.checked_add_signed(step * t as isize).filter(|&j| j < self.points_m.len());
         let is_own = |&t: &usize| along(t).is_some_and(|j| self.regions.at(j) == own);
         let width = (0..=self.aside).take_while(is_own).count();
+        (0..width).rev().filter_map(along)
+    }
+
+    /// Point and normal in the region of `i`, where there is a normal.
+    fn surface(&self, i: usize, step: isize) -> Option<(DVec3, DVec3)> {
         let is_known = |&j: &usize| self.normals[j] != [0.0; 3] && !self.points_m[j][2].is_nan();
-        let j = (0..width).rev().filter_map(along).find(is_known)?;
+        let j = self.inwards(i, step).find(is_known)?;
         let [point, normal] = [self.points_m[j], self.normals[j]].map(|p| DVec3::from(p.map(f64::from)));
         Some((point, normal))
     }
@@ -250,21 +288,30 @@ impl Outline {
         if self.judged_m > 0.0 { (self.clear_m / self.judged_m) as f32 } else { 1.0 }
     }
 
+    /// Contrast: the share of the outline, without that at which the image ends, at which its colours differ from the background's, in [0, 1]; 0 for an
+    /// empty outline.
+    pub fn contrast(&self) -> f32 {
+        let all_m = self.own_m + self.hidden_m;
+        if all_m > 0.0 { (self.colored_m / all_m) as f32 } else { 0.0 }
+    }
+
     /// Visibility: the share of the outline that is the region's own, in [0, 1]; 1 for an empty outline.
     pub fn visibility(&self) -> f32 {
         let all_m = self.own_m + self.hidden_m + self.cut_m;
         if all_m > 0.0 { (self.own_m / all_m) as f32 } else { 1.0 }
     }
 
-    fn add(&mut self, side: &OutlineSide) {
+    fn add(&mut self, side: &OutlineSide, contrast: f64) {
         let length_m = match side.end {
             End::Own => &mut self.own_m,
             End::Hidden => &mut self.hidden_m,
             End::Cut => &mut self.cut_m,
         };
         *length_m += side.length_m;
+        let colored_m = contrast * side.length_m;
+        self.colored_m += colored_m;
         if let Some(clear_m) = side.clear_m {
-            self.clear_m += clear_m;
+            self.clear_m += clear_m.max(colored_m);
             self.judged_m += side.length_m;
         }
     }
@@ -285,7 +332,15 @@ mod tests {
         let table = Table::drawn(rows, heights_m);
         let scene = table.scene();
         let params = params::Contraction::default();
-        measure_outlines(&scene.facets.segments, 0, scene.points_m, scene.normals, scene.space, &params, None)
+        measure_outlines(
+            &scene.facets.segments,
+            0,
+            scene.points_m,
+            scene.normals,
+            scene.space,
+            &params,
+            ColorEvidence::default(),
+        )
     }
 
     fn sides(length_m: f64, height_m: f64) -> f64 {
@@ -332,13 +387,49 @@ mod tests {
         let params = params::Contraction::default();
         let separation = |noise: Noise| {
             let (segments, space) = (&scene.facets.segments, scene.space.with_noise(noise));
-            let all = measure_outlines(segments, 1, scene.points_m, scene.normals, &space, &params, None);
+            let all = measure_outlines(
+                segments,
+                1,
+                scene.points_m,
+                scene.normals,
+                &space,
+                &params,
+                ColorEvidence::default(),
+            );
             all[1].separation()
         };
         let fine =
             Noise { blocks_quanta: Noise::KINECT.blocks_quanta.map(|wave| wave / 3.0), ..Noise::KINECT };
         assert!(separation(Noise::KINECT) < 0.6, "{}", separation(Noise::KINECT));
         assert_eq!(separation(fine), 1.0);
+    }
+
+    /// Cans on a floor 2 m away were no objects of a stereo camera, which sees no step there.
+    #[test]
+    fn where_depth_shows_no_border_color_does() {
+        let rows = ["____________"; 4].into_iter().chain(["____aaaa____"; 4]).chain(["____________"; 4]);
+        let mut table = Table::drawn(&rows.collect::<Vec<_>>(), &[0.0]);
+        let outline = |table: &Table| {
+            let Scene { facets, points_m, normals, space, lab, .. } = table.scene();
+            let color = ColorEvidence { lab, seams: None };
+            let params = params::Contraction::default();
+            measure_outlines(&facets.segments, 1, points_m, normals, space, &params, color)[1]
+        };
+        let by_depth = outline(&table);
+        assert_eq!(by_depth.contrast(), 0.0);
+        let [red, gray] = [[50.0, 60.0, 30.0], [50.0, 0.0, 0.0]];
+        table.lab = Some(LabImage::drawn((12, 12), |u, v| {
+            if (4..8).contains(&u) && (4..8).contains(&v) { red } else { gray }
+        }));
+        let by_color = outline(&table);
+        assert_eq!((by_color.separation(), by_color.contrast()), (1.0, 1.0));
+        assert!(by_depth.separation() < 0.3, "{by_depth:?}");
+        table.lab = Some(LabImage::drawn((12, 12), |_, _| red));
+        assert_eq!(outline(&table), by_depth, "colours that do not differ take nothing away");
+        let mut printed = Table::drawn(&["aaaaaabbbbbb"; 12], &[0.2, 0.2]);
+        let by_depth = outline(&printed);
+        printed.lab = Some(LabImage::drawn((12, 12), |u, _| if u < 6 { red } else { gray }));
+        assert_eq!(outline(&printed), by_depth, "print");
     }
 
     #[test]
@@ -370,7 +461,7 @@ mod tests {
                 scene.normals,
                 scene.space,
                 &params,
-                None,
+                ColorEvidence::default(),
             )[1]
             .separation()
         };
@@ -391,14 +482,14 @@ mod tests {
             let (regions, params) = (&facets.segments, &params::Contraction::default());
             let [reach, aside] = [REACH_PX, ASIDE_PX].map(|px| space.length_px(px));
             let (rise_aside, structure) = (RISE_ASIDE_PX, first);
-            let view = View { regions, points_m, normals, space, params, seams: None, reach, aside, rise_aside, structure };
+            let view = View { regions, points_m, normals, space, params, color: ColorEvidence::default(), reach, aside, rise_aside, structure };
             let mut expected = vec![Outline::default(); regions.count()];
             for (i, region) in regions.members().filter(|&(_, region)| region >= first) {
                 let mut sides = Vec::new();
                 view.sides(i, SegmentId(region as u32), &mut sides);
-                sides.iter().for_each(|side| expected[region].add(side));
+                sides.iter().for_each(|side| expected[region].add(side, 0.0));
             }
-            prop_assert_eq!(measure_outlines(regions, first, points_m, normals, space, params, None), expected);
+            prop_assert_eq!(measure_outlines(regions, first, points_m, normals, space, params, ColorEvidence::default()), expected);
         }
     }
 

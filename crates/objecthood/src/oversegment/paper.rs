@@ -6,6 +6,7 @@
 //! use objecthood::facets::paper::group_alike;
 //! use objecthood::objectness::conclusion::{PaperScene, conclude_paper};
 //! use objecthood::objectness::hypotheses::{Evidence, find_hypotheses};
+//! use objecthood::objectness::outline::ColorEvidence;
 //! use objecthood::oversegment::paper::{SegmentationParams, segment_graph};
 //! use objecthood::params::Channels;
 //! use objecthood::shapes::paper::join_convex;
@@ -37,7 +38,7 @@
 //! assert_eq!((support.edges[0].lower.0, support.edges[0].upper.0), (0, 1)); // the box stands on the table
 //!
 //! let space = &DisparitySpace::new(frame.camera(), &params.sensor);
-//! let evidence = Evidence { regions: shapes, points_m, normals, support, footing: None, up: &ground.up, space, seams: None };
+//! let evidence = Evidence { regions: shapes, points_m, normals, support, footing: None, up: &ground.up, space, color: ColorEvidence::default() };
 //! let hypotheses = find_hypotheses(&evidence, &params.objectness, &params.contraction);
 //! let scene = PaperScene { facets, points_m, ground, support };
 //! let found = conclude_paper(&frame, &scene, &hypotheses, &params.gravity, &params.objectness)?;

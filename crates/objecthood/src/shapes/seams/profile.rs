@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::color::{LIGHT_OFFSET, weighted};
+use crate::color::{CLEAR_CONTRAST, CONTRAST, LIGHT_OFFSET, weighted};
 use crate::shapes::seams::body::{Body, BodyPixel, Face};
 use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::DisparitySpace;
@@ -25,10 +25,6 @@ const MARGIN_M: f64 = 0.012;
 const LEAST_SIDE_PX: usize = 200;
 /// A face whose normal is within this cosine of the edge lies across it: it is a fold, and shows no trace.
 const ACROSS: f64 = 0.8;
-/// Colours differ from this difference on (Lab, lightness weighted): print and light change even faces by less.
-const CONTRAST: f32 = 12.0;
-/// A difference from this on is wholly clear (Lab, lightness weighted).
-const CLEAR_CONTRAST: f64 = 40.0;
 /// L\* + 16 of middle light: from there up colours differ as they are measured.
 const MIDDLE_LIGHTNESS: f32 = 66.0;
 /// Differences grow at most so much, as their noise does too.

@@ -1,7 +1,7 @@
 //! Seams of painted boards.
 
 use super::*;
-use crate::objectness::outline::{SeamsAt, measure_outlines};
+use crate::objectness::outline::{ColorEvidence, SeamsAt, measure_outlines};
 use crate::raster::Raster;
 use crate::surface::disparity::position;
 use crate::surface::model::Basis;
@@ -223,8 +223,9 @@ fn a_seam_parts_two_things_as_clearly_as_a_step() {
     let points_m = disparity.with_data((0..disparity.len()).map(point).collect());
     let normals = disparity.map(|_| [0.0, 0.0, -1.0]);
     let separation = |seams| {
+        let color = ColorEvidence { lab: None, seams };
         let params = params::Contraction::default();
-        let outlines = measure_outlines(&facets.segments, 0, &points_m, &normals, &kinect(), &params, seams);
+        let outlines = measure_outlines(&facets.segments, 0, &points_m, &normals, &kinect(), &params, color);
         [0, 1].map(|half| outlines[half].separation())
     };
     let seams = SeamsAt { facets: &facets.segments, cuts: &cuts };
