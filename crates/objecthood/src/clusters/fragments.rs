@@ -16,13 +16,13 @@ use crate::surface::disparity::DisparitySpace;
 const ROUNDS: usize = 3;
 /// Touching pixel pairs that a fragment needs to be absorbed by a neighbour (px at a focal length of 525 px).
 const LEAST_TOUCH_PX: usize = 4;
-/// A fragment of as many pixels (px at 525 px) may be a thing, if no more than its foot touches the background, ...
+/// A fragment of at least this many pixels (px at 525 px), the default of `objectness.min_size_px`, may be a thing ...
 const LEAST_THING_PX: usize = 200;
-/// ... which leaves at least this share of its border in front of what is farther.
+/// ... if at this share of its border it is in front by a step: an upright thing touches its support only with its foot.
 const IN_FRONT_SHARE: f64 = 0.6;
 
 /// Merges clusters of fewer than `max_size_px` pixels, except flat things, into the neighbour that they touch most. The neighbour may be the background,
-/// but not a smaller cluster; what is large enough for a thing and stands out from the background stays. O(rounds · clusters · neighbours).
+/// but not a smaller cluster. A fragment that is large enough for a thing and mostly in front of what is around it does not go to the background. O(rounds · clusters · neighbours).
 pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fragments) {
     for round in 1..=ROUNDS {
         let (moves, stays) = find_moves(clusters, params);
@@ -60,7 +60,7 @@ fn find_moves(clusters: &Clusters<'_>, params: &params::Fragments) -> (Vec<Event
             && merge.check(Check::new("touches it along", "px", touch, Bound::AtLeast, least_touch))
             && (into.is_some()
                 || size(id) < least_thing
-                || merge.check(check_sunk(&clusters.get(id).neighbours)))
+                || merge.check(check_not_in_front(&clusters.get(id).neighbours)))
             && !into.is_some_and(|into| moves.contains_key(&into));
         if moves_on {
             moves.insert(id, merge.accept(None));
@@ -77,8 +77,8 @@ pub(crate) fn check_small(size_px: usize, space: &DisparitySpace, params: &param
     Check::new("its pixels", "px", size_px as f64, Bound::Below, limit).set_by("fragments.max_size_px")
 }
 
-/// Checks that so little of a fragment's border stands out in front of what is around it that it is a piece of the background.
-fn check_sunk(neighbours: &BTreeMap<Option<SegmentId>, BorderCounts>) -> Check {
+/// Checks that a fragment is in front of what is around it at too little of its border for a thing of its own.
+fn check_not_in_front(neighbours: &BTreeMap<Option<SegmentId>, BorderCounts>) -> Check {
     let count = |of: fn(&BorderCounts) -> u32| neighbours.values().map(of).sum::<u32>();
     let share = f64::from(count(|border| border.in_front)) / f64::from(count(BorderCounts::all).max(1));
     Check::new("share of its border that stands out in front", "", share, Bound::Below, IN_FRONT_SHARE)

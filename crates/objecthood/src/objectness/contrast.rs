@@ -8,43 +8,55 @@ use crate::color::image::LabImage;
 use crate::color::{CLEAR_CONTRAST, CONTRAST, difference, unlike_in_light};
 use crate::regions::SegmentId;
 
-/// Sides of a region in a block of so many columns are compared together, because pixels of a carpet differ as much as things do.
-const BLOCK_PX: usize = 16;
+/// Sides of a region in a block of so many columns and rows (px of the image) are compared together, because pixels of a carpet differ as much as things
+/// do.
+pub(super) const BLOCK_PX: usize = 16;
 
-/// Two pixels on both sides of an outline, a little away from it: in the region, and beyond.
-pub(super) type Across = [usize; 2];
+/// A side of an outline whose colours are compared.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Across {
+    /// The pixel at the side, and the distance to the next one beyond it in scan order: it tells the four sides of a pixel apart.
+    pub side: usize,
+    pub step: isize,
+    /// A pixel inside the region and one beyond, both a little away from the outline.
+    pub colors_at: [usize; 2],
+}
 
-/// How clearly the colours of some sides of outlines differ, in [0, 1] each: those of a few rows, with their regions. 0 where there is nothing to
-/// compare.
+/// How clearly the colours on the two sides of an outline differ, for each side of a pixel, in [0, 1]; 0 where there is nothing to compare. `width`: columns
+/// of the image.
 ///
-/// The mean colours of all sides of a region in a block are compared. What is darker is compared with the other in less light, so a shadow is none. They
-/// are unlike from the contrast of a seam on, and clearly from its clear contrast on (3.4). O(sides · log(blocks)).
-pub(super) fn measure_contrast(
+/// All sides of a region in a block that face the same way share one value: the mean colour inside is compared with the mean colour beyond, as it is and with the darker one in
+/// less light, so a shadow does not count. The value is 0 below [`CONTRAST`], else the difference over [`CLEAR_CONTRAST`], at most 1.
+/// O(sides · log(blocks)).
+///
+/// Source: ours, because depth shows no step of small things far away, nor where it is smeared.
+pub(super) fn measure_clearness(
     lab: &LabImage,
-    columns: usize,
+    width: usize,
     sides: &[(SegmentId, Option<Across>)],
 ) -> Vec<f64> {
-    let block = |region: SegmentId, [inside, _]: Across| (region, inside % columns / BLOCK_PX);
-    let mut sums: BTreeMap<(SegmentId, usize), ([Vec3; 2], f32)> = BTreeMap::new();
+    let block = |region: SegmentId, at: Across| {
+        (region, at.step, at.side / width / BLOCK_PX, at.side % width / BLOCK_PX)
+    };
+    let mut sums: BTreeMap<_, ([Vec3; 2], f32)> = BTreeMap::new();
     for &(region, across) in sides {
         let Some(across) = across else { continue };
         let (colors, count) = sums.entry(block(region, across)).or_default();
-        for (color, pixel) in colors.iter_mut().zip(across) {
+        for (color, pixel) in colors.iter_mut().zip(across.colors_at) {
             *color += Vec3::from(lab[pixel]);
         }
         *count += 1.0;
     }
-    let clearness: BTreeMap<(SegmentId, usize), f64> = sums
+    let of_block: BTreeMap<_, f64> = sums
         .into_iter()
         .map(|(block, (colors, count))| (block, clearness(colors.map(|sum| sum / count))))
         .collect();
-    sides
-        .iter()
-        .map(|&(region, across)| across.map_or(0.0, |across| clearness[&block(region, across)]))
-        .collect()
+    let of_side =
+        |region, across: Option<Across>| across.map_or(0.0, |across| of_block[&block(region, across)]);
+    sides.iter().map(|&(region, across)| of_side(region, across)).collect()
 }
 
-/// How clearly two colours (L\*a\*b\*) differ, in [0, 1].
+/// How clearly two mean colours (L\*a\*b\*) differ, in [0, 1]: 0 for paint and its shadow.
 fn clearness([inside, beyond]: [Vec3; 2]) -> f64 {
     let unlike = f64::from(difference(inside.into(), beyond.into())).min(unlike_in_light(inside, beyond));
     if unlike < f64::from(CONTRAST) { 0.0 } else { (unlike / CLEAR_CONTRAST).min(1.0) }
@@ -55,15 +67,18 @@ mod tests {
     use super::*;
 
     const RED: [f32; 3] = [50.0, 40.0, 20.0];
-    /// The colour of RED in half of the light, to the third root.
+    /// RED in an eighth of the light: L\* + 16, a\* and b\* are halved.
     const SHADE: [f32; 3] = [17.0, 20.0, 10.0];
     const BLUE: [f32; 3] = [50.0, 10.0, -20.0];
 
     /// The clearness of sides between a pixel of the left half of an image and one of the right half, of these colours.
     fn measured(left: impl Fn(usize) -> [f32; 3], right: impl Fn(usize) -> [f32; 3]) -> Vec<f64> {
         let lab = LabImage::drawn((64, 2), |u, _| if u < 32 { left(u / 2) } else { right(u / 2) });
-        let sides: Vec<_> = (0..16).step_by(2).map(|u| (SegmentId(0), Some([u, u + 32]))).collect();
-        measure_contrast(&lab, 64, &sides)
+        let sides: Vec<_> = (0..16)
+            .step_by(2)
+            .map(|u| (SegmentId(0), Some(Across { side: u, step: 1, colors_at: [u, u + 32] })))
+            .collect();
+        measure_clearness(&lab, 64, &sides)
     }
 
     #[test]
@@ -85,13 +100,11 @@ mod tests {
     #[test]
     fn regions_and_blocks_are_compared_by_themselves_and_nothing_is_no_contrast() {
         let lab = LabImage::drawn((64, 2), |u, _| if u < 32 { RED } else { BLUE });
-        let [same, other] = [Some([0, 2]), Some([2, 40])];
-        let sides = [
-            (SegmentId(0), same),
-            (SegmentId(1), other),
-            (SegmentId(1), Some([20, 22])),
-            (SegmentId(0), None),
-        ];
-        assert_eq!(measure_contrast(&lab, 64, &sides), [0.0, 1.0, 0.0, 0.0]);
+        let at = |side, colors_at| Some(Across { side, step: 1, colors_at });
+        let [same, other] = [at(0, [0, 2]), at(2, [2, 40])];
+        let [next_column, next_row] = [at(20, [20, 22]), at(64 * 16, [0, 2])];
+        let sides = [(0, same), (1, other), (1, next_column), (1, next_row), (0, None)];
+        let sides = sides.map(|(region, across)| (SegmentId(region), across));
+        assert_eq!(measure_clearness(&lab, 64, &sides), [0.0, 1.0, 0.0, 0.0, 0.0]);
     }
 }

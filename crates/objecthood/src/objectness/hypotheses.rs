@@ -44,8 +44,8 @@ pub struct Hypothesis {
     pub joins: Vec<Join>,
     /// Whether it is a flat thing on a support (docs/CONTEXT.md 2.3). Never in `paper`.
     pub is_flat: bool,
-    /// The share of its outline at which its colours differ from the background's, in [0, 1]; 0 without colour and in `paper`.
-    pub contrast: f32,
+    /// How clearly its colours differ from the background's, on average over its outline, in [0, 1]; 0 without colour and in `paper`.
+    pub(crate) contrast: f32,
 }
 
 /// The inputs by which regions are judged.
@@ -118,9 +118,8 @@ fn judge_regions(
             visibility,
         };
         let objectness = parts.objectness(objectness);
-        let id = SegmentId(region as u32);
         Some(Hypothesis {
-            region: id,
+            region: SegmentId(region as u32),
             pixels,
             box_m,
             objectness,
@@ -197,8 +196,7 @@ pub fn find_cluster_hypotheses(
             let parts = &mut hypothesis.parts;
             parts.separation = parts.separation.max(flat.separation());
         } else if scene.is_smeared {
-            let resolution = rate_resolution(hypothesis.pixels.len(), space);
-            hypothesis.parts.size *= 1.0 - (1.0 - hypothesis.contrast) * (1.0 - resolution);
+            hypothesis.parts.size *= rate_resolution(hypothesis.pixels.len(), hypothesis.contrast, space);
         }
         hypothesis.objectness = hypothesis.parts.objectness(objectness);
     }

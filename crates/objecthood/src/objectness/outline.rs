@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::clusters::borders::REACH_PX;
 use crate::color::image::LabImage;
-use crate::objectness::contrast::{Across, measure_contrast};
+use crate::objectness::contrast::{Across, BLOCK_PX, measure_clearness};
 use crate::params;
 use crate::raster::{Raster, marked};
 use crate::regions::{SegmentId, Segments};
@@ -34,7 +34,7 @@ pub struct Outline {
     /// Length at which the border can be judged: steps in depth, and folds with a normal on both sides.
     pub judged_m: f64,
     /// Length at which its colours differ from those of the background beside it, times how clearly (docs/CONTEXT.md 6.4).
-    pub colored_m: f64,
+    pub contrast_m: f64,
 }
 
 /// One side of a pixel beyond which its region does not go on.
@@ -42,7 +42,7 @@ struct OutlineSide {
     region: SegmentId,
     end: End,
     length_m: f64,
-    /// The part of `length_m` that depth shows to be clearly the border of a thing; `None` if it cannot be judged.
+    /// The part of `length_m` that a step, a fold, a rise or a seam shows to be the border of a thing; `None` if none can be judged.
     clear_m: Option<f64>,
     /// Where its colours are compared.
     across: Option<Across>,
@@ -62,8 +62,8 @@ const RISE_QUANTA: f64 = STEP_QUANTA;
 /// The rise is read this far from the outline (px at 525 px): nearer, a pixel may show both surfaces.
 const RISE_ASIDE_PX: usize = 2;
 
-/// Rows whose outlines one task collects.
-const BAND_ROWS: usize = 16;
+/// Rows whose outlines one task collects: a row of blocks of colour.
+const BAND_ROWS: usize = BLOCK_PX;
 
 struct View<'a> {
     regions: &'a Segments,
@@ -112,7 +112,7 @@ impl SeamsAt<'_> {
 ///
 /// A step in depth is clear, whichever side is in front. The deeper the valley of a fold, the clearer it is: not clear at all where it
 /// votes fully for one shape, wholly clear where it votes fully against (docs/CONTEXT.md 3.2). A seam is clear. Beside the background a fold
-/// is at least as clear as the colours on both sides are unlike. Across a hole in the depth the search
+/// that can be judged is at least as clear as the colours on both sides differ. Across a hole in the depth the search
 /// reaches up to 24 px (at 525 px); a side without a measured pixel in reach does not count. O(pixels + outline · 24); parallel over
 /// bands of rows.
 pub fn measure_outlines(
@@ -133,8 +133,8 @@ pub fn measure_outlines(
     let bands: Vec<Vec<(OutlineSide, f64)>> =
         (0..height.div_ceil(BAND_ROWS)).into_par_iter().map(band).collect();
     let mut outlines = vec![Outline::default(); regions.count()];
-    for (side, contrast) in bands.into_iter().flatten() {
-        outlines[side.region.index()].add(&side, contrast);
+    for (side, clearness) in bands.into_iter().flatten() {
+        outlines[side.region.index()].add(&side, clearness);
     }
     outlines
 }
@@ -157,7 +157,7 @@ fn mark_border(labels: &Raster<i32>, run: &Range<usize>, label: i32, marks: &mut
 }
 
 impl View<'_> {
-    /// The outline sides in some rows, for regions from number `first` on, and the contrast at each.
+    /// The outline sides in some rows, for regions from number `first` on, and how clearly the colours at each differ.
     fn band(&self, rows: Range<usize>, first: usize) -> Vec<(OutlineSide, f64)> {
         let labels = self.regions.labels();
         let mut sides = Vec::new();
@@ -169,9 +169,9 @@ impl View<'_> {
             marked(marks).for_each(|k| self.sides(run.start + k, region, &mut sides));
         }
         let across: Vec<_> = sides.iter().map(|side| (side.region, side.across)).collect();
-        let contrasts = self.color.lab.map(|lab| measure_contrast(lab, labels.width(), &across));
-        let contrasts = contrasts.unwrap_or_else(|| vec![0.0; sides.len()]);
-        sides.into_iter().zip(contrasts).collect()
+        let clearness = self.color.lab.map(|lab| measure_clearness(lab, labels.width(), &across));
+        let clearness = clearness.unwrap_or_else(|| vec![0.0; sides.len()]);
+        sides.into_iter().zip(clearness).collect()
     }
 
     /// Adds the sides of pixel `i` that belong to the outline of its region, if the pixel is measured.
@@ -221,9 +221,13 @@ impl View<'_> {
             if z_m.is_nan() {
                 continue;
             }
+            let is_step = (z_m - own_m).abs() > self.space.step_m(STEP_QUANTA, own_m.min(z_m));
+            if is_step && z_m < own_m {
+                return side(End::Hidden, Some(length_m), None);
+            }
             let across = self.across(i, j, step);
-            if (z_m - own_m).abs() > self.space.step_m(STEP_QUANTA, own_m.min(z_m)) {
-                return side(if z_m < own_m { End::Hidden } else { End::Own }, Some(length_m), across);
+            if is_step {
+                return side(End::Own, Some(length_m), across);
             }
             let clear_m = || {
                 if self.color.seams.is_some_and(|seams| seams.part(i, j)) {
@@ -260,14 +264,18 @@ impl View<'_> {
         {
             return None;
         }
-        Some([self.inwards(i, -step).next()?, self.inwards(j, step).next()?])
+        let colors_at = [self.inwards(i, -step).next()?, self.inwards(j, step).next()?];
+        Some(Across { side: i, step, colors_at })
     }
 
-    /// Pixels in the region of `i`, from some pixels away from the border towards it; nearer where the region is narrow.
+    /// Pixels of the region of `i`, the farthest from the border first, at most `aside` away.
     fn inwards(&self, i: usize, step: isize) -> impl Iterator<Item = usize> {
         let own = self.regions.at(i);
-        let along =
-            move |t: usize| i.checked_add_signed(step * t as isize).filter(|&j| j < self.points_m.len());
+        let width = self.regions.labels().width();
+        // Left and right of the image the next row begins.
+        let is_inside =
+            move |&j: &usize| j < self.points_m.len() && (step.abs() != 1 || j / width == i / width);
+        let along = move |t: usize| i.checked_add_signed(step * t as isize).filter(is_inside);
         let is_own = |&t: &usize| along(t).is_some_and(|j| self.regions.at(j) == own);
         let width = (0..=self.aside).take_while(is_own).count();
         (0..width).rev().filter_map(along)
@@ -288,11 +296,10 @@ impl Outline {
         if self.judged_m > 0.0 { (self.clear_m / self.judged_m) as f32 } else { 1.0 }
     }
 
-    /// Contrast: the share of the outline, without that at which the image ends, at which its colours differ from the background's, in [0, 1]; 0 for an
-    /// empty outline.
+    /// Contrast: how clearly colours differ from the background's, on average over the outline where the region ends by itself, in [0, 1]. Beside other
+    /// things it counts as 0. 0 for an empty outline.
     pub fn contrast(&self) -> f32 {
-        let all_m = self.own_m + self.hidden_m;
-        if all_m > 0.0 { (self.colored_m / all_m) as f32 } else { 0.0 }
+        if self.own_m > 0.0 { (self.contrast_m / self.own_m) as f32 } else { 0.0 }
     }
 
     /// Visibility: the share of the outline that is the region's own, in [0, 1]; 1 for an empty outline.
@@ -301,17 +308,17 @@ impl Outline {
         if all_m > 0.0 { (self.own_m / all_m) as f32 } else { 1.0 }
     }
 
-    fn add(&mut self, side: &OutlineSide, contrast: f64) {
+    fn add(&mut self, side: &OutlineSide, clearness: f64) {
         let length_m = match side.end {
             End::Own => &mut self.own_m,
             End::Hidden => &mut self.hidden_m,
             End::Cut => &mut self.cut_m,
         };
         *length_m += side.length_m;
-        let colored_m = contrast * side.length_m;
-        self.colored_m += colored_m;
+        let contrast_m = clearness * side.length_m;
+        self.contrast_m += contrast_m;
         if let Some(clear_m) = side.clear_m {
-            self.clear_m += clear_m.max(colored_m);
+            self.clear_m += clear_m.max(contrast_m);
             self.judged_m += side.length_m;
         }
     }
@@ -407,7 +414,8 @@ mod tests {
     /// Cans on a floor 2 m away were no objects of a stereo camera, which sees no step there.
     #[test]
     fn where_depth_shows_no_border_color_does() {
-        let rows = ["____________"; 4].into_iter().chain(["____aaaa____"; 4]).chain(["____________"; 4]);
+        let rows =
+            ["________________"; 4].into_iter().chain(["________aaaa____"; 4]).chain(["________________"; 4]);
         let mut table = Table::drawn(&rows.collect::<Vec<_>>(), &[0.0]);
         let outline = |table: &Table| {
             let Scene { facets, points_m, normals, space, lab, .. } = table.scene();
@@ -417,14 +425,21 @@ mod tests {
         };
         let by_depth = outline(&table);
         assert_eq!(by_depth.contrast(), 0.0);
-        let [red, gray] = [[50.0, 60.0, 30.0], [50.0, 0.0, 0.0]];
-        table.lab = Some(LabImage::drawn((12, 12), |u, v| {
-            if (4..8).contains(&u) && (4..8).contains(&v) { red } else { gray }
+        // What is blue lies beyond the right side of the image.
+        let [red, gray, blue] = [[50.0, 60.0, 30.0], [50.0, 0.0, 0.0], [50.0, 60.0, 29.0]];
+        table.lab = Some(LabImage::drawn((16, 12), |u, v| {
+            if (8..12).contains(&u) && (4..8).contains(&v) {
+                red
+            } else if u < 2 {
+                blue
+            } else {
+                gray
+            }
         }));
         let by_color = outline(&table);
         assert_eq!((by_color.separation(), by_color.contrast()), (1.0, 1.0));
         assert!(by_depth.separation() < 0.3, "{by_depth:?}");
-        table.lab = Some(LabImage::drawn((12, 12), |_, _| red));
+        table.lab = Some(LabImage::drawn((16, 12), |_, _| red));
         assert_eq!(outline(&table), by_depth, "colours that do not differ take nothing away");
         let mut printed = Table::drawn(&["aaaaaabbbbbb"; 12], &[0.2, 0.2]);
         let by_depth = outline(&printed);

@@ -87,13 +87,13 @@ pub(crate) fn rate_height(rise_m: f32) -> f32 {
 }
 
 /// Rates whether a thing is larger in the image than the waves of a sensor that smears edges (docs/CONTEXT.md 6.1): from 0.65 for a thing as
-/// small as the smallest hypothesis to 1 from 40 x 40 px on, linear in the logarithm.
+/// small as the smallest hypothesis to 1 from 40 x 40 px on, linear in the logarithm. The contrast of the thing (6.4) takes its share of the doubt away.
 ///
 /// Source: ours, because crumbs that such a sensor makes of tables, floors and edges are of this size, and what they are in metres depends
-/// on their distance.
-pub(crate) fn rate_resolution(size_px: usize, space: &DisparitySpace) -> f32 {
+/// on their distance. But they have the colour of what they are a piece of.
+pub(crate) fn rate_resolution(size_px: usize, contrast: f32, space: &DisparitySpace) -> f32 {
     let octaves = libm::log2f(space.area_px(RESOLVED_PX) as f32 / size_px as f32);
-    1.0 - WAVE_DOUBT * (octaves / WAVE_OCTAVES).clamp(0.0, 1.0)
+    1.0 - (1.0 - contrast) * WAVE_DOUBT * (octaves / WAVE_OCTAVES).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -169,10 +169,13 @@ mod tests {
     fn a_crumb_may_be_a_wave_and_what_is_larger_than_waves_is_not() {
         for focal_px in [525.0, 1050.0] {
             let space = space([focal_px; 2], [319.5, 239.5]);
-            let rated = [100, 200, 800, 1600, 20_000].map(|px| rate_resolution(space.area_px(px), &space));
+            let rated =
+                [100, 200, 800, 1600, 20_000].map(|px| rate_resolution(space.area_px(px), 0.0, &space));
             for (rated, expected) in rated.into_iter().zip([0.65, 0.65, 1.0 - 0.35 / 3.0, 1.0, 1.0]) {
                 assert!((rated - expected).abs() < 1e-3, "{focal_px}: {rated} instead of {expected}");
             }
+            let contrasts = [0.0, 0.5, 1.0].map(|contrast| rate_resolution(200, contrast, &space));
+            assert!(contrasts.is_sorted() && contrasts[2] == 1.0, "{contrasts:?}");
         }
     }
 }

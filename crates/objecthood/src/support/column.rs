@@ -25,6 +25,11 @@ pub(super) struct Place {
     pub behind_m: f64,
 }
 
+/// The number of places in a column of this length (m). A column with fewer leaves the image.
+pub(super) fn steps_in(length_m: f64) -> usize {
+    (length_m / STEP_M).round() as usize
+}
+
 /// The places beyond pixel `i` in a direction (unit vector), for at most `length_m`, as long as they are in the image.
 pub(super) fn places<'a>(
     scene: &SupportScene<'a>,
@@ -33,9 +38,8 @@ pub(super) fn places<'a>(
     length_m: f64,
 ) -> impl Iterator<Item = Place> + use<'a> {
     let scene = *scene;
-    let point = DVec3::from(scene.points_m[i].map(f64::from));
-    let steps = (length_m / STEP_M) as usize;
-    (1..=steps).map_while(move |step| {
+    let point = scene.point_at(i);
+    (1..=steps_in(length_m)).map_while(move |step| {
         let place = point + direction * (step as f64 * STEP_M);
         let j = scene.space.camera().pixel_at(place, scene.points_m.size())?;
         Some(Place {

@@ -11,8 +11,8 @@ use crate::oriented_box::fit_oriented_box;
 use crate::params;
 use crate::raster::Raster;
 use crate::regions::SegmentId;
-use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
-use crate::support::load::{Load, is_level, what_is_carried};
+use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places, steps_in};
+use crate::support::load::{Load, is_level, level_plane, what_is_carried};
 use crate::support::post::Post;
 use crate::support::scene::SupportScene;
 
@@ -20,8 +20,11 @@ use crate::support::scene::SupportScene;
 const COLUMNS: usize = 300;
 /// A column is followed for at most this length (m) below a pixel: what hangs higher is no graspable thing's foot.
 const DEEPEST_M: f64 = 0.6;
-/// From this share of columns on that go down to the structure, the footing is 1: a thing may overhang with the rest.
+/// This share of the columns is enough: of those that go down to the structure for footing 1, of those that stay in the image for full doubt, of those
+/// above a post for a load.
 const ENOUGH: f32 = 0.25;
+/// Level surfaces twice so far (m) apart are two boards. The foot of a thing lies at most so far below what carries it, by noise.
+const LOWER_M: f64 = 0.1;
 /// From this share on of its own columns that are cut, the foot of a thing is out of sight.
 const FOOTLESS_CUT: f32 = 0.5;
 
@@ -107,7 +110,7 @@ struct Things<'a> {
     mean_m: Vec<f64>,
     /// Whether each region is too large to be grasped.
     is_furniture: Vec<bool>,
-    /// The regions that are posts.
+    /// Each region as a post; `None` if it is none.
     posts: Vec<Option<Post>>,
     /// The things from the lowest to the highest.
     rising: Vec<usize>,
@@ -120,7 +123,7 @@ impl<'a> Things<'a> {
             _ => sample(runs, scene.points_m),
         });
         let up = DVec3::from(scene.up.direction.map(f64::from));
-        let height_m = |&i: &usize| DVec3::from(scene.points_m[i].map(f64::from)).dot(up);
+        let height_m = |&i: &usize| scene.point_at(i).dot(up);
         let mean_m = |pixels: &Vec<usize>| pixels.iter().map(height_m).sum::<f64>() / pixels.len() as f64;
         let mean_m: Vec<f64> = pixels.iter().map(mean_m).collect();
         let points = |pixels: &[usize]| pixels.iter().map(|&i| scene.points_m[i]).collect::<Vec<_>>();
@@ -129,7 +132,9 @@ impl<'a> Things<'a> {
             longest_m > objectness.max_side_m || second_m > objectness.max_second_side_m
         };
         let is_furniture = pixels.iter().map(is_furniture).collect();
-        let posts = pixels.iter().map(|pixels| Post::of(&points(pixels), up)).collect();
+        let post =
+            |pixels: &Vec<usize>| Post::of(&points(pixels), up).filter(|_| stands_lowest(scene, up, pixels));
+        let posts = pixels.iter().map(post).collect();
         let mut rising: Vec<usize> = (0..pixels.len()).filter(|&thing| !mean_m[thing].is_nan()).collect();
         rising.sort_by(|&a, &b| mean_m[a].total_cmp(&mean_m[b]));
         Self { scene, up, pixels, mean_m, is_furniture, posts, rising }
@@ -143,8 +148,7 @@ impl<'a> Things<'a> {
             match follow(self.scene, self.up, i, thing) {
                 End::Air => followed += 1.0,
                 End::Region(region) => {
-                    let plane = self.scene.planes.get(region.index());
-                    let goes_on = plane.is_some_and(|plane| is_level(plane, self.up))
+                    let goes_on = level_plane(self.scene, self.up, region.index()).is_some()
                         && !carriers.contains(&NodeId(region.0));
                     if goes_on {
                         own_cut += 1.0;
@@ -161,7 +165,7 @@ impl<'a> Things<'a> {
         }
         let known = known.max(1.0);
         Below {
-            held: held_of(held, followed, known),
+            held: rate_columns(held, followed, known),
             cut: (own_cut + inherited) / known,
             own_cut: own_cut / known,
         }
@@ -180,16 +184,17 @@ impl<'a> Things<'a> {
             if goes_on { Some(Load::Furniture) } else { load }
         };
         let ends: Vec<Load> = self.pixels[thing].iter().filter_map(load).collect();
-        let share = |load| ends.iter().filter(|&&end| end == load).count() as f32 / ends.len().max(1) as f32;
-        // A post is slim: what a part of it carries, it carries.
-        let enough = if post.is_some() { ENOUGH } else { 1.0 };
-        [Load::Structure, Load::Furniture].map(|load| (share(load) / enough).min(1.0))
+        // A post is slim: what a quarter of it carries, it carries.
+        let enough =
+            if post.is_some() { ENOUGH * self.pixels[thing].len() as f32 } else { ends.len() as f32 };
+        let count = |load| ends.iter().filter(|&&end| end == load).count() as f32;
+        [Load::Structure, Load::Furniture].map(|load| (count(load) / enough.max(1.0)).min(1.0))
     }
 
     /// Whether level surfaces are seen and a thing lies below each of them, on average.
     fn lies_below_every_surface(&self, thing: usize) -> bool {
         let Self { scene, up, pixels, .. } = self;
-        let points = pixels[thing].iter().map(|&i| DVec3::from(scene.points_m[i].map(f64::from)));
+        let points = pixels[thing].iter().map(|&i| scene.point_at(i));
         let center_m = points.sum::<DVec3>() / pixels[thing].len() as f64;
         let level = scene.planes.iter().filter(|plane| is_level(plane, *up));
         let mut heights_m = level.map(|plane| plane.height_m(center_m)).peekable();
@@ -197,25 +202,43 @@ impl<'a> Things<'a> {
     }
 }
 
-/// The footing by columns that go down to the structure, of those that can be followed, of those that are known. Where most leave the image, the few others
-/// count less.
-fn held_of(held: f32, followed: f32, known: f32) -> f32 {
+/// The footing by sums over columns. `on_structure`: the footing of what they end on. `followed`: those that end on a region or in air, of `all`. If more than three
+/// quarters leave the image or end in a hole, the others count less.
+fn rate_columns(on_structure: f32, followed: f32, all: f32) -> f32 {
     let share = |part: f32, of: f32| (part / of.max(1.0) / ENOUGH).min(1.0);
-    1.0 - share(followed, known) * (1.0 - share(held, followed))
+    1.0 - share(followed, all) * (1.0 - share(on_structure, followed))
 }
 
-/// About [`COLUMNS`] of the pixels with depth in these runs, evenly spread.
+/// Whether a level surface is seen below the pixels, and no other much below it: things on the boards of a shelf are as slim as the legs of a table, and
+/// hidden above.
+fn stands_lowest(scene: &SupportScene<'_>, up: DVec3, pixels: &[usize]) -> bool {
+    let foot = pixels.iter().map(|&i| scene.point_at(i)).min_by(|a, b| a.dot(up).total_cmp(&b.dot(up)));
+    let Some(foot) = foot else { return false };
+    let level = scene.planes.iter().filter(|plane| is_level(plane, up));
+    let below_m = level.map(|plane| plane.height_m(foot)).filter(|&height_m| height_m > -LOWER_M);
+    let [nearest_m, deepest_m] = below_m.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height_m| {
+        [low.min(height_m), high.max(height_m)]
+    });
+    nearest_m.is_finite() && deepest_m - nearest_m < 2.0 * LOWER_M
+}
+
+/// About [`COLUMNS`] of the pixels with depth in these runs, evenly spread but not in step with the rows.
 fn sample(runs: &[Range<usize>], points_m: &Raster<[f32; 3]>) -> Vec<usize> {
-    let measured = || runs.iter().cloned().flatten().filter(|&i| !points_m[i][2].is_nan());
-    let step = (runs.iter().map(Range::len).sum::<usize>() / COLUMNS).max(1);
-    measured().step_by(step).collect()
+    let measured: Vec<usize> = runs.iter().cloned().flatten().filter(|&i| !points_m[i][2].is_nan()).collect();
+    let step = measured.len() as f64 / COLUMNS as f64;
+    if step <= 1.0 {
+        return measured;
+    }
+    // Multiples of the golden ratio have no period.
+    let place = |k: usize| (k as f64 + (k as f64 * std::f64::consts::GOLDEN_RATIO).fract()) * step;
+    (0..COLUMNS).map(|k| measured[place(k) as usize]).collect()
 }
 
 /// Follows the column below pixel `i` of a thing.
 fn follow(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> End {
-    let (mut air_m, mut length_m) = (0.0, 0.0);
+    let (mut air_m, mut steps) = (0.0, 0);
     for Place { region, farther_m, behind_m } in places(scene, i, -up, DEEPEST_M) {
-        length_m += STEP_M;
+        steps += 1;
         // Asked before the depth: a hole that was bridged is a part of the thing too.
         if region.is_some_and(|region| region.index() == thing) {
             continue;
@@ -231,7 +254,7 @@ fn follow(scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> End {
             return End::Air;
         }
     }
-    if length_m < DEEPEST_M - STEP_M { End::Outside } else { End::Unknown }
+    if steps < steps_in(DEEPEST_M) { End::Outside } else { End::Unknown }
 }
 
 #[cfg(test)]
@@ -241,6 +264,7 @@ mod tests {
     use crate::discovery::up::{Up, UpSource};
     use crate::planes::StructurePlane;
     use crate::regions::Segments;
+    use crate::support::testing::table_scene;
     use crate::surface::disparity::position;
     use crate::testing::space;
 
@@ -343,13 +367,34 @@ mod tests {
         assert_eq!(cut[2], 1.0);
     }
 
+    /// The places of samples fell into step with the rows of upright boxes, whose width seemed to be that of one column.
+    #[test]
+    fn samples_are_not_in_step_with_rows() {
+        let points_m = Raster::filled(100, 301, [0.0, 0.0, 1.0]).unwrap();
+        let columns: std::collections::BTreeSet<usize> =
+            sample(&[0..100 * 301], &points_m).into_iter().map(|i| i % 100).collect();
+        assert!(columns.len() > 60, "{columns:?}");
+    }
+
+    /// The front leg of a table that leaves the image above and below was an object.
+    #[test]
+    fn a_post_that_goes_on_has_no_footing() {
+        let held = table_scene(0.0, [0, 160], true, |scene, _| {
+            let node = SupportNode { kind: NodeKind::Surface, p_s: 0.0, p_o: 0.0, height_m: 0.0, size_px: 1 };
+            let edges = (2..7).map(|upper| SupportEdge::seen(NodeId(0), NodeId(upper), 1)).collect();
+            let graph = SupportGraph { nodes: vec![node; scene.regions.count()], edges };
+            measure_footing(scene, &graph, &params::Objectness::default()).held
+        });
+        assert_eq!([held[5], held[6]], [1.0, 0.0], "a post of which the end is seen, and the leg");
+    }
+
     /// A teddy at the lower border of the image was no object, because its arms hang over air.
     #[test]
     fn what_few_columns_show_counts_little() {
-        assert_eq!(held_of(0.0, 300.0, 300.0), 0.0, "it hangs");
-        assert_eq!(held_of(0.0, 75.0, 300.0), 0.0, "a quarter of the columns is enough to see it");
-        assert_eq!(held_of(0.0, 15.0, 300.0), 0.8, "it may go on below the image");
-        assert_eq!(held_of(0.0, 0.0, 300.0), 1.0, "nothing is seen");
+        assert_eq!(rate_columns(0.0, 300.0, 300.0), 0.0, "it hangs");
+        assert_eq!(rate_columns(0.0, 75.0, 300.0), 0.0, "a quarter of the columns is enough to see it");
+        assert_eq!(rate_columns(0.0, 15.0, 300.0), 0.8, "it may go on below the image");
+        assert_eq!(rate_columns(0.0, 0.0, 300.0), 1.0, "nothing is seen");
     }
 
     #[test]

@@ -26,6 +26,15 @@ pub(super) fn is_level(plane: &StructurePlane, up: DVec3) -> bool {
     plane.normal().dot(up) > LEVEL
 }
 
+/// The plane of a region that is a level surface of the structure.
+pub(super) fn level_plane<'a>(
+    scene: &SupportScene<'a>,
+    up: DVec3,
+    region: usize,
+) -> Option<&'a StructurePlane> {
+    scene.planes.get(region).filter(|plane| is_level(plane, up))
+}
+
 /// What the column above a pixel of a thing ends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Load {
@@ -33,7 +42,7 @@ pub(super) enum Load {
     Nothing,
     /// A level surface of the structure.
     Structure,
-    /// A thing that is too large to be grasped.
+    /// A thing that is too large to be grasped, or whatever a post goes on to: what rests on the carrier does not share the doubt.
     Furniture,
 }
 
@@ -55,10 +64,8 @@ pub(super) fn what_is_carried(
     shows_foot: bool,
     is_furniture: impl Fn(usize) -> bool,
 ) -> Option<Load> {
-    let point = DVec3::from(scene.points_m[i].map(f64::from));
-    let level = |region: Option<usize>| {
-        region.and_then(|region| scene.planes.get(region)).filter(|plane| is_level(plane, up))
-    };
+    let point = scene.point_at(i);
+    let level = |region: Option<usize>| level_plane(scene, up, region?);
     let hidden_m = if shows_foot { HIDDEN_M } else { LEAST_AIR_M };
     let (mut air_m, mut between_m, mut is_hidden) = (0.0, 0.0, false);
     let (mut height_m, mut hidden_by, mut is_in_thing) = (0.0, None, true);
@@ -112,7 +119,7 @@ fn meets_outside(scene: &SupportScene<'_>, up: DVec3, point: DVec3, end_m: DVec3
         let (u, v) = scene.space.camera().project(place.as_vec3().to_array());
         let Some(shown) = nearest_region(scene, [u, v]) else { return false };
         let is_same = scene.regions.at(shown).is_some_and(|seen| seen.index() == region);
-        is_same && DVec3::from(scene.points_m[shown].map(f64::from)).distance(place) < BEYOND_M
+        is_same && scene.point_at(shown).distance(place) < BEYOND_M
     };
     scene.planes.iter().enumerate().any(is_met)
 }

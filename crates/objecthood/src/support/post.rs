@@ -1,10 +1,10 @@
-//! Posts: things much higher than wide whose upper end is out of sight, as the legs of tables and chairs (docs/CONTEXT.md 6.7).
+//! Posts: upright things much longer than wide, as the legs of tables and chairs; whether they go on out of sight (docs/CONTEXT.md 6.7).
 
 use glam::{DVec3, Quat};
 
 use crate::oriented_box::fit_oriented_box;
-use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
-use crate::support::load::is_level;
+use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places, steps_in};
+use crate::support::load::level_plane;
 use crate::support::scene::SupportScene;
 
 /// A post is at least this many times as long as wide. Bottles are up to four times, seen whole.
@@ -15,10 +15,12 @@ const LONG_M: f32 = 0.15;
 const SLIM_OUTSIDE: f32 = 6.0;
 /// Its long side makes an angle with up whose cosine is at least this (26 degrees): legs may be splayed.
 const UPRIGHT: f64 = 0.9;
+/// The line of sight to a post has at least this level share: from straight above, its length lies along the noise of depth.
+const LEAST_AHEAD: f64 = 0.2;
 /// A column is followed up for at most this length (m), the height of a table.
 const HIGHEST_M: f64 = 0.8;
 
-/// A thing much higher than wide.
+/// An upright thing at least [`SLIM`] times as long as wide.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Post {
     /// What is seen of its length, over its width.
@@ -26,55 +28,61 @@ pub(super) struct Post {
 }
 
 impl Post {
-    /// `None` unless a thing of which these points are seen is a post. Its width is measured across the line of sight, where depth has no noise.
-    /// O(points).
+    /// The post of which these points are seen; `None` if they are none. Length and width are those in the upright plane across the line of sight, because depth
+    /// is noisy along it. O(points).
     pub(super) fn of(points_m: &[[f32; 3]], up: DVec3) -> Option<Self> {
         let sum: DVec3 = points_m.iter().map(|&point| DVec3::from(point.map(f64::from))).sum();
-        let ahead = (sum - up * sum.dot(up)).try_normalize()?;
-        let seen = fit_oriented_box(points_m, ahead.as_vec3().to_array());
+        let ahead = sum - up * sum.dot(up);
+        if ahead.length() < LEAST_AHEAD * sum.length() {
+            return None;
+        }
+        // Its "up" is the level direction to the thing, so x and y lie in that plane.
+        let seen = fit_oriented_box(points_m, ahead.normalize().as_vec3().to_array());
         let [long_m, wide_m, _] = seen.extents_m;
         let along = Quat::from_array(seen.rotation_xyzw).as_dquat() * DVec3::X;
         let is_post = long_m >= LONG_M.max(SLIM * wide_m) && along.dot(up).abs() >= UPRIGHT;
         is_post.then_some(Self { slimness: long_m / wide_m })
     }
 
-    /// Whether it goes on, out of sight, above pixel `i` of the thing: the column above leaves the image, or goes up behind 4 cm of what it then
-    /// meets, as the edge and the top of a table. It meets a level surface of the structure also where something on that surface hides the place.
+    /// Whether the post goes on, out of sight, above its pixel `i`. A region, the first that does so, hides 4 cm of the column above, and the column then meets
+    /// this region. Or this region is a level surface of the structure, and the column passes its height without 4 cm of air, as where something stands on it.
+    /// Or the column leaves the image through the post, or behind something, and the post is at least [`SLIM_OUTSIDE`] times as long as wide. Places without depth count as air.
     ///
-    /// O(steps). Source: ours, because what is much higher than wide does not stand by itself, and what hides only its upper end hangs over.
+    /// O(steps). Source: ours, because a thing as slim as a leg seldom stands by itself, and what hides only its upper end overhangs it.
     pub(super) fn goes_on(self, scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> bool {
-        let point = DVec3::from(scene.points_m[i].map(f64::from));
-        let board = |region: usize| scene.planes.get(region).filter(|plane| is_level(plane, up));
-        let (mut height_m, mut air_m) = (0.0, 0.0);
+        let point = scene.point_at(i);
+        let (mut steps, mut air_m, mut ends_in_sight) = (0, 0.0, false);
         // What hides the column, and how much of it (m).
         let (mut before, mut hidden_m) = (None, 0.0);
         for Place { region, farther_m, behind_m } in places(scene, i, up, HIGHEST_M) {
-            height_m += STEP_M;
+            steps += 1;
             let region = region.map(|region| region.index());
+            ends_in_sight = false;
             if region == Some(thing) {
                 continue;
             }
             let is_hidden = farther_m < -behind_m;
-            if !is_hidden && farther_m.is_nan() || farther_m > behind_m {
-                air_m += STEP_M;
+            if farther_m.is_nan() || farther_m > behind_m {
+                (air_m, ends_in_sight) = (air_m + STEP_M, true);
                 if air_m >= LEAST_AIR_M {
                     return false;
                 }
                 continue;
             }
-            if is_hidden && hidden_m < LEAST_AIR_M {
+            if is_hidden && region.is_some() && hidden_m < LEAST_AIR_M {
                 hidden_m = if region == before { hidden_m + STEP_M } else { STEP_M };
                 before = region;
             }
             let Some(over) = before.filter(|_| hidden_m >= LEAST_AIR_M) else { continue };
-            let is_crossed = board(over).is_some_and(|plane| {
-                plane.height_m(point) < -LEAST_AIR_M && plane.height_m(point + up * height_m) > 0.0
+            let is_crossed = level_plane(scene, up, over).is_some_and(|plane| {
+                plane.height_m(point) < -LEAST_AIR_M
+                    && plane.height_m(point + up * (steps as f64 * STEP_M)) > 0.0
             });
             if is_crossed || !is_hidden && region == before {
                 return true;
             }
         }
-        self.slimness >= SLIM_OUTSIDE && height_m < HIGHEST_M - STEP_M
+        self.slimness >= SLIM_OUTSIDE && !ends_in_sight && steps < steps_in(HIGHEST_M)
     }
 }
 
@@ -85,8 +93,8 @@ mod tests {
 
     /// What is seen of these things of the scene as posts, and the share of the pixels of each above which it goes on, in an image that begins at this
     /// column and row.
-    fn posts(first: [usize; 2], things: &[usize], has_table: bool) -> Vec<Option<f64>> {
-        table_scene(0.0, first, has_table, |scene, up| {
+    fn posts(first: [usize; 2], things: &[usize]) -> Vec<Option<f64>> {
+        table_scene(0.0, first, true, |scene, up| {
             let share = |&thing: &usize| {
                 let pixels: Vec<usize> = pixels_of(scene, thing).collect();
                 let points_m: Vec<[f32; 3]> = pixels.iter().map(|&i| scene.points_m[i]).collect();
@@ -101,7 +109,7 @@ mod tests {
     /// The back legs of tables and chairs were objects: their upper end is hidden, less than 40 cm above the rest.
     #[test]
     fn a_leg_behind_a_table_goes_on() {
-        let [back, stands_on, free] = posts([0, 0], &[3, 4, 5], true)[..] else { unreachable!() };
+        let [back, stands_on, free] = posts([0, 0], &[3, 4, 5])[..] else { unreachable!() };
         assert!(back > Some(0.9), "behind the table, and what stands on it hides where they meet: {back:?}");
         assert_eq!(
             [stands_on, free],
@@ -113,7 +121,7 @@ mod tests {
     #[test]
     fn what_leaves_the_image_goes_on_if_it_is_slimmer_than_a_bottle() {
         // A front leg, 5 cm wide, that ends below the image too.
-        let of = |first_row| posts([0, first_row], &[6], true)[0];
+        let of = |first_row| posts([0, first_row], &[6])[0];
         assert!(of(160) > Some(0.9), "51 cm of it are seen: {:?}", of(160));
         assert_eq!(of(210), Some(0.0), "19 cm");
     }

@@ -1,5 +1,7 @@
 //! The scene: regions in space, some of which carry others.
 
+use glam::DVec3;
+
 use crate::discovery::up::Up;
 use crate::planes::StructurePlane;
 use crate::raster::Raster;
@@ -21,4 +23,11 @@ pub struct SupportScene<'a> {
     pub up: &'a Up,
     /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
+}
+
+impl SupportScene<'_> {
+    /// The point (m) at pixel `i`; `NaN` without depth.
+    pub(super) fn point_at(&self, i: usize) -> DVec3 {
+        DVec3::from(self.points_m[i].map(f64::from))
+    }
 }

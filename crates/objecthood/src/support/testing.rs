@@ -14,7 +14,7 @@ pub(super) const SIZE: (usize, usize) = (320, 240);
 const FLOOR_M: f64 = 1.3;
 const TABLE_M: f64 = 0.6;
 /// Upright rectangles: depth, left and right, top and bottom (m). Regions 2, 3 and on.
-const UPRIGHT: [(f64, [f64; 2], [f64; 2]); 5] = [
+const RECTANGLES: [(f64, [f64; 2], [f64; 2]); 5] = [
     // A front leg, a back leg that the table hides in part, a box on the table, a post that stands free, the other front leg.
     (1.0, [-0.05, 0.0], [TABLE_M, FLOOR_M]),
     (1.6, [0.2, 0.26], [TABLE_M, FLOOR_M]),
@@ -28,7 +28,7 @@ fn seen([x, y, _]: [f64; 3]) -> (i32, f64) {
     let floor = (y > 0.2).then(|| (0, FLOOR_M / y));
     let table = (y > 0.2).then(|| (1, TABLE_M / y));
     let table = table.filter(|&(_, z)| (1.0..1.6).contains(&z) && (x * z).abs() < 0.4);
-    let upright = UPRIGHT.iter().enumerate().filter_map(|(k, &(z, [left, right], [top, bottom]))| {
+    let upright = RECTANGLES.iter().enumerate().filter_map(|(k, &(z, [left, right], [top, bottom]))| {
         let is_hit = (left..right).contains(&(x * z)) && (top..bottom).contains(&(y * z));
         is_hit.then_some((2 + k as i32, z))
     });
@@ -36,12 +36,12 @@ fn seen([x, y, _]: [f64; 3]) -> (i32, f64) {
     hits.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((-1, f64::NAN))
 }
 
-/// What a camera that looks so far down sees, in an image that begins at this column and row. The floor is region 0, the table region 1, which is of the
-/// structure if it `has_table`. `look` is given the scene and up.
+/// The scene that a camera tilted down by `down_deg` sees, cropped to begin at this column and row. Region 0 is the floor and region 1 the table. Both are
+/// planes of the structure if `table_is_structure`, else the floor alone. Calls `look` with the scene and up.
 pub(super) fn table_scene<T>(
     down_deg: f64,
     [first_column, first_row]: [usize; 2],
-    has_table: bool,
+    table_is_structure: bool,
     look: impl FnOnce(&SupportScene<'_>, DVec3) -> T,
 ) -> T {
     let [columns, rows] = [SIZE.0 - first_column, SIZE.1 - first_row];
@@ -66,12 +66,12 @@ pub(super) fn table_scene<T>(
     let level =
         |offset_m: f64| StructurePlane { normal: direction, offset_m: offset_m as f32, inlier_share: 0.4 };
     let up = Up { direction, source: UpSource::Plane };
-    let regions = Segments::from_numbered(labels, 2 + UPRIGHT.len());
+    let regions = Segments::from_numbered(labels, 2 + RECTANGLES.len());
     let scene = SupportScene {
         regions: &regions,
         points_m: &points_m,
         normals: &normals,
-        planes: &[level(FLOOR_M), level(TABLE_M)][..if has_table { 2 } else { 1 }],
+        planes: &[level(FLOOR_M), level(TABLE_M)][..if table_is_structure { 2 } else { 1 }],
         up: &up,
         space: &space,
     };

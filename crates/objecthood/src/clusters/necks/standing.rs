@@ -54,9 +54,10 @@ fn check_hollow(clusters: &Clusters<'_>, mut parts: [SegmentId; 2]) -> Option<Ch
     check_on(clusters, support, larger, smaller)
 }
 
-/// The checks by which the upper part would slide off the lower, from which a thing slides around their contact with this share.
+/// The checks that the upper part would slide off the lower: by the share of the lower one that slopes around their contact, by their sizes, and because
+/// the lower one is not hollow.
 fn slides(clusters: &Clusters<'_>, [upper, lower]: [SegmentId; 2], sliding_share: f64) -> [Check; 3] {
-    let bends = clusters.convexity(lower);
+    let convexity = clusters.convexity(lower);
     let [upper_px, lower_px] = [upper, lower].map(|id| clusters.get(id).pixels.len() as f64);
     [
         Check::new(
@@ -73,7 +74,7 @@ fn slides(clusters: &Clusters<'_>, [upper, lower]: [SegmentId; 2], sliding_share
             Bound::AtMost,
             SMALLER_SHARE,
         ),
-        Check::new("how far the lower part bends outwards", "", bends, Bound::AtLeast, -FLAT),
+        Check::new("how far the lower part bends outwards", "", convexity, Bound::AtLeast, -FLAT),
     ]
 }
 
