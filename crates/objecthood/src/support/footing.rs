@@ -118,7 +118,8 @@ struct Things<'a> {
 
 impl<'a> Things<'a> {
     fn of(scene: &'a SupportScene<'a>, objectness: &params::Objectness) -> Self {
-        let pixels: Vec<Vec<usize>> = scene.regions.runs_of_each().map(|region, runs| match region {
+        let runs = scene.regions.runs_of_each();
+        let pixels: Vec<Vec<usize>> = runs.map(|region, runs| match region {
             structure if structure < scene.planes.len() => Vec::new(),
             _ => sample(runs, scene.points_m),
         });
@@ -132,9 +133,12 @@ impl<'a> Things<'a> {
             longest_m > objectness.max_side_m || second_m > objectness.max_second_side_m
         };
         let is_furniture = pixels.iter().map(is_furniture).collect();
-        let post =
-            |pixels: &Vec<usize>| Post::of(&points(pixels), up).filter(|_| stands_lowest(scene, up, pixels));
-        let posts = pixels.iter().map(post).collect();
+        let post = |region: usize, runs: &[Range<usize>]| {
+            Post::of(&points(&pixels[region]), up).filter(|_| stands_lowest(scene, up, &pixels[region]))?;
+            // The sample may be in step with the rows of the image: then it has no width.
+            Post::of(&points(&measured(runs, scene.points_m).collect::<Vec<_>>()), up)
+        };
+        let posts = runs.map(post);
         let mut rising: Vec<usize> = (0..pixels.len()).filter(|&thing| !mean_m[thing].is_nan()).collect();
         rising.sort_by(|&a, &b| mean_m[a].total_cmp(&mean_m[b]));
         Self { scene, up, pixels, mean_m, is_furniture, posts, rising }
@@ -222,16 +226,18 @@ fn stands_lowest(scene: &SupportScene<'_>, up: DVec3, pixels: &[usize]) -> bool 
     nearest_m.is_finite() && deepest_m - nearest_m < 2.0 * LOWER_M
 }
 
-/// About [`COLUMNS`] of the pixels with depth in these runs, evenly spread but not in step with the rows.
+/// The pixels with depth in these runs.
+fn measured<'a>(
+    runs: &'a [Range<usize>],
+    points_m: &'a Raster<[f32; 3]>,
+) -> impl Iterator<Item = usize> + 'a {
+    runs.iter().cloned().flatten().filter(|&i| !points_m[i][2].is_nan())
+}
+
+/// About [`COLUMNS`] of the pixels with depth in these runs, evenly spread.
 fn sample(runs: &[Range<usize>], points_m: &Raster<[f32; 3]>) -> Vec<usize> {
-    let measured: Vec<usize> = runs.iter().cloned().flatten().filter(|&i| !points_m[i][2].is_nan()).collect();
-    let step = measured.len() as f64 / COLUMNS as f64;
-    if step <= 1.0 {
-        return measured;
-    }
-    // Multiples of the golden ratio have no period.
-    let place = |k: usize| (k as f64 + (k as f64 * std::f64::consts::GOLDEN_RATIO).fract()) * step;
-    (0..COLUMNS).map(|k| measured[place(k) as usize]).collect()
+    let step = (runs.iter().map(Range::len).sum::<usize>() / COLUMNS).max(1);
+    measured(runs, points_m).step_by(step).collect()
 }
 
 /// Follows the column below pixel `i` of a thing.
@@ -365,15 +371,6 @@ mod tests {
     fn what_is_cut_by_the_image_is_not_seen_to_hang() {
         let cut = footing_of(&[[100..120, 225..240]]);
         assert_eq!(cut[2], 1.0);
-    }
-
-    /// The places of samples fell into step with the rows of upright boxes, whose width seemed to be that of one column.
-    #[test]
-    fn samples_are_not_in_step_with_rows() {
-        let points_m = Raster::filled(100, 301, [0.0, 0.0, 1.0]).unwrap();
-        let columns: std::collections::BTreeSet<usize> =
-            sample(&[0..100 * 301], &points_m).into_iter().map(|i| i % 100).collect();
-        assert!(columns.len() > 60, "{columns:?}");
     }
 
     /// The front leg of a table that leaves the image above and below was an object.
