@@ -137,7 +137,7 @@ fn digests(frame: &Frame, params: &Params) -> BTreeMap<Stage, u64> {
 
 #[test]
 fn a_parameter_names_the_first_stage_that_depends_on_it() {
-    let frames = (1..).zip([Family::Vessels, Family::Clutter]);
+    let frames = [(1, Family::Vessels), (5, Family::Clutter)].into_iter();
     let frames = frames.map(|(seed, family)| render(&generate(family, seed), Sensor::Kinect).unwrap().frame);
     // Whether a tested value of a parameter changed the stage that it names.
     let mut changed: BTreeMap<String, bool> = BTreeMap::new();

@@ -13,7 +13,7 @@ pub struct ObjectnessParts {
     pub footing: f32,
     /// The share of its hull in the image that it fills, where nothing hides it.
     pub compactness: f32,
-    /// How clear its borders are: steps in depth and valleys are clear, flat or convex folds are not.
+    /// How clear its borders are: steps in depth, valleys, and colours unlike the background's are clear; flat or convex folds are not.
     pub separation: f32,
     /// The share of its outline that is its own: neither something nearer nor the border of the image cuts it there.
     pub visibility: f32,
