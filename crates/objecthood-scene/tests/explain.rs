@@ -66,10 +66,9 @@ const KINDS: [Asked; 10] = [
 const HIDDEN_KINDS: [Asked; 3] =
     [(Kind::OcclusionJoined, CASES, 16), (Kind::OcclusionMissed, 5, 0), (Kind::VesselMissed, 5, 0)];
 
-/// The same of what colour tells where depth is silent, on scenes of these families; a joint of necks has its limits, or a switch. A flat thing that rises as
-/// well, and whose colours differ from those of the table, is found without the rule for flat things too.
+/// The same of what colour tells where depth is silent, on scenes of these families; a joint of necks has its limits, or a switch.
 const SILENT_KINDS: [Asked; 4] =
-    [(Kind::NeckJoined, 10, 9), (Kind::NeckMissed, 5, 0), (Kind::SeamCut, 5, 5), (Kind::Flat, 10, 6)];
+    [(Kind::NeckJoined, 10, 9), (Kind::NeckMissed, 5, 0), (Kind::SeamCut, 5, 5), (Kind::Flat, 10, 8)];
 const SILENT: [Family; 3] = [Family::Parts, Family::Flush, Family::Thin];
 
 fn kind(decision: &Decision) -> Option<Kind> {

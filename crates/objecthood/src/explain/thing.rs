@@ -61,7 +61,11 @@ impl Explainer {
                         let passed = low.into_iter().chain([too_small]).chain(not_given).chain(unlikely);
                         match self.of_flat(cluster) {
                             flat if flat.is_empty() => (Reason::Passed, passed.collect()),
-                            flat => (Reason::Flat, flat),
+                            flat => {
+                                let objectness = &self.subject.params.objectness;
+                                let likely = hypothesis.map(|hypothesis| hypothesis.check_likely(objectness));
+                                (Reason::Flat, flat.into_iter().chain(likely).collect())
+                            }
                         }
                     }
                 }

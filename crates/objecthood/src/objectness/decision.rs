@@ -25,6 +25,11 @@ impl Hypothesis {
         let [measured, limit] = [self.objectness, params.threshold].map(f64::from);
         Check::new("its objectness", "", measured, Bound::Below, limit).set_by("objectness.threshold")
     }
+
+    /// The same as a check that it is likely enough.
+    pub(crate) fn check_likely(&self, params: &params::Objectness) -> Check {
+        Check { bound: Bound::AtLeast, ..self.check_unlikely(params) }
+    }
 }
 
 /// Keeps the hypotheses that are objects; with `every_hypothesis`, all hypotheses.
