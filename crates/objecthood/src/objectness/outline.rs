@@ -338,13 +338,18 @@ mod tests {
     fn drawn(rows: &[&str], heights_m: &[f64]) -> Vec<Outline> {
         let table = Table::drawn(rows, heights_m);
         let scene = table.scene();
-        let params = params::Contraction::default();
+        by_depth(&scene, 0, scene.space)
+    }
+
+    /// The outlines in a scene, for regions from number `first` on, as depth alone shows them.
+    fn by_depth(scene: &Scene<'_>, first: usize, space: &DisparitySpace) -> Vec<Outline> {
+        let (segments, params) = (&scene.facets.segments, params::Contraction::default());
         measure_outlines(
-            &scene.facets.segments,
-            0,
+            segments,
+            first,
             scene.points_m,
             scene.normals,
-            scene.space,
+            space,
             &params,
             ColorEvidence::default(),
         )
@@ -391,20 +396,7 @@ mod tests {
         let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
         let table = Table::drawn(&rows, &[0.014]);
         let scene = table.scene();
-        let params = params::Contraction::default();
-        let separation = |noise: Noise| {
-            let (segments, space) = (&scene.facets.segments, scene.space.with_noise(noise));
-            let all = measure_outlines(
-                segments,
-                1,
-                scene.points_m,
-                scene.normals,
-                &space,
-                &params,
-                ColorEvidence::default(),
-            );
-            all[1].separation()
-        };
+        let separation = |noise: Noise| by_depth(&scene, 1, &scene.space.with_noise(noise))[1].separation();
         let fine =
             Noise { blocks_quanta: Noise::KINECT.blocks_quanta.map(|wave| wave / 3.0), ..Noise::KINECT };
         assert!(separation(Noise::KINECT) < 0.6, "{}", separation(Noise::KINECT));
@@ -423,8 +415,8 @@ mod tests {
             let params = params::Contraction::default();
             measure_outlines(&facets.segments, 1, points_m, normals, space, &params, color)[1]
         };
-        let by_depth = outline(&table);
-        assert_eq!(by_depth.contrast(), 0.0);
+        let depth_only = outline(&table);
+        assert_eq!(depth_only.contrast(), 0.0);
         // What is blue lies beyond the right side of the image.
         let [red, gray, blue] = [[50.0, 60.0, 30.0], [50.0, 0.0, 0.0], [50.0, 60.0, 29.0]];
         table.lab = Some(LabImage::drawn((16, 12), |u, v| {
@@ -438,13 +430,13 @@ mod tests {
         }));
         let by_color = outline(&table);
         assert_eq!((by_color.separation(), by_color.contrast()), (1.0, 1.0));
-        assert!(by_depth.separation() < 0.3, "{by_depth:?}");
+        assert!(depth_only.separation() < 0.3, "{depth_only:?}");
         table.lab = Some(LabImage::drawn((16, 12), |_, _| red));
-        assert_eq!(outline(&table), by_depth, "colours that do not differ take nothing away");
+        assert_eq!(outline(&table), depth_only, "colours that do not differ take nothing away");
         let mut printed = Table::drawn(&["aaaaaabbbbbb"; 12], &[0.2, 0.2]);
-        let by_depth = outline(&printed);
+        let depth_only = outline(&printed);
         printed.lab = Some(LabImage::drawn((12, 12), |u, _| if u < 6 { red } else { gray }));
-        assert_eq!(outline(&printed), by_depth, "print");
+        assert_eq!(outline(&printed), depth_only, "print");
     }
 
     #[test]
@@ -468,17 +460,7 @@ mod tests {
                 Some((if u < 105 { 1 } else { 2 }, 0.25 - sign * x))
             });
             let scene = table.scene();
-            let params = params::Contraction::default();
-            measure_outlines(
-                &scene.facets.segments,
-                0,
-                scene.points_m,
-                scene.normals,
-                scene.space,
-                &params,
-                ColorEvidence::default(),
-            )[1]
-            .separation()
+            by_depth(&scene, 0, scene.space)[1].separation()
         };
         assert!(bent(1.0) < 0.05 && bent(-1.0) > 0.95, "{} {}", bent(1.0), bent(-1.0));
     }
