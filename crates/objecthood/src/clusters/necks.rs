@@ -6,6 +6,7 @@ mod contact;
 mod handle;
 mod hanging;
 mod limits;
+mod part;
 mod slopes;
 mod standing;
 mod symmetry;
@@ -22,10 +23,8 @@ use rayon::prelude::*;
 use crate::check::Check;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
-use crate::clusters::necks::ball::Ball;
 use crate::clusters::necks::contact::{beside, contacts, is_part, touch};
-use crate::clusters::necks::limits::FOOT_SHARE;
-use crate::clusters::necks::symmetry::Shaft;
+use crate::clusters::necks::part::Part;
 use crate::params;
 use crate::regions::SegmentId;
 use crate::union_find::UnionFind;
@@ -71,12 +70,8 @@ fn join_once(
         let pair_with = |other| [id, other];
         pairs.extend(others.map(pair_with).filter(|pair| pair.iter().any(|id| changed.contains(id))));
     }
-    let ids = pairs.iter().flatten().copied().collect::<BTreeSet<SegmentId>>();
-    let shaft = |id| Some((id, Shaft::of(clusters, up, id)?));
-    let ball = |id| Some((id, Ball::of(clusters, up, id)?));
-    let balls = ids.par_iter().copied().filter_map(ball).collect();
-    let shafts = ids.into_par_iter().filter_map(shaft).collect();
-    let compare = Compare { clusters, up, params, shafts, balls };
+    let parts = clusters.alive().into_iter().map(|id| (id, Part::new(clusters, up, id))).collect();
+    let compare = Compare { clusters, up, params, parts };
     let mut compared: Vec<Pair> = pairs.into_par_iter().filter_map(|pair| compare.pair(pair)).collect();
     compared.sort_by(|a, b| b.overlap.total_cmp(&a.overlap));
     let (joins, misses): (Vec<Pair>, Vec<Pair>) = compared.into_iter().partition(Pair::is_join);
@@ -127,39 +122,39 @@ struct Compare<'a> {
     clusters: &'a Clusters<'a>,
     up: DVec3,
     params: &'a params::Necks,
-    /// The clusters that are slim.
-    shafts: BTreeMap<SegmentId, Shaft>,
-    /// The clusters that are round.
-    balls: BTreeMap<SegmentId, Ball>,
+    /// All clusters.
+    parts: BTreeMap<SegmentId, Part<'a>>,
 }
 
 impl Compare<'_> {
     /// Compares two clusters; `None` if they do not touch, and nothing else speaks for one body.
     fn pair(&self, pair: [SegmentId; 2]) -> Option<Pair> {
         let (clusters, up) = (self.clusters, self.up);
-        let pixels = |id: SegmentId| &clusters.get(id).pixels[..];
+        let part = |id: SegmentId| &self.parts[&id];
         let one_way = pair;
         let other_way = [pair[1], pair[0]];
         let either = |checks: &dyn Fn([SegmentId; 2]) -> Option<Vec<Check>>| {
             [one_way, other_way].into_iter().find_map(|parts| Some((parts, checks(parts)?)))
         };
-        let by_size = if pixels(pair[0]).len() < pixels(pair[1]).len() { one_way } else { other_way };
-        if let Some(checks) = hanging::checks(clusters, by_size) {
+        let sizes_px = pair.map(|id| part(id).pixels().len());
+        let by_size = if sizes_px[0] < sizes_px[1] { one_way } else { other_way };
+        if let Some(checks) = hanging::checks(clusters, by_size.map(part)) {
             return Some(Pair { parts: by_size, overlap: 0.0, checks });
         }
-        let feet_m = pair.map(|id| clusters.scene.own_height_m(pixels(id), FOOT_SHARE));
+        let feet_m = pair.map(|id| part(id).foot_m());
         let [upper, lower] = if feet_m[0] >= feet_m[1] { one_way } else { other_way };
-        let rolls = |parts: [SegmentId; 2]| ball::checks(clusters, up, self.balls.get(&parts[0])?, parts);
+        let rolls = |parts: [SegmentId; 2]| ball::checks(clusters, up, part(parts[0]).ball()?, parts);
         let covers = || Some(([upper, lower], top::checks(clusters, up, [upper, lower])?));
-        let symmetric =
-            |parts: [SegmentId; 2]| symmetry::checks(clusters, self.shafts.get(&parts[0])?, parts[1]);
+        let symmetric = |parts: [SegmentId; 2]| symmetry::checks(clusters, part(parts[0]).shaft()?, parts[1]);
         if let Some((parts, checks)) = either(&rolls).or_else(covers).or_else(|| either(&symmetric)) {
             return Some(Pair { parts, overlap: 1.0, checks });
         }
         let least = self.params.color_overlap;
-        let alike_in_light = colors::check_alike_in_light(clusters, pair, least);
+        let colors = pair.map(|id| part(id).colors());
+        let alike_in_light = colors::check_alike_in_light(colors, least);
         if alike_in_light.holds()
-            && let Some((parts, mut checks)) = either(&|parts| waist::checks(clusters, parts, least))
+            && let Some((parts, mut checks)) =
+                either(&|parts| waist::checks(clusters, &self.parts, parts, least))
         {
             checks.insert(0, alike_in_light);
             return Some(Pair { parts, overlap: 1.0, checks });
@@ -167,7 +162,7 @@ impl Compare<'_> {
         if !touch(clusters, pair) {
             return None;
         }
-        let (overlap, foot_m) = (colors::overlap(clusters, pair), feet_m[0].max(feet_m[1]));
+        let (overlap, foot_m) = (colors::overlap(colors), feet_m[0].max(feet_m[1]));
         let alike = colors::check_alike(overlap, least);
         let carrying = contacts(clusters, [lower, upper]);
         let handle = || handle::checks(clusters, up, [upper, lower], &carrying, foot_m);

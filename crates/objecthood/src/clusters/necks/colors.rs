@@ -12,24 +12,43 @@ use crate::regions::SegmentId;
 /// A face in the shade of its own body has this share of the light of another, to the third root, at least: a third of the light.
 const SHADE: f32 = 0.7;
 
-/// The overlap of the colours of two parts; 0 without colour. O(sampled pixels).
-pub(super) fn overlap(clusters: &Clusters<'_>, pair: [SegmentId; 2]) -> f64 {
-    overlap_of(&colors(clusters, pair))
+/// Some colours of a part; none without colour.
+#[derive(Debug)]
+pub(super) struct Colors {
+    /// L\*a\*b\*.
+    lab: Vec<[f32; 3]>,
+    histogram: ColorHistogram,
+}
+
+impl Colors {
+    /// O(sampled pixels).
+    pub(super) fn of(clusters: &Clusters<'_>, id: SegmentId) -> Self {
+        let pixels = &clusters.get(id).pixels;
+        let lab = clusters.scene.lab.map(|lab| sampled(pixels).map(|i| lab[i]).collect());
+        let lab: Vec<[f32; 3]> = lab.unwrap_or_default();
+        Self { histogram: ColorHistogram::of(lab.iter().copied()), lab }
+    }
+
+    /// The light that comes from it: the mean of L\* + 16.
+    fn light(&self) -> f32 {
+        mean(self.lab.iter().map(|color| Vec3::from(*color))).x + LIGHT_OFFSET
+    }
+}
+
+/// The overlap of the colours of two parts; 0 without colour. O(bins).
+pub(super) fn overlap([a, b]: [&Colors; 2]) -> f64 {
+    a.histogram.overlap(&b.histogram)
 }
 
 /// The same, or if it is more, that with the darker part in the light of the other: light that falls scales L\* + 16, a\* and b\* alike. O(sampled
 /// pixels).
-fn overlap_in_light(clusters: &Clusters<'_>, pair: [SegmentId; 2]) -> f64 {
-    let mut colors = colors(clusters, pair);
-    let as_seen = overlap_of(&colors);
-    let light =
-        colors.each_ref().map(|colors| mean(colors.iter().map(|color| Vec3::from(*color))).x + LIGHT_OFFSET);
+fn overlap_in_light(pair: [&Colors; 2]) -> f64 {
+    let light = pair.map(Colors::light);
     let darker = usize::from(light[1] < light[0]);
     let gain = (light[1 - darker] / light[darker]).min(1.0 / SHADE);
-    for [l, a, b] in &mut colors[darker] {
-        (*l, *a, *b) = ((*l + LIGHT_OFFSET) * gain - LIGHT_OFFSET, *a * gain, *b * gain);
-    }
-    overlap_of(&colors).max(as_seen)
+    let in_light = |&[l, a, b]: &[f32; 3]| [(l + LIGHT_OFFSET) * gain - LIGHT_OFFSET, a * gain, b * gain];
+    let relit = ColorHistogram::of(pair[darker].lab.iter().map(in_light));
+    relit.overlap(&pair[1 - darker].histogram).max(overlap(pair))
 }
 
 /// Checks that an overlap of colours is larger than `least`.
@@ -38,21 +57,8 @@ pub(super) fn check_alike(overlap: f64, least: f64) -> Check {
 }
 
 /// The same in the same light. O(sampled pixels).
-pub(super) fn check_alike_in_light(clusters: &Clusters<'_>, pair: [SegmentId; 2], least: f64) -> Check {
-    let overlap = overlap_in_light(clusters, pair);
+pub(super) fn check_alike_in_light(pair: [&Colors; 2], least: f64) -> Check {
+    let overlap = overlap_in_light(pair);
     Check::new("overlap of their colours in the same light", "", overlap, Bound::Above, least)
         .set_by("necks.color_overlap")
-}
-
-fn overlap_of([a, b]: &[Vec<[f32; 3]>; 2]) -> f64 {
-    ColorHistogram::of(a.iter().copied()).overlap(&ColorHistogram::of(b.iter().copied()))
-}
-
-/// Some colours (L\*a\*b\*) of two parts; none without colour.
-fn colors(clusters: &Clusters<'_>, pair: [SegmentId; 2]) -> [Vec<[f32; 3]>; 2] {
-    let of = |id: SegmentId| {
-        let lab = clusters.scene.lab?;
-        Some(sampled(&clusters.get(id).pixels).map(|i| lab[i]).collect())
-    };
-    pair.map(|id| of(id).unwrap_or_default())
 }

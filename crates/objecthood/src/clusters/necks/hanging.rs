@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::necks::limits::{FOOT_M, FOOT_SHARE, HIDDEN_M, SMALLER_SHARE};
+use crate::clusters::necks::limits::{FOOT_M, HIDDEN_M, SMALLER_SHARE};
+use crate::clusters::necks::part::Part;
 use crate::clusters::scene::sampled;
 use crate::regions::SegmentId;
 
@@ -24,101 +25,94 @@ const UNDERSIDE_M: f64 = 0.006;
 const UNDERSIDE_QUANTA: f64 = 2.5;
 
 /// The checks by which the smaller part hangs on the larger; `None` when one fails. O(sampled pixels · (steps + sampled pixels)).
-pub(super) fn checks(clusters: &Clusters<'_>, [part, carrier]: [SegmentId; 2]) -> Option<Vec<Check>> {
-    let [part_px, carrier_px] = [part, carrier].map(|id| clusters.get(id).pixels.len() as f64);
-    let smaller = Check::new(
-        "pixels of the hanging part, over those of the other",
-        "",
-        part_px / carrier_px,
-        Bound::AtMost,
-        SMALLER_SHARE,
-    );
+pub(super) fn checks(clusters: &Clusters<'_>, [part, carrier]: [&Part<'_>; 2]) -> Option<Vec<Check>> {
     let share = |name, value, bound, limit| Check::new(name, "", value, bound, limit);
-    let bends = clusters.convexity(carrier);
+    let size_share = part.pixels().len() as f64 / carrier.pixels().len() as f64;
+    let smaller = "pixels of the hanging part, over those of the other";
+    let smaller = share(smaller, size_share, Bound::AtMost, SMALLER_SHARE);
+    let bends = clusters.convexity(carrier.id);
     let bends = share("how far the other bends outwards", bends, Bound::Above, 0.0);
-    let [foot_m, top_m] =
-        [FOOT_SHARE, TOP_SHARE].map(|share| clusters.scene.own_height_m(&clusters.get(part).pixels, share));
+    let foot_m = part.foot_m();
     let foot = Check::new("foot of the hanging part above its support", "m", foot_m, Bound::Above, FOOT_M);
-    let ends =
-        share("height of that foot, over that of its top", foot_m / top_m, Bound::AtLeast, FOOT_OF_TOP);
     // Most pairs fail these, which cost little.
-    if ![smaller, bends, foot, ends].iter().all(Check::holds) {
+    if ![smaller, bends, foot].iter().all(Check::holds) {
         return None;
     }
-    let distance_m = distance_m(clusters, [part, carrier]);
-    let near = Check::new("distance of the parts", "m", distance_m, Bound::AtMost, HIDDEN_M);
-    if !near.holds() {
-        return None;
-    }
-    let [own, other] = [part, carrier].map(|id| underside(clusters, id));
-    let checks = vec![
+    let (top_m, own) = (clusters.scene.own_height_m(part.pixels(), TOP_SHARE), part.underside());
+    let (hangs, stands) =
+        ("share of the part that hangs: its support is seen below it", "share of the part that stands");
+    let mut checks = vec![
         foot,
-        ends,
-        share(
-            "share of the part that hangs: its support is seen below it",
-            own.hanging,
-            Bound::AtLeast,
-            HANGING_SHARE,
-        ),
-        share("share of the part that stands", own.standing, Bound::Below, STANDING_SHARE),
-        share("share of the other that stands", other.standing, Bound::AtLeast, STANDING_SHARE),
-        near,
+        share("height of that foot, over that of its top", foot_m / top_m, Bound::AtLeast, FOOT_OF_TOP),
+        share(hangs, own.hanging, Bound::AtLeast, HANGING_SHARE),
+        share(stands, own.standing, Bound::Below, STANDING_SHARE),
+    ];
+    if !checks.iter().all(Check::holds) {
+        return None;
+    }
+    let other_stands = carrier.underside().standing;
+    let distance_m = distance_m(clusters, [part.pixels(), carrier.pixels()]);
+    checks.extend([
+        share("share of the other that stands", other_stands, Bound::AtLeast, STANDING_SHARE),
+        Check::new("distance of the parts", "m", distance_m, Bound::AtMost, HIDDEN_M),
         smaller,
         bends,
-    ];
+    ]);
     checks.iter().all(Check::holds).then_some(checks)
 }
 
 /// Shares of the pixels of a part by what is seen below it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Underside {
+pub(super) struct Underside {
     /// The support, below where the part ends.
     hanging: f64,
     /// The support, where the part meets it.
     standing: f64,
 }
 
-/// Follows pixels of a part down along gravity, across holes, to the first that is not its own. The line below a thing that stands leaves its
-/// outline where it meets the support, or lower. O(sampled pixels · steps).
-fn underside(clusters: &Clusters<'_>, part: SegmentId) -> Underside {
-    let scene = clusters.scene;
-    let pixels = &clusters.get(part).pixels;
-    let Some(support) = scene.own_support(pixels) else { return Underside::default() };
-    let (up, camera, size) = (scene.surfaces[support].normal, scene.space.camera(), scene.disparity.size());
-    let ends = |from: DVec3| {
-        for step in 1..=MOST_STEPS {
-            let at = camera.pixel_at(from - step as f64 * STEP_M * up, size)?;
-            let facet = scene.facets.segments.at(at).filter(|_| clusters.at_pixel(at) != Some(part));
-            if let Some(facet) = facet {
-                return (facet.index() == support).then_some((step, at));
+impl Underside {
+    /// Follows pixels of a part down along gravity, across holes, to the first that is not its own. The line below a thing that stands leaves its
+    /// outline where it meets the support, or lower. O(sampled pixels · steps).
+    pub(super) fn of(clusters: &Clusters<'_>, part: SegmentId) -> Self {
+        let scene = clusters.scene;
+        let pixels = &clusters.get(part).pixels;
+        let Some(support) = scene.own_support(pixels) else { return Self::default() };
+        let (up, camera, size) =
+            (scene.surfaces[support].normal, scene.space.camera(), scene.disparity.size());
+        let ends = |from: DVec3| {
+            for step in 1..=MOST_STEPS {
+                let at = camera.pixel_at(from - step as f64 * STEP_M * up, size)?;
+                let facet = scene.facets.segments.at(at).filter(|_| clusters.at_pixel(at) != Some(part));
+                if let Some(facet) = facet {
+                    return (facet.index() == support).then_some((step, at));
+                }
+            }
+            None
+        };
+        let (mut hanging, mut standing, mut all) = (0, 0, 0);
+        for i in sampled(pixels) {
+            all += 1;
+            let from = scene.point_at(i);
+            let Some((step, seen)) = ends(from) else { continue };
+            let least_m = UNDERSIDE_M.max(scene.space.step_m(UNDERSIDE_QUANTA, from.z));
+            // What lies flat on the support may count as part of it.
+            if scene.height_over_m(seen, support) > least_m {
+                continue;
+            }
+            if scene.height_over_m(i, support) - step as f64 * STEP_M > least_m {
+                hanging += 1;
+            } else {
+                standing += 1;
             }
         }
-        None
-    };
-    let (mut hanging, mut standing, mut all) = (0, 0, 0);
-    for i in sampled(pixels) {
-        all += 1;
-        let from = scene.point_at(i);
-        let Some((step, seen)) = ends(from) else { continue };
-        let least_m = UNDERSIDE_M.max(scene.space.step_m(UNDERSIDE_QUANTA, from.z));
-        // What lies flat on the support may count as part of it.
-        if scene.height_over_m(seen, support) > least_m {
-            continue;
-        }
-        if scene.height_over_m(i, support) - step as f64 * STEP_M > least_m {
-            hanging += 1;
-        } else {
-            standing += 1;
-        }
+        let share = |count: usize| count as f64 / all.max(1) as f64;
+        Self { hanging: share(hanging), standing: share(standing) }
     }
-    let share = |count: usize| count as f64 / all.max(1) as f64;
-    Underside { hanging: share(hanging), standing: share(standing) }
 }
 
 /// The least distance (m) between sampled points of two parts. O(sampled pixels²).
-fn distance_m(clusters: &Clusters<'_>, parts: [SegmentId; 2]) -> f64 {
-    let scene = clusters.scene;
-    let [a, b] = parts.map(|id| scene.sampled_points(&clusters.get(id).pixels).collect::<Vec<_>>());
+fn distance_m(clusters: &Clusters<'_>, parts: [&[u32]; 2]) -> f64 {
+    let [a, b] = parts.map(|pixels| clusters.scene.sampled_points(pixels).collect::<Vec<_>>());
     let distances = a.iter().flat_map(|one| b.iter().map(move |other| one.distance_squared(*other)));
     distances.fold(f64::INFINITY, f64::min).sqrt()
 }

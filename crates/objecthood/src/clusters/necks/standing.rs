@@ -1,5 +1,7 @@
 //! Whether the upper part stands on the lower one, or would slide off it (docs/CONTEXT.md 4.7).
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::check::{Bound, Check};
@@ -84,17 +86,17 @@ fn slopes_around(clusters: &Clusters<'_>, up: DVec3, lower: SegmentId, contacts:
     let width = scene.disparity.width();
     let pixels = &clusters.get(lower).pixels;
     let step = contacts.len().div_ceil(CONTACTS).max(1);
-    let around: Vec<(usize, DVec3)> =
-        contacts.iter().step_by(step).map(|&i| (i, scene.point_at(i))).collect();
     let focal_px = scene.space.camera().fx_px.max(scene.space.camera().fy_px);
+    let surroundings = |&i: &usize| {
+        let (point, at) = (scene.point_at(i), position(i, width));
+        let reach_px = AROUND_M * focal_px / point.z;
+        (point, at.map(|at| at - reach_px..at + reach_px))
+    };
+    let around: Vec<(DVec3, [Range<f64>; 2])> = contacts.iter().step_by(step).map(surroundings).collect();
     let is_near = |&i: &usize| {
         let at = position(i, width);
-        around.iter().any(|&(contact, point)| {
-            let reach_px = AROUND_M * focal_px / point.z;
-            let of_contact = position(contact, width);
-            (0..2).all(|k| (at[k] - of_contact[k]).abs() < reach_px)
-                && scene.point_at(i).distance(point) < AROUND_M
-        })
+        let mut near = around.iter().filter(|(_, places)| (0..2).all(|k| places[k].contains(&at[k])));
+        near.any(|(point, _)| scene.point_at(i).distance(*point) < AROUND_M)
     };
     let mut counts = SlopeCounts::new();
     for i in pixels.iter().map(|&i| i as usize).filter(is_near) {

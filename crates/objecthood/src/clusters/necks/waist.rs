@@ -1,12 +1,15 @@
 //! Whether a part begins at another as a neck: the joint is narrower than both (docs/CONTEXT.md 4.7).
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::necks::colors;
+use crate::clusters::necks::colors::check_alike_in_light;
 use crate::clusters::necks::contact::{beside, pixel_pairs};
 use crate::clusters::necks::limits::{HIDDEN_M, SIDES, WIDTH_QUANTA};
+use crate::clusters::necks::part::Part;
 use crate::linear::length;
 use crate::quantile::{range, reach_m};
 use crate::regions::SegmentId;
@@ -35,6 +38,7 @@ const LEAST_PX: usize = 6;
 /// is narrow all along counts with a third one of its colours at its other end. O(pixels of all three).
 pub(super) fn checks(
     clusters: &Clusters<'_>,
+    parts: &BTreeMap<SegmentId, Part<'_>>,
     [part, body]: [SegmentId; 2],
     least_overlap: f64,
 ) -> Option<Vec<Check>> {
@@ -51,7 +55,7 @@ pub(super) fn checks(
         let is_held = |&other: &SegmentId| {
             other != body
                 && neck.ends_at(clusters, [part, other])
-                && colors::check_alike_in_light(clusters, [part, other], least_overlap).holds()
+                && check_alike_in_light([part, other].map(|id| parts[&id].colors()), least_overlap).holds()
         };
         let shares = beside(clusters, part).filter(is_held).map(|other| neck.share_of(clusters, other));
         let least = shares.fold(f64::INFINITY, f64::min);
