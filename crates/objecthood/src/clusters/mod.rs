@@ -45,6 +45,7 @@ pub(crate) mod bumps;
 pub(crate) mod candidates;
 pub(crate) mod cluster;
 pub mod clustering;
+mod colors;
 mod convexity;
 mod deep_bottoms;
 pub mod fill;

@@ -1,7 +1,6 @@
 //! Joins the convex parts of one body across a neck or fold (docs/CONTEXT.md 4.7).
 
 mod ball;
-mod colors;
 mod contact;
 mod handle;
 mod hanging;
@@ -20,8 +19,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::check::Check;
+use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
+use crate::clusters::colors::Colors;
 use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
 use crate::clusters::necks::contact::{beside, contacts, is_part, touch};
 use crate::clusters::necks::part::Part;
@@ -90,6 +90,16 @@ fn join_once(
     grown
 }
 
+/// The parameter that sets the limits on colours.
+const COLOR_OVERLAP: &str = "necks.color_overlap";
+
+/// Checks that two parts share more than `least` of their colours in the same light. O(sampled pixels).
+fn check_alike_in_light([a, b]: [&Colors; 2], least: f64) -> Check {
+    let overlap = a.overlap_in_light(b);
+    Check::new("overlap of their colours in the same light", "", overlap, Bound::Above, least)
+        .set_by(COLOR_OVERLAP)
+}
+
 /// Two clusters: first the upper one, or the one that hangs, or the ball, the slim part or the neck.
 struct Pair {
     parts: [SegmentId; 2],
@@ -151,7 +161,7 @@ impl Compare<'_> {
         }
         let least = self.params.color_overlap;
         let colors = pair.map(|id| part(id).colors());
-        let alike_in_light = colors::check_alike_in_light(colors, least);
+        let alike_in_light = check_alike_in_light(colors, least);
         if alike_in_light.holds()
             && let Some((parts, mut checks)) =
                 either(&|parts| waist::checks(clusters, &self.parts, parts, least))
@@ -162,8 +172,9 @@ impl Compare<'_> {
         if !touch(clusters, pair) {
             return None;
         }
-        let (overlap, foot_m) = (colors::overlap(colors), feet_m[0].max(feet_m[1]));
-        let alike = colors::check_alike(overlap, least);
+        let (overlap, foot_m) = (colors[0].overlap(colors[1]), feet_m[0].max(feet_m[1]));
+        let alike =
+            Check::new("overlap of their colours", "", overlap, Bound::Above, least).set_by(COLOR_OVERLAP);
         let carrying = contacts(clusters, [lower, upper]);
         let handle = || handle::checks(clusters, up, [upper, lower], &carrying, foot_m);
         let checks = match alike.holds().then(handle).flatten() {

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use glam::DVec3;
 
 use crate::clusters::cluster::Clusters;
+use crate::clusters::colors::Colors;
 use crate::clusters::necks::ball::Ball;
-use crate::clusters::necks::colors::Colors;
 use crate::clusters::necks::hanging::Underside;
 use crate::clusters::necks::limits::FOOT_SHARE;
 use crate::clusters::necks::symmetry::Shaft;
@@ -46,7 +46,7 @@ impl<'a> Part<'a> {
     }
 
     pub(super) fn colors(&self) -> &Colors {
-        self.colors.get_or_init(|| Colors::of(self.clusters, self.id))
+        self.colors.get_or_init(|| Colors::of(self.clusters.scene, self.pixels()))
     }
 
     /// The part as a shaft, if it is slim.

@@ -4,9 +4,10 @@
 
 use glam::DVec3;
 
-use super::limits::{Limits, RIM_HEIGHT};
+use super::limits::{Limits, RIM_HEIGHT, check_walls_color};
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
+use crate::clusters::colors::Colors;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::clusters::patches::{Patch, Shared, find_patches};
 use crate::clusters::scene::sampled;
@@ -95,11 +96,11 @@ impl Around {
     fn check_colors<'a>(
         &'a self,
         clusters: &'a Clusters<'_>,
-        limits: Limits<'a>,
         largest: SegmentId,
     ) -> impl Iterator<Item = Check> + 'a {
-        let others = self.walls.iter().filter(move |&&wall| wall != largest);
-        others.map(move |&wall| limits.check_color(clusters, wall, &[largest]))
+        let colors = |id: SegmentId| Colors::of(clusters.scene, &clusters.get(id).pixels);
+        let (others, own) = (self.walls.iter().filter(move |&&wall| wall != largest), colors(largest));
+        others.map(move |&wall| check_walls_color(clusters.scene, [&own, &colors(wall)]))
     }
 
     /// The checks on heights and shares. That of the heights holds: what is not as high is no wall.
@@ -131,7 +132,7 @@ pub(super) fn join_box(clusters: &mut Clusters<'_>, limits: Limits<'_>, misses: 
         let is_box = around.checks(limits).into_iter().all(|check| join.check(check))
             && join.check(check_within(&patch, &walls, clusters.scene.disparity.width()))
             && join.check(check_length(clusters, limits, &walls))
-            && around.check_colors(clusters, limits, largest).all(|check| join.check(check));
+            && around.check_colors(clusters, largest).all(|check| join.check(check));
         if is_box {
             join_all(clusters, &patch, &around, largest, &join);
             return true;

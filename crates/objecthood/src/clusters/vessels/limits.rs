@@ -2,9 +2,8 @@
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::scene::sampled;
-use crate::color::histogram::ColorHistogram;
-use crate::color::image::LabImage;
+use crate::clusters::colors::Colors;
+use crate::clusters::scene::Scene;
 use crate::oversegment::structure::StructureSurface;
 use crate::params;
 use crate::regions::SegmentId;
@@ -47,13 +46,17 @@ impl Limits<'_> {
 
     /// Checks that a cluster shares colours with one of the parts of a vessel; without colour it holds.
     pub(super) fn check_color(&self, clusters: &Clusters<'_>, id: SegmentId, parts: &[SegmentId]) -> Check {
-        let histogram = |lab: &LabImage, id: SegmentId| {
-            ColorHistogram::of(sampled(&clusters.get(id).pixels).map(|i| lab[i]))
-        };
-        let overlap = clusters.scene.lab.map_or(1.0, |lab| {
-            let own = histogram(lab, id);
-            parts.iter().map(|&part| own.overlap(&histogram(lab, part))).fold(0.0, f64::max)
+        let colors = |id: SegmentId| Colors::of(clusters.scene, &clusters.get(id).pixels);
+        let overlap = clusters.scene.lab.map_or(1.0, |_| {
+            let own = colors(id);
+            parts.iter().map(|&part| own.overlap(&colors(part))).fold(0.0, f64::max)
         });
         Check::new("overlap of their colours", "", overlap, Bound::AtLeast, COLOR_OVERLAP)
     }
+}
+
+/// Checks that two walls share colours in the same light, which falls on each from another side; without colour it holds.
+pub(super) fn check_walls_color(scene: &Scene<'_>, [a, b]: [&Colors; 2]) -> Check {
+    let overlap = scene.lab.map_or(1.0, |_| a.overlap_in_light(b));
+    Check::new("overlap of their colours in the same light", "", overlap, Bound::AtLeast, COLOR_OVERLAP)
 }

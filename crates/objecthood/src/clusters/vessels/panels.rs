@@ -8,30 +8,43 @@ mod interior;
 mod meeting;
 mod panel;
 
+use std::collections::BTreeSet;
+
 use self::interior::Interior;
-use self::meeting::Meeting;
+use self::meeting::{Kind, Meeting};
 use self::panel::{Panel, find_panels};
-use super::limits::{Limits, RIM_HEIGHT};
+use super::limits::{Limits, RIM_HEIGHT, check_walls_color};
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
 use crate::regions::SegmentId;
 use crate::union_find::UnionFind;
 
-/// Two panels, and the checks by which they are walls of one box.
+/// Walls of other colours are those of one box from so many sides on: two things of one height meet by chance, three seldom do.
+const SIDES: usize = 3;
+
+/// Two panels whose places fit two walls of one box.
 struct Pair {
     panels: [usize; 2],
     /// The clusters that they belong to.
     clusters: [SegmentId; 2],
-    /// Whether their meeting shows the inside of a box.
-    is_inside: bool,
-    checks: Vec<Check>,
+    meeting: Meeting,
+    tops: Check,
+    /// Whether they share colours.
+    alike: Check,
 }
 
 impl Pair {
-    fn propose(self, [into, from]: [SegmentId; 2]) -> Proposal {
+    /// Whether they are two walls of one box, or pieces of one wall, but for their colours.
+    fn fits(&self) -> bool {
+        self.meeting.check.holds() && self.tops.holds()
+    }
+
+    /// The proposal to join their clusters, as walls of a box that has `sides`.
+    fn propose(&self, [into, from]: [SegmentId; 2], sides: Check) -> Proposal {
         let mut proposal = Proposal::new(Rule::BoxWalls, Source::Cluster(from), Some(into));
-        proposal.extend(self.checks);
+        let last = if self.alike.holds() || !sides.holds() { self.alike } else { sides };
+        proposal.extend([self.meeting.check, self.tops, last]);
         proposal
     }
 }
@@ -39,36 +52,34 @@ impl Pair {
 /// Joins the walls of every box, and what else belongs to it. O(pixels of upright facets + panels² + boxes · clusters).
 pub(super) fn join_panels(clusters: &mut Clusters<'_>, limits: Limits<'_>) {
     let panels = find_panels(clusters, limits.support);
-    let (pairs, misses): (Vec<Pair>, Vec<Pair>) =
-        compare(clusters, limits, &panels).into_iter().partition(|pair| pair.checks.iter().all(Check::holds));
-    let mut boxes = UnionFind::new(panels.len());
-    let mut is_box = vec![false; panels.len()];
-    for pair in &pairs {
-        let [a, b] = pair.panels.map(|panel| boxes.find(panel));
-        boxes.link(a.min(b), a.max(b));
-        is_box[a.min(b)] = is_box[a] || is_box[b] || pair.is_inside;
+    let pairs = compare(clusters, limits, &panels);
+    let sides = count_sides(panels.len(), &pairs);
+    let sides = |pair: &Pair| {
+        let count = sides[pair.panels[0]] as f64;
+        Check::new("sides of the box, whose colours differ", "", count, Bound::AtLeast, SIDES as f64)
+    };
+    let is_wall = |pair: &&Pair| pair.fits() && (pair.alike.holds() || sides(pair).holds());
+    let (walls, misses): (Vec<&Pair>, Vec<&Pair>) = pairs.iter().partition(is_wall);
+    let (box_of, count) = groups(panels.len(), walls.iter().copied());
+    let mut is_box = vec![false; count];
+    for pair in walls.iter().filter(|pair| pair.meeting.kind == Kind::Inside) {
+        is_box[box_of[pair.panels[0]] as usize] = true;
     }
     let count = clusters.alive().last().map_or(0, |last| last.index() + 1);
     let mut joined = UnionFind::new(count);
-    for pair in pairs.into_iter().filter(|pair| is_box[boxes.find(pair.panels[0])]) {
+    for pair in walls.into_iter().filter(|pair| is_box[box_of[pair.panels[0]] as usize]) {
         let [a, b] = pair.clusters.map(|id| joined.find(id.index()));
         if a != b {
             joined.link(a.min(b), a.max(b));
             let [into, from] = [a.min(b), a.max(b)].map(|root| SegmentId(root as u32));
-            clusters.give(pair.propose([into, from]).accept(None));
+            clusters.give(pair.propose([into, from], sides(pair)).accept(None));
         }
     }
     let misses = misses.into_iter().filter(|pair| pair.clusters[0] != pair.clusters[1]);
-    clusters.history.note_misses(misses.map(|pair| {
-        let clusters = pair.clusters;
-        pair.propose(clusters).refuse()
-    }));
-    for root in (0..panels.len()).filter(|&panel| is_box[panel]) {
-        if boxes.find(root) != root {
-            continue;
-        }
-        let walls: Vec<&Panel> =
-            (0..panels.len()).filter(|&k| boxes.find(k) == root).map(|k| &panels[k]).collect();
+    clusters.history.note_misses(misses.map(|pair| pair.propose(pair.clusters, sides(pair)).refuse()));
+    for (found, _) in is_box.into_iter().enumerate().filter(|(_, is_box)| *is_box) {
+        let walls = panels.iter().zip(&box_of).filter(|(_, of)| **of as usize == found);
+        let walls: Vec<&Panel> = walls.map(|(panel, _)| panel).collect();
         if let Some(interior) = Interior::of(&walls) {
             let into = SegmentId(joined.find(walls[0].cluster.index()) as u32);
             // The walls of a box in a box may be a piece of the outer one by now.
@@ -79,25 +90,43 @@ pub(super) fn join_panels(clusters: &mut Clusters<'_>, limits: Limits<'_>) {
     }
 }
 
+/// The group of each panel, and the number of groups: pairs link their panels.
+fn groups<'p>(panels: usize, pairs: impl Iterator<Item = &'p Pair>) -> (Vec<u32>, usize) {
+    let mut sets = UnionFind::new(panels);
+    for pair in pairs {
+        let [a, b] = pair.panels.map(|panel| sets.find(panel));
+        sets.link(a.min(b), a.max(b));
+    }
+    sets.groups()
+}
+
+/// For each panel, how many sides has the box that its place and those of others fit, whatever their colours.
+fn count_sides(panels: usize, pairs: &[Pair]) -> Vec<usize> {
+    let fitting = || pairs.iter().filter(|pair| pair.fits());
+    let (box_of, count) = groups(panels, fitting());
+    let (side_of, _) = groups(panels, fitting().filter(|pair| pair.meeting.kind == Kind::OneWall));
+    let mut sides = vec![BTreeSet::new(); count];
+    for (of_box, side) in box_of.iter().zip(side_of) {
+        sides[*of_box as usize].insert(side);
+    }
+    box_of.into_iter().map(|of_box| sides[of_box as usize].len()).collect()
+}
+
 /// The pairs of panels whose places fit two walls of one box, with their checks.
 fn compare(clusters: &Clusters<'_>, limits: Limits<'_>, panels: &[Panel]) -> Vec<Pair> {
     let mut pairs = Vec::new();
     for (b, other) in panels.iter().enumerate() {
         for (a, one) in panels[..b].iter().enumerate() {
-            let Some(Meeting { check, is_inside }) = Meeting::of(one, other) else { continue };
+            let Some(meeting) = Meeting::of(one, other) else { continue };
             let apart_m = (one.top_m - other.top_m).abs();
             let limit_m = limits.params.rim_height_m;
             let tops = Check::new("difference of the tops", "m", apart_m, Bound::AtMost, limit_m);
-            let checks = vec![
-                check,
-                tops.set_by(RIM_HEIGHT),
-                limits.check_color(clusters, other.cluster, &[one.cluster]),
-            ];
             pairs.push(Pair {
                 panels: [a, b],
                 clusters: [one, other].map(|panel| panel.cluster),
-                is_inside,
-                checks,
+                meeting,
+                tops: tops.set_by(RIM_HEIGHT),
+                alike: check_walls_color(clusters.scene, [one, other].map(|panel| &panel.colors)),
             });
         }
     }

@@ -18,12 +18,22 @@ const FACING_SHARE: f64 = 0.5;
 /// Such walls are at most so far apart (m): the sides of a shelf are furniture.
 const APART_M: f64 = 0.8;
 
+/// What two panels show where they meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Two pieces of one wall.
+    OneWall,
+    /// The inside of a box: a corner, or two walls that face each other.
+    Inside,
+    /// The outer corner of a box, or of a solid thing.
+    Outside,
+}
+
 /// The meeting of two panels.
 pub(super) struct Meeting {
     /// The check of the places.
     pub check: Check,
-    /// Whether it shows the inside of a box.
-    pub is_inside: bool,
+    pub kind: Kind,
 }
 
 impl Meeting {
@@ -35,14 +45,14 @@ impl Meeting {
             let apart_m = (one.normal.dot(other.middle()) - one.offset_m).abs();
             let limit_m = one.noise_m.max(other.noise_m);
             let check = Check::new("distance of their planes", "m", apart_m, Bound::AtMost, limit_m);
-            return Some(Self { check, is_inside: false });
+            return Some(Self { check, kind: Kind::OneWall });
         }
         if cosine < -PARALLEL_COSINE {
             let apart_m = one.normal.dot(other.middle()) - one.offset_m;
             let is_facing = is_before(one, other) && is_before(other, one) && apart_m < APART_M;
             let what = "share of the shorter one along which they face each other";
             let check = Check::new(what, "", facing_share(one, other), Bound::AtLeast, FACING_SHARE);
-            return is_facing.then_some(Self { check, is_inside: true });
+            return is_facing.then_some(Self { check, kind: Kind::Inside });
         }
         if cosine.abs() > CORNER_COSINE {
             return None;
@@ -52,8 +62,8 @@ impl Meeting {
         let least_m = beyond_m[0].min(beyond_m[1]);
         let most_m = beyond_m[0].max(beyond_m[1]).max(0.0);
         let check = Check::new("distance of an end from the corner", "m", most_m, Bound::AtMost, HIDDEN_M);
-        let is_inside = is_before(one, other) || is_before(other, one);
-        (least_m > -CORNER_M).then_some(Self { check, is_inside })
+        let kind = if is_before(one, other) || is_before(other, one) { Kind::Inside } else { Kind::Outside };
+        (least_m > -CORNER_M).then_some(Self { check, kind })
     }
 }
 
@@ -99,18 +109,18 @@ mod tests {
         }
     }
 
-    /// Whether the places of two walls fit one box, and whether its inside is seen; `None` if they are at odds.
-    fn met(one: &Panel, other: &Panel) -> Option<(bool, bool)> {
-        Meeting::of(one, other).map(|meeting| (meeting.check.holds(), meeting.is_inside))
+    /// Whether the places of two walls fit one box, and what is seen of it; `None` if they are at odds.
+    fn met(one: &Panel, other: &Panel) -> Option<(bool, Kind)> {
+        Meeting::of(one, other).map(|meeting| (meeting.check.holds(), meeting.kind))
     }
 
     #[test]
     fn walls_face_each_other_along_most_of_the_shorter_one() {
         let left = wall([0.0, 1.0], [0.0, 1.4], [1.0, 0.0]);
         let right = |from, normal| wall([0.3, from], [0.3, from + 0.2], [normal, 0.0]);
-        assert_eq!(met(&left, &right(1.1, -1.0)), Some((true, true)));
-        assert_eq!(met(&left, &right(1.35, -1.0)), Some((false, true)), "beside each other");
-        assert_eq!(met(&left, &right(1.1, 1.0)), Some((false, false)), "seen from the same side");
+        assert_eq!(met(&left, &right(1.1, -1.0)), Some((true, Kind::Inside)));
+        assert_eq!(met(&left, &right(1.35, -1.0)), Some((false, Kind::Inside)), "beside each other");
+        assert_eq!(met(&left, &right(1.1, 1.0)), Some((false, Kind::OneWall)), "seen from the same side");
         let behind = wall([-0.3, 1.1], [-0.3, 1.3], [-1.0, 0.0]);
         assert_eq!(met(&left, &behind), None, "back to back");
     }
@@ -119,11 +129,12 @@ mod tests {
     fn walls_end_at_their_corner() {
         let far = wall([0.0, 1.4], [0.5, 1.4], [0.0, -1.0]);
         let left = |to| wall([0.0, 1.0], [0.0, to], [1.0, 0.0]);
-        assert_eq!(met(&far, &left(1.4)), Some((true, true)));
-        assert_eq!(met(&far, &left(1.25)), Some((true, true)), "a thing in the box hides the corner");
-        assert_eq!(met(&far, &left(1.1)), Some((false, true)), "nothing that can be grasped is so large");
+        let inside = |fits| Some((fits, Kind::Inside));
+        assert_eq!(met(&far, &left(1.4)), inside(true));
+        assert_eq!(met(&far, &left(1.25)), inside(true), "a thing in the box hides the corner");
+        assert_eq!(met(&far, &left(1.1)), inside(false), "nothing that can be grasped is so large");
         assert_eq!(met(&far, &left(1.5)), None, "it goes on beyond the other");
         let outside = wall([0.0, 1.4], [0.0, 1.8], [-1.0, 0.0]);
-        assert_eq!(met(&far, &outside), Some((true, false)), "the outer sides of a solid thing");
+        assert_eq!(met(&far, &outside), Some((true, Kind::Outside)), "the outer sides of a solid thing");
     }
 }

@@ -3,8 +3,10 @@
 use glam::DVec3;
 
 use crate::clusters::cluster::Clusters;
+use crate::clusters::colors::Colors;
 use crate::clusters::scene::{Scene, sampled};
 use crate::oversegment::structure::StructureSurface;
+use crate::planes::Plane;
 use crate::quantile::{range, reach_m};
 use crate::regions::SegmentId;
 
@@ -18,6 +20,8 @@ const FLAT_M: f64 = 0.015;
 const NOISE_QUANTA: f64 = 4.0;
 /// between these quantiles of its pixels.
 const FLAT_QUANTILES: [f64; 2] = [0.1, 0.9];
+/// The plane of a panel is fitted to all of its points, then so many times to those near it.
+const REFITS: usize = 2;
 /// The left and the right half of a panel face the same way: the cosine of 20 degrees. The wall of a cup is no panel.
 const STRAIGHT_COSINE: f64 = 0.94;
 /// A panel is at least so long and so high (m): less is the rim of a thing.
@@ -61,6 +65,7 @@ pub(super) struct Panel {
     pub top_m: f64,
     /// Distances below this are noise (m).
     pub noise_m: f64,
+    pub colors: Colors,
 }
 
 /// The clusters that are panels, and of the others the facets that are, each in the order of their numbers. O(pixels).
@@ -89,27 +94,30 @@ impl Panel {
             return None;
         }
         let up = ground.normal;
-        let normals = sampled(pixels).map(|i| DVec3::from(scene.normals[i].map(f64::from)));
-        let facing = normals.sum::<DVec3>().try_normalize()?;
+        let points: Vec<DVec3> = scene.sampled_points(pixels).collect();
+        let noise_m = noise_m(scene, points[points.len() / 2].z);
+        let plane = plane_of_most(&points, noise_m)?;
+        let facing = plane.normal;
         if facing.dot(up).abs() > SLANT {
             return None;
         }
         let normal = (facing - up * up.dot(facing)).try_normalize()?;
         let along = up.cross(normal);
-        let points: Vec<DVec3> = scene.sampled_points(pixels).collect();
-        let reach_m = |direction, quantiles| reach_m(points.iter().copied(), direction, quantiles);
-        let noise_m = noise_m(scene, points[points.len() / 2].z);
-        let [near_m, far_m] = reach_m(facing, FLAT_QUANTILES);
-        let ends_m = reach_m(along, QUANTILES);
-        let mut heights_m: Vec<f64> = sampled(pixels).map(|i| scene.height_m(i, ground)).collect();
+        let [near_m, far_m] = reach_m(points.iter().copied(), facing, FLAT_QUANTILES);
+        // What stands before a wall, or lies on it, may have become part of its facet.
+        let of_wall =
+            || points.iter().zip(sampled(pixels)).filter(|(point, _)| plane.distance_m(**point) < noise_m);
+        let ends_m = reach_m(of_wall().map(|(point, _)| *point), along, QUANTILES);
+        let mut heights_m: Vec<f64> = of_wall().map(|(_, i)| scene.height_m(i, ground)).collect();
         let [foot_m, top_m] = range(&mut heights_m, QUANTILES);
         let is_flat = (far_m - near_m).abs() < noise_m;
         let is_wall = ends_m[1] - ends_m[0] >= LENGTH_M && top_m - foot_m >= HEIGHT_M;
         if !is_flat || !is_wall || !is_straight(scene, pixels, up, along) {
             return None;
         }
-        let [offset_m, _] = reach_m(normal, [0.5; 2]);
-        let panel = Self { cluster, normal, along, offset_m, ends_m, foot_m, top_m, noise_m };
+        let [offset_m, _] = reach_m(points.iter().copied(), normal, [0.5; 2]);
+        let colors = Colors::of(scene, pixels);
+        let panel = Self { cluster, normal, along, offset_m, ends_m, foot_m, top_m, noise_m, colors };
         panel.is_thin(scene, ground, pixels).then_some(panel)
     }
 
@@ -149,6 +157,15 @@ impl Panel {
     pub(super) fn length_m(&self) -> f64 {
         self.ends_m[1] - self.ends_m[0]
     }
+}
+
+/// The plane of most points: those within half of `noise_m` of it. Where a wall meets the bottom, noise smears the edge. `None` for fewer than three.
+fn plane_of_most(points: &[DVec3], noise_m: f64) -> Option<Plane> {
+    let mut plane = Plane::fit(points.iter().copied())?;
+    for _ in 0..REFITS {
+        plane = Plane::fit(points.iter().copied().filter(|&point| plane.distance_m(point) < noise_m / 2.0))?;
+    }
+    Some(plane)
 }
 
 /// Whether the halves of a wall on both sides of its middle face the same way in the plan view.
