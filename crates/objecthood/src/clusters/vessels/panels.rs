@@ -23,6 +23,9 @@ use crate::union_find::UnionFind;
 /// Walls of other colours are those of one box from so many sides on: two things of one height meet by chance, three seldom do.
 const SIDES: usize = 3;
 
+/// They make up this share of their clusters at least: a bowl may be a wall in part, and a wall one with what leans on it.
+const WALL_SHARE: f64 = 0.5;
+
 /// Two panels whose places fit two walls of one box.
 struct Pair {
     panels: [usize; 2],
@@ -32,12 +35,24 @@ struct Pair {
     tops: Check,
     /// Whether they share colours.
     alike: Check,
+    /// The share of walls in the cluster that has less of them.
+    wall_share: f64,
 }
 
 impl Pair {
     /// Whether they are two walls of one box, or pieces of one wall, but for their colours.
     fn fits(&self) -> bool {
         self.meeting.check.holds() && self.tops.holds()
+    }
+
+    /// The same of clusters that are mostly wall.
+    fn fits_wholly(&self) -> bool {
+        self.fits() && self.wall_share >= WALL_SHARE
+    }
+
+    /// Whether they are walls of one box that has `sides`.
+    fn is_wall(&self, sides: Check) -> bool {
+        self.fits() && self.alike.holds() || self.fits_wholly() && sides.holds()
     }
 
     /// The proposal to join their clusters, as walls of a box that has `sides`.
@@ -58,8 +73,7 @@ pub(super) fn join_panels(clusters: &mut Clusters<'_>, limits: Limits<'_>) {
         let count = sides[pair.panels[0]] as f64;
         Check::new("sides of the box, whose colours differ", "", count, Bound::AtLeast, SIDES as f64)
     };
-    let is_wall = |pair: &&Pair| pair.fits() && (pair.alike.holds() || sides(pair).holds());
-    let (walls, misses): (Vec<&Pair>, Vec<&Pair>) = pairs.iter().partition(is_wall);
+    let (walls, misses): (Vec<&Pair>, Vec<&Pair>) = pairs.iter().partition(|pair| pair.is_wall(sides(pair)));
     let (box_of, count) = groups(panels.len(), walls.iter().copied());
     let mut is_box = vec![false; count];
     for pair in walls.iter().filter(|pair| pair.meeting.kind == Kind::Inside) {
@@ -102,7 +116,7 @@ fn groups<'p>(panels: usize, pairs: impl Iterator<Item = &'p Pair>) -> (Vec<u32>
 
 /// For each panel, how many sides has the box that its place and those of others fit, whatever their colours.
 fn count_sides(panels: usize, pairs: &[Pair]) -> Vec<usize> {
-    let fitting = || pairs.iter().filter(|pair| pair.fits());
+    let fitting = || pairs.iter().filter(|pair| pair.fits_wholly());
     let (box_of, count) = groups(panels, fitting());
     let (side_of, _) = groups(panels, fitting().filter(|pair| pair.meeting.kind == Kind::OneWall));
     let mut sides = vec![BTreeSet::new(); count];
@@ -127,6 +141,7 @@ fn compare(clusters: &Clusters<'_>, limits: Limits<'_>, panels: &[Panel]) -> Vec
                 meeting,
                 tops: tops.set_by(RIM_HEIGHT),
                 alike: check_walls_color(clusters.scene, [one, other].map(|panel| &panel.colors)),
+                wall_share: one.wall_share.min(other.wall_share),
             });
         }
     }

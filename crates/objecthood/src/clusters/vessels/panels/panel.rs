@@ -1,10 +1,13 @@
 //! A panel: a thin, flat, upright piece, as each wall of a box shows one.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use glam::DVec3;
 
 use crate::clusters::cluster::Clusters;
 use crate::clusters::colors::Colors;
 use crate::clusters::scene::{Scene, sampled};
+use crate::clusters::vessels::piece::Piece;
 use crate::oversegment::structure::StructureSurface;
 use crate::planes::Plane;
 use crate::quantile::{range, reach_m};
@@ -66,6 +69,9 @@ pub(super) struct Panel {
     /// Distances below this are noise (m).
     pub noise_m: f64,
     pub colors: Colors,
+    /// The share of its cluster that is panels.
+    pub wall_share: f64,
+    size_px: usize,
 }
 
 /// The clusters that are panels, and of the others the facets that are, each in the order of their numbers. O(pixels).
@@ -77,13 +83,28 @@ pub(super) fn find_panels(clusters: &Clusters<'_>, ground: &StructureSurface) ->
         .into_iter()
         .filter_map(|cluster| panel(cluster, &clusters.get(cluster).pixels))
         .collect();
-    let is_found = |cluster: SegmentId| panels.iter().any(|panel| panel.cluster == cluster);
+    // A small piece of a bowl is nearly flat.
+    let is_searched = |cluster: SegmentId| {
+        let is_panel = panels.iter().any(|panel| panel.cluster == cluster);
+        !is_panel && Piece::of(clusters, ground, cluster).is_none()
+    };
+    let searched: BTreeSet<SegmentId> =
+        clusters.alive().into_iter().filter(|&cluster| is_searched(cluster)).collect();
     let of_facets = facets.segments.runs_of_each().map(|facet, runs| {
-        let cluster = clusters.of_facet(facet.checked_sub(facets.structure)?)?;
+        let cluster = clusters.of_facet(facet.checked_sub(facets.structure)?);
+        let cluster = cluster.filter(|cluster| searched.contains(cluster))?;
         let pixels: Vec<u32> = runs.iter().cloned().flatten().map(|i| i as u32).collect();
-        (!is_found(cluster)).then(|| panel(cluster, &pixels)).flatten()
+        panel(cluster, &pixels)
     });
     panels.extend(of_facets.into_iter().flatten());
+    let mut wall_px = BTreeMap::new();
+    for panel in &panels {
+        *wall_px.entry(panel.cluster).or_insert(0) += panel.size_px;
+    }
+    for panel in &mut panels {
+        let size_px = clusters.get(panel.cluster).pixels.len();
+        panel.wall_share = wall_px[&panel.cluster] as f64 / size_px as f64;
+    }
     panels
 }
 
@@ -117,7 +138,19 @@ impl Panel {
         }
         let [offset_m, _] = reach_m(points.iter().copied(), normal, [0.5; 2]);
         let colors = Colors::of(scene, pixels);
-        let panel = Self { cluster, normal, along, offset_m, ends_m, foot_m, top_m, noise_m, colors };
+        let panel = Self {
+            cluster,
+            normal,
+            along,
+            offset_m,
+            ends_m,
+            foot_m,
+            top_m,
+            noise_m,
+            colors,
+            wall_share: 1.0,
+            size_px: pixels.len(),
+        };
         panel.is_thin(scene, ground, pixels).then_some(panel)
     }
 
