@@ -10,7 +10,7 @@ use crate::color::{LIGHT_OFFSET, mean};
 const SHADE: f32 = 0.7;
 
 /// Some colours of a part; none without colour.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Colors {
     /// L\*a\*b\*.
     lab: Vec<[f32; 3]>,

@@ -13,6 +13,12 @@ pub struct ColorHistogram {
     count: f32,
 }
 
+impl Default for ColorHistogram {
+    fn default() -> Self {
+        Self::empty()
+    }
+}
+
 impl ColorHistogram {
     /// Counts colours (L\*a\*b\*). O(colours + bins).
     pub fn of(colors: impl Iterator<Item = [f32; 3]>) -> Self {

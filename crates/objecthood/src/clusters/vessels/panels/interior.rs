@@ -6,19 +6,19 @@ use super::panel::Panel;
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Proposal, Rule, Source};
-use crate::clusters::scene::{level_share, sampled};
+use crate::clusters::scene::sampled;
 use crate::oversegment::structure::StructureSurface;
 use crate::quantile::element_at;
 use crate::regions::SegmentId;
 
-/// This share of a bottom is level.
-const LEVEL_SHARE: f64 = 0.75;
+/// This share of a piece of the bottom lies as low as the feet of the walls, ...
+const LOW_SHARE: f64 = 0.75;
+/// ... to this (m).
+const BOTTOM_M: f64 = 0.007;
 /// This share of a piece lies in the box, or at its walls.
 const WITHIN_SHARE: f64 = 0.9;
 /// A piece may lie so far beyond the walls (m): they are as thick, and their ends are noisy.
 const MARGIN_M: f64 = 0.025;
-/// The bottom lies as low as the feet of the walls to this (m).
-const BOTTOM_M: f64 = 0.007;
 /// A piece of a wall reaches so far below the rim at most (m).
 const RIM_M: f64 = 0.02;
 /// The top of a piece is this quantile of its heights.
@@ -43,19 +43,19 @@ impl Interior {
             let places = walls.iter().flat_map(|wall| wall.ends()).map(|end| axis.dot(end));
             places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
         };
-        // Half of all wall stands lower. What lies in the box hides the feet of some, and noise lowers those of short pieces.
+        // What lies in the box hides the feet of some walls, and noise lowers those of short pieces: a quarter of all wall stands lower.
         let mut feet: Vec<(f64, f64)> = walls.iter().map(|wall| (wall.foot_m, wall.length_m())).collect();
         feet.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let half_m = feet.iter().map(|foot| foot.1).sum::<f64>() / 2.0;
+        let quarter_m = feet.iter().map(|foot| foot.1).sum::<f64>() / 4.0;
         let mut below_m = 0.0;
-        let middle = feet.iter().find(|foot| {
+        let foot = feet.iter().find(|foot| {
             below_m += foot.1;
-            below_m >= half_m
+            below_m >= quarter_m
         });
         Some(Self {
             axes,
             ranges_m: axes.map(range_m),
-            foot_m: middle?.0,
+            foot_m: foot?.0,
             top_m: walls.iter().map(|wall| wall.top_m).fold(f64::NEG_INFINITY, f64::max),
             noise_m: longest.noise_m,
         })
@@ -86,18 +86,15 @@ impl Interior {
         }
     }
 
-    /// A piece of the bottom is level, as low as the feet of the walls, and lies within them.
+    /// A piece of the bottom lies within the walls, as low as their feet.
     fn check_bottom(&self, clusters: &Clusters<'_>, ground: &StructureSurface, id: SegmentId) -> Vec<Check> {
         let (scene, pixels) = (clusters.scene, &clusters.get(id).pixels[..]);
+        let highest_m = self.foot_m + BOTTOM_M.max(self.noise_m / 2.0);
         let within = share(pixels, |i| self.depth_m(scene.point_at(i)) > -MARGIN_M);
-        let mut heights_m: Vec<f64> = sampled(pixels).map(|i| scene.height_m(i, ground)).collect();
-        let above_m = (element_at(&mut heights_m, 0.5) - self.foot_m).abs();
-        let level = level_share(scene, ground.normal, pixels);
-        let limit_m = BOTTOM_M.max(self.noise_m / 2.0);
+        let low = share(pixels, |i| scene.height_m(i, ground) < highest_m);
         vec![
             Check::new("share of it within the walls", "", within, Bound::AtLeast, WITHIN_SHARE),
-            Check::new("share of it that is level", "", level, Bound::AtLeast, LEVEL_SHARE),
-            Check::new("its distance from the level of their feet", "m", above_m, Bound::AtMost, limit_m),
+            Check::new("share of it as low as the feet of the walls", "", low, Bound::AtLeast, LOW_SHARE),
         ]
     }
 

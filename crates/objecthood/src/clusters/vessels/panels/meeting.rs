@@ -90,6 +90,7 @@ fn facing_share(one: &Panel, other: &Panel) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clusters::colors::Colors;
     use crate::regions::SegmentId;
 
     /// A wall in the plane y = 0 from one place to another, as seen from the side to which `normal` points.
@@ -106,6 +107,9 @@ mod tests {
             foot_m: 0.0,
             top_m: 0.1,
             noise_m: 0.01,
+            colors: Colors::default(),
+            size_px: 1000,
+            wall_share: 1.0,
         }
     }
 

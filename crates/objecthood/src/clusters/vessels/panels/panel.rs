@@ -69,9 +69,9 @@ pub(super) struct Panel {
     /// Distances below this are noise (m).
     pub noise_m: f64,
     pub colors: Colors,
+    pub size_px: usize,
     /// The share of its cluster that is panels.
     pub wall_share: f64,
-    size_px: usize,
 }
 
 /// The clusters that are panels, and of the others the facets that are, each in the order of their numbers. O(pixels).
@@ -148,8 +148,8 @@ impl Panel {
             top_m,
             noise_m,
             colors,
-            wall_share: 1.0,
             size_px: pixels.len(),
+            wall_share: 1.0,
         };
         panel.is_thin(scene, ground, pixels).then_some(panel)
     }
