@@ -6,6 +6,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::discovery::ids::NodeId;
+use crate::discovery::object::OrientedBox;
 use crate::discovery::support_graph::SupportGraph;
 use crate::oriented_box::fit_oriented_box;
 use crate::params;
@@ -27,6 +28,10 @@ const ENOUGH: f32 = 0.25;
 const LOWER_M: f64 = 0.1;
 /// From this share on of its own columns that are cut, the foot of a thing is out of sight.
 const FOOTLESS_CUT: f32 = 0.5;
+
+/// A board is at least so long (m), and so many times as long as high.
+const BOARD_M: f32 = 0.3;
+const BOARD_SLIM: f32 = 8.0;
 
 /// How a column below a pixel ends.
 enum End {
@@ -76,13 +81,14 @@ pub(crate) fn measure_footing(
     for &thing in &things.rising {
         let below = things.follow_down(thing, &carriers[thing], &found);
         let [structure, furniture] = things.follow_up(thing, below.own_cut < FOOTLESS_CUT);
-        found.held[thing] = below.held * (1.0 - structure);
+        let held = below.held * (1.0 - structure);
+        found.held[thing] = if things.is_board[thing] { 1.0 } else { held };
         found.cut[thing] = below.cut;
-        free[thing] = 1.0 - furniture;
+        free[thing] = held * (1.0 - furniture);
     }
     // The board of a shelf may lie lowest, or seem to carry another: what stands on it shall not share its doubt.
     for &thing in &things.rising {
-        found.held[thing] *= free[thing];
+        found.held[thing] = free[thing];
         if carriers[thing].is_empty() && things.lies_below_every_surface(thing) {
             found.held[thing] = 0.0;
         }
@@ -110,6 +116,8 @@ struct Things<'a> {
     mean_m: Vec<f64>,
     /// Whether each region is too large to be grasped.
     is_furniture: Vec<bool>,
+    /// Whether each region looks like a board of furniture.
+    is_board: Vec<bool>,
     /// Each region as a post; `None` if it is none.
     posts: Vec<Option<Post>>,
     /// The things from the lowest to the highest.
@@ -128,11 +136,14 @@ impl<'a> Things<'a> {
         let mean_m = |pixels: &Vec<usize>| pixels.iter().map(height_m).sum::<f64>() / pixels.len() as f64;
         let mean_m: Vec<f64> = pixels.iter().map(mean_m).collect();
         let points = |pixels: &[usize]| pixels.iter().map(|&i| scene.points_m[i]).collect::<Vec<_>>();
-        let is_furniture = |pixels: &Vec<usize>| {
-            let [_, second_m, longest_m] = fit_oriented_box(&points(pixels), scene.up.direction).sides_m();
+        let boxes: Vec<OrientedBox> =
+            pixels.iter().map(|pixels| fit_oriented_box(&points(pixels), scene.up.direction)).collect();
+        let is_furniture = |around: &OrientedBox| {
+            let [_, second_m, longest_m] = around.sides_m();
             longest_m > objectness.max_side_m || second_m > objectness.max_second_side_m
         };
-        let is_furniture = pixels.iter().map(is_furniture).collect();
+        let is_furniture = boxes.iter().map(is_furniture).collect();
+        let is_board = boxes.iter().map(is_board).collect();
         let post = |region: usize, runs: &[Range<usize>]| {
             Post::of(&points(&pixels[region]), up).filter(|_| stands_lowest(scene, up, &pixels[region]))?;
             // The sample may be in step with the rows of the image: then it has no width.
@@ -141,7 +152,7 @@ impl<'a> Things<'a> {
         let posts = runs.map(post);
         let mut rising: Vec<usize> = (0..pixels.len()).filter(|&thing| !mean_m[thing].is_nan()).collect();
         rising.sort_by(|&a, &b| mean_m[a].total_cmp(&mean_m[b]));
-        Self { scene, up, pixels, mean_m, is_furniture, posts, rising }
+        Self { scene, up, pixels, mean_m, is_furniture, is_board, posts, rising }
     }
 
     /// What the columns below a thing tell; `found`: the same of what is lower.
@@ -232,6 +243,12 @@ fn measured<'a>(
     points_m: &'a Raster<[f32; 3]>,
 ) -> impl Iterator<Item = usize> + 'a {
     runs.iter().cloned().flatten().filter(|&i| !points_m[i][2].is_nan())
+}
+
+/// Whether a box is that of a board: level, long and thin. From below only its front edge is seen, and no foot.
+fn is_board(around: &OrientedBox) -> bool {
+    let [long_m, _, high_m] = around.extents_m;
+    long_m >= BOARD_M.max(BOARD_SLIM * high_m)
 }
 
 /// About [`COLUMNS`] of the pixels with depth in these runs, evenly spread.

@@ -30,8 +30,10 @@ const STRAIGHT_COSINE: f64 = 0.94;
 /// A panel is at least so long and so high (m): less is the rim of a thing.
 const LENGTH_M: f64 = 0.04;
 const HEIGHT_M: f64 = 0.02;
-/// Lengths and heights reach from the first to the second of these quantiles: outlines are noisy.
-const QUANTILES: [f64; 2] = [0.02, 0.98];
+/// Lengths reach from the first to the second of these quantiles: outlines are noisy.
+const ENDS: [f64; 2] = [0.02, 0.98];
+/// Heights reach from the first to the second of these: what stands before a wall is higher in a few places.
+const FOOT_AND_TOP: [f64; 2] = [0.02, 0.95];
 /// A wall is thinner than this (m): behind its rim the camera sees past it, down to something farther by `BEHIND_M`.
 const THICKNESS_M: f64 = 0.03;
 const BEHIND_M: f64 = 0.02;
@@ -128,9 +130,9 @@ impl Panel {
         // What stands before a wall, or lies on it, may have become part of its facet.
         let of_wall =
             || points.iter().zip(sampled(pixels)).filter(|(point, _)| plane.distance_m(**point) < noise_m);
-        let ends_m = reach_m(of_wall().map(|(point, _)| *point), along, QUANTILES);
+        let ends_m = reach_m(of_wall().map(|(point, _)| *point), along, ENDS);
         let mut heights_m: Vec<f64> = of_wall().map(|(_, i)| scene.height_m(i, ground)).collect();
-        let [foot_m, top_m] = range(&mut heights_m, QUANTILES);
+        let [foot_m, top_m] = range(&mut heights_m, FOOT_AND_TOP);
         let is_flat = (far_m - near_m).abs() < noise_m;
         let is_wall = ends_m[1] - ends_m[0] >= LENGTH_M && top_m - foot_m >= HEIGHT_M;
         if !is_flat || !is_wall || !is_straight(scene, pixels, up, along) {
