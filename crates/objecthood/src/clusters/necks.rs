@@ -1,5 +1,6 @@
 //! Joins the convex parts of one body across a neck or fold (docs/CONTEXT.md 4.7).
 
+mod alike;
 mod ball;
 mod contact;
 mod handle;
@@ -12,6 +13,7 @@ mod symmetry;
 #[cfg(test)]
 mod tests;
 mod top;
+mod underside;
 mod waist;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,10 +21,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::check::{Bound, Check};
+use crate::check::Check;
 use crate::clusters::cluster::Clusters;
-use crate::clusters::colors::Colors;
 use crate::clusters::history::{Event, Miss, Proposal, Rule, Source};
+use crate::clusters::necks::alike::{check_alike, check_alike_in_light};
 use crate::clusters::necks::contact::{beside, contacts, is_part, touch};
 use crate::clusters::necks::part::Part;
 use crate::params;
@@ -88,16 +90,6 @@ fn join_once(
     }
     clusters.history.note_misses(misses.into_iter().map(Pair::miss));
     grown
-}
-
-/// The parameter that sets the limits on colours.
-const COLOR_OVERLAP: &str = "necks.color_overlap";
-
-/// Checks that two parts share more than `least` of their colours in the same light. O(sampled pixels).
-fn check_alike_in_light([a, b]: [&Colors; 2], least: f64) -> Check {
-    let overlap = a.overlap_in_light(b);
-    Check::new("overlap of their colours in the same light", "", overlap, Bound::Above, least)
-        .set_by(COLOR_OVERLAP)
 }
 
 /// Two clusters: first the upper one, or the one that hangs, or the ball, the slim part or the neck.
@@ -173,8 +165,7 @@ impl Compare<'_> {
             return None;
         }
         let (overlap, foot_m) = (colors[0].overlap(colors[1]), feet_m[0].max(feet_m[1]));
-        let alike =
-            Check::new("overlap of their colours", "", overlap, Bound::Above, least).set_by(COLOR_OVERLAP);
+        let alike = check_alike(overlap, least);
         let carrying = contacts(clusters, [lower, upper]);
         let handle = || handle::checks(clusters, up, [upper, lower], &carrying, foot_m);
         let checks = match alike.holds().then(handle).flatten() {

@@ -7,9 +7,9 @@ use glam::DVec3;
 use crate::clusters::cluster::Clusters;
 use crate::clusters::colors::Colors;
 use crate::clusters::necks::ball::Ball;
-use crate::clusters::necks::hanging::Underside;
 use crate::clusters::necks::limits::FOOT_SHARE;
 use crate::clusters::necks::symmetry::Shaft;
+use crate::clusters::necks::underside::Underside;
 use crate::regions::SegmentId;
 
 /// A part, and what is measured of it: once, when the first of its pairs asks.

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::necks::check_alike_in_light;
+use crate::clusters::necks::alike::check_alike_in_light;
 use crate::clusters::necks::contact::{beside, pixel_pairs};
 use crate::clusters::necks::limits::{HIDDEN_M, SIDES, WIDTH_QUANTA};
 use crate::clusters::necks::part::Part;

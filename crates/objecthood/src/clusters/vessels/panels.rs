@@ -21,7 +21,7 @@ use crate::regions::SegmentId;
 use crate::union_find::UnionFind;
 
 /// Walls of other colours are those of one box from so many sides on: two things of one height meet by chance, three seldom do.
-const SIDES: usize = 3;
+const SIDES: f64 = 3.0;
 
 /// They make up this share of their clusters at least: a bowl may be a wall in part, and a wall one with what leans on it.
 const WALL_SHARE: f64 = 0.5;
@@ -71,7 +71,7 @@ pub(super) fn join_panels(clusters: &mut Clusters<'_>, limits: Limits<'_>) {
     let sides = count_sides(panels.len(), &pairs);
     let sides = |pair: &Pair| {
         let count = sides[pair.panels[0]] as f64;
-        Check::new("sides of the box, whose colours differ", "", count, Bound::AtLeast, SIDES as f64)
+        Check::new("sides of the box, whose colours differ", "", count, Bound::AtLeast, SIDES)
     };
     let (walls, misses): (Vec<&Pair>, Vec<&Pair>) = pairs.iter().partition(|pair| pair.is_wall(sides(pair)));
     let (box_of, count) = groups(panels.len(), walls.iter().copied());
