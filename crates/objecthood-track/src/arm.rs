@@ -2,12 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use glam::DVec3;
-
 use crate::agent::Agent;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
-use crate::track::Track;
+use crate::track::{Sample, Track, are_alike};
 
 /// A thing moved with an agent from the beginning when it moved so soon (s) after the first frame in which the agent was nearer than the rested
 /// scene. A hand that comes in from the border needs longer to get anywhere.
@@ -58,8 +56,12 @@ fn moved_at_once(track: &Track, by: u64) -> bool {
     let Some(rest) = track.rest.filter(|_| track.was_never_handled() && !track.is_agent_part()) else {
         return false;
     };
-    let moved_m = |center: DVec3| (center - rest.center).length();
+    // What is hidden in part has another middle.
+    let moved_m = |sample: &Sample| match are_alike(sample.px, rest.px) {
+        true => (sample.center - rest.center).length(),
+        false => 0.0,
+    };
     let then = track.samples.iter().rfind(|sample| sample.frame <= by);
-    let had_begun = then.is_some_and(|then| then.moves || moved_m(then.center) > BEGUN_M);
-    had_begun && track.drift.length().max(moved_m(track.last.center)) > MOVED_M
+    let had_begun = then.is_some_and(|then| then.moves || moved_m(then) > BEGUN_M);
+    had_begun && track.drift.length().max(moved_m(&track.last)) > MOVED_M
 }

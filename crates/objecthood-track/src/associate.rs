@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
+
 use crate::assignment::maximize;
 use crate::memory::FORGET_S;
 use crate::pace::Pace;
@@ -68,11 +70,12 @@ pub(crate) fn by_overlap(
     segments: &[Segment],
     tracks: &BTreeMap<u32, Track>,
     overlap: &Overlap,
+    now_s: f64,
 ) -> Vec<Option<u32>> {
     let mut tracks_of = vec![None; segments.len()];
     let keys: Vec<u32> = tracks.keys().copied().collect();
     let all: Vec<usize> = (0..segments.len()).collect();
-    let expected = Expected { segments, tracks, overlap };
+    let expected = Expected { segments, tracks, overlap, now_s };
     pair(&all, &keys, |k, key| expected.value(k, key), &mut tracks_of);
     tracks_of
 }
@@ -82,11 +85,15 @@ struct Expected<'a> {
     segments: &'a [Segment],
     tracks: &'a BTreeMap<u32, Track>,
     overlap: &'a Overlap,
+    now_s: f64,
 }
 
 impl Expected<'_> {
     /// How well a segment shows a track, in [0, 1]; 0: not at all.
     fn value(&self, k: usize, key: u32) -> f64 {
+        if self.is_out_of_reach(k, key) {
+            return 0.0;
+        }
         let iou = self.iou(k, key);
         let iou = if iou > 0.0 && self.comes_out(k, key) { iou.max(COMES_OUT_IOU) } else { iou };
         if iou > LEAST_IOU && !self.is_rather_a_thing(k, key) { iou } else { 0.0 }
@@ -94,6 +101,18 @@ impl Expected<'_> {
 
     fn iou(&self, k: usize, key: u32) -> f64 {
         self.overlap.iou(k, self.segments[k].px, key)
+    }
+
+    /// Whether a segment lies farther from where a thing was, and where it rested, than that can have come: it stands before it, as a hand near the
+    /// camera does.
+    fn is_out_of_reach(&self, k: usize, key: u32) -> bool {
+        let track = &self.tracks[&key];
+        let away_s = self.now_s - track.last.stamp_s;
+        let from_m = |place: DVec3| (self.segments[k].center - place).length();
+        let expected = [track.last.center, track.last.center + track.velocity * away_s];
+        let distances_m = expected.into_iter().chain(track.rest.map(|rest| rest.center)).map(from_m);
+        let distance_m = distances_m.fold(f64::INFINITY, f64::min);
+        !track.is_agent_part() && distance_m > reach_m(away_s) + track.area_m2.sqrt()
     }
 
     /// Whether a segment shows more of a known thing than was expected, because less of it is hidden now: it holds the thing, has its colours and
@@ -197,12 +216,17 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
         true => 0.0,
         false => libm::log(segment.area_m2.max(1e-9) / track.area_m2.max(1e-9)).abs(),
     };
-    let reach = REACH_M[0] + REACH_M[1] * (30.0 * away_s).min(REACH_STEPS);
+    let reach = reach_m(away_s);
     if look > MOST_LOOK || size > MOST_SIZE || distance > reach {
         return None;
     }
     let cost = look + 0.4 * size + 0.5 * distance / reach;
     (cost < 1.0).then_some(1.0 - cost)
+}
+
+/// How far (m) a track may be from where it was expected after so long.
+fn reach_m(away_s: f64) -> f64 {
+    REACH_M[0] + REACH_M[1] * (30.0 * away_s).min(REACH_STEPS)
 }
 
 #[cfg(test)]
@@ -248,9 +272,9 @@ mod tests {
             predicted: BTreeMap::from([(cup, 1475), (finger, 700)]),
             common: BTreeMap::from([((0, cup), 393), ((1, cup), of_cup), ((1, finger), of_finger)]),
         };
-        assert_eq!(by_overlap(&segments, &tracks, &shown(919, 656)), [None, Some(cup)]);
+        assert_eq!(by_overlap(&segments, &tracks, &shown(919, 656), 0.0), [None, Some(cup)]);
         assert_eq!(
-            by_overlap(&segments, &tracks, &shown(600, 656)),
+            by_overlap(&segments, &tracks, &shown(600, 656), 0.0),
             [Some(cup), Some(finger)],
             "most is the finger's"
         );
@@ -273,7 +297,7 @@ mod tests {
             bowl.last.px = seen_px;
             let predicted = BTreeMap::from([(1, 200)]);
             let overlap = Overlap { predicted, common: BTreeMap::from([((0, 1), 190)]) };
-            by_overlap(&[segment], &BTreeMap::from([(1, bowl)]), &overlap)
+            by_overlap(&[segment], &BTreeMap::from([(1, bowl)]), &overlap, 0.0)
         };
         assert_eq!(shows(yellow, 0.008, 210), [Some(1)]);
         assert_eq!(shows([40, 70, 190], 0.008, 210), [None], "of other colours");

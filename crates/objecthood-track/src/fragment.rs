@@ -57,11 +57,9 @@ impl Memory {
                 None if !track.is_moving => {
                     resting.insert(k, key);
                 }
-                Some(shown)
-                    if pixels[shown].len() < pixels[k].len()
-                        && self.rested_surface(&pixels[shown], view) == Some(key) =>
-                {
-                    (tracks_of[shown], tracks_of[k]) = (None, Some(key));
+                Some(shown) if self.rested_surface(&pixels[shown], view) == Some(key) => {
+                    // Neither has moved: something stands before what is between them.
+                    resting.insert(k, key);
                 }
                 _ => (),
             }

@@ -49,7 +49,7 @@ impl Memory {
                 overlap = self.overlap(&labels, view, predicted);
             }
         }
-        let mut tracks_of = by_overlap(&segments, &self.tracks, &overlap);
+        let mut tracks_of = by_overlap(&segments, &self.tracks, &overlap, self.stamp_s);
         if finds {
             let beside = self.beside_rest(&segments, &labels, view);
             inside = self.inside(&beside);
@@ -111,7 +111,8 @@ impl Memory {
     ) {
         for &(k, key) in fresh {
             let sample = self.sample(&segments[k], &[]);
-            let mut track = Track::new(&segments[k], sample, self.frame == 0);
+            let was_in_view = self.frame == 0 || segments[k].in_place > IN_PLACE;
+            let mut track = Track::new(&segments[k], sample, was_in_view);
             track.is_doubted = self.was_no_thing(k, &segments[k], labels, view);
             track.was_doubted = track.is_doubted && !self.agents.all.is_empty();
             track.inside_of = inside.get(&k).copied();
