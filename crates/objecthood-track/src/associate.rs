@@ -33,6 +33,8 @@ pub(crate) const YOUNG_MEMORY_FRAMES: f64 = 2.5;
 const NEW_S: f64 = 2.0;
 /// What comes out from behind something lies within this share of its size (the root of its area) of where it rested.
 const UNCOVERED_SHARE: f64 = 0.6;
+/// A look is clearly nearer to another when the differences differ by this.
+const CLEARLY: f64 = 0.3;
 /// What an unknown difference of looks counts as.
 const UNKNOWN_LOOK: f64 = 0.3;
 
@@ -163,8 +165,12 @@ pub(crate) fn find_again(
     let by_overlap = tracks_of.to_vec();
     let again = |k: usize, key: u32| {
         let is_later = |known: u32| is_part(known) || tracks[&known].first.frame > tracks[&key].last.frame;
+        // A frame may have taken a thing and what fell on it for one.
+        let is_another = |known: u32| {
+            tracks[&known].rest.is_none() && is_more_like(&segments[k], [&tracks[&key], &tracks[&known]])
+        };
         let is_inside = inside.get(&k).is_some_and(|&whole| tracks[&key].moved_off == Some(whole));
-        let may_be = by_overlap[k].is_none_or(is_later) && !is_inside;
+        let may_be = by_overlap[k].is_none_or(|known| is_later(known) || is_another(known)) && !is_inside;
         may_be.then(|| found_again(&segments[k], &tracks[&key], now_s, pace)).flatten().unwrap_or(0.0)
     };
     pair(&free, &lost, again, tracks_of);
@@ -222,6 +228,12 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
     }
     let cost = look + 0.4 * size + 0.5 * distance / reach;
     (cost < 1.0).then_some(1.0 - cost)
+}
+
+/// Whether a segment has clearly more of the look of the first track than of that of the second.
+fn is_more_like(segment: &Segment, tracks: [&Track; 2]) -> bool {
+    let [one, other] = tracks.map(|track| segment.look.distance(&track.look));
+    one.zip(other).is_some_and(|(one, other)| one + CLEARLY < other)
 }
 
 /// How far (m) a track may be from where it was expected after so long.
