@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::agent::Agent;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
-use crate::track::{Sample, Track, are_alike};
+use crate::track::{Sample, Track, is_as_whole};
 
 /// A thing moved with an agent from the beginning when it moved so soon (s) after the first frame in which the agent was nearer than the rested
 /// scene. A hand that comes in from the border needs longer to get anywhere.
@@ -57,7 +57,7 @@ fn moved_at_once(track: &Track, by: u64) -> bool {
         return false;
     };
     // What is hidden in part has another middle.
-    let moved_m = |sample: &Sample| match are_alike(sample.px, rest.px) {
+    let moved_m = |sample: &Sample| match is_as_whole(sample.px, rest.px) {
         true => (sample.center - rest.center).length(),
         false => 0.0,
     };

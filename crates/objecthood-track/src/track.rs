@@ -258,7 +258,10 @@ impl Track {
         self.path_m += if is_whole { step.length() } else { 0.0 };
         if segment.of_agent < RESTING_OF_AGENT || self.samples.len() < 3 {
             self.look.blend(&segment.look);
-            self.area_m2 += 0.1 * (segment.area_m2 - self.area_m2);
+            // An agent may hide some of it.
+            if sample.reached_by.is_none() || segment.area_m2 > self.area_m2 {
+                self.area_m2 += 0.1 * (segment.area_m2 - self.area_m2);
+            }
         }
         let rests = segment.changed < RESTING_CHANGE
             && !self.is_moving
@@ -468,6 +471,10 @@ impl Track {
 
 /// Whether two sizes are those of a thing that is seen about as whole.
 pub(crate) fn are_alike(a: usize, b: usize) -> bool {
-    let (a, b) = (a as f64, b as f64);
-    a >= AS_WHOLE * b && b >= AS_WHOLE * a
+    is_as_whole(a, b) && is_as_whole(b, a)
+}
+
+/// Whether a thing of this size is seen about as whole as when it had that of `before`.
+pub(crate) fn is_as_whole(px: usize, before: usize) -> bool {
+    px as f64 >= AS_WHOLE * before as f64
 }
