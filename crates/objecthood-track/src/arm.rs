@@ -56,10 +56,11 @@ fn moved_at_once(track: &Track, by: u64) -> bool {
     let Some(rest) = track.rest.filter(|_| track.was_never_handled() && !track.is_agent_part()) else {
         return false;
     };
-    // What is hidden in part has another middle.
-    let moved_m = |sample: &Sample| match is_as_whole(sample.px, rest.px) {
-        true => (sample.center - rest.center).length(),
-        false => 0.0,
+    // What is hidden in part has another middle, within its size.
+    let moved_m = |sample: &Sample| {
+        let moved_m = (sample.center - rest.center).length();
+        let is_sure = is_as_whole(sample.px, rest.px) || moved_m > track.area_m2.sqrt();
+        if is_sure { moved_m } else { 0.0 }
     };
     let then = track.samples.iter().rfind(|sample| sample.frame <= by);
     let had_begun = then.is_some_and(|then| then.moves || moved_m(then) > BEGUN_M);
