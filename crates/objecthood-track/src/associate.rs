@@ -21,6 +21,9 @@ pub(crate) const HOLDS: f64 = 0.5;
 /// Limits of finding again: difference of looks, logarithm of the ratio of areas.
 const MOST_LOOK: f64 = 0.6;
 const MOST_SIZE: f64 = 1.4;
+/// Where something of about the same size (the same logarithm) was hidden, it may look as different as this.
+const SAME_SIZE: f64 = 0.3;
+const MOST_LOOK_UNCOVERED: f64 = 0.8;
 /// In an agent's region looks have to agree better, because much of the region is the agent's.
 const MOST_LOOK_AT_AGENT: f64 = 0.35;
 /// Reach (m): at once, and in addition each thirtieth of a second, up to eight of them.
@@ -214,16 +217,16 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
     }
     let step = segment.center - track.last.center;
     let distance = step.length().min((step - track.velocity * away_s).length());
-    let comes_out = track.is_covered
-        && track.rest_s > 0.0
-        && segment.area_m2 < track.area_m2
-        && step.length() < UNCOVERED_SHARE * track.area_m2.sqrt();
+    let is_uncovered = track.is_covered && step.length() < UNCOVERED_SHARE * track.area_m2.sqrt();
+    let comes_out = is_uncovered && track.rest_s > 0.0 && segment.area_m2 < track.area_m2;
     let size = match comes_out {
         true => 0.0,
         false => libm::log(segment.area_m2.max(1e-9) / track.area_m2.max(1e-9)).abs(),
     };
+    // What was turned, or was in a shadow, has another look.
+    let most_look = if is_uncovered && size < SAME_SIZE { MOST_LOOK_UNCOVERED } else { MOST_LOOK };
     let reach = reach_m(away_s);
-    if look > MOST_LOOK || size > MOST_SIZE || distance > reach {
+    if look > most_look || size > MOST_SIZE || distance > reach {
         return None;
     }
     let cost = look + 0.4 * size + 0.5 * distance / reach;
