@@ -96,12 +96,13 @@ struct Expected<'a> {
 impl Expected<'_> {
     /// How well a segment shows a track, in [0, 1]; 0: not at all.
     fn value(&self, k: usize, key: u32) -> f64 {
-        if self.is_out_of_reach(k, key) {
-            return 0.0;
-        }
         let iou = self.iou(k, key);
         let iou = if iou > 0.0 && self.comes_out(k, key) { iou.max(COMES_OUT_IOU) } else { iou };
-        if iou > LEAST_IOU && !self.is_rather_a_thing(k, key) { iou } else { 0.0 }
+        let may_be_it = iou > LEAST_IOU
+            && !self.is_out_of_reach(k, key)
+            && !self.is_rather_a_thing(k, key)
+            && !self.is_rather_another(k, key);
+        if may_be_it { iou } else { 0.0 }
     }
 
     fn iou(&self, k: usize, key: u32) -> f64 {
@@ -128,6 +129,20 @@ impl Expected<'_> {
         let may_be_it = track.is_known() && looks_like_it && segment.area_m2 <= track.area_m2;
         let expected = self.overlap.predicted.get(&key).copied().unwrap_or(0);
         may_be_it && 2 * expected > track.last.px && self.overlap.is_held_by(k, key)
+    }
+
+    /// Whether another segment lies where a known thing should be seen too, and has clearly more of its look: a frame may have taken the thing and what
+    /// fell on it for one.
+    fn is_rather_another(&self, k: usize, key: u32) -> bool {
+        let track = &self.tracks[&key];
+        let differences = |k: usize| self.segments[k].look.distance(&track.look);
+        let lies_there = |other: usize| self.overlap.common.contains_key(&(other, key));
+        let is_liker = |other: usize| {
+            let pair = differences(other).zip(differences(k));
+            pair.is_some_and(|(other, own)| other + CLEARLY < own)
+        };
+        track.is_known()
+            && (0..self.segments.len()).any(|other| other != k && lies_there(other) && is_liker(other))
     }
 
     /// Whether a segment has more pixels of a known thing than of this part of an agent: a frame once took a finger for one with what it
