@@ -314,12 +314,6 @@ mod tests {
     /// bowl had a new number.
     #[test]
     fn a_thing_of_which_a_strip_was_seen_is_known_when_it_comes_out() {
-        let look = |color| {
-            let mut look = Look::default();
-            look.add(color);
-            look.finish();
-            look
-        };
         let yellow = [200, 190, 30];
         let shows = |color, area_m2, seen_px| {
             let segment = Segment { px: 900, area_m2, look: look(color), ..Segment::default() };
@@ -333,5 +327,55 @@ mod tests {
         assert_eq!(shows([40, 70, 190], 0.008, 210), [None], "of other colours");
         assert_eq!(shows(yellow, 0.012, 210), [None], "larger than it");
         assert_eq!(shows(yellow, 0.008, 900), [None], "it moved, and nobody knows where to");
+    }
+
+    fn look(color: [u8; 3]) -> Look {
+        let mut look = Look::default();
+        look.add(color);
+        look.finish();
+        look
+    }
+
+    /// A regression, after frame 28 of `pick21` of another simulator: a hand near the camera covered a box in one frame, and took over its number.
+    #[test]
+    fn what_stands_far_before_a_thing_is_not_the_thing() {
+        let shown =
+            Overlap { predicted: BTreeMap::from([(1, 900)]), common: BTreeMap::from([((0, 1), 800)]) };
+        let at = |z| Segment { px: 900, center: DVec3::new(0.0, 0.0, z), ..Segment::default() };
+        let thing = Track { area_m2: 0.01, ..track(0.0) };
+        let tracks = BTreeMap::from([(1, thing)]);
+        assert_eq!(by_overlap(&[at(-0.15)], &tracks, &shown, 0.03), [Some(1)], "it was lifted");
+        assert_eq!(by_overlap(&[at(-0.45)], &tracks, &shown, 0.03), [None]);
+    }
+
+    /// A regression, after frame 16 of `drop31` of another simulator: a frame took a thing and what fell on it for one, and the one that fell kept the number.
+    #[test]
+    fn of_two_segments_where_a_thing_should_be_that_with_its_look_is_the_thing() {
+        let (red, blue) = ([200, 30, 30], [30, 30, 200]);
+        let segments = [blue, red].map(|color| Segment { px: 900, look: look(color), ..Segment::default() });
+        let thing = Track { look: look(red), ..track(0.0) };
+        let tracks = BTreeMap::from([(1, thing)]);
+        let common = BTreeMap::from([((0, 1), 800), ((1, 1), 700)]);
+        let shown = Overlap { predicted: BTreeMap::from([(1, 1600)]), common };
+        assert_eq!(by_overlap(&segments, &tracks, &shown, 0.0), [None, Some(1)]);
+    }
+
+    /// A regression, after frame 26 of `drop21`: the thing that was struck had moved a little, and what fell on it had been given both.
+    #[test]
+    fn a_thing_that_was_struck_is_told_from_what_fell_on_it_by_its_look() {
+        let (red, blue) = ([200, 30, 30], [30, 30, 200]);
+        let struck = Segment { px: 900, look: look(red), ..Segment::default() };
+        let thing = Track { look: look(red), ..track(0.0) };
+        let fell = Track { rest: None, look: look(blue), ..track(0.0) };
+        let tracks = BTreeMap::from([(1, thing), (2, fell)]);
+        let again = |fell_on: [u8; 3]| {
+            let mut tracks_of = vec![Some(2)];
+            let segments = [Segment { look: look(fell_on), ..struck.clone() }];
+            let nothing = (Overlap::default(), BTreeMap::new());
+            find_again(&segments, &tracks, &nothing.0, &nothing.1, (0.1, Pace::default()), &mut tracks_of);
+            tracks_of[0]
+        };
+        assert_eq!(again(red), Some(1));
+        assert_eq!(again(blue), Some(2), "it is what fell");
     }
 }

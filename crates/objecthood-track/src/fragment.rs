@@ -36,15 +36,15 @@ impl Memory {
     }
 
     /// Of the `open` segments, those that show the surface of a thing as it last rested, and the thing: an arm that passes leaves pieces to be seen, too
-    /// small to be known by their looks. Nobody has lifted the thing. Either it does not move, and no segment shows it: else it may be two, as a box
-    /// and its lid are; or a smaller segment on the same surface shows it, which was the first piece to come out. That one is left open in
-    /// `tracks_of`. `pixels`: of each segment, those that are looked at. O(pixels of the open segments and of those that show their things).
+    /// small to be known by their looks. Nobody has lifted the thing. Either it does not move, and no segment shows it; or the segment that shows it lies on
+    /// the same surface, so neither has moved, and an arm stands before what is between them. Else it may be two, as a box and its lid are. `pixels`: of each
+    /// segment, those that are looked at. O(pixels of the open segments and of those that show their things).
     pub(crate) fn as_they_rested(
         &self,
         open: &[usize],
         pixels: &[Vec<usize>],
         view: &View,
-        tracks_of: &mut [Option<Key>],
+        tracks_of: &[Option<Key>],
     ) -> BTreeMap<usize, Key> {
         let mut resting = BTreeMap::new();
         for &k in open {
@@ -53,15 +53,13 @@ impl Memory {
             if track.part_of.is_some() || track.is_agent_part() || self.happenings.is_lifted(key) {
                 continue;
             }
-            match tracks_of.iter().position(|&known| known == Some(key)) {
-                None if !track.is_moving => {
-                    resting.insert(k, key);
-                }
-                Some(shown) if self.rested_surface(&pixels[shown], view) == Some(key) => {
-                    // Neither has moved: something stands before what is between them.
-                    resting.insert(k, key);
-                }
-                _ => (),
+            let shown = tracks_of.iter().position(|&known| known == Some(key));
+            let is_whole = match shown {
+                None => !track.is_moving,
+                Some(shown) => self.rested_surface(&pixels[shown], view) == Some(key),
+            };
+            if is_whole {
+                resting.insert(k, key);
             }
         }
         resting

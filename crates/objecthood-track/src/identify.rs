@@ -71,7 +71,7 @@ impl Memory {
             false => pixels_by_label(&labels, view.size, segments.len()),
         };
         let faces = self.other_faces(&open, &segments, (&labels, &pixels), (view, predicted), &tracks_of);
-        let resting = self.as_they_rested(&open, &pixels, view, &mut tracks_of);
+        let resting = self.as_they_rested(&open, &pixels, view, &tracks_of);
         let mut keys = Vec::new();
         let mut fresh = Vec::new();
         for (k, segment) in segments.iter().enumerate() {

@@ -411,6 +411,15 @@ mod tests {
         assert_eq!(rate_columns(0.0, 0.0, 300.0), 1.0, "nothing is seen");
     }
 
+    /// From below only the front edge of a board is seen: what stood on it was taken to hang in the air with it.
+    #[test]
+    fn a_board_hangs_without_what_stands_on_it() {
+        let thing = [100..120, 100..140];
+        let on = |columns| footing_of(&[[columns, 140..148], thing.clone()])[2..].to_vec();
+        assert_eq!(on(60..160), [0.0, 1.0], "46 cm long, 4 cm high");
+        assert_eq!(on(85..135), [0.0, 0.0], "23 cm long: a part of something");
+    }
+
     #[test]
     fn what_goes_on_unseen_is_cut() {
         let posts = [[100..120, 200..240], [200..220, 180..240], [200..220, 150..180], [20..40, 180..240]];

@@ -152,11 +152,24 @@ fn compare(clusters: &Clusters<'_>, limits: Limits<'_>, panels: &[Panel]) -> Vec
 mod tests {
     use super::*;
     use crate::clusters::testing::{Table, single};
+    use crate::color::image::LabImage;
     use crate::params;
+
+    const SIZE: (usize, usize) = (120, 100);
 
     /// The number of clusters that are left of a drawing (facet, height).
     fn left(at: impl Fn(usize, usize) -> (i32, f64)) -> usize {
-        let table = Table::new((120, 100), |u, v| Some(at(u, v)));
+        left_of(&Table::new(SIZE, |u, v| Some(at(u, v))))
+    }
+
+    /// The same if the facets have these colours.
+    fn left_painted(at: impl Fn(usize, usize) -> (i32, f64), colors: [[f32; 3]; 5]) -> usize {
+        let mut table = Table::new(SIZE, |u, v| Some(at(u, v)));
+        table.lab = Some(LabImage::drawn(SIZE, |u, v| colors[at(u, v).0 as usize]));
+        left_of(&table)
+    }
+
+    fn left_of(table: &Table) -> usize {
         let scene = table.scene();
         let mut clusters = single(&scene);
         let params = params::Vessels::default();
@@ -189,6 +202,22 @@ mod tests {
         let empty = seen_box([0.06; 3], 0);
         let is_thing = |u: usize, v: usize| (56..64).contains(&u) && (56..64).contains(&v);
         assert_eq!(left(|u, v| if is_thing(u, v) { (5, 0.04) } else { empty(u, v) }), 2);
+    }
+
+    /// The walls of bins with print, and of bins in a light from the side, were objects.
+    #[test]
+    fn walls_of_other_colors_are_a_box_from_three_sides_on() {
+        let (red, green, blue, gray) =
+            ([50.0, 60.0, 40.0], [60.0, -50.0, 40.0], [30.0, 10.0, -60.0], [50.0, 0.0, 0.0]);
+        let (three, two) = ([0.06; 3], [0.06, 0.0, 0.06]);
+        let left = |walls_m, [left, right, far]: [[f32; 3]; 3]| {
+            left_painted(seen_box(walls_m, 0), [gray, left, right, far, gray])
+        };
+        assert_eq!(left(three, [red, green, blue]), 1);
+        assert_eq!(left(two, [red, green, blue]), 4, "two things that meet by chance");
+        // Light scales L* + 16, a* and b* alike.
+        let darker = red.map(|x| x * 0.75).map(|x| x - if x == red[0] * 0.75 { 4.0 } else { 0.0 });
+        assert!(left(two, [red, red, darker]) < 4, "one paint in less light");
     }
 
     #[test]
