@@ -34,7 +34,7 @@ pub(crate) const MEMORY_S: f64 = 5.0;
 pub(crate) const YOUNG_MEMORY_FRAMES: f64 = 2.5;
 /// A track that began so short a time ago (s), after another was last seen, may turn out to be that one.
 const NEW_S: f64 = 2.0;
-/// What comes out from behind something lies within this share of its size (the root of its area) of where it rested.
+/// What comes out from behind something lies within this share of its size (the root of its area) of where it was seen last.
 const UNCOVERED_SHARE: f64 = 0.6;
 /// A look is clearly nearer to another when the differences differ by this.
 const CLEARLY: f64 = 0.3;
@@ -109,16 +109,12 @@ impl Expected<'_> {
         self.overlap.iou(k, self.segments[k].px, key)
     }
 
-    /// Whether a segment lies farther from where a thing was, and where it rested, than that can have come: it stands before it, as a hand near the
-    /// camera does.
+    /// Whether a segment lies nearer to the camera than a thing can have come: it stands before that, as a hand near the camera does.
     fn is_out_of_reach(&self, k: usize, key: u32) -> bool {
-        let track = &self.tracks[&key];
-        let away_s = self.now_s - track.last.stamp_s;
-        let from_m = |place: DVec3| (self.segments[k].center - place).length();
-        let expected = [track.last.center, track.last.center + track.velocity * away_s];
-        let distances_m = expected.into_iter().chain(track.rest.map(|rest| rest.center)).map(from_m);
-        let distance_m = distances_m.fold(f64::INFINITY, f64::min);
-        !track.is_agent_part() && distance_m > reach_m(away_s) + track.area_m2.sqrt()
+        let (segment, track) = (&self.segments[k], &self.tracks[&key]);
+        let nearer_m = track.center_in_camera.length() - segment.center_in_camera.length();
+        let reach_m = reach_m(self.now_s - track.last.stamp_s);
+        !track.is_agent_part() && nearer_m > reach_m + track.area_m2.sqrt()
     }
 
     /// Whether a segment shows more of a known thing than was expected, because less of it is hidden now: it holds the thing, has its colours and
@@ -136,7 +132,7 @@ impl Expected<'_> {
     fn is_rather_another(&self, k: usize, key: u32) -> bool {
         let track = &self.tracks[&key];
         let differences = |k: usize| self.segments[k].look.distance(&track.look);
-        let lies_there = |other: usize| self.overlap.common.contains_key(&(other, key));
+        let lies_there = |other: usize| self.iou(other, key) > LEAST_IOU;
         let is_liker = |other: usize| {
             let pair = differences(other).zip(differences(k));
             pair.is_some_and(|(other, own)| other + CLEARLY < own)
@@ -192,6 +188,12 @@ pub(crate) fn find_again(
         may_be.then(|| found_again(&segments[k], &tracks[&key], now_s, pace)).flatten().unwrap_or(0.0)
     };
     pair(&free, &lost, again, tracks_of);
+    // What lost its segment to such a track may have another.
+    let displaced: Vec<u32> =
+        by_overlap.iter().flatten().copied().filter(|key| !tracks_of.contains(&Some(*key))).collect();
+    let left: Vec<usize> = (0..segments.len()).filter(|&k| tracks_of[k].is_none()).collect();
+    let elsewhere = |k: usize, key: u32| found_again(&segments[k], &tracks[&key], now_s, pace).unwrap_or(0.0);
+    pair(&left, &displaced, elsewhere, tracks_of);
 }
 
 /// Pairs rows and columns so that the sum of values is greatest; pairs of value 0 are none.
@@ -234,12 +236,10 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
     let distance = step.length().min((step - track.velocity * away_s).length());
     let is_uncovered = track.is_covered && step.length() < UNCOVERED_SHARE * track.area_m2.sqrt();
     let comes_out = is_uncovered && track.rest_s > 0.0 && segment.area_m2 < track.area_m2;
-    let size = match comes_out {
-        true => 0.0,
-        false => libm::log(segment.area_m2.max(1e-9) / track.area_m2.max(1e-9)).abs(),
-    };
+    let ratio = libm::log(segment.area_m2.max(1e-9) / track.area_m2.max(1e-9)).abs();
+    let size = if comes_out { 0.0 } else { ratio };
     // What was turned, or was in a shadow, has another look.
-    let most_look = if is_uncovered && size < SAME_SIZE { MOST_LOOK_UNCOVERED } else { MOST_LOOK };
+    let most_look = if is_uncovered && ratio < SAME_SIZE { MOST_LOOK_UNCOVERED } else { MOST_LOOK };
     let reach = reach_m(away_s);
     if look > most_look || size > MOST_SIZE || distance > reach {
         return None;
@@ -341,11 +341,11 @@ mod tests {
     fn what_stands_far_before_a_thing_is_not_the_thing() {
         let shown =
             Overlap { predicted: BTreeMap::from([(1, 900)]), common: BTreeMap::from([((0, 1), 800)]) };
-        let at = |z| Segment { px: 900, center: DVec3::new(0.0, 0.0, z), ..Segment::default() };
-        let thing = Track { area_m2: 0.01, ..track(0.0) };
+        let at = |z| Segment { px: 900, center_in_camera: DVec3::new(0.0, 0.0, z), ..Segment::default() };
+        let thing = Track { area_m2: 0.01, center_in_camera: DVec3::Z, ..track(0.0) };
         let tracks = BTreeMap::from([(1, thing)]);
-        assert_eq!(by_overlap(&[at(-0.15)], &tracks, &shown, 0.03), [Some(1)], "it was lifted");
-        assert_eq!(by_overlap(&[at(-0.45)], &tracks, &shown, 0.03), [None]);
+        assert_eq!(by_overlap(&[at(0.85)], &tracks, &shown, 0.03), [Some(1)], "it was lifted");
+        assert_eq!(by_overlap(&[at(0.55)], &tracks, &shown, 0.03), [None]);
     }
 
     /// A regression, after frame 16 of `drop31` of another simulator: a frame took a thing and what fell on it for one, and the one that fell kept the number.
@@ -358,6 +358,12 @@ mod tests {
         let common = BTreeMap::from([((0, 1), 800), ((1, 1), 700)]);
         let shown = Overlap { predicted: BTreeMap::from([(1, 1600)]), common };
         assert_eq!(by_overlap(&segments, &tracks, &shown, 0.0), [None, Some(1)]);
+        let beside = Overlap { common: BTreeMap::from([((0, 1), 800), ((1, 1), 40)]), ..shown };
+        assert_eq!(
+            by_overlap(&segments, &tracks, &beside, 0.0),
+            [Some(1), None],
+            "it was turned, beside another"
+        );
     }
 
     /// A regression, after frame 26 of `drop21`: the thing that was struck had moved a little, and what fell on it had been given both.
@@ -368,14 +374,34 @@ mod tests {
         let thing = Track { look: look(red), ..track(0.0) };
         let fell = Track { rest: None, look: look(blue), ..track(0.0) };
         let tracks = BTreeMap::from([(1, thing), (2, fell)]);
-        let again = |fell_on: [u8; 3]| {
-            let mut tracks_of = vec![Some(2)];
-            let segments = [Segment { look: look(fell_on), ..struck.clone() }];
-            let nothing = (Overlap::default(), BTreeMap::new());
-            find_again(&segments, &tracks, &nothing.0, &nothing.1, (0.1, Pace::default()), &mut tracks_of);
-            tracks_of[0]
+        let again = |colors: &[[u8; 3]], mut tracks_of: Vec<Option<u32>>| {
+            let shows = |color: &[u8; 3]| Segment { look: look(*color), ..struck.clone() };
+            let segments: Vec<Segment> = colors.iter().map(shows).collect();
+            let (overlap, inside) = (Overlap::default(), BTreeMap::new());
+            find_again(&segments, &tracks, &overlap, &inside, (0.1, Pace::default()), &mut tracks_of);
+            tracks_of
         };
-        assert_eq!(again(red), Some(1));
-        assert_eq!(again(blue), Some(2), "it is what fell");
+        assert_eq!(again(&[red], vec![Some(2)]), [Some(1)]);
+        assert_eq!(again(&[blue], vec![Some(2)]), [Some(2)], "it is what fell");
+        assert_eq!(again(&[red, blue], vec![Some(2), None]), [Some(1), Some(2)], "both are seen");
+    }
+
+    #[test]
+    fn what_comes_out_may_look_otherwise_if_it_has_the_size_of_what_was_hidden() {
+        let (red, mixed) = (look([200, 30, 30]), |share| {
+            let mut look = Look::default();
+            (0..100).for_each(|k| look.add(if k < share { [200, 30, 30] } else { [30, 30, 200] }));
+            look.finish();
+            look
+        });
+        let found = |area_m2, share, is_covered| {
+            let hidden = Track { area_m2: 0.01, look: red.clone(), is_covered, ..track(0.0) };
+            let segment = Segment { area_m2, look: mixed(share), ..Segment::default() };
+            found_again(&segment, &hidden, 0.1, Pace::default()).is_some()
+        };
+        assert!(found(0.009, 28, true));
+        assert!(!found(0.009, 28, false), "it was not hidden");
+        assert!(!found(0.005, 28, true), "half as large");
+        assert!(!found(0.009, 5, true), "of other colours");
     }
 }

@@ -37,7 +37,7 @@ impl Memory {
 
     /// Of the `open` segments, those that show the surface of a thing as it last rested, and the thing: an arm that passes leaves pieces to be seen, too
     /// small to be known by their looks. Nobody has lifted the thing. Either it does not move, and no segment shows it; or the segment that shows it lies on
-    /// the same surface, so neither has moved, and an arm stands before what is between them. Else it may be two, as a box and its lid are. `pixels`: of each
+    /// the same surface, so neither has moved, and an arm reaches it or most frames showed it as one. Else it may be two, as a box and its lid are. `pixels`: of each
     /// segment, those that are looked at. O(pixels of the open segments and of those that show their things).
     pub(crate) fn as_they_rested(
         &self,
@@ -56,7 +56,10 @@ impl Memory {
             let shown = tracks_of.iter().position(|&known| known == Some(key));
             let is_whole = match shown {
                 None => !track.is_moving,
-                Some(shown) => self.rested_surface(&pixels[shown], view) == Some(key),
+                Some(shown) => {
+                    (track.last.reached_by.is_some() || track.oneness.holds())
+                        && self.rested_surface(&pixels[shown], view) == Some(key)
+                }
             };
             if is_whole {
                 resting.insert(k, key);

@@ -20,6 +20,8 @@ use crate::view::View;
 
 /// What has always been there shows the rested scene in this share of its pixels.
 const IN_PLACE: f64 = 0.8;
+/// What is first told from its surroundings so soon (s), and rested there before, was there from the beginning.
+const BEGINNING_S: f64 = 0.5;
 /// An agent is beside what is this close to it (px at VGA size).
 const BESIDE_PX: f64 = 16.0;
 /// What came off a thing has its colours in this share of its pixels.
@@ -111,7 +113,9 @@ impl Memory {
     ) {
         for &(k, key) in fresh {
             let sample = self.sample(&segments[k], &[]);
-            let was_in_view = self.frame == 0 || segments[k].in_place > IN_PLACE;
+            // Parts of an arm may be told apart later.
+            let begins = self.frame <= self.pace.frames(BEGINNING_S) as u64;
+            let was_in_view = self.frame == 0 || begins && segments[k].in_place > IN_PLACE;
             let mut track = Track::new(&segments[k], sample, was_in_view);
             track.is_doubted = self.was_no_thing(k, &segments[k], labels, view);
             track.was_doubted = track.is_doubted && !self.agents.all.is_empty();

@@ -258,8 +258,9 @@ impl Track {
         self.path_m += if is_whole { step.length() } else { 0.0 };
         if segment.of_agent < RESTING_OF_AGENT || self.samples.len() < 3 {
             self.look.blend(&segment.look);
-            // An agent may hide some of it.
-            if sample.reached_by.is_none() || segment.area_m2 > self.area_m2 {
+            // An agent may hide some of it, and a frame may take both for one.
+            let grows = (self.area_m2..self.area_m2 / AS_WHOLE).contains(&segment.area_m2);
+            if sample.reached_by.is_none() || grows {
                 self.area_m2 += 0.1 * (segment.area_m2 - self.area_m2);
             }
         }

@@ -61,7 +61,7 @@ pub(crate) struct Footing {
 /// A column goes down from a pixel along gravity. While the image shows the thing itself there, the column is hidden in it. It then ends in
 /// air if what is seen lies behind it for 4 cm. Columns that cannot be followed do not count. Things are rated from the lowest to the
 /// highest; something higher than a thing counts as structure for it. Doubt that is not handed on comes last: a thing that seems to carry
-/// furniture, or that nothing carries in `graph` and that lies below every level surface that is seen. Without structure every footing is 1.
+/// furniture, or that nothing carries in `graph` and that lies below every level surface that is seen, and that a board hangs. Without structure every footing is 1.
 /// O(regions · columns · steps).
 ///
 /// Source: ours, because people, arms and furniture come in pieces, most of which hang in the air or go on below a table's edge.
@@ -245,7 +245,7 @@ fn measured<'a>(
     runs.iter().cloned().flatten().filter(|&i| !points_m[i][2].is_nan())
 }
 
-/// Whether a box is that of a board: level, long and thin. From below only its front edge is seen, and no foot.
+/// Whether a box is that of a board: level, long and thin. A camera below a board of a shelf sees its front edge, and nothing that carries it.
 fn is_board(around: &OrientedBox) -> bool {
     let [long_m, _, high_m] = around.extents_m;
     long_m >= BOARD_M.max(BOARD_SLIM * high_m)

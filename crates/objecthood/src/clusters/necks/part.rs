@@ -12,7 +12,7 @@ use crate::clusters::necks::symmetry::Shaft;
 use crate::clusters::necks::underside::Underside;
 use crate::regions::SegmentId;
 
-/// A part, and what is measured of it: once, when the first of its pairs asks.
+/// A part, and what is measured of it: once a round, when the first of its pairs asks.
 pub(super) struct Part<'a> {
     pub(super) id: SegmentId,
     clusters: &'a Clusters<'a>,

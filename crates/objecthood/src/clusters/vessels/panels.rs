@@ -21,7 +21,7 @@ use crate::regions::SegmentId;
 use crate::union_find::UnionFind;
 
 /// Walls of other colours are those of one box from so many sides on: two things of one height meet by chance, three seldom do.
-const SIDES: f64 = 3.0;
+const SIDES: usize = 3;
 
 /// They make up this share of their clusters at least: a bowl may be a wall in part, and a wall one with what leans on it.
 const WALL_SHARE: f64 = 0.5;
@@ -35,8 +35,8 @@ struct Pair {
     tops: Check,
     /// Whether they share colours.
     alike: Check,
-    /// The share of walls in the cluster that has less of them.
-    wall_share: f64,
+    /// Whether both clusters are mostly wall.
+    are_walls: Check,
 }
 
 impl Pair {
@@ -45,21 +45,30 @@ impl Pair {
         self.meeting.check.holds() && self.tops.holds()
     }
 
-    /// The same of clusters that are mostly wall.
-    fn fits_wholly(&self) -> bool {
-        self.fits() && self.wall_share >= WALL_SHARE
+    /// The same with their colours.
+    fn fits_by_color(&self) -> bool {
+        self.fits() && self.alike.holds()
     }
 
-    /// Whether they are walls of one box that has `sides`.
+    /// The same of clusters that are mostly wall, whatever their colours.
+    fn fits_by_place(&self) -> bool {
+        self.fits() && self.are_walls.holds() && self.meeting.kind != Kind::Outside
+    }
+
+    /// Whether they are walls of one box. `sides`: whether there are enough for colours not to count.
     fn is_wall(&self, sides: Check) -> bool {
-        self.fits() && self.alike.holds() || self.fits_wholly() && sides.holds()
+        self.fits_by_color() || self.fits_by_place() && sides.holds()
     }
 
-    /// The proposal to join their clusters, as walls of a box that has `sides`.
+    /// The proposal to join their clusters.
     fn propose(&self, [into, from]: [SegmentId; 2], sides: Check) -> Proposal {
         let mut proposal = Proposal::new(Rule::BoxWalls, Source::Cluster(from), Some(into));
-        let last = if self.alike.holds() || !sides.holds() { self.alike } else { sides };
-        proposal.extend([self.meeting.check, self.tops, last]);
+        proposal.extend([self.meeting.check, self.tops]);
+        if self.alike.holds() || !sides.holds() {
+            proposal.extend([self.alike]);
+        } else {
+            proposal.extend([self.are_walls, sides]);
+        }
         proposal
     }
 }
@@ -68,10 +77,15 @@ impl Pair {
 pub(super) fn join_panels(clusters: &mut Clusters<'_>, limits: Limits<'_>) {
     let panels = find_panels(clusters, limits.support);
     let pairs = compare(clusters, limits, &panels);
-    let sides = count_sides(panels.len(), &pairs);
+    let by_place = count_sides(panels.len(), &pairs, Pair::fits_by_place);
+    let by_color = count_sides(panels.len(), &pairs, Pair::fits_by_color);
     let sides = |pair: &Pair| {
-        let count = sides[pair.panels[0]] as f64;
-        Check::new("sides of the box, whose colours differ", "", count, Bound::AtLeast, SIDES)
+        // Two boxes side by side have enough sides each.
+        let has_own = |panel: usize| by_color[panel] >= SIDES;
+        let are_two = pair.panels.into_iter().all(has_own);
+        let count = if are_two { 0 } else { by_place[pair.panels[0]] };
+        let what = "sides of the box, whose colours differ";
+        Check::new(what, "", count as f64, Bound::AtLeast, SIDES as f64)
     };
     let (walls, misses): (Vec<&Pair>, Vec<&Pair>) = pairs.iter().partition(|pair| pair.is_wall(sides(pair)));
     let (box_of, count) = groups(panels.len(), walls.iter().copied());
@@ -114,9 +128,9 @@ fn groups<'p>(panels: usize, pairs: impl Iterator<Item = &'p Pair>) -> (Vec<u32>
     sets.groups()
 }
 
-/// For each panel, how many sides has the box that its place and those of others fit, whatever their colours.
-fn count_sides(panels: usize, pairs: &[Pair]) -> Vec<usize> {
-    let fitting = || pairs.iter().filter(|pair| pair.fits_wholly());
+/// For each panel, how many sides has the box to which such pairs link it.
+fn count_sides(panels: usize, pairs: &[Pair], fits: impl Fn(&Pair) -> bool) -> Vec<usize> {
+    let fitting = || pairs.iter().filter(|pair| fits(pair));
     let (box_of, count) = groups(panels, fitting());
     let (side_of, _) = groups(panels, fitting().filter(|pair| pair.meeting.kind == Kind::OneWall));
     let mut sides = vec![BTreeSet::new(); count];
@@ -141,7 +155,13 @@ fn compare(clusters: &Clusters<'_>, limits: Limits<'_>, panels: &[Panel]) -> Vec
                 meeting,
                 tops: tops.set_by(RIM_HEIGHT),
                 alike: check_walls_color(clusters.scene, [one, other].map(|panel| &panel.colors)),
-                wall_share: one.wall_share.min(other.wall_share),
+                are_walls: Check::new(
+                    "share of walls in the clusters",
+                    "",
+                    one.wall_share.min(other.wall_share),
+                    Bound::AtLeast,
+                    WALL_SHARE,
+                ),
             });
         }
     }
@@ -216,8 +236,35 @@ mod tests {
         assert_eq!(left(three, [red, green, blue]), 1);
         assert_eq!(left(two, [red, green, blue]), 4, "two things that meet by chance");
         // Light scales L* + 16, a* and b* alike.
-        let darker = red.map(|x| x * 0.75).map(|x| x - if x == red[0] * 0.75 { 4.0 } else { 0.0 });
+        let [l, a, b] = red.map(|part| 0.75 * part);
+        let darker = [l - 0.25 * 16.0, a, b];
         assert!(left(two, [red, red, darker]) < 4, "one paint in less light");
+    }
+
+    #[test]
+    fn two_boxes_of_other_colors_side_by_side_are_two() {
+        let (red, blue, gray) = ([50.0, 60.0, 40.0], [30.0, 10.0, -60.0], [50.0, 0.0, 0.0]);
+        let one = seen_box([0.06; 3], 0);
+        // The same box again, 50 px to the right: facets 5 to 8.
+        let both = |u: usize, v: usize| match one(u + 24, v) {
+            (0, _) if u >= 50 => match one(u - 26, v) {
+                (0, height_m) => (0, height_m),
+                (facet, height_m) => (facet + 4, height_m),
+            },
+            seen => seen,
+        };
+        let mut table = Table::new(SIZE, |u, v| Some(both(u, v)));
+        let color = |facet| {
+            if facet == 0 {
+                gray
+            } else if facet < 5 {
+                red
+            } else {
+                blue
+            }
+        };
+        table.lab = Some(LabImage::drawn(SIZE, |u, v| color(both(u, v).0)));
+        assert_eq!(left_of(&table), 2);
     }
 
     #[test]

@@ -89,9 +89,9 @@ impl Interior {
     /// A piece of the bottom lies within the walls, as low as their feet.
     fn check_bottom(&self, clusters: &Clusters<'_>, ground: &StructureSurface, id: SegmentId) -> Vec<Check> {
         let (scene, pixels) = (clusters.scene, &clusters.get(id).pixels[..]);
-        let highest_m = self.foot_m + BOTTOM_M.max(self.noise_m / 2.0);
+        let limit_m = BOTTOM_M.max(self.noise_m / 2.0);
         let within = share(pixels, |i| self.depth_m(scene.point_at(i)) > -MARGIN_M);
-        let low = share(pixels, |i| scene.height_m(i, ground) < highest_m);
+        let low = share(pixels, |i| (scene.height_m(i, ground) - self.foot_m).abs() < limit_m);
         vec![
             Check::new("share of it within the walls", "", within, Bound::AtLeast, WITHIN_SHARE),
             Check::new("share of it as low as the feet of the walls", "", low, Bound::AtLeast, LOW_SHARE),

@@ -76,7 +76,8 @@ pub(super) struct Panel {
     pub wall_share: f64,
 }
 
-/// The clusters that are panels, and of the others the facets that are, each in the order of their numbers. O(pixels).
+/// The clusters that are panels, and of the others the facets that are, each in the order of their numbers. O(pixels + clusters of
+/// which a part is a panel).
 pub(super) fn find_panels(clusters: &Clusters<'_>, ground: &StructureSurface) -> Vec<Panel> {
     let (scene, facets) = (clusters.scene, clusters.scene.facets);
     let panel = |cluster: SegmentId, pixels: &[u32]| Panel::of(scene, ground, cluster, pixels);
@@ -85,20 +86,18 @@ pub(super) fn find_panels(clusters: &Clusters<'_>, ground: &StructureSurface) ->
         .into_iter()
         .filter_map(|cluster| panel(cluster, &clusters.get(cluster).pixels))
         .collect();
-    // A small piece of a bowl is nearly flat.
-    let is_searched = |cluster: SegmentId| {
-        let is_panel = panels.iter().any(|panel| panel.cluster == cluster);
-        !is_panel && Piece::of(clusters, ground, cluster).is_none()
-    };
-    let searched: BTreeSet<SegmentId> =
-        clusters.alive().into_iter().filter(|&cluster| is_searched(cluster)).collect();
+    let whole: BTreeSet<SegmentId> = panels.iter().map(|panel| panel.cluster).collect();
     let of_facets = facets.segments.runs_of_each().map(|facet, runs| {
-        let cluster = clusters.of_facet(facet.checked_sub(facets.structure)?);
-        let cluster = cluster.filter(|cluster| searched.contains(cluster))?;
+        let cluster = clusters.of_facet(facet.checked_sub(facets.structure)?)?;
         let pixels: Vec<u32> = runs.iter().cloned().flatten().map(|i| i as u32).collect();
-        panel(cluster, &pixels)
+        (!whole.contains(&cluster)).then(|| panel(cluster, &pixels)).flatten()
     });
-    panels.extend(of_facets.into_iter().flatten());
+    let of_facets: Vec<Panel> = of_facets.into_iter().flatten().collect();
+    // A small piece of a bowl is nearly flat.
+    let in_part: BTreeSet<SegmentId> = of_facets.iter().map(|panel| panel.cluster).collect();
+    let is_round = |cluster: &SegmentId| Piece::of(clusters, ground, *cluster).is_some();
+    let round: BTreeSet<SegmentId> = in_part.into_iter().filter(is_round).collect();
+    panels.extend(of_facets.into_iter().filter(|panel| !round.contains(&panel.cluster)));
     let mut wall_px = BTreeMap::new();
     for panel in &panels {
         *wall_px.entry(panel.cluster).or_insert(0) += panel.size_px;
