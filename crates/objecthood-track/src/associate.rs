@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
-
 use crate::assignment::maximize;
 use crate::memory::FORGET_S;
 use crate::pace::Pace;
@@ -261,6 +259,8 @@ fn reach_m(away_s: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::look::Look;
     use crate::track::Sample;

@@ -245,25 +245,20 @@ mod tests {
     fn two_boxes_of_other_colors_side_by_side_are_two() {
         let (red, blue, gray) = ([50.0, 60.0, 40.0], [30.0, 10.0, -60.0], [50.0, 0.0, 0.0]);
         let one = seen_box([0.06; 3], 0);
-        // The same box again, 50 px to the right: facets 5 to 8.
-        let both = |u: usize, v: usize| match one(u + 24, v) {
-            (0, _) if u >= 50 => match one(u - 26, v) {
-                (0, height_m) => (0, height_m),
-                (facet, height_m) => (facet + 4, height_m),
-            },
-            seen => seen,
+        // The same box twice, 5 cm apart: facets 1 to 4, and 5 to 8.
+        let both = |u: usize, v: usize| {
+            let (at, first) = if u < 86 { (u + 14, 0) } else { (u - 66, 4) };
+            let (facet, height_m) = one(at, v);
+            (if facet == 0 { 0 } else { facet + first }, height_m)
         };
-        let mut table = Table::new(SIZE, |u, v| Some(both(u, v)));
-        let color = |facet| {
-            if facet == 0 {
-                gray
-            } else if facet < 5 {
-                red
-            } else {
-                blue
-            }
+        let size = (200, 100);
+        let mut table = Table::new(size, |u, v| Some(both(u, v)));
+        let color = |facet| match facet {
+            0 => gray,
+            1..=4 => red,
+            _ => blue,
         };
-        table.lab = Some(LabImage::drawn(SIZE, |u, v| color(both(u, v).0)));
+        table.lab = Some(LabImage::drawn(size, |u, v| color(both(u, v).0)));
         assert_eq!(left_of(&table), 2);
     }
 
