@@ -117,7 +117,8 @@ impl Panel {
         }
         let up = ground.normal;
         let points: Vec<DVec3> = scene.sampled_points(pixels).collect();
-        let noise_m = noise_m(scene, points[points.len() / 2].z);
+        // At a small focal length not even one pixel is asked for.
+        let noise_m = noise_m(scene, points.get(points.len() / 2)?.z);
         let plane = plane_of_most(&points, noise_m)?;
         let facing = plane.normal;
         if facing.dot(up).abs() > SLANT {
