@@ -129,12 +129,9 @@ impl Expected<'_> {
     /// fell on it for one.
     fn is_rather_another(&self, k: usize, key: u32) -> bool {
         let track = &self.tracks[&key];
-        let differences = |k: usize| self.segments[k].look.distance(&track.look);
+        let difference = |k: usize| self.segments[k].look.distance(&track.look);
         let lies_there = |other: usize| self.iou(other, key) > LEAST_IOU;
-        let is_liker = |other: usize| {
-            let pair = differences(other).zip(differences(k));
-            pair.is_some_and(|(other, own)| other + CLEARLY < own)
-        };
+        let is_liker = |other: usize| is_clearly_less(difference(other), difference(k));
         track.is_known()
             && (0..self.segments.len()).any(|other| other != k && lies_there(other) && is_liker(other))
     }
@@ -179,7 +176,8 @@ pub(crate) fn find_again(
         let is_later = |known: u32| is_part(known) || tracks[&known].first.frame > tracks[&key].last.frame;
         // A frame may have taken a thing and what fell on it for one.
         let is_another = |known: u32| {
-            tracks[&known].rest.is_none() && is_more_like(&segments[k], [&tracks[&key], &tracks[&known]])
+            let difference = |track: u32| segments[k].look.distance(&tracks[&track].look);
+            tracks[&known].rest.is_none() && is_clearly_less(difference(key), difference(known))
         };
         let is_inside = inside.get(&k).is_some_and(|&whole| tracks[&key].moved_off == Some(whole));
         let may_be = by_overlap[k].is_none_or(|known| is_later(known) || is_another(known)) && !is_inside;
@@ -246,9 +244,8 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
     (cost < 1.0).then_some(1.0 - cost)
 }
 
-/// Whether a segment has clearly more of the look of the first track than of that of the second.
-fn is_more_like(segment: &Segment, tracks: [&Track; 2]) -> bool {
-    let [one, other] = tracks.map(|track| segment.look.distance(&track.look));
+/// Whether the first of two differences of looks is clearly less; not if one is unknown.
+fn is_clearly_less(one: Option<f64>, other: Option<f64>) -> bool {
     one.zip(other).is_some_and(|(one, other)| one + CLEARLY < other)
 }
 

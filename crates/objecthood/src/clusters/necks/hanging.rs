@@ -24,16 +24,18 @@ pub(super) fn checks(clusters: &Clusters<'_>, [part, carrier]: [&Part<'_>; 2]) -
     let bends = share("how far the other bends outwards", bends, Bound::Above, 0.0);
     let foot_m = part.foot_m();
     let foot = Check::new("foot of the hanging part above its support", "m", foot_m, Bound::Above, FOOT_M);
+    let top_m = || clusters.scene.own_height_m(part.pixels(), TOP_SHARE);
+    let ends =
+        || share("height of that foot, over that of its top", foot_m / top_m(), Bound::AtLeast, FOOT_OF_TOP);
     // Most pairs fail these, which cost little.
-    if ![smaller, bends, foot].iter().all(Check::holds) {
-        return None;
-    }
-    let (top_m, own) = (clusters.scene.own_height_m(part.pixels(), TOP_SHARE), part.underside());
+    let is_open = [smaller, bends, foot].iter().all(Check::holds);
+    let ends = is_open.then(ends).filter(Check::holds)?;
+    let own = part.underside();
     let (hangs, stands) =
         ("share of the part that hangs: its support is seen below it", "share of the part that stands");
     let mut checks = vec![
         foot,
-        share("height of that foot, over that of its top", foot_m / top_m, Bound::AtLeast, FOOT_OF_TOP),
+        ends,
         share(hangs, own.hanging, Bound::AtLeast, HANGING_SHARE),
         share(stands, own.standing, Bound::Below, STANDING_SHARE),
     ];
