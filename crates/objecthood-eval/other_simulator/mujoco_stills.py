@@ -6,7 +6,7 @@
     python count_kinds.py objecthood stills/kinect labels/kinect
     objecthood eval stills/kinect
 
-Kinds are table, pile, shelf, bin, floor, vessels and flush. Sensors are kinect, stereo and tof. The same kind, seed and sensor make the same
+Kinds are table, pile, shelf, bin, floor, vessels, flush and room. Sensors are kinect, stereo and tof. The same kind, seed and sensor make the same
 scene. The things come to rest before the image is taken. A scene is a folder in the layout of BOP. Its `truth.png` has the number of the
 thing at each pixel, from 1 on. Its `kinds.json` has the kinds of the things in that order. Room, table, shelf and bin are no things: they
 are 0. `count_kinds.py` counts what is found, by kind, and what is false. Lengths are metres, angles degrees.
@@ -24,7 +24,7 @@ from PIL import Image
 from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter, maximum_filter, minimum_filter
 
-KINDS = ("table", "pile", "shelf", "bin", "floor", "vessels", "flush")
+KINDS = ("table", "pile", "shelf", "bin", "floor", "vessels", "flush", "room")
 DEPTH_PER_M, LEAST_MASK_PX, TEXTURE_PX = 4000, 20, 256
 STEP_S, SETTLE_STEPS, BRAKE_STEPS, BRAKE = 0.002, 2500, 10, 0.9
 TABLE_M, BOARDS_M, SHELF_Y_M = 0.74, (0.35, 0.75, 1.15), 0.3
@@ -334,6 +334,74 @@ class Scene:
             place = rng.uniform(-half_m[:2] + [0.08, 0.06], half_m[:2] - [0.08, 0.06])
             self.put(COMMON, *place, 0.03 + 0.1 * k, tilt=rng.uniform(-30, 30, 2))
         self.elevation, self.distance_m = np.radians(rng.uniform(50, 80)), rng.uniform(0.7, 1)
+
+    def fill_room(self):
+        """A desk with things, a chair, a cupboard or a seat, often a rug, a lamp or a person, and things on the floor between them."""
+        rng, half_m, looks = self.rng, self.rng.uniform([0.5, 0.3], [0.7, 0.4]), self.paint()
+        self.build("box", [*half_m, 0.015], [0, 0, 0.705], looks)
+        for corner in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
+            self.build("box", [0.02, 0.02, 0.345], [*(corner * (half_m - 0.04)), 0.345], looks)
+        places = []
+        for k in range(rng.integers(4, 9)):
+            self.put(COMMON, *self.free_place(half_m[0] - 0.1, (half_m[1] - 0.08) / (half_m[0] - 0.1), 0.12, places), 0.72 + 0.001 * k)
+        self.build_chair(rng.uniform([-0.4, -0.9], [0.4, -0.5]), self.paint())
+        side = rng.choice([-1, 1])
+        if rng.random() < 0.5:
+            self.build_cupboard(side * rng.uniform(1.1, 1.5), self.paint())
+        else:
+            self.build_seat(side * rng.uniform(1.2, 1.6), self.paint())
+        if rng.random() < 0.5:
+            self.build("box", [*rng.uniform(0.4, 0.8, 2), 0.004], [*rng.uniform(-0.5, 0.5, 2), 0.004], self.paint())
+        if rng.random() < 0.4:
+            self.build_lamp(-side * rng.uniform(0.8, 1.2), self.paint())
+        if rng.random() < 0.3:
+            self.build_person(rng.uniform([-1.2, 0.3], [1.2, 0.8]))
+        for x in rng.uniform(-1, 1, rng.integers(1, 4)):
+            self.put("box box ball carton bottle teddy brick vase".split(), x, rng.uniform(-1.1, -0.95), 0.005)
+        self.target_m, self.distance_m = [*rng.uniform([-0.3, -0.3], [0.3, 0.1]), 0.5], rng.uniform(1.6, 2.4)
+        self.elevation, self.azimuth = np.radians(rng.uniform([12, -130], [35, -50]))
+
+    def build_chair(self, place, looks):
+        for x, y in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
+            self.build("cylinder", [0.016, 0.22], [place[0] + 0.18 * x, place[1] + 0.18 * y, 0.22], looks)
+        self.build("box", [0.21, 0.21, 0.015], [*place, 0.455], looks)
+        for x in (-0.18, 0.18):
+            self.build("cylinder", [0.014, 0.2], [place[0] + x, place[1] - 0.19, 0.67], looks)
+        self.build("box", [0.2, 0.01, 0.09], [place[0], place[1] - 0.19, 0.8], looks)
+
+    def build_cupboard(self, x_m, looks):
+        """A body with drawers that stand out a little, each with a knob; a thing may stand on it."""
+        half_m = self.rng.uniform([0.2, 0.2, 0.3], [0.35, 0.25, 0.6])
+        self.build("box", half_m, [x_m, 0.2, half_m[2]], looks)
+        for k in range(3):
+            height_m = half_m[2] * (2 * k + 1) / 3
+            self.build("box", [half_m[0] - 0.02, 0.008, half_m[2] / 3 - 0.012], [x_m, 0.2 - half_m[1], height_m], looks)
+            self.build("sphere", [0.014], [x_m, 0.185 - half_m[1], height_m], 'rgba="0.7 0.7 0.7 1"')
+        if half_m[2] < 0.5:
+            self.put(ON_SHELF, x_m, 0.2, 2 * half_m[2])
+
+    def build_seat(self, x_m, looks):
+        """An armchair with a cushion; a thing may lie on it."""
+        self.build("box", [0.38, 0.35, 0.19], [x_m, 0.2, 0.19], looks)
+        self.build("box", [0.38, 0.09, 0.25], [x_m, 0.46, 0.6], looks)
+        for x in (-0.34, 0.34):
+            self.build("box", [0.07, 0.35, 0.12], [x_m + x, 0.2, 0.5], looks)
+        if self.rng.random() < 0.6:
+            self.put(STACKED, x_m, 0.05, 0.385)
+
+    def build_lamp(self, x_m, looks):
+        self.build("cylinder", [0.14, 0.01], [x_m, 0.3, 0.01], looks)
+        self.build("cylinder", [0.013, 0.7], [x_m, 0.3, 0.71], looks)
+        self.build("cylinder", [0.15, 0.12], [x_m, 0.3, 1.5], looks)
+
+    def build_person(self, place):
+        trousers, shirt, skin = self.paint(), self.paint(), f'rgba="{numbers(self.rng.uniform([0.4, 0.3, 0.2], [0.9, 0.7, 0.6]))} 1"'
+        for x in (-0.1, 0.1):
+            self.build("capsule", [0.075, 0.35], [place[0] + x, place[1], 0.43], trousers)
+            self.build("capsule", [0.045, 0.28], [place[0] + 2.5 * x, place[1], 1.05], shirt)
+            self.build("sphere", [0.05], [place[0] + 2.5 * x, place[1], 0.72], skin)
+        self.build("ellipsoid", [0.2, 0.13, 0.34], [*place, 1.1], shirt)
+        self.build("ellipsoid", [0.09, 0.1, 0.13], [*place, 1.58], skin)
 
     def describe(self, field_deg):
         return f"""<mujoco><option timestep="{STEP_S}"/>
