@@ -263,8 +263,8 @@ fn check_filter(
         let pixel = [own[0] % now.width(), own[0] / now.width()];
         let explanation = explainer.describe(pixel).unwrap();
         let kept = explanation.kept.expect("it is no structure");
-        // A thing that is too small may carry another, which is unlikely without it.
-        if kind == Kind::TooSmall && self::kind(&kept) == Some(Kind::Unlikely) {
+        // A thing that is too small or too low may carry another, which is unlikely without it.
+        if [Kind::TooSmall, Kind::Low].contains(&kind) && self::kind(&kept) == Some(Kind::Unlikely) {
             continue;
         }
         assert_eq!(self::kind(&kept), Some(kind), "{pixel:?}: {kept:?}");

@@ -56,7 +56,8 @@ pub(super) fn switched_off(reason: Reason, yes: bool) -> Option<(&'static str, O
     }
 }
 
-/// Two values of a check's parameter that turn the check: the nearest round one, and one a little farther.
+/// Values of a check's parameter that turn the check: the nearest round one, one a little farther, and the end of its range. Where the
+/// nearest does not turn the decision, because something else then speaks against it too, a far one may: it lets other things in.
 fn guess(check: &Check, params: &Params) -> Vec<Guess> {
     let Some(parameter) = check.parameter else { return Vec::new() };
     let Some(from) = params.number(parameter).filter(|value| *value != 0.0 && check.limit != 0.0) else {
@@ -71,11 +72,10 @@ fn guess(check: &Check, params: &Params) -> Vec<Guess> {
     let sign = if limit_rises == (factor > 0.0) { 1.0 } else { -1.0 };
     let is_allowed = |guess: &Guess| (least..=greatest).contains(&guess.to) && guess.to != from;
     let whole = is_whole(parameter);
-    let beyond = [1.0, 2.0].map(|steps| {
-        let to = beyond(exact, sign, steps, whole);
-        Guess { parameter, from, near: to, to }
-    });
-    beyond.into_iter().filter(is_allowed).collect()
+    let end = if sign > 0.0 { greatest } else { least };
+    let values = [beyond(exact, sign, 1.0, whole), beyond(exact, sign, 2.0, whole), end];
+    let guesses = values.map(|to| Guess { parameter, from, near: to, to });
+    guesses.into_iter().filter(is_allowed).collect()
 }
 
 /// A round value beyond `exact` on the side of `sign`, by at most `steps` units of its last digit.
