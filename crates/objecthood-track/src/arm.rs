@@ -3,9 +3,11 @@
 use std::collections::BTreeSet;
 
 use crate::agent::Agent;
+use crate::bits::Bits;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::track::{Sample, Track, is_as_whole};
+use crate::view::View;
 
 /// A thing moved with an agent from the beginning when it moved so soon (s) after the first frame in which the agent was nearer than the rested
 /// scene. A hand that comes in from the border needs longer to get anywhere.
@@ -35,6 +37,23 @@ impl Memory {
         }
     }
 
+    /// Notes which things of the first frame nothing but structure joins to the border of the image: they are no parts of an arm. O(n).
+    /// `structure`: the plane at each pixel, 0 = none; of another size where it is not known.
+    pub(crate) fn note_apart(&mut self, structure: &[u16], view: &View) {
+        if self.frame > 0 || structure.len() != view.inverse.len() {
+            return;
+        }
+        let width = view.size.0;
+        let is_other = |pixel: usize| view.inverse[pixel] > 0.0 && structure[pixel] == 0;
+        let components = Bits::of(view.size, is_other).joined(view);
+        let is_border = |&&pixel: &&usize| view.field.is_border(pixel % width, pixel / width, 0);
+        let at_border = components.iter().filter(|component| component.iter().any(|pixel| is_border(&pixel)));
+        let joined: BTreeSet<Key> = at_border.flatten().map(|&pixel| self.scene.seen[pixel]).collect();
+        for (key, track) in &mut self.tracks {
+            track.was_apart = !joined.contains(key);
+        }
+    }
+
     /// Whether most of what is seen of a track belongs to an agent; of what is not seen, whether its last place does.
     fn lies_in(&self, key: Key, agent: &Agent, look: &Look<'_>) -> bool {
         let last = self.tracks[&key].last;
@@ -53,7 +72,8 @@ impl Memory {
 
 /// Whether a track rested from the first frame on, nothing was done to it, and it moves since a frame or longer.
 fn moved_at_once(track: &Track, by: u64) -> bool {
-    let Some(rest) = track.rest.filter(|_| track.was_never_handled() && !track.is_agent_part()) else {
+    let may_be_arm = track.was_never_handled() && !track.was_apart && !track.is_agent_part();
+    let Some(rest) = track.rest.filter(|_| may_be_arm) else {
         return false;
     };
     // What is hidden in part has another middle, within its size.
@@ -65,4 +85,44 @@ fn moved_at_once(track: &Track, by: u64) -> bool {
     let then = track.samples.iter().rfind(|sample| sample.frame <= by);
     let had_begun = then.is_some_and(|then| then.moves || moved_m(then) > BEGUN_M);
     had_begun && track.drift.length().max(moved_m(&track.last)) > MOVED_M
+}
+
+#[cfg(test)]
+mod tests {
+    use objecthood::{Camera, Frame, Raster};
+
+    use super::*;
+    use crate::segment::Segment;
+
+    /// A regression: a fruit that rolled from the first frame on, so that it never rested, was a part of the hand that pushed it.
+    #[test]
+    fn what_stands_apart_in_the_first_frame_is_no_part_of_an_agent() {
+        const SIZE: (usize, usize) = (8, 5);
+        let depth_m = Raster::filled(SIZE.0, SIZE.1, 1.0).unwrap();
+        let camera = Camera::new(8.0, 8.0, 3.5, 2.0).unwrap();
+        let view = View::of(&Frame::new(depth_m, None, camera).unwrap(), 1.0);
+        // A table with a thing (1), and an arm of two parts (2, 3) that comes from the right.
+        let rows = ["00000000", "01100000", "01100322", "00000000", "00000000"];
+        let seen: Vec<Key> = rows.concat().chars().filter_map(|c| c.to_digit(10)).collect();
+        let structure: Vec<u16> = seen.iter().map(|&key| u16::from(key == 0)).collect();
+        let of_agent = |px| Segment { px, of_agent: 0.9, ..Segment::default() };
+        let is_part = |structure: &[u16]| {
+            let mut memory = Memory::new(SIZE, 0.0, [].into());
+            memory.scene.seen.clone_from(&seen);
+            let alone = Segment { of_agent: 0.0, ..of_agent(100) };
+            for key in 1..4 {
+                let sample = memory.sample(&alone, &[]);
+                memory.tracks.insert(key, Track::new(&alone, sample, true));
+            }
+            memory.note_apart(structure, &view);
+            [1, 2, 3].map(|key| {
+                let sample = memory.sample(&of_agent(100), &[]);
+                let track = memory.tracks.get_mut(&key).unwrap();
+                (0..4).for_each(|_| track.see(&of_agent(100), sample, 0.03, 0.001));
+                track.is_agent_part()
+            })
+        };
+        assert_eq!(is_part(&structure), [false, true, true]);
+        assert_eq!(is_part(&[]), [true; 3], "nothing is known of structure");
+    }
 }

@@ -138,6 +138,7 @@ impl Memory {
 
         let look = self.identify((found, doubtful), view, &changed, place, &predicted);
         self.observe(&look);
+        self.note_apart(found.structure.as_slice(), view);
         self.agents.note_lifts(self.happenings.lifting());
         let rests = |key| {
             let track = self.tracks.get(&key);

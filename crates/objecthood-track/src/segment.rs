@@ -110,8 +110,15 @@ pub(crate) fn labels(found: &Discovery, view: &View, scene: &Scene, agents: &Age
 fn by_depth(pixels: &[usize], view: &View) -> Vec<Vec<usize>> {
     let mut mask = Bits::none(view.size);
     pixels.iter().for_each(|&pixel| mask.insert(pixel));
-    let jump = BESIDE_BACKGROUND_PER_M * view.noise;
-    mask.components_where(|a, b| (view.inverse[a] - view.inverse[b]).abs() < jump)
+    mask.joined(view)
+}
+
+impl Bits {
+    /// Its parts between which depth does not jump. O(n).
+    pub(crate) fn joined(&self, view: &View) -> Vec<Vec<usize>> {
+        let jump = BESIDE_BACKGROUND_PER_M * view.noise;
+        self.components_where(|a, b| (view.inverse[a] - view.inverse[b]).abs() < jump)
+    }
 }
 
 impl Measure<'_> {

@@ -10,7 +10,7 @@ use crate::numbering::Numbering;
 use crate::tracker::Tracker;
 
 /// What a state begins with; the number changes with what the tracker remembers.
-const HEAD: &[u8] = b"objecthood tracker, state 13\n";
+const HEAD: &[u8] = b"objecthood tracker, state 14\n";
 /// Bytes of the checksum that follows.
 const SUM: usize = 32;
 

@@ -166,6 +166,8 @@ pub(crate) struct Track {
     pub(crate) ajar_since: Option<(u64, f64)>,
     pub(crate) told_opened: bool,
     pub(crate) was_there_first: bool,
+    /// In the first frame nothing but structure joined it to the border of the image.
+    pub(crate) was_apart: bool,
     pub(crate) told_appeared: bool,
     pub(crate) told_left: bool,
     pub(crate) analysed_to: u64,
@@ -229,6 +231,7 @@ impl Track {
             ajar_since: None,
             told_opened: false,
             was_there_first,
+            was_apart: false,
             told_appeared: was_there_first,
             told_left: false,
             analysed_to: sample.frame,
@@ -417,9 +420,9 @@ impl Track {
         self.moved_off.or(self.inside_of)
     }
 
-    /// Whether it rested as a thing, or is a part of what did.
+    /// Whether it rested as a thing or was one before any agent could bring it, or is a part of what did.
     fn was_thing(&self) -> bool {
-        self.rest.is_some() || self.part_from().is_some() || self.is_off_thing
+        self.rest.is_some() || self.was_apart || self.part_from().is_some() || self.is_off_thing
     }
 
     /// Whether it is known to be a thing, or a part of one, and not part of an agent.
