@@ -182,7 +182,7 @@ pub fn find_cluster_hypotheses(
         if let Some(plane) = hidden[region].and_then(|carrier| planes.get(carrier.0 as usize)) {
             let rise_m = top_above_m(&hypothesis.box_m, plane);
             let parts = &mut hypothesis.parts;
-            let rise = rate_rise(rise_m, footing.cut[region], objectness);
+            let rise = rate_rise(&hypothesis.box_m, rise_m, footing.cut[region], objectness);
             parts.size = parts.size.min(rise).min(rate_height(rise_m));
         }
         if scene.supports.is_empty() {

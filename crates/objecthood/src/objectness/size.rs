@@ -43,9 +43,13 @@ pub(crate) fn rate_size(
         return 0.0;
     }
     let thin = 1.0 - within(least_second_m / second_m);
-    let within_largest =
-        within(longest_m / params.max_side_m).min(within(second_m / params.max_second_side_m));
-    (1.0 - visibility * thin).min(within_largest)
+    (1.0 - visibility * thin).min(within_largest(box_m, params))
+}
+
+/// The rating of a box by the upper limits alone.
+fn within_largest(box_m: &OrientedBox, params: &params::Objectness) -> f32 {
+    let [_, second_m, longest_m] = box_m.sides_m();
+    within(longest_m / params.max_side_m).min(within(second_m / params.max_second_side_m))
 }
 
 /// The least second-longest side (m) of a thing that lies alone in this box: what the sensor resolves at its depth if it is long, but neither
@@ -70,12 +74,15 @@ fn within(excess: f32) -> f32 {
     0.5 - 0.5 * libm::log2f(excess).clamp(-1.0, 1.0)
 }
 
-/// Rates the height of a thing that goes down, hidden, to the surface that carries it: `rise_m` is how high its top is above that surface.
-/// The doubt counts by the share of it that is `cut`: that goes on behind the edge of another surface or of the image.
+/// Rates the size of a thing that goes down, hidden, to the surface that carries it, as the upper limits of [`rate_size`] do: `rise_m` is how
+/// high its top is above that surface. The doubt counts by the share of it that is `cut`: that goes on behind the edge of another surface
+/// or of the image.
 ///
 /// Source: ours, because trunks and chairs behind a table come in pieces of a graspable size, and stand on the floor all the same.
-pub(crate) fn rate_rise(rise_m: f32, cut: f32, params: &params::Objectness) -> f32 {
-    1.0 - cut * (1.0 - within(rise_m / params.max_side_m))
+pub(crate) fn rate_rise(box_m: &OrientedBox, rise_m: f32, cut: f32, params: &params::Objectness) -> f32 {
+    let [width_m, depth_m, height_m] = box_m.extents_m;
+    let whole = OrientedBox { extents_m: [width_m, depth_m, height_m.max(rise_m)], ..*box_m };
+    1.0 - cut * (1.0 - within_largest(&whole, params))
 }
 
 /// Rates the height of a thing whose foot is hidden above the plane that carries it, whether it is cut or not: 1 up to 2 m, 0 from 4 m on,
@@ -157,12 +164,18 @@ mod tests {
     fn what_stands_far_below_is_as_large_as_it_is_high() {
         let params = params::Objectness::default();
         let limit_m = params.max_side_m;
-        let rated = |rise_m, cut| rate_rise(rise_m, cut, &params);
+        let of_origin = fit_oriented_box(&[], [0.0, -1.0, 0.0]);
+        let rated_as =
+            |extents_m, rise_m, cut| rate_rise(&OrientedBox { extents_m, ..of_origin }, rise_m, cut, &params);
+        let rated = |rise_m, cut| rated_as([0.05, 0.05, 0.1], rise_m, cut);
         assert_eq!(
             [rated(limit_m / 2.0, 1.0), rated(limit_m, 1.0), rated(2.0 * limit_m, 1.0)],
             [1.0, 0.5, 0.0]
         );
         assert_eq!([rated(2.0 * limit_m, 0.25), rated(2.0 * limit_m, 0.0)], [0.75, 1.0]);
+        // The seat of a chair, of which a strip is seen: a box as high as it is wide is furniture, a bottle of this height is not.
+        let (seat, bottle) = (rated_as([0.4, 0.1, 0.02], 0.45, 1.0), rated_as([0.08, 0.08, 0.3], 0.45, 1.0));
+        assert!(seat < 0.45 && bottle > 0.7, "{seat} {bottle}");
     }
 
     #[test]

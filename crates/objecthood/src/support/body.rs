@@ -22,6 +22,8 @@ const LEVEL_M: f64 = 0.01;
 const LEVEL_QUANTA: f64 = 1.0;
 /// A plane can carry things when its normal has a larger component along up.
 const UPWARD: f64 = 0.3;
+/// A pixel of structure that is farther above or below its plane (m) is none of it: floors are bent and bumpy, but no more than that.
+const STRAY_M: f64 = 0.1;
 /// Number of directions into which the surroundings of a place are divided.
 pub(crate) const SECTORS: usize = 12;
 /// The foot of a thing is this quantile of its heights: single noisy pixels lie low anywhere.
@@ -111,10 +113,13 @@ impl<'a> Bodies<'a> {
         self.plan.upward(plane.normal) > UPWARD
     }
 
-    /// Whether something can stand on a region near a place: the region ends upwards there, at or below a height (m).
+    /// Whether something can stand on a region near a place: the region ends upwards there, at or below a height (m). A plane does if it lies
+    /// about there: at the edge of a thing, pixels of the floor have the depth of the thing.
     pub(crate) fn ends_at(&self, region: usize, place_m: DVec2, below_m: f64) -> bool {
         match self.planes.get(region) {
-            Some(plane) => self.faces_up(plane),
+            Some(plane) => {
+                self.faces_up(plane) && (below_m - self.height_of_m(plane, place_m)).abs() <= STRAY_M
+            }
             None => self.top_near_m(region, place_m).is_none_or(|top_m| top_m <= below_m),
         }
     }

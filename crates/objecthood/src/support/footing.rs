@@ -77,9 +77,14 @@ pub(crate) fn measure_footing(
     }
     let things = Things::of(scene, objectness);
     let carriers = graph.parents();
+    let ends: Vec<Vec<End>> = (0..regions).map(|thing| things.ends_below(thing)).collect();
+    // What hides the foot of a thing may be higher, so nothing is handed on to it yet.
+    for &thing in &things.rising {
+        found.cut[thing] = things.judge(&ends[thing], &carriers[thing], &found).own_cut;
+    }
     let mut free = vec![1.0_f32; regions];
     for &thing in &things.rising {
-        let below = things.follow_down(thing, &carriers[thing], &found);
+        let below = things.judge(&ends[thing], &carriers[thing], &found);
         let [structure, furniture] = things.follow_up(thing, below.own_cut < FOOTLESS_CUT);
         let held = below.held * (1.0 - structure);
         found.held[thing] = if things.is_board[thing] { 1.0 } else { held };
@@ -155,12 +160,17 @@ impl<'a> Things<'a> {
         Self { scene, up, pixels, mean_m, is_furniture, is_board, posts, rising }
     }
 
+    /// How the columns below a thing end.
+    fn ends_below(&self, thing: usize) -> Vec<End> {
+        self.pixels[thing].iter().map(|&i| follow(self.scene, self.up, i, thing)).collect()
+    }
+
     /// What the columns below a thing tell; `found`: the same of what is lower.
-    fn follow_down(&self, thing: usize, carriers: &[NodeId], found: &Footing) -> Below {
+    fn judge(&self, ends: &[End], carriers: &[NodeId], found: &Footing) -> Below {
         let (mut held, mut own_cut, mut inherited, mut followed, mut known) =
             (0.0, 0.0, 0.0, 0.0_f32, 0.0_f32);
-        for &i in &self.pixels[thing] {
-            match follow(self.scene, self.up, i, thing) {
+        for end in ends {
+            match *end {
                 End::Air => followed += 1.0,
                 End::Region(region) => {
                     let goes_on = level_plane(self.scene, self.up, region.index()).is_some()
@@ -427,6 +437,15 @@ mod tests {
         assert_eq!(cut[2], 1.0, "by the image");
         assert_eq!(cut[3..5], [1.0, 1.0], "by a surface that carries something else; and what stands on it");
         assert_eq!([cut[0], cut[5]], [0.0, 0.0], "the floor, and what it carries");
+    }
+
+    /// The seat of a chair that is seen from behind: its columns end behind the back, which is higher and leaves the image.
+    #[test]
+    fn what_is_hidden_by_what_leaves_the_image_is_cut() {
+        let (seat, back) = ([100..120, 180..190], [90..130, 186..240]);
+        let depth = |post, row| if post == 1 { 0.9 - 0.01 * f64::from(240 - row as i32) } else { POST_M };
+        let cut = footing_in(&[seat, back], depth, &[], 0.9).cut;
+        assert_eq!(cut[2..], [1.0, 1.0]);
     }
 
     #[test]

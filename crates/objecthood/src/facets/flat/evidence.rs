@@ -4,7 +4,7 @@ use crate::check::{Bound, Check};
 use crate::color::histogram::ColorHistogram;
 use crate::color::{LEAST_UNLIKE_SHADOW, difference, unlike_shadow};
 use crate::facets::flat::field::Field;
-use crate::facets::flat::hull::solidity;
+use crate::facets::flat::hull::{hull_of, solidity};
 use crate::facets::flat::proposals::RARE;
 use crate::facets::flat::surroundings::Surroundings;
 use crate::params;
@@ -73,7 +73,7 @@ pub(super) fn measure(
     Shown {
         cells: cells.len(),
         offset_quanta: element_at(&mut before, 0.5),
-        solid: solidity(&cells, field.width),
+        solid: solidity(cells.len(), &hull_of(&cells, field.width)),
         closed: closed as f64 / outline.len().max(1) as f64,
         color: own.map(|own| {
             let lab = |cells: &[usize]| ColorHistogram::of(cells.iter().map(|&i| field.cells[i].lab));
@@ -155,14 +155,23 @@ const LEAST_SHARP: f64 = 0.6;
 const MOST_FAMILIAR: f64 = 0.5;
 /// With this many others of its colour it is a pattern: print, tiles, stains.
 const PATTERN: usize = 3;
+/// With this many others whose sides run as its own do it is print: things lie as they were put.
+const PRINT: usize = 2;
 /// Least area (px at 525 px) without depth as proof: the outline of less cannot be told from print.
 pub(super) const LEAST_PX: usize = 300;
 /// Greatest second-longest side (m) without depth as proof: a sheet of A4 has 0.21 m; place mats and rugs begin at 0.3 m.
 const MOST_SIDE_M: f64 = 0.25;
 
 impl ShownColor {
-    /// Checks that colour alone shows a thing: all of them must hold. `alike`: others of its colour; `side_m`: its second-longest side.
-    pub(super) fn check(&self, alike: usize, side_m: f64, params: &params::Flat) -> Vec<Check> {
+    /// Checks that colour alone shows a thing: all of them must hold. `alike`: others of its colour; `parallel`: others whose sides run as
+    /// its own do; `side_m`: its second-longest side.
+    pub(super) fn check(
+        &self,
+        alike: usize,
+        parallel: usize,
+        side_m: f64,
+        params: &params::Flat,
+    ) -> Vec<Check> {
         vec![
             Check::new(
                 "overlap with the ring's colours",
@@ -182,6 +191,7 @@ impl ShownColor {
             Check::new("contrast close to its outline", "", self.sharp, Bound::AtLeast, LEAST_SHARP),
             Check::new("unlike a shadow", "ΔE", self.unlike_shadow, Bound::AtLeast, LEAST_UNLIKE_SHADOW),
             Check::new("others of its colour", "", alike as f64, Bound::Below, PATTERN as f64),
+            Check::new("others parallel to it", "", parallel as f64, Bound::Below, PRINT as f64),
             Check::new("its second-longest side", "m", side_m, Bound::AtMost, MOST_SIDE_M),
         ]
     }

@@ -1,22 +1,26 @@
 //! The search: proposals, their evidence, and the choice among those that overlap.
 
+use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::check::Check;
 use crate::color::difference;
 use crate::facets::flat::evidence::{LEAST_PX, Shown, measure};
 use crate::facets::flat::field::Field;
+use crate::facets::flat::hull::{hull_of, turn};
 use crate::facets::flat::patches::{find_patches, find_pieces};
 use crate::facets::flat::proposals::{OwnColors, Proposal, propose_by_color, propose_by_depth};
 use crate::facets::flat::raised::find_raised;
 use crate::facets::flat::surroundings::Surroundings;
 use crate::noise::KINECT_QUANTA;
 use crate::oriented_box::fit_oriented_box;
-use crate::oversegment::structure::Structure;
+use crate::oversegment::structure::{Structure, StructureSurface};
 use crate::params::{self, Params};
 use crate::surface::surfaces::Surfaces;
+use crate::tangents::tangents;
 
 /// The parameters of [`find_flats`](super::find_flats).
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +45,8 @@ const RING_PX: [usize; 2] = [5, 20];
 const ALIKE: f32 = 12.0;
 /// ... and the smaller one has at least this share of the cells of the larger one.
 const ALIKE_SHARE: f64 = 0.15;
+/// Two groups are parallel when the sides of the rectangles around them differ by less than this (radians, 6 degrees).
+const PARALLEL: f64 = 0.1;
 /// A group may lose this share of its cells to another one; with more in common they are the same thing.
 const COMMON_SHARE: f64 = 0.2;
 /// The sides of a group are measured on about this many of its cells.
@@ -49,10 +55,16 @@ const SAMPLED_CELLS: usize = 200;
 /// A group of cells with its evidence.
 struct Group {
     cells: Vec<usize>,
+    /// The support that it lies on.
+    support: u8,
     is_part: bool,
     shown: Shown,
     /// Its longest and its second-longest side (m).
     sides_m: [f64; 2],
+    /// The direction of its sides on its support (radians, from 0 to a right angle).
+    turn: f64,
+    /// Whether it rises above its support.
+    is_proven: bool,
 }
 
 /// A group that is a flat thing.
@@ -105,32 +117,38 @@ impl<'a> Search<'a> {
         let around = Surroundings::new(self.field, cells, usize::from(*self.ring.end()) + 1);
         let shown = measure(self.field, &around, self.ring.clone(), own.get(&around.support));
         let is_thing = shown.check_shape().iter().all(Check::holds);
-        let group = || Group {
-            cells: around.inside().collect(),
-            is_part: *is_part,
-            shown,
-            sides_m: self.sides_m(cells),
+        let group = || {
+            let inside: Vec<usize> = around.inside().collect();
+            Group {
+                turn: self.turn(&inside),
+                cells: inside,
+                support: around.support,
+                is_part: *is_part,
+                is_proven: shown.check_offset(self.noise_quanta(1), self.params.flat).holds(),
+                shown,
+                sides_m: self.sides_m(cells),
+            }
         };
         is_thing.then(group)
     }
 
     /// Decides whether a group is a flat thing.
     fn judge(&self, groups: &[Group], k: usize) -> Option<Found> {
-        let Group { cells, is_part, shown, sides_m } = &groups[k];
+        let Group { cells, is_part, shown, sides_m, is_proven, .. } = &groups[k];
         let mut checks = shown.check_shape().to_vec();
         let rises = shown.check_offset(self.noise_quanta(1), self.params.flat);
-        let is_proven = rises.holds();
-        if is_proven {
+        if *is_proven {
             checks.push(rises);
         } else {
             let color = shown.color.filter(|_| !is_part && cells.len() >= self.cells(LEAST_PX))?;
-            checks.extend(color.check(count_alike(groups, k), sides_m[1], self.params.flat));
+            let (alike, parallel) = (count_alike(groups, k), count_parallel(groups, k));
+            checks.extend(color.check(alike, parallel, sides_m[1], self.params.flat));
         }
         // What lies deeper than its ring is no thing, whatever its colour.
         let is_sunk = shown.offset_quanta < -rises.limit;
         let rank = cells.len() as f64 * shown.solid * shown.solid;
         let is_thing = !is_sunk && checks.iter().all(Check::holds);
-        is_thing.then(|| Found { cells: cells.clone(), is_proven, checks, rank })
+        is_thing.then(|| Found { cells: cells.clone(), is_proven: *is_proven, checks, rank })
     }
 
     /// Of things that overlap, keeps the largest and most solid one.
@@ -168,10 +186,27 @@ impl<'a> Search<'a> {
         longest_m <= f64::from(objectness.max_side_m) && second_m <= f64::from(objectness.max_second_side_m)
     }
 
+    /// The support of a group of cells.
+    fn support_of(&self, first: usize) -> &StructureSurface {
+        let place = usize::from(self.field.cells[first].support);
+        &self.structure.surfaces[self.structure.supports.surfaces[place]]
+    }
+
+    /// The direction of the sides of the smallest rectangle around some cells on their support (radians, from 0 to a right angle).
+    fn turn(&self, cells: &[usize]) -> f64 {
+        let surface = self.support_of(cells[0]);
+        let [x, y] = tangents(DVec3::from(surface.normal()));
+        let corner = |corner: [i64; 2]| {
+            let at = corner.map(|x| 2.0 * x as f64 - 0.5);
+            let point_m = DVec3::from(self.surfaces.space.point_m(at, surface.model.value(at)));
+            DVec2::new(point_m.dot(x), point_m.dot(y))
+        };
+        turn(&hull_of(cells, self.field.width).into_iter().map(corner).collect::<Vec<_>>())
+    }
+
     /// The longest and the second-longest side (m) of some cells on their support.
     fn sides_m(&self, cells: &[u32]) -> [f64; 2] {
-        let place = usize::from(self.field.cells[cells[0] as usize].support);
-        let surface = &self.structure.surfaces[self.structure.supports.surfaces[place]];
+        let surface = self.support_of(cells[0] as usize);
         let step = cells.len().div_ceil(SAMPLED_CELLS);
         let points = cells.iter().step_by(step).map(|&i| {
             let at = self.field.middle_px(i as usize);
@@ -185,16 +220,29 @@ impl<'a> Search<'a> {
 
 /// The other groups of about the colour and the size of one.
 fn count_alike(groups: &[Group], k: usize) -> usize {
-    let (own, own_cells) = (&groups[k].shown, &groups[k].cells);
-    let is_alike = |other: &Group| {
+    let own = &groups[k].shown;
+    count_others(groups, k, |other| {
         let sizes = [own.cells, other.shown.cells].map(|cells| cells as f64);
         let colors = own.color.zip(other.shown.color);
         sizes[0].min(sizes[1]) >= ALIKE_SHARE * sizes[0].max(sizes[1])
             && colors.is_some_and(|(a, b)| difference(a.mean, b.mean) < ALIKE)
-    };
-    // A group and the patches that it consists of are one.
-    let mut counted = vec![own_cells];
-    for other in groups.iter().filter(|other| is_alike(other)) {
+    })
+}
+
+/// The other groups on the support of one that colour alone shows, and whose sides run as its own do.
+fn count_parallel(groups: &[Group], k: usize) -> usize {
+    let own = &groups[k];
+    count_others(groups, k, |other| {
+        let between = (own.turn - other.turn).abs();
+        let is_parallel = between.min(FRAC_PI_2 - between) < PARALLEL;
+        is_parallel && !other.is_proven && other.support == own.support
+    })
+}
+
+/// The other groups of some sort. A group and the patches that it consists of are one.
+fn count_others(groups: &[Group], k: usize, is_meant: impl Fn(&Group) -> bool) -> usize {
+    let mut counted = vec![&groups[k].cells];
+    for other in groups.iter().filter(|other| is_meant(other)) {
         if !counted.iter().any(|cells| overlap(cells, &other.cells)) {
             counted.push(&other.cells);
         }

@@ -1,5 +1,7 @@
 //! The search for large surfaces among the samples.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use super::pieces::largest_piece;
@@ -46,6 +48,14 @@ const LEAST_SPREAD: f64 = 1.3;
 const MOST_SPREAD: f64 = 3.5;
 /// Median distance from the mean of a normal distribution, in standard deviations.
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
+/// Blocks of so many by so many samples tell how a surface lies there: single normals are noise far away ...
+const BLOCK: usize = 6;
+/// ... if a quarter of their samples is on it.
+const LEAST_IN_BLOCK: usize = 9;
+/// Least cosine of the angle (20 degrees) between the mean normal of a block and that of its surface.
+const LEAST_ALIGNED: f64 = 0.94;
+/// The spread of a surface is believed if at most this share of it is in blocks that lie otherwise.
+const MOST_ASKEW: f64 = 0.25;
 /// Where the random numbers of the trial planes begin: fixed, so the same frame gives the same planes.
 const SEED: u32 = 12345;
 
@@ -119,9 +129,33 @@ impl View<'_> {
     /// The surface of the samples near the plane a u + b v + c; `None` for fewer than fifty.
     fn surface_near(&self, pool: &[Sample], [a, b, c]: [f64; 3]) -> Option<StructureSurface> {
         let normal = DVec3::from(self.space.normal([0.0; 2], c, [a, b]));
-        let (model, scale) = self.refit(pool, [a, b, c], normal)?;
         let offset_m = self.space.distance_m([0.0; 2], c, [a, b]);
-        Some(StructureSurface { model, normal, offset_m, scale })
+        let most_spread = self.space.noise().most_spread().min(MOST_SPREAD);
+        let surface = |most_spread| {
+            let (model, scale) = self.refit(pool, [a, b, c], normal, most_spread)?;
+            Some(StructureSurface { model, normal, offset_m, scale })
+        };
+        let found = surface(most_spread)?;
+        let is_wide = found.scale > self.space.noise().pixel_scale();
+        // What does not lie as the surface does is of other surfaces, so its spread is no noise.
+        if is_wide && self.askew_share(pool, &found) > MOST_ASKEW { surface(1.0) } else { Some(found) }
+    }
+
+    /// The share of the samples of the largest piece of a surface that lie in blocks whose mean normal is more than 20° off that of the surface.
+    fn askew_share(&self, pool: &[Sample], surface: &StructureSurface) -> f64 {
+        let own: Vec<&Sample> = pool.iter().filter(|s| surface.is_inlier(s)).collect();
+        let mut blocks: BTreeMap<[usize; 2], (DVec3, usize)> = BTreeMap::new();
+        for s in largest_piece(&own, self.grid) {
+            let block = blocks.entry(s.at.map(|x| x as usize / (self.grid * BLOCK))).or_default();
+            block.0 += Tilt::at(s.pixel, self.orientation).normal;
+            block.1 += 1;
+        }
+        let judged = || blocks.values().filter(|block| block.1 >= LEAST_IN_BLOCK);
+        let is_askew =
+            |block: &&(DVec3, usize)| block.0.normalize_or_zero().dot(surface.normal) < LEAST_ALIGNED;
+        let count =
+            |blocks: &mut dyn Iterator<Item = &(DVec3, usize)>| blocks.map(|block| block.1).sum::<usize>();
+        count(&mut judged().filter(is_askew)) as f64 / count(&mut judged()).max(1) as f64
     }
 
     /// The plane a u + b v + c of the largest piece of a surface; `None` if the piece has fewer than fifty samples, or nearly all.
@@ -144,7 +178,13 @@ impl View<'_> {
 
     /// Fits a quadratic to the samples near a plane that have its tilt; `None` for fewer than fifty. Also returns the factor on
     /// tolerances that the spread of these samples demands.
-    fn refit(&self, pool: &[Sample], [a, b, c]: [f64; 3], normal: DVec3) -> Option<(Model, f64)> {
+    fn refit(
+        &self,
+        pool: &[Sample],
+        [a, b, c]: [f64; 3],
+        normal: DVec3,
+        most_spread: f64,
+    ) -> Option<(Model, f64)> {
         let (width, height) = self.disparity.size();
         let center = [(width / 2) as f64, (height / 2) as f64];
         let plane = Tilt { normal, slope: [a, b] };
@@ -164,7 +204,8 @@ impl View<'_> {
             let model = moments.fit(Basis::Quadratic).model;
             surface = Some(model);
             if round < LAST_SPREAD {
-                scale = self.space.noise().pixel_scale() * self.measure_spread(pool, &model, &plane, scale);
+                let spread = self.measure_spread(pool, &model, &plane, scale, most_spread);
+                scale = self.space.noise().pixel_scale() * spread;
             }
         }
         surface.map(|model| (model, scale))
@@ -179,8 +220,7 @@ impl View<'_> {
     ///
     /// Only samples behind the surface count, because things stand before it: those that have its tilt and lie beside samples on
     /// it, so that no other surface close behind it counts. Their spread is the median distance of a normal distribution. O(samples).
-    fn measure_spread(&self, pool: &[Sample], model: &Model, tilt: &Tilt, scale: f64) -> f64 {
-        let most = self.space.noise().most_spread().min(MOST_SPREAD);
+    fn measure_spread(&self, pool: &[Sample], model: &Model, tilt: &Tilt, scale: f64, most: f64) -> f64 {
         if most <= LEAST_SPREAD {
             return 1.0;
         }

@@ -1,7 +1,7 @@
 //! Islands: what lies on a surface of the structure by chance, as the tops of boxes that are as high as a cupboard (docs/CONTEXT.md 1.1).
 //!
-//! A surface may go on behind what is in front of it. It ends where something farther is seen. So an island is what no way through the image
-//! joins to the rest of its surface without showing something behind it.
+//! A surface may go on behind what is in front of it. It ends where something farther is seen, and where it would leave the room: behind a floor
+//! or wall behind which nothing is seen. So an island is what no way through the image joins to the rest of its surface without such an end.
 
 use std::ops::Range;
 
@@ -17,6 +17,11 @@ use crate::surface::disparity::{DisparitySpace, position};
 
 /// A smaller island (px at 525 px) stays: so little is noise, and shows no thing.
 const LEAST_PX: usize = 50;
+/// A surface bounds the room if at most this share of the pixels that are looked at lies behind it: so many are outliers.
+const BEHIND_SHARE: f64 = 0.01;
+/// Every such row and column is looked at for that.
+const GRID_PX: usize = 4;
+
 /// The surface is seen, or may go on behind what is seen.
 const GOES_ON: i32 = 0;
 /// Something behind the surface is seen. Runs leave it out.
@@ -34,9 +39,10 @@ pub(super) fn free_islands(
     tolerance_quanta: f64,
 ) {
     let least_px = space.area_px(LEAST_PX);
+    let bounds = |surface: &&StructureSurface| surface.bounds_room(disparity, tolerance_quanta);
+    let bounds: Vec<&StructureSurface> = surfaces.iter().filter(bounds).collect();
     let of = |(s, surface): (usize, &StructureSurface)| {
-        let others =
-            find_lesser_pieces(surface, s as i32, labels, disparity, surface.scale * tolerance_quanta);
+        let others = find_lesser_pieces(surface, s as i32, &bounds, labels, disparity, tolerance_quanta);
         let is_island =
             |pixels: &Vec<usize>| pixels.len() >= least_px && !surface.is_board(pixels, disparity, space);
         let islands = others.into_iter().filter(is_island);
@@ -51,11 +57,14 @@ pub(super) fn free_islands(
 fn find_lesser_pieces(
     surface: &StructureSurface,
     label: i32,
+    bounds: &[&StructureSurface],
     labels: &Raster<i32>,
     disparity: &Raster<f32>,
     tolerance_quanta: f64,
 ) -> Vec<Vec<usize>> {
     let width = labels.width();
+    let bounds: Vec<&StructureSurface> =
+        bounds.iter().copied().filter(|&bound| !std::ptr::eq(bound, surface)).collect();
     let mut seen = labels.map(|_| ENDS);
     for (v, (seen, disparity)) in
         seen.as_mut_slice().chunks_mut(width).zip(disparity.as_slice().chunks(width)).enumerate()
@@ -65,11 +74,25 @@ fn find_lesser_pieces(
             || {
                 for (u, (seen, d)) in seen.iter_mut().zip(disparity).enumerate() {
                     let behind = surface.model.value([u as f64, v as f64]) - f64::from(*d);
-                    let measured = if behind <= tolerance_quanta { GOES_ON } else { ENDS };
+                    let measured = if behind <= surface.scale * tolerance_quanta { GOES_ON } else { ENDS };
                     *seen = if d.is_nan() { UNSEEN } else { measured };
                 }
             },
         );
+        for bound in &bounds {
+            // Where the two meet, both are seen, and there a way would lead along the fold.
+            let limit = -(bound.scale + surface.scale) * tolerance_quanta;
+            vectorized(
+                #[inline(always)]
+                || {
+                    for (u, seen) in seen.iter_mut().enumerate() {
+                        let at = [u as f64, v as f64];
+                        let is_outside = bound.model.value(at) - surface.model.value(at) > limit;
+                        *seen = if is_outside { ENDS } else { *seen };
+                    }
+                },
+            );
+        }
         fill_unseen(seen);
     }
     let runs: Vec<(Range<usize>, usize)> = runs(&seen, 0..labels.height()).collect();
@@ -102,6 +125,21 @@ fn fill_unseen(row: &mut [i32]) {
 }
 
 impl StructureSurface {
+    /// Whether nothing is seen behind it, as behind a floor or a wall without a window.
+    fn bounds_room(&self, disparity: &Raster<f32>, tolerance_quanta: f64) -> bool {
+        let (width, height) = disparity.size();
+        let places =
+            (0..height).step_by(GRID_PX).flat_map(|v| (0..width).step_by(GRID_PX).map(move |u| (u, v)));
+        let (mut behind, mut measured) = (0, 0);
+        for (u, v) in places {
+            let d = f64::from(disparity[v * width + u]);
+            measured += usize::from(!d.is_nan());
+            behind +=
+                usize::from(self.model.value([u as f64, v as f64]) - d > 2.0 * self.scale * tolerance_quanta);
+        }
+        behind as f64 <= BEHIND_SHARE * measured as f64
+    }
+
     /// Whether these of its pixels are as large as the board of a shelf.
     fn is_board(&self, pixels: &[usize], disparity: &Raster<f32>, space: &DisparitySpace) -> bool {
         let point_m =

@@ -4,6 +4,7 @@ use super::surface::BEYOND_M;
 use super::*;
 use crate::attitude::Knowledge;
 use crate::frame::Frame;
+use crate::noise::{KINECT_QUANTA, Noise};
 use crate::random::Lcg;
 use crate::surface::bands::Bands;
 use crate::surface::disparity::{DisparitySpace, position};
@@ -140,6 +141,75 @@ fn what_is_as_high_as_a_table_is_no_part_of_it() {
     let apart = room(false);
     assert!(on_structure(&apart, table) && !on_structure(&apart, carton), "the floor is seen between them");
     assert!(on_structure(&room(true), carton), "one table, with a tower on it");
+}
+
+/// A regression: what stood on a table far from a cupboard, as far away as its front, was a part of the cupboard: below the front nothing
+/// farther than it is seen, because there it would be below the floor.
+#[test]
+fn no_way_leads_through_what_is_below_the_floor() {
+    let [front_m, wall_m] = [1.6, 3.0];
+    let floor = |i: usize| {
+        let z = plane(i, DVec3::NEG_Y, 0.5);
+        if z > 0.0 { z } else { f64::INFINITY }
+    };
+    let within = |i: usize, columns: std::ops::Range<usize>, rows: std::ops::Range<usize>| {
+        columns.contains(&(i % SIZE.0)) && rows.contains(&(i / SIZE.0))
+    };
+    let found = seen(|i| {
+        // A table in front, from above the foot of the cupboard down to the border of the image.
+        let is_table = within(i, 180..310, 170..240);
+        let (is_front, is_thing) = (within(i, 5..130, 10..220), within(i, 230..260, 140..170));
+        let behind = floor(i).min(wall_m);
+        if is_table {
+            behind.min(1.2)
+        } else if is_front || is_thing {
+            behind.min(front_m)
+        } else {
+            behind
+        }
+    });
+    let [front, thing] = [100 * SIZE.0 + 60, 150 * SIZE.0 + 245].map(|i| found.labels[i]);
+    assert!(front >= 0 && thing != front, "{front} {thing}");
+}
+
+/// A regression: a plane through the steps of furniture counted their distances from it as its noise, and so took in ever more of them.
+#[test]
+fn the_spread_of_what_lies_otherwise_is_no_noise() {
+    let waves = |i: usize| {
+        let [u, v] = position(i, SIZE.0);
+        0.004 * (libm::sin(0.2 * u) + libm::cos(0.17 * v))
+    };
+    let floor = |i: usize| plane(i, table_normal(), 1.2);
+    // Treads and risers of 12 cm: their edges lie on the plane of a ramp.
+    let stairs = |i: usize| {
+        let depths = (-20..20).flat_map(|step| {
+            let [up_m, away_m] = [0.12, 0.09].map(|side_m| side_m * f64::from(step));
+            let [tread, riser] = [plane(i, DVec3::NEG_Y, 0.9 - up_m), 1.4 + away_m];
+            let v = (position(i, SIZE.0)[1] - 119.5) / 262.5;
+            let on_tread =
+                (tread > 0.0 && (1.4 + away_m - 0.09..1.4 + away_m).contains(&tread)).then_some(tread);
+            let on_riser = (0.9 - up_m - 0.12..0.9 - up_m).contains(&(v * riser)).then_some(riser);
+            [on_tread, on_riser]
+        });
+        depths.flatten().fold(5.0, f64::min)
+    };
+    let widest = |depth_m: &dyn Fn(usize) -> f64| {
+        let waves = Noise { white: 1.0, blocks_quanta: KINECT_QUANTA.map(|quanta| 3.0 * quanta) };
+        let space = half().with_noise(waves);
+        let seen = (0..SIZE.0 * SIZE.1).map(|i| depth_m(i) as f32).collect();
+        let depth = Raster::from_vec(SIZE.0, SIZE.1, seen).unwrap();
+        let disparity = space.disparity(&depth);
+        let fits = fit_planes(&disparity, 2);
+        let orientation = choose_windows(&disparity, &fits, &space, &params::LocalFit::default());
+        let alike =
+            Alike { least_cosine: cosine(30.0), slope_squared: least_square(space.slope_per_px(0.4)) };
+        let view = View { disparity: &disparity, orientation: &orientation, space: &space, grid: 3, alike };
+        let found = view.find_candidates(view.sample(&fits));
+        found.iter().map(|candidate| candidate.surface.scale).fold(0.0, f64::max)
+    };
+    let wavy = |i: usize| floor(i) + waves(i) * floor(i) * floor(i);
+    assert_eq!([widest(&floor), widest(&stairs)], [1.0, 1.0]);
+    assert!(widest(&wavy) > 1.4, "waves of a floor are noise");
 }
 
 /// A regression: a surface leant towards small things beside it that lay on one plane with it by chance.

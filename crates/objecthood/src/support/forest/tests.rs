@@ -139,6 +139,22 @@ fn a_box_on_a_box_stands_on_that_alone() {
     }
 }
 
+/// A regression: at the edge of the seat of a chair some pixels of the floor had the depth of the seat, and the floor carried it.
+#[test]
+fn pixels_of_a_plane_that_lie_far_from_it_carry_nothing() {
+    let shelf = |foot_m: f64| {
+        let mut picture = Picture::of(&[block([0.0, 0.0, foot_m + 0.01], [0.15, 0.1, 0.01])]);
+        // The lowest rows of the thing have the label of the table.
+        let lowest = (0..SIZE.0 * SIZE.1).filter(|&i| picture.labels[i] == 1).max().unwrap_or(0) / SIZE.0;
+        for i in (lowest - 3) * SIZE.0..(lowest + 1) * SIZE.0 {
+            picture.labels.as_mut_slice()[i] = 0;
+        }
+        edges(&picture.forest(2))
+    };
+    assert_eq!(shelf(0.02), [(0, 1, On, false)], "as high as bumps of a floor");
+    assert_eq!(shelf(0.25), [(0, 1, On, true)], "its contact is not seen");
+}
+
 #[test]
 fn boxes_side_by_side_or_one_behind_the_other_do_not_carry_each_other() {
     let left = block([-0.06, 0.0, 0.06], [0.06, 0.05, 0.06]);
