@@ -14,7 +14,7 @@ use crate::raster::Raster;
 use crate::regions::SegmentId;
 use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places, steps_in};
 use crate::support::load::{Load, is_level, level_plane, what_is_carried};
-use crate::support::post::Post;
+use crate::support::post::{Post, is_hidden_beyond};
 use crate::support::scene::SupportScene;
 
 /// About this many pixels of a thing are looked at.
@@ -33,6 +33,8 @@ const FOOTLESS_CUT: f32 = 0.5;
 const BOARD_M: f32 = 0.3;
 const BOARD_SLIM: f32 = 8.0;
 
+/// An end of a thing is hidden if something nearer follows in this share of its columns.
+const HIDDEN_END: f32 = 0.75;
 /// How a column below a pixel ends.
 enum End {
     /// Something farther is seen through it.
@@ -89,7 +91,7 @@ pub(crate) fn measure_footing(
         let held = below.held * (1.0 - structure);
         found.held[thing] = if things.is_board[thing] { 1.0 } else { held };
         found.cut[thing] = below.cut;
-        free[thing] = held * (1.0 - furniture);
+        free[thing] = if things.is_seen_between(thing) { 0.0 } else { held * (1.0 - furniture) };
     }
     // The board of a shelf may lie lowest, or seem to carry another: what stands on it shall not share its doubt.
     for &thing in &things.rising {
@@ -201,7 +203,7 @@ impl<'a> Things<'a> {
     fn follow_up(&self, thing: usize, shows_foot: bool) -> [f32; 2] {
         // Furniture on which it stands is below it.
         let is_above = |region: usize| self.is_furniture[region] && self.mean_m[region] > self.mean_m[thing];
-        let post = self.posts[thing];
+        let post = self.posts[thing].filter(|post| post.is_slim);
         let load = |&i: &usize| {
             let load = what_is_carried(self.scene, self.up, i, thing, shows_foot, is_above);
             let is_free = load.is_none_or(|load| load == Load::Nothing);
@@ -214,6 +216,16 @@ impl<'a> Things<'a> {
             if post.is_some() { ENOUGH * self.pixels[thing].len() as f32 } else { ends.len() as f32 };
         let count = |load| ends.iter().filter(|&&end| end == load).count() as f32;
         [Load::Structure, Load::Furniture].map(|load| (count(load) / enough.max(1.0)).min(1.0))
+    }
+
+    /// Whether a post is seen between two things that hide its ends, as the leg of a table through the back of a chair.
+    fn is_seen_between(&self, thing: usize) -> bool {
+        let is_hidden = |way: DVec3| {
+            let hidden = |&i: &usize| is_hidden_beyond(self.scene, way, i, thing) == Some(true);
+            let pixels = &self.pixels[thing];
+            pixels.iter().filter(|i| hidden(i)).count() as f32 >= HIDDEN_END * pixels.len() as f32
+        };
+        self.posts[thing].is_some() && is_hidden(self.up) && is_hidden(-self.up)
     }
 
     /// Whether level surfaces are seen and a thing lies below each of them, on average.
@@ -460,6 +472,20 @@ mod tests {
         let hidden = footing_at(&[post.clone(), screen], |post, _| if post == 0 { POST_M } else { 0.8 });
         assert_eq!(hidden[2], 1.0, "a nearer thing before its lower end");
         assert_eq!(footing_of(&[post])[2], 0.0);
+    }
+
+    /// The legs of a table that are seen through the back of a chair were objects: neither of their ends is seen.
+    #[test]
+    fn a_post_between_two_things_that_hide_its_ends_has_no_footing() {
+        let (back, seat) = ([90..130, 40..100], [90..130, 150..240]);
+        let held = |middle: [Range<usize>; 2], hiders: &[[Range<usize>; 2]]| {
+            let things: Vec<[Range<usize>; 2]> = [middle].iter().chain(hiders).cloned().collect();
+            footing_at(&things, |post, _| if post == 0 { POST_M } else { 0.8 })[2]
+        };
+        let post = [105..113, 100..150];
+        assert_eq!(held(post.clone(), &[back.clone(), seat.clone()]), 0.0);
+        assert_eq!(held(post, std::slice::from_ref(&seat)), 1.0, "its upper end is seen");
+        assert_eq!(held([95..125, 100..150], &[back, seat]), 1.0, "as wide as a box");
     }
 
     #[test]

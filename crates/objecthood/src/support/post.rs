@@ -11,6 +11,9 @@ use crate::support::scene::SupportScene;
 const SLIM: f32 = 4.0;
 /// What is seen of a post is at least this long (m), longer than a pen.
 const LONG_M: f32 = 0.15;
+/// Of a post that something hides at both ends less is seen: at least so much (m), and so many times as long as wide.
+const GLIMPSE_M: f32 = 0.1;
+const SLIM_BETWEEN: f32 = 2.5;
 /// A post that leaves the image is at least this many times as long as wide: only a part of it is seen.
 const SLIM_OUTSIDE: f32 = 6.0;
 /// Its long side makes an angle with up whose cosine is at least this (26 degrees): legs may be splayed.
@@ -20,11 +23,13 @@ const LEAST_AHEAD: f64 = 0.2;
 /// A column is followed up for at most this length (m), the height of a table.
 const HIGHEST_M: f64 = 0.8;
 
-/// An upright thing at least [`SLIM`] times as long as wide.
+/// An upright thing at least [`SLIM_BETWEEN`] times as long as wide.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Post {
     /// What is seen of its length, over its width.
     slimness: f32,
+    /// Whether it is long and slim enough for a post, of which an end may be seen.
+    pub(super) is_slim: bool,
 }
 
 impl Post {
@@ -40,8 +45,9 @@ impl Post {
         let seen = fit_oriented_box(points_m, ahead.normalize().as_vec3().to_array());
         let [long_m, wide_m, _] = seen.extents_m;
         let along = Quat::from_array(seen.rotation_xyzw).as_dquat() * DVec3::X;
-        let is_post = long_m >= LONG_M.max(SLIM * wide_m) && along.dot(up).abs() >= UPRIGHT;
-        is_post.then_some(Self { slimness: long_m / wide_m })
+        let is_slim = |least_m: f32, slim: f32| long_m >= least_m.max(slim * wide_m);
+        let is_post = is_slim(GLIMPSE_M, SLIM_BETWEEN) && along.dot(up).abs() >= UPRIGHT;
+        is_post.then_some(Self { slimness: long_m / wide_m, is_slim: is_slim(LONG_M, SLIM) })
     }
 
     /// Whether the post goes on, out of sight, above its pixel `i`. A region, the first that does so, hides 4 cm of the column above, and the column then meets
@@ -86,6 +92,15 @@ impl Post {
     }
 }
 
+/// Whether something nearer hides a thing next to it in a direction from its pixel `i`; `None` where the image ends. Holes are passed. O(steps).
+pub(super) fn is_hidden_beyond(scene: &SupportScene<'_>, way: DVec3, i: usize, thing: usize) -> Option<bool> {
+    let is_other = |place: &Place| {
+        place.region.is_none_or(|region| region.index() != thing) && !place.farther_m.is_nan()
+    };
+    let place = places(scene, i, way, HIGHEST_M).find(is_other)?;
+    Some(place.farther_m < -place.behind_m)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,12 +142,36 @@ mod tests {
     }
 
     #[test]
+    fn what_hides_the_next_place_above_or_below_is_seen() {
+        table_scene(0.0, [0, 0], true, |scene, up| {
+            let shares = |thing: usize| {
+                let pixels: Vec<usize> = pixels_of(scene, thing).collect();
+                [up, -up].map(|way| {
+                    let hidden = |&&i: &&usize| is_hidden_beyond(scene, way, i, thing) == Some(true);
+                    pixels.iter().filter(hidden).count() as f64 / pixels.len() as f64
+                })
+            };
+            // The leg behind the table stands on the floor, the free post ends in sight.
+            let [leg, free] = [shares(3), shares(5)];
+            assert!(leg[0] > 0.75 && leg[1] == 0.0, "{leg:?}");
+            assert_eq!(free, [0.0, 0.0]);
+        });
+    }
+
+    #[test]
     fn a_rod_that_lies_is_no_post() {
         let rod = |k: usize| [0.004 * k as f32, 0.5, 1.5];
         let lying: Vec<[f32; 3]> = (0..100).map(rod).collect();
         let upright: Vec<[f32; 3]> = lying.iter().map(|&[x, y, z]| [y, x, z]).collect();
         assert!(Post::of(&lying, DVec3::NEG_Y).is_none() && Post::of(&upright, DVec3::NEG_Y).is_some());
-        let short: Vec<[f32; 3]> = upright.iter().map(|point| point.map(|x| x / 4.0)).collect();
-        assert!(Post::of(&short, DVec3::NEG_Y).is_none(), "10 cm");
+        let is_slim = |by: f32| {
+            let shorter: Vec<[f32; 3]> = upright.iter().map(|point| point.map(|x| x / by)).collect();
+            Post::of(&shorter, DVec3::NEG_Y).map(|post| post.is_slim)
+        };
+        assert_eq!(
+            [is_slim(2.0), is_slim(3.0), is_slim(5.0)],
+            [Some(true), Some(false), None],
+            "20, 13 and 8 cm"
+        );
     }
 }
