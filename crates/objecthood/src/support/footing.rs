@@ -62,8 +62,8 @@ pub(crate) struct Footing {
 ///
 /// A column goes down from a pixel along gravity. While the image shows the thing itself there, the column is hidden in it. It then ends in
 /// air if what is seen lies behind it for 4 cm. Columns that cannot be followed do not count. Things are rated from the lowest to the
-/// highest; something higher than a thing counts as structure for it. Doubt that is not handed on comes last: a thing that seems to carry
-/// furniture, or that nothing carries in `graph` and that lies below every level surface that is seen, and that a board hangs. Without structure every footing is 1.
+/// highest; something higher than a thing counts as structure for it, but leaves the image with it. Doubt that is not handed on comes last: a thing that
+/// seems to carry furniture, a post of which neither end is seen, what nothing carries in `graph` and lies below every level surface that is seen, and that a board hangs. Without structure every footing is 1.
 /// O(regions · columns · steps).
 ///
 /// Source: ours, because people, arms and furniture come in pieces, most of which hang in the air or go on below a table's edge.

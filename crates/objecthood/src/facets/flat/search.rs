@@ -63,8 +63,8 @@ struct Group {
     sides_m: [f64; 2],
     /// The direction of its sides on its support (radians, from 0 to a right angle).
     turn: f64,
-    /// Whether it rises above its support.
-    is_proven: bool,
+    /// The check that it rises above its support, which is proof.
+    rises: Check,
 }
 
 /// A group that is a flat thing.
@@ -124,7 +124,7 @@ impl<'a> Search<'a> {
                 cells: inside,
                 support: around.support,
                 is_part: *is_part,
-                is_proven: shown.check_offset(self.noise_quanta(1), self.params.flat).holds(),
+                rises: shown.check_offset(self.noise_quanta(1), self.params.flat),
                 shown,
                 sides_m: self.sides_m(cells),
             }
@@ -134,11 +134,11 @@ impl<'a> Search<'a> {
 
     /// Decides whether a group is a flat thing.
     fn judge(&self, groups: &[Group], k: usize) -> Option<Found> {
-        let Group { cells, is_part, shown, sides_m, is_proven, .. } = &groups[k];
+        let Group { cells, is_part, shown, sides_m, rises, .. } = &groups[k];
         let mut checks = shown.check_shape().to_vec();
-        let rises = shown.check_offset(self.noise_quanta(1), self.params.flat);
-        if *is_proven {
-            checks.push(rises);
+        let is_proven = rises.holds();
+        if is_proven {
+            checks.push(*rises);
         } else {
             let color = shown.color.filter(|_| !is_part && cells.len() >= self.cells(LEAST_PX))?;
             let (alike, parallel) = (count_alike(groups, k), count_parallel(groups, k));
@@ -148,7 +148,7 @@ impl<'a> Search<'a> {
         let is_sunk = shown.offset_quanta < -rises.limit;
         let rank = cells.len() as f64 * shown.solid * shown.solid;
         let is_thing = !is_sunk && checks.iter().all(Check::holds);
-        is_thing.then(|| Found { cells: cells.clone(), is_proven: *is_proven, checks, rank })
+        is_thing.then(|| Found { cells: cells.clone(), is_proven, checks, rank })
     }
 
     /// Of things that overlap, keeps the largest and most solid one.
@@ -235,7 +235,7 @@ fn count_parallel(groups: &[Group], k: usize) -> usize {
     count_others(groups, k, |other| {
         let between = (own.turn - other.turn).abs();
         let is_parallel = between.min(FRAC_PI_2 - between) < PARALLEL;
-        is_parallel && !other.is_proven && other.support == own.support
+        is_parallel && !other.rises.holds() && other.support == own.support
     })
 }
 
