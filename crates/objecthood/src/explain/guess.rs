@@ -75,7 +75,9 @@ fn guess(check: &Check, params: &Params) -> Vec<Guess> {
     let end = if sign > 0.0 { greatest } else { least };
     let values = [beyond(exact, sign, 1.0, whole), beyond(exact, sign, 2.0, whole), end];
     let guesses = values.map(|to| Guess { parameter, from, near: to, to });
-    guesses.into_iter().filter(is_allowed).collect()
+    // If the nearest value is beyond the range, its end does not turn the check.
+    let turns = is_allowed(&guesses[0]);
+    guesses.into_iter().filter(|guess| turns && is_allowed(guess)).collect()
 }
 
 /// A round value beyond `exact` on the side of `sign`, by at most `steps` units of its last digit.

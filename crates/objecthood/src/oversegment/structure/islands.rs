@@ -15,10 +15,12 @@ use crate::regions::{Segments, connect, runs};
 use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 
-/// A smaller island (px at 525 px) stays: so little is noise, and shows no thing.
-const LEAST_PX: usize = 50;
+/// A smaller island (px at 525 px) stays: it is half of the least that counts as a thing for the ground, and may be a strip of a wall behind a desk.
+const LEAST_PX: usize = 120;
 /// A surface bounds the room if at most this share of the pixels that are looked at lies behind it: so many are outliers.
 const BEHIND_SHARE: f64 = 0.01;
+/// Least cosine of the angle (30 degrees) between the normals of two surfaces that do not cross in sight.
+const PARALLEL: f64 = 0.87;
 /// Every such row and column is looked at for that.
 const GRID_PX: usize = 4;
 
@@ -63,8 +65,9 @@ fn find_lesser_pieces(
     tolerance_quanta: f64,
 ) -> Vec<Vec<usize>> {
     let width = labels.width();
-    let bounds: Vec<&StructureSurface> =
-        bounds.iter().copied().filter(|&bound| !std::ptr::eq(bound, surface)).collect();
+    // What is parallel to it does not cross it in sight.
+    let crosses = |bound: &&&StructureSurface| bound.normal.dot(surface.normal).abs() < PARALLEL;
+    let bounds: Vec<&StructureSurface> = bounds.iter().filter(crosses).copied().collect();
     let mut seen = labels.map(|_| ENDS);
     for (v, (seen, disparity)) in
         seen.as_mut_slice().chunks_mut(width).zip(disparity.as_slice().chunks(width)).enumerate()
