@@ -94,8 +94,7 @@ impl Agents {
             front.unite(&Bits::of(view.size, |pixel| things.arms.contains(&scene.seen[pixel])));
         }
         let front = front.dilated(close).eroded(close);
-        let width = view.size.0;
-        let on_border = |&&pixel: &&usize| view.field.is_border(pixel % width, pixel / width, 0);
+        let on_border = |&&pixel: &&usize| view.is_border(pixel);
         let (least_px, least_border) = (view.px(LEAST_PX), view.length_px(LEAST_BORDER_PX));
         let mut old = std::mem::take(&mut self.all);
         self.free.clear();

@@ -43,11 +43,10 @@ impl Memory {
         if self.frame > 0 || structure.len() != view.inverse.len() {
             return;
         }
-        let width = view.size.0;
         let is_other = |pixel: usize| view.inverse[pixel] > 0.0 && structure[pixel] == 0;
         let components = Bits::of(view.size, is_other).joined(view);
-        let is_border = |&&pixel: &&usize| view.field.is_border(pixel % width, pixel / width, 0);
-        let at_border = components.iter().filter(|component| component.iter().any(|pixel| is_border(&pixel)));
+        let at_border =
+            components.iter().filter(|component| component.iter().any(|&pixel| view.is_border(pixel)));
         let joined: BTreeSet<Key> = at_border.flatten().map(|&pixel| self.scene.seen[pixel]).collect();
         for (key, track) in &mut self.tracks {
             track.was_apart = !joined.contains(key);

@@ -35,6 +35,11 @@ pub(crate) fn block((u, v): (usize, usize), (width, height): (usize, usize)) -> 
 }
 
 impl View {
+    /// Whether a pixel lies on the border of what the sensor measures.
+    pub(crate) fn is_border(&self, pixel: usize) -> bool {
+        self.field.is_border(pixel % self.size.0, pixel / self.size.0, 0)
+    }
+
     /// O(n).
     pub(crate) fn of(frame: &Frame, noise: f32) -> Self {
         let inverse: Vec<f32> =
