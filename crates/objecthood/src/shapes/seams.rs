@@ -8,6 +8,7 @@
 mod axes;
 mod body;
 mod face;
+mod outline;
 mod profile;
 mod side_colors;
 #[cfg(test)]
@@ -39,6 +40,8 @@ use crate::surface::surfaces::Surfaces;
 const MOST_SEAMS: usize = 8;
 /// A seam of this clearness parts nothing, whatever the colours beside it: print and shading are as clear.
 const FAINT: f64 = 0.25;
+/// Where less than this share of the stripes of the best measured place is seen, both sides of a body share at most half as many colours.
+const WELL_MEASURED: f64 = 0.5;
 /// Sides whose colours are taken for each other at most so often (shares of both added up) are even things of their own colours.
 const MOST_CONFUSED: f64 = 0.05;
 /// Colour changes at a joint by at least this share of what its sides differ: a gradient changes beside it as well.
@@ -106,9 +109,11 @@ impl Cuts {
         })
     }
 
-    /// Cuts the facets at the seams of all bodies. O(pixels of the cut facets).
+    /// Cuts the facets at the seams of all bodies. What a seam leaves of a facet in places that do not hang together becomes a facet each: a tray's wall
+    /// is one face with two things that stand behind it. O(pixels of the bodies).
     fn make(partings: Vec<Parting>, facets: &Facets) -> (Self, Facets) {
         let mut labels = facets.segments.labels().clone();
+        let width = labels.width();
         let mut models = facets.models.clone();
         let mut cuts = Self { seams: Vec::new(), sides: vec![Sides::new(); models.len()] };
         for Parting { seams, pieces } in partings {
@@ -118,15 +123,16 @@ impl Cuts {
             for Piece { body, sides } in pieces {
                 let sides: Sides =
                     sides.into_iter().map(|(seam, is_above)| (first + seam, is_above)).collect();
-                for face in body.faces {
-                    if !seen.contains(&face.facet) {
-                        seen.push(face.facet);
-                        cuts.sides[face.facet].clone_from(&sides);
+                for pixels in body.pieces_of_facets(width) {
+                    let facet = pixels[0].facet as usize;
+                    if !seen.contains(&facet) {
+                        seen.push(facet);
+                        cuts.sides[facet].clone_from(&sides);
                         continue;
                     }
                     let number = models.len() as i32;
-                    face.pixels.iter().for_each(|p| labels.as_mut_slice()[p.i as usize] = number);
-                    models.push(models[face.facet]);
+                    pixels.iter().for_each(|p| labels.as_mut_slice()[p.i as usize] = number);
+                    models.push(models[facet]);
                     cuts.sides.push(sides.clone());
                 }
             }
@@ -152,8 +158,8 @@ pub fn find_seams(
     let (space, up) = (&surfaces.space, structure.ground_normal());
     let lab = surfaces.lab_for_shapes().filter(|_| params.seams.enabled)?;
     let size = facets.segments.labels().size();
-    let partings = Search { lab, space, disparity: &surfaces.disparity, params: &params.seams, up, size }
-        .part_all(facets, shapes);
+    let (disparity, params_of) = (&surfaces.disparity, &params.seams);
+    let partings = Search { facets, shapes, lab, space, disparity, params: params_of, up, size }.part_all();
     if partings.is_empty() {
         return None;
     }
@@ -187,8 +193,10 @@ struct Piece {
     sides: Sides,
 }
 
-/// The inputs of the search besides the bodies.
+/// The inputs of the search.
 struct Search<'a> {
+    facets: &'a Facets,
+    shapes: &'a Shapes,
     lab: &'a LabImage,
     space: &'a DisparitySpace,
     /// Disparity (quanta) of the image.
@@ -201,8 +209,9 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// The partings of the bodies that have seams, in the order of the shapes.
-    fn part_all(&self, facets: &Facets, shapes: &Shapes) -> Vec<Parting> {
-        let bodies = Body::of_shapes(facets, shapes, self.lab, self.space).into_par_iter().with_max_len(1);
+    fn part_all(&self) -> Vec<Parting> {
+        let bodies = Body::of_shapes(self.facets, self.shapes, self.lab, self.space);
+        let bodies = bodies.into_par_iter().with_max_len(1);
         bodies.map(|body| self.part(body)).filter(|parting| !parting.seams.is_empty()).collect()
     }
 
@@ -230,6 +239,12 @@ impl Search<'_> {
         axes.flat_map(|axis| find_traces(body, axis, self.params.cross_share, self.space)).collect()
     }
 
+    /// The shape of a label of the facets; `None` of structure, and where there is no facet.
+    fn shape_of(&self, label: i32) -> Option<u32> {
+        let free = usize::try_from(label).ok()?.checked_sub(self.facets.structure)?;
+        Some(self.shapes.of_facet[free])
+    }
+
     /// The checks of a seam that passes them. The clearer it is, the more colours its sides may share; where their colours are hardly ever
     /// taken for each other, as many as at the clearest.
     fn passed(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
@@ -239,7 +254,9 @@ impl Search<'_> {
             return None;
         }
         let colors = SideColors::of(body, trace);
-        let (overlap, most) = (colors.overlap(), self.params.color_overlap);
+        let overlap = colors.overlap();
+        // Where little of the section is seen, the colours have to say more.
+        let most = self.params.color_overlap * if trace.measured < WELL_MEASURED { 0.5 } else { 1.0 };
         // Most traces end here, before all pixels of their sides are looked at.
         if overlap > most {
             return None;
@@ -275,7 +292,11 @@ impl Search<'_> {
 
     /// Checks that a trace is no edge of a shadow, and that a narrow side of it shares at most so many colours with what lies beyond.
     fn check_light(&self, body: &Body, trace: &Trace, colors: &SideColors, most: f64) -> [Check; 2] {
-        let beyond = body.overlap_beyond(trace, self.lab, self.space, self.size);
+        let own = body.faces.first().and_then(|face| self.shape_of(face.pixels[0].facet as i32));
+        let beyond = body.overlap_beyond(trace, self.space, |point| {
+            let i = self.space.camera().pixel_at(point, self.size)?;
+            (self.shape_of(self.facets.segments.labels()[i]) != own).then(|| self.lab[i])
+        });
         let darker = "difference of the darker side from the other in less light";
         let follows = "share of the light's differences between faces that the darker side follows";
         let unlike = Check::new(darker, "ΔE", colors.unlike_shadow(), Bound::AtLeast, LEAST_UNLIKE_SHADOW);

@@ -1,11 +1,14 @@
 //! A body: facets that their borders have joined, with their pixels in space.
 
+use std::cmp::Reverse;
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::color::histogram::ColorHistogram;
 use crate::color::image::LabImage;
 use crate::facets::Facets;
-use crate::regions::SegmentId;
+use crate::regions::{SegmentId, connect};
 use crate::shapes::contraction::Shapes;
 use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::{DisparitySpace, position};
@@ -18,6 +21,11 @@ const FLAT_DEG: f64 = 10.0;
 const FLAT_SHARE: f64 = 0.7;
 /// About this many pixels of a face show whether it is flat.
 const NORMALS: usize = 32;
+/// Two flat faces are one when their normals are this close (degrees) and the middle of one lies this near to the plane of the other (m).
+const SAME_PLANE_DEG: f64 = 10.0;
+const SAME_PLANE_M: f64 = 0.005;
+/// What hangs together in fewer pixels is no piece of its own: a border side needs 15 of them for a plane, on every side of it.
+const LEAST_PIECE_PX: usize = 40;
 /// Depth that is measured over windows of an image reaches at most so far over the edge of a near thing (px at 525 px).
 const FATTENED_PX: f64 = 16.0;
 
@@ -26,23 +34,37 @@ const FATTENED_PX: f64 = 16.0;
 pub(super) struct BodyPixel {
     /// Its place in the image.
     pub(super) i: u32,
+    /// The number of its facet.
+    pub(super) facet: u32,
     /// Its colour: L\*a\*b\*.
     pub(super) color: [f32; 3],
     /// The point (m) on the surface of its facet, which has less noise than the measured one.
     pub(super) point: DVec3,
 }
 
-/// A facet of a body, or a part of it.
+/// The facets of a body that lie in one plane, or a part of them.
 #[derive(Clone, Debug)]
 pub(super) struct Face {
-    /// The number of the facet.
-    pub(super) facet: usize,
-    /// In scan order; at least one.
+    /// Facet by facet in scan order; at least one.
     pub(super) pixels: Vec<BodyPixel>,
-    /// Unit normal in the middle of the facet, towards the camera.
+    /// Unit normal in the middle of the largest facet, towards the camera.
     pub(super) normal: DVec3,
     /// Whether its normal is nearly the same everywhere.
     is_flat: bool,
+}
+
+impl Face {
+    /// Whether another face lies in its plane.
+    fn continues(&self, other: &Self) -> bool {
+        let is_parallel = self.normal.dot(other.normal) > libm::cos(SAME_PLANE_DEG.to_radians());
+        let apart_m = || (other.middle() - self.middle()).dot(self.normal).abs();
+        self.is_flat && other.is_flat && is_parallel && apart_m() < SAME_PLANE_M
+    }
+
+    /// The mean point (m).
+    fn middle(&self) -> DVec3 {
+        self.pixels.iter().map(|p| p.point).sum::<DVec3>() / self.pixels.len() as f64
+    }
 }
 
 /// The faces of a body.
@@ -79,7 +101,7 @@ impl Body {
                 pixels[facet].extend(run.map(|i| {
                     let at = position(i, width);
                     let point = space.point_m(at, facets.models[facet].value(at)).into();
-                    BodyPixel { i: i as u32, color: lab[i], point }
+                    BodyPixel { i: i as u32, facet: facet as u32, color: lab[i], point }
                 }));
             }
         }
@@ -87,11 +109,24 @@ impl Body {
         for (facet, pixels) in pixels.into_iter().enumerate().filter(|(_, pixels)| !pixels.is_empty()) {
             let (normal, is_flat) = direction(&pixels, facet, facets, space);
             if let Some(shape) = shape_of(facet) {
-                bodies[shape].faces.push(Face { facet, pixels, normal, is_flat });
+                bodies[shape].faces.push(Face { pixels, normal, is_flat });
             }
         }
+        bodies.iter_mut().for_each(Self::join_faces);
         bodies.retain(Self::is_flat);
         bodies
+    }
+
+    /// Joins the flat faces that lie in one plane: depth may have cut them anywhere, also at the joint.
+    fn join_faces(&mut self) {
+        let mut faces = std::mem::take(&mut self.faces);
+        faces.sort_by_key(|face| Reverse(face.pixels.len()));
+        for face in faces {
+            match self.faces.iter_mut().find(|other| other.continues(&face)) {
+                Some(other) => other.pixels.extend(face.pixels),
+                None => self.faces.push(face),
+            }
+        }
     }
 
     pub(super) fn pixels(&self) -> impl Iterator<Item = &BodyPixel> {
@@ -119,14 +154,20 @@ impl Body {
         Self { faces: self.faces.iter().filter_map(of_face).collect() }
     }
 
-    /// The overlap of the colours of a narrow side of a trace and of what the image shows beyond that side, in an image of this size: where
-    /// they are alike, the side is depth that was measured too far over the edge. 0 where both sides are wider than that can be.
+    /// Its pixels, facet by facet, and of each facet what hangs together in an image of this width. What is too small to show anything stays with the
+    /// largest. O(pixels).
+    pub(super) fn pieces_of_facets(&self, width: usize) -> Vec<Vec<BodyPixel>> {
+        let facets = self.faces.iter().flat_map(|face| face.pixels.chunk_by(|a, b| a.facet == b.facet));
+        facets.flat_map(|pixels| hanging_together(pixels, width)).collect()
+    }
+
+    /// The overlap of the colours of a narrow side of a trace and of `beyond`, what the image shows beyond that side: the colours at points, `None` where the
+    /// whole body is seen. Where they are alike, the side is depth that was measured too far over the edge. 0 where both sides are wider than that can be.
     pub(super) fn overlap_beyond(
         &self,
         trace: &Trace,
-        lab: &LabImage,
         space: &DisparitySpace,
-        size: (usize, usize),
+        beyond: impl Fn(DVec3) -> Option<[f32; 3]>,
     ) -> f64 {
         let of_side = |sign: f64| {
             let height_m = |p: &BodyPixel| sign * trace.height_m(p.point);
@@ -143,13 +184,30 @@ impl Body {
                 return 0.0;
             }
             let outer = || side.iter().filter(|p| height_m(p) > width_m / 2.0);
-            let beyond =
-                |p: &&BodyPixel| space.camera().pixel_at(p.point + trace.axis * (sign * width_m), size);
-            let beyond = ColorHistogram::of(outer().filter_map(beyond).map(|i| lab[i]));
+            let beyond = |p: &&BodyPixel| beyond(p.point + trace.axis * (sign * width_m));
+            let beyond = ColorHistogram::of(outer().filter_map(beyond));
             ColorHistogram::of(outer().map(|p| p.color)).overlap(&beyond)
         };
         of_side(-1.0).max(of_side(1.0))
     }
+}
+
+/// The pieces of pixels in scan order that hang together in an image of this width, the largest first.
+fn hanging_together(pixels: &[BodyPixel], width: usize) -> Vec<Vec<BodyPixel>> {
+    let is_next = |a: &BodyPixel, b: &BodyPixel| a.i + 1 == b.i && b.i as usize % width > 0;
+    let runs: Vec<(Range<usize>, usize)> =
+        pixels.chunk_by(is_next).map(|run| (run[0].i as usize..run[0].i as usize + run.len(), 0)).collect();
+    let (piece_of, count) = connect(&runs, width);
+    let mut pieces = vec![Vec::new(); count];
+    for (run, piece) in pixels.chunk_by(is_next).zip(piece_of) {
+        pieces[piece as usize].extend_from_slice(run);
+    }
+    pieces.sort_by_key(|piece| Reverse(piece.len()));
+    let is_small = |piece: &Vec<BodyPixel>| piece.len() < LEAST_PIECE_PX;
+    let large = pieces.iter().take_while(|piece| !is_small(piece)).count().max(1);
+    let rest = pieces.split_off(large.min(pieces.len()));
+    pieces.iter_mut().take(1).for_each(|largest| largest.extend(rest.iter().flatten()));
+    pieces
 }
 
 /// The normal of a facet in the middle of its pixels, and whether it is nearly the same everywhere.

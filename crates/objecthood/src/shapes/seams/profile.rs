@@ -25,6 +25,8 @@ const MARGIN_M: f64 = 0.012;
 const LEAST_SIDE_PX: usize = 200;
 /// A face whose normal is within this cosine of the edge lies across it: it is a fold, and shows no trace.
 const ACROSS: f64 = 0.8;
+/// A face across the edge with a smaller share of the body's pixels is no fold.
+const LEAST_FOLD: f64 = 0.05;
 /// L\* + 16 of middle light: from there up colours differ as they are measured.
 const MIDDLE_LIGHTNESS: f32 = 66.0;
 /// Differences grow at most so much, as their noise does too.
@@ -32,7 +34,7 @@ const MOST_GAIN: f32 = 2.0;
 /// Weight of the clearness in middle light in the rank of a place: it decides only where the other is 0.
 const LEAST_RANK: f64 = 1e-3;
 /// A place needs this share of the stripes that the best measured place has.
-const LEAST_MEASURED: f64 = 0.5;
+const LEAST_MEASURED: f64 = 0.3;
 /// Places of this share of the greatest clearness are alike: the joint is in their middle.
 const ALIKE: f64 = 0.95;
 /// Places that are proposed for each edge, the clearest first.
@@ -48,7 +50,9 @@ pub(super) fn find_traces(body: &Body, axis: DVec3, least_share: f64, space: &Di
     let (folds, faces): (Vec<&Face>, Vec<&Face>) = body.faces.iter().partition(is_across);
     let mut contrasts: Vec<Vec<Contrast>> = vec![Vec::new(); places.count];
     faces.into_iter().for_each(|face| places.compare(face, &mut contrasts));
-    let folds_m: Vec<f64> = folds.into_iter().map(|face| mean_along(axis, &face.pixels)).collect();
+    let is_large = |fold: &&Face| fold.pixels.len() as f64 >= LEAST_FOLD * body.size_px() as f64;
+    let folds_m: Vec<f64> =
+        folds.into_iter().filter(is_large).map(|face| mean_along(axis, &face.pixels)).collect();
     let mut traces = places.clearest(&rate(&mut contrasts), &folds_m);
     let has_sides = |trace: &Trace| {
         let above = body.pixels().filter(|p| trace.is_above(p.point)).count();
@@ -80,6 +84,8 @@ struct Rating {
     clearness: f64,
     /// The median contrast, as it is measured.
     contrast: f64,
+    /// The stripes, as a share of those of the best measured place.
+    measured: f64,
     /// Clearness as it is measured, by which the place is found: what is added in dim light differs from stripe to stripe and shifts the place. Where no
     /// colour changes as it is measured, that in middle light decides.
     rank: f64,
@@ -90,7 +96,8 @@ fn rate(contrasts: &mut [Vec<Contrast>]) -> Vec<Rating> {
     let most = contrasts.iter().map(Vec::len).max().unwrap_or(0);
     let rate = |contrasts: &mut Vec<Contrast>| {
         let count = contrasts.len() as f64;
-        if contrasts.is_empty() || count < LEAST_MEASURED * most as f64 {
+        let measured = count / most as f64;
+        if contrasts.is_empty() || measured < LEAST_MEASURED {
             return Rating::default();
         }
         let mut clear = |value: fn(&Contrast) -> f32| {
@@ -100,8 +107,8 @@ fn rate(contrasts: &mut [Vec<Contrast>]) -> Vec<Rating> {
             (share, share * (median / CLEAR_CONTRAST).min(1.0), median)
         };
         let (share, clearness, _) = clear(|contrast| contrast.in_middle_light);
-        let (_, measured, contrast) = clear(|contrast| contrast.plain);
-        Rating { share, clearness, contrast, rank: measured + LEAST_RANK * clearness }
+        let (_, plain, contrast) = clear(|contrast| contrast.plain);
+        Rating { share, clearness, contrast, measured, rank: plain + LEAST_RANK * clearness }
     };
     contrasts.iter_mut().map(rate).collect()
 }
@@ -230,7 +237,7 @@ impl Places {
             // On ties the first place.
             let clearest = open.iter().rev().max_by(|&&a, &&b| rated[a].rank.total_cmp(&rated[b].rank));
             let Some(&best) = clearest else { break };
-            let Rating { share, clearness, contrast, rank } = rated[best];
+            let Rating { share, clearness, contrast, rank, measured } = rated[best];
             // All places whose gap hides the joint are as clear; the joint is in their middle.
             let is_alike = |k: &&usize| {
                 k.abs_diff(best) <= 2 * self.gap + self.window && rated[**k].rank >= ALIKE * rank
@@ -240,7 +247,7 @@ impl Places {
             let (at_m, blur_m) = (sum_m / f64::from(alike), self.gap as f64 * self.step_m);
             open.retain(|k| k.abs_diff(best) > self.window);
             if is_inside(at_m) {
-                traces.push(Trace { axis: self.axis, at_m, share, clearness, contrast, blur_m });
+                traces.push(Trace { axis: self.axis, at_m, share, clearness, contrast, blur_m, measured });
             }
         }
         traces

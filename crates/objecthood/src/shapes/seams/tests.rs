@@ -47,9 +47,9 @@ fn seams_of(
     params: &params::Seams,
 ) -> Option<(Cuts, Facets)> {
     let lab = &LabImage::drawn(SIZE, paint);
-    let shapes = Shapes { of_facet: vec![0], count: 1 };
-    let search = Search { lab, space: &kinect(), disparity, params, up: Some(DVec3::NEG_Y), size: SIZE };
-    let partings = search.part_all(facets, &shapes);
+    let (shapes, up) = (&Shapes { of_facet: vec![0; facets.segments.count()], count: 1 }, Some(DVec3::NEG_Y));
+    let search = Search { facets, shapes, lab, space: &kinect(), disparity, params, up, size: SIZE };
+    let partings = search.part_all();
     (!partings.is_empty()).then(|| Cuts::make(partings, facets))
 }
 
@@ -179,6 +179,36 @@ fn a_joint_at_which_the_outline_steps_far_at_one_end_may_be_less_clear() {
     assert_eq!(pieces(&up_to(80), near), 1, "something nearer may hide a part of the upper box");
     let strip = |u: usize, v: usize| v >= 40 || v >= 31 && u < 80;
     assert_eq!(pieces(&strip, far), 1, "too low to show that it does not slant");
+}
+
+/// Things in a tray stand flush with its wall, and higher than it: their common face has a notch between them.
+#[test]
+fn a_joint_at_which_the_outline_has_a_notch_may_be_less_clear() {
+    let pale = [50.0, 50.0, 2.0];
+    let paint = |u: usize, v: usize| if v >= 40 || (v < 10 && u < 26) { pale } else { RED };
+    let pieces = |notch: std::ops::Range<usize>, beside: f32| {
+        let (facets, disparity) = outlined(&|u, v| v >= 40 || !notch.contains(&u), beside);
+        let cut = seams_of(&facets, &disparity, paint, &params::Seams::default());
+        cut.map_or(1, |(_, facets)| facets.segments.count())
+    };
+    let (far, same, near) = (200.0, 351.0, 420.0);
+    assert_eq!(pieces(40..60, far), 3, "the wall and two things");
+    assert_eq!(pieces(40..50, far), 1, "20 mm");
+    assert_eq!(pieces(40..60, same), 1, "the face goes on there");
+    assert_eq!(pieces(40..60, near), 1, "something nearer hides it");
+}
+
+/// Depth may end a facet just where two things meet: then no facet showed both sides of their joint.
+#[test]
+fn facets_of_one_plane_are_one_face() {
+    let (board, disparity) = board();
+    let labels = disparity.with_data((0..disparity.len()).map(|i| i32::from(i % SIZE.0 >= 50)).collect());
+    let models = vec![board.models[0]; 2];
+    let facets = Facets { segments: Segments::from_numbered(labels, 2), models, ..board };
+    let paint = |u: usize, _: usize| if u < 50 { RED } else { BLUE };
+    let (cuts, cut) = seams_of(&facets, &disparity, paint, &params::Seams::default()).unwrap();
+    assert_eq!(cut.segments.count(), 2);
+    assert!(cuts.between(0, 1).is_some());
 }
 
 /// Depth that is measured over windows reaches over the edge of a near thing: the band there has the colour of what lies behind.

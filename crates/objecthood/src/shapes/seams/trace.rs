@@ -17,6 +17,8 @@ pub(super) struct Trace {
     pub(super) contrast: f64,
     /// Pixels nearer than this (m) may show both sides.
     pub(super) blur_m: f64,
+    /// The stripes that show it, as a share of those of the place that most show.
+    pub(super) measured: f64,
 }
 
 impl Trace {
