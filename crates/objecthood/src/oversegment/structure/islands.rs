@@ -147,8 +147,8 @@ impl StructureSurface {
                 .for_each(|(seen, d)| *seen = if d.is_nan() { UNSEEN } else { all });
             return;
         }
-        for (u, (seen, d)) in (u..).zip(seen.iter_mut().zip(disparity)) {
-            let measured = if value(u as f64) - f64::from(*d) <= limit { GOES_ON } else { ENDS };
+        for (u, (seen, d)) in (u as i32..).zip(seen.iter_mut().zip(disparity)) {
+            let measured = if value(u.into()) - f64::from(*d) <= limit { GOES_ON } else { ENDS };
             *seen = if d.is_nan() { UNSEEN } else { measured };
         }
     }
@@ -164,8 +164,8 @@ impl StructureSurface {
         if low > limit {
             seen.fill(ENDS);
         } else if high > limit {
-            for (u, seen) in (u..).zip(seen) {
-                *seen = if behind(u as f64) > limit { ENDS } else { *seen };
+            for (u, seen) in (u as i32..).zip(seen) {
+                *seen = if behind(u.into()) > limit { ENDS } else { *seen };
             }
         }
     }

@@ -83,8 +83,8 @@ impl StructureSurface {
         quanta: f64,
         near: &mut [i32],
     ) {
-        for (k, ((near, label), d)) in near.iter_mut().zip(labels).zip(disparity).enumerate() {
-            let misfit = f64::from(*d) - self.model.value([(u + k) as f64, v as f64]);
+        for (u, ((near, label), d)) in (u as i32..).zip(near.iter_mut().zip(labels).zip(disparity)) {
+            let misfit = f64::from(*d) - self.model.value([u.into(), v as f64]);
             *near = i32::from((misfit.abs() < quanta) & (*label < 0));
         }
     }
@@ -100,8 +100,8 @@ impl StructureSurface {
         slope_squared: f64,
         near: &mut [i32],
     ) {
-        for (k, ((near, own), slope)) in near.iter_mut().zip(labels).zip(slopes).enumerate() {
-            let steepness = self.model.slope([(u + k) as f64, v as f64]);
+        for (u, ((near, own), slope)) in (u as i32..).zip(near.iter_mut().zip(labels).zip(slopes)) {
+            let steepness = self.model.slope([u.into(), v as f64]);
             let is_alike = squared_between(steepness, slope.map(f64::from)) < slope_squared;
             *own = if (*near != 0) & is_alike { label as i32 } else { *own };
             *near &= i32::from(!is_alike);
