@@ -70,8 +70,15 @@ impl Camera {
     pub(crate) fn pixel_at(&self, point: DVec3, (width, height): (usize, usize)) -> Option<usize> {
         let (u, v) = self.project(point.as_vec3().to_array());
         let is_inside = (0.0..width as f64 - 0.5).contains(&u) && (0.0..height as f64 - 0.5).contains(&v);
-        (point.z > 0.0 && is_inside).then(|| v.round() as usize * width + u.round() as usize)
+        (point.z > 0.0 && is_inside).then(|| nearest(v) * width + nearest(u))
     }
+}
+
+/// The whole number nearest to one from 0 to 2^32, as `round` has it, which without vector units is a call.
+#[inline]
+fn nearest(x: f64) -> usize {
+    let below = x as u32;
+    below as usize + usize::from(x - f64::from(below) >= 0.5)
 }
 
 #[cfg(test)]
@@ -84,6 +91,15 @@ mod tests {
         for (u, v, z) in [(0, 0, 0.5), (639, 479, 2.0), (320, 100, 1.0)] {
             let (pu, pv) = camera.project(camera.back_project(u, v, z));
             assert!((pu - u as f64).abs() < 1e-4 && (pv - v as f64).abs() < 1e-4, "{pu} {pv}");
+        }
+    }
+
+    #[test]
+    fn the_nearest_whole_number_is_that_of_round() {
+        for x in (0..4000).map(|k| 0.25 * f64::from(k)) {
+            for x in [x.next_down().max(0.0), x, x.next_up()] {
+                assert_eq!(nearest(x), x.round() as usize, "{x:e}");
+            }
         }
     }
 

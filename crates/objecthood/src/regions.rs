@@ -234,7 +234,7 @@ pub(crate) fn connect(runs: &[(Range<usize>, usize)], width: usize) -> (Vec<u32>
 }
 
 /// The number of labels at the start that equal the first one. Long runs are compared in strides.
-fn run_length(labels: &[i32]) -> usize {
+pub(crate) fn run_length(labels: &[i32]) -> usize {
     // Labels compared at once.
     const STRIDE_PX: usize = 16;
     let Some(&own) = labels.first() else { return 0 };

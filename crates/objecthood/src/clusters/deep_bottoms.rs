@@ -99,10 +99,10 @@ impl Piece {
 /// The pixels of the background that no cluster was given.
 fn find_free(clusters: &Clusters<'_>) -> Vec<bool> {
     let owners = find_owners(clusters);
-    let is_background = |facet: SegmentId| owners[facet.index()] == Owner::Background;
     let segments = &clusters.scene.facets.segments;
-    let pixels = 0..clusters.scene.disparity.len();
-    let mut is_free: Vec<bool> = pixels.map(|i| segments.at(i).is_some_and(is_background)).collect();
+    let mut is_free = vec![false; clusters.scene.disparity.len()];
+    let background = segments.runs().filter(|&(_, facet)| owners[facet] == Owner::Background);
+    background.for_each(|(run, _)| is_free[run].fill(true));
     for id in clusters.alive() {
         clusters.get(id).pixels.iter().for_each(|&i| is_free[i as usize] = false);
     }

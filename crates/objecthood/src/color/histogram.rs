@@ -5,6 +5,9 @@ const BINS: [usize; 3] = [4, 16, 16];
 /// The lowest value of each axis, and its range.
 const RANGES: [[f32; 2]; 3] = [[0.0, 100.0], [-64.0, 128.0], [-64.0, 128.0]];
 
+/// The bins from the first to the last of the eight around a colour.
+const AROUND: usize = BINS[1] * BINS[2] + BINS[2] + 2;
+
 /// How often each colour occurs. A colour between the centres of two bins counts for both, by its distance: an even surface whose
 /// shading crosses the limit of a bin stays alike.
 #[derive(Clone, Debug)]
@@ -39,17 +42,18 @@ impl ColorHistogram {
             let [lowest, range] = RANGES[axis];
             let last = (BINS[axis] - 1) as f32;
             let at = ((color[axis] - lowest) / range * BINS[axis] as f32 - 0.5).clamp(0.0, last);
-            let lower = (at as usize).min(BINS[axis] - 2);
+            let lower = usize::from(at as u8).min(BINS[axis] - 2);
             (lower, at - lower as f32)
         });
         let [(l, upper_l), (a, upper_a), (b, upper_b)] = place;
         let first = (l * BINS[1] + a) * BINS[2] + b;
+        let shares = &mut self.shares[first..first + AROUND];
         for (of_l, share_l) in [(0, 1.0 - upper_l), (BINS[1] * BINS[2], upper_l)] {
             for (of_a, share_a) in [(0, 1.0 - upper_a), (BINS[2], upper_a)] {
-                let bin = first + of_l + of_a;
+                let bin = of_l + of_a;
                 let share = share_l * share_a;
-                self.shares[bin] += share * (1.0 - upper_b);
-                self.shares[bin + 1] += share * upper_b;
+                shares[bin] += share * (1.0 - upper_b);
+                shares[bin + 1] += share * upper_b;
             }
         }
         self.count += 1.0;

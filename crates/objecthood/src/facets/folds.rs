@@ -100,64 +100,99 @@ impl Search<'_> {
         if pixels.len() < self.least_px {
             return None;
         }
+        let width = self.disparity.width();
+        let place = |&i: &u32| Place {
+            at: position(i as usize, width),
+            disparity: self.disparity[i as usize].into(),
+            is_first: false,
+        };
+        let mut places: Vec<Place> = pixels.iter().map(place).collect();
         let whole = self.moments(pixels);
         let curved = whole.fit(Basis::Quadratic);
-        let mut halves = self.across_bend(pixels, &curved.model, whole.center)?;
+        across_bend(&mut places, &curved.model, whole.center)?;
+        let least = self.least_side_px.max((LEAST_SHARE * pixels.len() as f64) as usize);
         for _ in 0..ROUNDS {
-            let [one, other] = halves.each_ref().map(|half| self.moments(half).fit(Basis::Plane).model);
-            // The nearer plane is the one seen at a concave fold, the farther one at a convex fold.
-            let nearer = halves[0].iter().filter(|&&i| self.is_nearer(&one, &other, i)).count();
-            let is_concave = 2 * nearer > halves[0].len();
-            let (first, second) =
-                pixels.iter().copied().partition(|&i| self.is_nearer(&one, &other, i) == is_concave);
-            halves = [first, second];
-            let least = self.least_side_px.max((LEAST_SHARE * pixels.len() as f64) as usize);
-            if halves.iter().any(|half| half.len() < least) {
+            if part_by_planes(&mut places) < least {
                 return None;
             }
         }
-        let fits = halves.each_ref().map(|half| {
-            let moments = self.moments(half);
-            (moments.fit(Basis::Plane), moments.center)
-        });
+        let fits = moments_of_sides(&places).map(|moments| (moments.fit(Basis::Plane), moments.center));
         let error: f64 = fits.iter().map(|(fit, _)| fit.squared_error).sum();
         let [one, other] = fits.map(|(fit, center)| {
             DVec3::from(self.space.normal(center, fit.model.value(center), fit.model.slope(center)))
         });
         let is_fold = one.dot(other) <= libm::cos(LEAST_FOLD_DEG.to_radians());
-        (is_fold && error <= MOST_ERROR * curved.squared_error).then_some(halves)
-    }
-
-    fn is_nearer(&self, one: &Model, other: &Model, i: u32) -> bool {
-        let at = position(i as usize, self.disparity.width());
-        one.value(at) > other.value(at)
-    }
-
-    /// The pixels before and behind the best fold across the direction in which the surface bends most.
-    fn across_bend(&self, pixels: &[u32], curved: &Model, center: [f64; 2]) -> Option<[Vec<u32>; 2]> {
-        let [cos, sin] = curved.steepest_bend();
-        let along = |i: u32| {
-            let [u, v] = position(i as usize, self.disparity.width());
-            cos * (u - center[0]) + sin * (v - center[1])
+        let side = |is_first: bool| {
+            let own = pixels.iter().zip(&places).filter(|(_, place)| place.is_first == is_first);
+            own.map(|(i, _)| *i).collect()
         };
-        let mut places: Vec<f64> = pixels.iter().map(|&i| along(i)).collect();
-        places.sort_by(f64::total_cmp);
-        let mut stripes = vec![Moments::about(center); STRIPES];
-        let limits: Vec<f64> = (1..STRIPES).map(|k| places[k * places.len() / STRIPES]).collect();
-        for &i in pixels {
-            let stripe = limits.partition_point(|limit| *limit <= along(i));
-            stripes[stripe]
-                .add(position(i as usize, self.disparity.width()), self.disparity[i as usize].into());
-        }
-        let error = |stripes: &[Moments]| {
-            let sum = stripes.iter().skip(1).fold(stripes[0].clone(), |sum, next| sum.merged(next));
-            if sum.count() > 0.0 { sum.fit(Basis::Plane).squared_error } else { 0.0 }
-        };
-        let errors = (1..STRIPES).map(|k| error(&stripes[..k]) + error(&stripes[k..]));
-        let (best, _) = errors.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let (first, second) = pixels.iter().copied().partition(|&i| along(i) < limits[best]);
-        Some([first, second])
+        (is_fold && error <= MOST_ERROR * curved.squared_error).then(|| [true, false].map(side))
     }
+}
+
+/// A pixel of a facet.
+struct Place {
+    /// Column and row.
+    at: [f64; 2],
+    disparity: f64,
+    /// Its side of the fold.
+    is_first: bool,
+}
+
+/// The moments of the first side and of the other, each about its centroid, as far as planes need them.
+fn moments_of_sides(places: &[Place]) -> [Moments; 2] {
+    // Sums of whole numbers are exact in any order.
+    let mut sums = [[0.0; 3]; 2];
+    for Place { at, is_first, .. } in places {
+        let [n, across, down] = &mut sums[usize::from(!is_first)];
+        (*n, *across, *down) = (*n + 1.0, *across + at[0], *down + at[1]);
+    }
+    let mut sides = sums.map(|[n, across, down]| Moments::about([across / n, down / n]));
+    for place in places {
+        sides[usize::from(!place.is_first)].add_for_plane(place.at, place.disparity);
+    }
+    sides
+}
+
+/// Fits a plane to each side, and parts the places anew by which plane is seen there. Returns the size of the smaller side.
+fn part_by_planes(places: &mut [Place]) -> usize {
+    let [one, other] = moments_of_sides(places).map(|side| side.fit(Basis::Plane).model);
+    // The nearer plane is the one seen at a concave fold, the farther one at a convex fold.
+    let (mut first, mut nearer_of_first, mut nearer) = (0, 0, 0);
+    for place in &mut *places {
+        let is_nearer = one.value(place.at) > other.value(place.at);
+        first += usize::from(place.is_first);
+        nearer_of_first += usize::from(place.is_first & is_nearer);
+        nearer += usize::from(is_nearer);
+        place.is_first = is_nearer;
+    }
+    let is_concave = 2 * nearer_of_first > first;
+    if !is_concave {
+        places.iter_mut().for_each(|place| place.is_first = !place.is_first);
+    }
+    nearer.min(places.len() - nearer)
+}
+
+/// Parts the places at the best fold across the direction in which the surface bends most.
+fn across_bend(places: &mut [Place], curved: &Model, center: [f64; 2]) -> Option<()> {
+    let [cos, sin] = curved.steepest_bend();
+    let along = |place: &Place| cos * (place.at[0] - center[0]) + sin * (place.at[1] - center[1]);
+    let mut sorted: Vec<f64> = places.iter().map(along).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let limits: Vec<f64> = (1..STRIPES).map(|k| sorted[k * sorted.len() / STRIPES]).collect();
+    let mut stripes = vec![Moments::about(center); STRIPES];
+    for place in &*places {
+        let stripe = limits.partition_point(|limit| *limit <= along(place));
+        stripes[stripe].add_for_plane(place.at, place.disparity);
+    }
+    let error = |stripes: &[Moments]| {
+        let sum = stripes.iter().skip(1).fold(stripes[0].clone(), |sum, next| sum.merged(next));
+        if sum.count() > 0.0 { sum.fit(Basis::Plane).squared_error } else { 0.0 }
+    };
+    let errors = (1..STRIPES).map(|k| error(&stripes[..k]) + error(&stripes[k..]));
+    let (best, _) = errors.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    places.iter_mut().for_each(|place| place.is_first = along(place) < limits[best]);
+    Some(())
 }
 
 #[cfg(test)]

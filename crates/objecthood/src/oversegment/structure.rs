@@ -13,6 +13,7 @@ mod planes;
 mod sample;
 mod size;
 mod skirts;
+mod stretches;
 mod surface;
 mod tilt;
 mod trials;
@@ -28,6 +29,7 @@ use self::labels::label_pixels;
 use self::planes::fit_planes;
 use self::size::SurfaceSize;
 use self::skirts::reclaim_skirts;
+use self::stretches::Stretches;
 pub use self::surface::StructureSurface;
 use self::tilt::{Alike, least_square};
 use crate::attitude::Attitude;
@@ -78,8 +80,10 @@ pub fn find_structure(
     };
     let view = View { disparity, orientation, space, grid: space.length_px(GRID_PX), alike };
     let Found { mut surfaces, large } = find_surfaces(&view, fits);
-    let mut labels = label_pixels(&surfaces, disparity, orientation, &view.alike, params.tolerance_quanta);
-    free_islands(&mut labels, &surfaces, disparity, space, params.tolerance_quanta);
+    let stretches = Stretches::of(disparity);
+    let mut labels =
+        label_pixels(&surfaces, disparity, &stretches, orientation, &view.alike, params.tolerance_quanta);
+    free_islands(&mut labels, &surfaces, disparity, &stretches, space, params.tolerance_quanta);
     let mut supports = find_supports(&surfaces, large, &labels, disparity, space, attitude);
     let kept = supports.keep(surfaces.len(), large);
     if kept.len() < surfaces.len() {

@@ -55,6 +55,11 @@ impl Model {
         length([self.weights[1], self.weights[2]])
     }
 
+    /// How much it bends along a row: the size of the factor of the square (quanta/px^2).
+    pub(crate) fn bend_in_rows(&self) -> f64 {
+        self.weights[3].abs()
+    }
+
     /// The direction (columns, rows) in which it bends most: of the largest second derivative.
     pub(crate) fn steepest_bend(&self) -> [f64; 2] {
         let [.., cxx, cxy, cyy] = self.weights;

@@ -101,8 +101,8 @@ impl Line<'_> {
         let slope = self.slope(at);
         let is_steeper = |other: usize| self.slope(other) * slope.signum() > slope.abs();
         let has_steeper =
-            (at > 0 && is_steeper(at - 1)) || (at + 2 < self.disparity.len() && is_steeper(at + 1));
-        slope.abs() >= limits.least_slope && !has_steeper
+            || (at > 0 && is_steeper(at - 1)) || (at + 2 < self.disparity.len() && is_steeper(at + 1));
+        slope.abs() >= limits.least_slope && !has_steeper()
     }
 
     /// The first and the last pixel of the ramp whose steepest place this is.

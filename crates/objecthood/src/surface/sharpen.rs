@@ -102,7 +102,8 @@ fn transposed<T: Copy + Send + Sync + 'static>(image: &Raster<T>) -> Raster<T> {
     let (width, height) = image.size();
     let mut turned = Buffer::stale(image.len(), image[0]);
     turned.par_chunks_mut(height).enumerate().for_each(|(u, column)| {
-        column.iter_mut().enumerate().for_each(|(v, pixel)| *pixel = image[v * width + u]);
+        let seen = image.as_slice()[u..].iter().step_by(width);
+        column.iter_mut().zip(seen).for_each(|(pixel, seen)| *pixel = *seen);
     });
     Raster::from_vec(height, width, turned.into_vec()).expect("as many pixels as before")
 }

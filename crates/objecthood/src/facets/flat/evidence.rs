@@ -52,14 +52,27 @@ pub(super) struct ShownColor {
     pub unlike_shadow: f64,
 }
 
-/// Measures a group of cells. `own`: the colours of its support. O(cells of the upright rectangle around group and ring).
+/// Measures a group of cells; `None` if its shape is none of a thing, as that of most. `own`: the colours of its support. O(cells of the upright
+/// rectangle around group and ring).
 pub(super) fn measure(
     field: &Field,
     around: &Surroundings,
     ring: std::ops::RangeInclusive<u8>,
     own: Option<&ColorHistogram>,
-) -> Shown {
+) -> Option<Shown> {
     let cells: Vec<usize> = around.inside().collect();
+    let outline = around.outline();
+    let closed = outline.iter().filter(|&&(i, way)| around.cell(field, i, way, 1).is_some()).count();
+    let shown = Shown {
+        cells: cells.len(),
+        offset_quanta: 0.0,
+        solid: solidity(cells.len(), &hull_of(&cells, field.width)),
+        closed: closed as f64 / outline.len().max(1) as f64,
+        color: None,
+    };
+    if !shown.check_shape().iter().all(Check::holds) {
+        return None;
+    }
     let ring: Vec<usize> = around.ring(field, ring).collect();
     let mut core: Vec<usize> = around.core(CORE_CELLS).collect();
     if (core.len() as f64) < CORE_SHARE * cells.len() as f64 {
@@ -68,13 +81,8 @@ pub(super) fn measure(
     core.retain(|&i| field.cells[i].support == around.support);
     let plane = fit_ring(field, &ring);
     let mut before: Vec<f64> = core.iter().map(|&i| distance(field, i, &plane)).collect();
-    let outline = around.outline();
-    let closed = outline.iter().filter(|&&(i, way)| around.cell(field, i, way, 1).is_some()).count();
-    Shown {
-        cells: cells.len(),
+    Some(Shown {
         offset_quanta: element_at(&mut before, 0.5),
-        solid: solidity(cells.len(), &hull_of(&cells, field.width)),
-        closed: closed as f64 / outline.len().max(1) as f64,
         color: own.map(|own| {
             let lab = |cells: &[usize]| ColorHistogram::of(cells.iter().map(|&i| field.cells[i].lab));
             let (of_core, [mean, of_ring]) = (lab(&core), [&core, &ring].map(|cells| mean_lab(field, cells)));
@@ -86,7 +94,8 @@ pub(super) fn measure(
                 unlike_shadow: unlike_shadow(mean, of_ring),
             }
         }),
-    }
+        ..shown
+    })
 }
 
 /// How far (quanta) a cell lies before a plane of rises.
@@ -96,13 +105,15 @@ fn distance(field: &Field, i: usize, plane: &Model) -> f64 {
 
 /// The plane of the rises of the ring: fitted twice, the second time without what lies far from the first.
 fn fit_ring(field: &Field, ring: &[usize]) -> Model {
-    let fit = |cells: &mut dyn Iterator<Item = usize>| {
+    let fit = |counts: &dyn Fn(usize) -> bool| {
         let mut moments = Moments::about(ring.first().map_or([0.0; 2], |&i| position(i, field.width)));
-        cells.for_each(|i| moments.add(position(i, field.width), field.cells[i].rise.into()));
+        for i in ring.iter().copied().filter(|&i| counts(i)) {
+            moments.add_for_plane(position(i, field.width), field.cells[i].rise.into());
+        }
         moments.fit(Basis::Plane).model
     };
-    let first = fit(&mut ring.iter().copied());
-    fit(&mut ring.iter().copied().filter(|&i| distance(field, i, &first).abs() < TRIM_QUANTA))
+    let first = fit(&|_| true);
+    fit(&|i| distance(field, i, &first).abs() < TRIM_QUANTA)
 }
 
 fn mean_lab(field: &Field, cells: &[usize]) -> [f32; 3] {

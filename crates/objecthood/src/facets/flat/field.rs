@@ -47,23 +47,23 @@ impl Field {
         let place_of_facet = places(&rise, structure, &surfaces.disparity, facets);
         let (full_width, full_height) = surfaces.disparity.size();
         let (width, height) = (full_width / 2, full_height / 2);
-        let labels = facets.segments.labels().as_slice();
+        facets.segments.find_runs();
         let mut support = vec![NO_SUPPORT; full_width * full_height];
         let mut cells = vec![Cell { support: NO_SUPPORT, rise: 0.0, lab: [0.0; 3] }; width * height];
         let rows = cells.par_chunks_mut(width).zip(support.par_chunks_mut(2 * full_width));
         rows.enumerate().for_each(|(v, (cells, support))| {
-            for (row, support) in support.chunks_mut(full_width).enumerate() {
-                let row = 2 * v + row;
-                let pixels = row * full_width..row * full_width + 2 * width;
-                let seen = labels[pixels.clone()].iter().zip(&surfaces.disparity.as_slice()[pixels]);
-                for (column, ((&label, &d), support)) in seen.zip(support).enumerate() {
-                    let place =
-                        usize::try_from(label).map_or(Place::Elsewhere, |facet| place_of_facet[facet]);
-                    *support = match place {
-                        Place::On(place) if !d.is_nan() => place,
-                        Place::Low => rise.nearest([column as f64, row as f64], d),
-                        _ => NO_SUPPORT,
-                    };
+            for (run, facet) in facets.segments.runs_in(2 * v..2 * v + 2) {
+                let first = 2 * v * full_width;
+                let support = &mut support[run.start - first..run.end - first];
+                let seen = surfaces.disparity.as_slice()[run.clone()].iter().zip(support);
+                match place_of_facet[facet] {
+                    Place::On(place) => {
+                        seen.for_each(|(d, support)| *support = if d.is_nan() { NO_SUPPORT } else { place });
+                    }
+                    Place::Low => run.zip(seen).for_each(|(i, (&d, support))| {
+                        *support = rise.nearest(position(i, full_width), d);
+                    }),
+                    Place::Elsewhere => {}
                 }
             }
             for (u, cell) in cells.iter_mut().enumerate() {

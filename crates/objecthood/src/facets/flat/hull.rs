@@ -2,16 +2,19 @@
 
 use glam::DVec2;
 
+use crate::hull::find_row_spans;
+
 /// The outline of whole cells stays this far (cells) behind the hull of their corners, as a mean along a slanting side.
 const RAGGED_CELLS: f64 = 0.25;
 
-/// The convex hull of the corners of some cells (columns and rows of cells), in order. O(n log n).
+/// The convex hull of the corners of some cells in scan order (columns and rows of cells), in order: that of the first and the last cell of
+/// each row. O(n + rows · log rows).
 pub(super) fn hull_of(cells: &[usize], width: usize) -> Vec<[i64; 2]> {
-    let mut corners: Vec<[i64; 2]> = cells
-        .iter()
-        .flat_map(|&i| {
-            let (u, v) = ((i % width) as i64, (i / width) as i64);
-            [[u, v], [u + 1, v], [u, v + 1], [u + 1, v + 1]]
+    let spans = find_row_spans(cells.iter().copied(), width).into_iter();
+    let mut corners: Vec<[i64; 2]> = spans
+        .flat_map(|span| {
+            let [left, right, v] = [span.first, span.last + 1, span.v].map(|x| x as i64);
+            [[left, v], [right, v], [left, v + 1], [right, v + 1]]
         })
         .collect();
     corners.sort_unstable();

@@ -53,20 +53,23 @@ pub(super) fn propose_by_color(
 ) -> (Vec<Proposal>, OwnColors) {
     let found = measure(field, patches);
     let support_of = |patch: &Patch| field.cells[patch.cells[0] as usize].support;
-    let colors_of = |cells: &mut dyn Iterator<Item = &u32>| {
-        ColorHistogram::of(cells.map(|&i| field.cells[i as usize].lab))
+    let add = |colors: &mut ColorHistogram, patch: &Patch| {
+        patch.cells.iter().for_each(|&i| colors.add(field.cells[i as usize].lab));
     };
     let mut is_own: Vec<bool> = found.iter().map(|p| !p.is_closed() || is_large(&p.cells)).collect();
-    let supports: BTreeSet<u8> = found.iter().map(support_of).collect();
-    let colors = supports.into_iter().map(|support| {
-        let own =
-            found.iter().zip(&is_own).filter(|(patch, is_own)| **is_own && support_of(patch) == support);
-        (support, colors_of(&mut own.flat_map(|(patch, _)| &patch.cells)))
-    });
-    let own: OwnColors = colors.collect();
+    let mut own = OwnColors::new();
+    for (patch, is_own) in found.iter().zip(&is_own) {
+        let colors = own.entry(support_of(patch)).or_default();
+        if *is_own {
+            add(colors, patch);
+        }
+    }
     for (patch, is_own) in found.iter().zip(&mut is_own).filter(|(_, is_own)| !**is_own) {
-        *is_own = patch.cells.len() < LEAST_CELLS as usize
-            || colors_of(&mut patch.cells.iter()).share_in(&own[&support_of(patch)], RARE) >= FAMILIAR_SHARE;
+        *is_own = patch.cells.len() < LEAST_CELLS as usize || {
+            let mut colors = ColorHistogram::empty();
+            add(&mut colors, patch);
+            colors.share_in(&own[&support_of(patch)], RARE) >= FAMILIAR_SHARE
+        };
     }
     (with_groups(found, &is_own), own)
 }

@@ -115,21 +115,17 @@ impl<'a> Search<'a> {
     /// Measures a proposal; `None` if its shape is none of a thing.
     fn look(&self, Proposal { cells, is_part }: &Proposal, own: &OwnColors) -> Option<Group> {
         let around = Surroundings::new(self.field, cells, usize::from(*self.ring.end()) + 1);
-        let shown = measure(self.field, &around, self.ring.clone(), own.get(&around.support));
-        let is_thing = shown.check_shape().iter().all(Check::holds);
-        let group = || {
-            let inside: Vec<usize> = around.inside().collect();
-            Group {
-                turn: self.turn(&inside),
-                cells: inside,
-                support: around.support,
-                is_part: *is_part,
-                rises: shown.check_offset(self.noise_quanta(1), self.params.flat),
-                shown,
-                sides_m: self.sides_m(cells),
-            }
-        };
-        is_thing.then(group)
+        let shown = measure(self.field, &around, self.ring.clone(), own.get(&around.support))?;
+        let inside: Vec<usize> = around.inside().collect();
+        Some(Group {
+            turn: self.turn(&inside),
+            cells: inside,
+            support: around.support,
+            is_part: *is_part,
+            rises: shown.check_offset(self.noise_quanta(1), self.params.flat),
+            shown,
+            sides_m: self.sides_m(cells),
+        })
     }
 
     /// Decides whether a group is a flat thing.

@@ -214,31 +214,41 @@ impl Piece {
 
 /// The frame, looked at in cells: every few pixels along rows and columns.
 struct Seen<'a> {
-    labels: &'a Raster<i32>,
-    disparity: &'a Raster<f32>,
     space: &'a DisparitySpace,
     /// Distance (px) of the cells.
     step: usize,
     columns: usize,
     rows: usize,
+    /// What is seen in every cell.
+    of: Vec<Shown>,
     /// The point of every cell (m).
     points_m: Vec<DVec3>,
 }
 
+/// What is seen in a cell.
+#[derive(Clone, Copy, PartialEq)]
+enum Shown {
+    Surface(usize),
+    /// It is measured, and lies on no surface.
+    Free,
+    Nothing,
+}
+
 impl<'a> Seen<'a> {
-    fn new(labels: &'a Raster<i32>, disparity: &'a Raster<f32>, space: &'a DisparitySpace) -> Self {
+    fn new(labels: &Raster<i32>, disparity: &Raster<f32>, space: &'a DisparitySpace) -> Self {
         let step = space.length_px(CELL_PX);
         let (width, height) = labels.size();
         let (columns, rows) = (width.div_ceil(step), height.div_ceil(step));
         let cells =
             (0..height).step_by(step).flat_map(|v| (0..width).step_by(step).map(move |u| v * width + u));
+        let shown = |i: usize| match usize::try_from(labels[i]) {
+            Ok(surface) => Shown::Surface(surface),
+            Err(_) if disparity[i].is_nan() => Shown::Nothing,
+            Err(_) => Shown::Free,
+        };
         let point_m = |i: usize| DVec3::from(space.point_m(position(i, width), disparity[i].into()));
-        Self { labels, disparity, space, step, columns, rows, points_m: cells.map(point_m).collect() }
-    }
-
-    fn pixel(&self, cell: usize) -> usize {
-        let [column, row] = [cell % self.columns, cell / self.columns];
-        row * self.step * self.labels.width() + column * self.step
+        let (of, points_m) = cells.map(|i| (shown(i), point_m(i))).unzip();
+        Self { space, step, columns, rows, of, points_m }
     }
 
     fn is_at_border(&self, cell: usize) -> bool {
@@ -251,7 +261,10 @@ impl<'a> Seen<'a> {
     }
 
     fn surface(&self, cell: usize) -> Option<usize> {
-        usize::try_from(self.labels[self.pixel(cell)]).ok()
+        match self.of[cell] {
+            Shown::Surface(surface) => Some(surface),
+            _ => None,
+        }
     }
 
     /// The cells this many columns to the right and rows below.
@@ -299,10 +312,7 @@ impl<'a> Seen<'a> {
     /// The piece of every cell that is measured and lies on no surface, and the number of pieces.
     fn find_pieces(&self) -> (Vec<Option<usize>>, usize) {
         let cells = self.columns * self.rows;
-        let is_free = |cell: usize| {
-            let i = self.pixel(cell);
-            self.labels[i] < 0 && !self.disparity[i].is_nan()
-        };
+        let is_free = |cell: usize| self.of[cell] == Shown::Free;
         let mut sets = UnionFind::new(cells);
         for cell in (0..cells).filter(|&cell| is_free(cell)) {
             for other in self.beside(cell, 1).filter(|&other| is_free(other)) {

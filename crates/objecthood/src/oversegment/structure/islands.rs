@@ -9,9 +9,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::size::SurfaceSize;
+use super::stretches::{STRETCH, Stretches, bounds};
 use super::surface::StructureSurface;
 use crate::raster::Raster;
-use crate::regions::{Segments, connect, runs};
+use crate::regions::{Segments, connect, run_length, runs};
 use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 
@@ -37,14 +38,16 @@ pub(super) fn free_islands(
     labels: &mut Raster<i32>,
     surfaces: &[StructureSurface],
     disparity: &Raster<f32>,
+    stretches: &Stretches,
     space: &DisparitySpace,
     tolerance_quanta: f64,
 ) {
     let least_px = space.area_px(LEAST_PX);
-    let bounds = |surface: &&StructureSurface| surface.bounds_room(disparity, tolerance_quanta);
-    let bounds: Vec<&StructureSurface> = surfaces.iter().filter(bounds).collect();
+    let bounds_room = |surface: &&StructureSurface| surface.bounds_room(disparity, tolerance_quanta);
+    let walls: Vec<&StructureSurface> = surfaces.iter().filter(bounds_room).collect();
     let of = |(s, surface): (usize, &StructureSurface)| {
-        let others = find_lesser_pieces(surface, s as i32, &bounds, labels, disparity, tolerance_quanta);
+        let others =
+            find_lesser_pieces(surface, s as i32, &walls, labels, disparity, stretches, tolerance_quanta);
         let is_island =
             |pixels: &Vec<usize>| pixels.len() >= least_px && !surface.is_board(pixels, disparity, space);
         let islands = others.into_iter().filter(is_island);
@@ -59,43 +62,31 @@ pub(super) fn free_islands(
 fn find_lesser_pieces(
     surface: &StructureSurface,
     label: i32,
-    bounds: &[&StructureSurface],
+    walls: &[&StructureSurface],
     labels: &Raster<i32>,
     disparity: &Raster<f32>,
+    stretches: &Stretches,
     tolerance_quanta: f64,
 ) -> Vec<Vec<usize>> {
     let width = labels.width();
     // What is parallel to it does not cross it in sight.
-    let crosses = |bound: &&&StructureSurface| bound.normal.dot(surface.normal).abs() < PARALLEL;
-    let bounds: Vec<&StructureSurface> = bounds.iter().filter(crosses).copied().collect();
+    let crosses = |wall: &&&StructureSurface| wall.normal.dot(surface.normal).abs() < PARALLEL;
+    let walls: Vec<&StructureSurface> = walls.iter().filter(crosses).copied().collect();
     let mut seen = labels.map(|_| ENDS);
-    for (v, (seen, disparity)) in
-        seen.as_mut_slice().chunks_mut(width).zip(disparity.as_slice().chunks(width)).enumerate()
-    {
+    let rows = seen.as_mut_slice().chunks_mut(width).zip(disparity.as_slice().chunks(width));
+    for (v, (seen, disparity)) in rows.enumerate() {
+        let pixels = seen.chunks_mut(STRETCH).zip(disparity.chunks(STRETCH));
         vectorized(
             #[inline(always)]
             || {
-                for (u, (seen, d)) in seen.iter_mut().zip(disparity).enumerate() {
-                    let behind = surface.model.value([u as f64, v as f64]) - f64::from(*d);
-                    let measured = if behind <= surface.scale * tolerance_quanta { GOES_ON } else { ENDS };
-                    *seen = if d.is_nan() { UNSEEN } else { measured };
+                for ((u, range), (seen, disparity)) in stretches.of_row(v).zip(pixels) {
+                    surface.mark_where_it_goes_on(seen, disparity, range, [u, v], tolerance_quanta);
+                    for wall in &walls {
+                        surface.mark_ends(seen, wall, [u, v], tolerance_quanta);
+                    }
                 }
             },
         );
-        for bound in &bounds {
-            // Where the two meet, both are seen, and there a way would lead along the fold.
-            let limit = -(bound.scale + surface.scale) * tolerance_quanta;
-            vectorized(
-                #[inline(always)]
-                || {
-                    for (u, seen) in seen.iter_mut().enumerate() {
-                        let at = [u as f64, v as f64];
-                        let is_outside = bound.model.value(at) - surface.model.value(at) > limit;
-                        *seen = if is_outside { ENDS } else { *seen };
-                    }
-                },
-            );
-        }
         fill_unseen(seen);
     }
     let runs: Vec<(Range<usize>, usize)> = runs(&seen, 0..labels.height()).collect();
@@ -119,15 +110,66 @@ fn find_lesser_pieces(
 /// A surface goes on through a hole in a row unless it ends on either side of the hole: shadows lie between a thing and what is behind it.
 fn fill_unseen(row: &mut [i32]) {
     let mut end = 0;
-    while let Some(start) = row[end..].iter().position(|&seen| seen == UNSEEN).map(|k| end + k) {
-        end = row[start..].iter().position(|&seen| seen != UNSEEN).map_or(row.len(), |k| start + k);
+    while let Some(start) = next_unseen(row, end) {
+        end = start + run_length(&row[start..]);
         let beside = [start.checked_sub(1), Some(end)];
         let ends = beside.into_iter().flatten().any(|k| row.get(k) == Some(&ENDS));
         row[start..end].fill(if ends { ENDS } else { GOES_ON });
     }
 }
 
+/// The first unseen place of a row from one on. Seen ones are passed in strides.
+fn next_unseen(row: &[i32], from: usize) -> Option<usize> {
+    const STRIDE_PX: usize = 16;
+    let is_seen = |stride: &&[i32]| stride.iter().fold(0, |any, seen| any | i32::from(*seen == UNSEEN)) == 0;
+    let passed = from + STRIDE_PX * row[from..].chunks_exact(STRIDE_PX).take_while(is_seen).count();
+    row[passed..].iter().position(|&seen| seen == UNSEEN).map(|k| passed + k)
+}
+
 impl StructureSurface {
+    /// Marks where this surface is seen or may go on, in a stretch from the pixel (u, v) on. `least` and `greatest`: its disparities.
+    #[inline(always)]
+    fn mark_where_it_goes_on(
+        &self,
+        seen: &mut [i32],
+        disparity: &[f32],
+        [least, greatest]: [f64; 2],
+        [u, v]: [usize; 2],
+        tolerance_quanta: f64,
+    ) {
+        let limit = self.scale * tolerance_quanta;
+        let value = |u: f64| self.model.value([u, v as f64]);
+        let [low, high] = bounds(value, self.model.bend_in_rows(), u, seen.len());
+        if high - least <= limit || low - greatest > limit {
+            let all = if low - greatest > limit { ENDS } else { GOES_ON };
+            seen.iter_mut()
+                .zip(disparity)
+                .for_each(|(seen, d)| *seen = if d.is_nan() { UNSEEN } else { all });
+            return;
+        }
+        for (u, (seen, d)) in (u as i32..).zip(seen.iter_mut().zip(disparity)) {
+            let measured = if value(u.into()) - f64::from(*d) <= limit { GOES_ON } else { ENDS };
+            *seen = if d.is_nan() { UNSEEN } else { measured };
+        }
+    }
+
+    /// Marks the end where this surface would leave the room, in a stretch from the pixel (u, v) on.
+    #[inline(always)]
+    fn mark_ends(&self, seen: &mut [i32], wall: &Self, [u, v]: [usize; 2], tolerance_quanta: f64) {
+        // Where the two meet, both are seen, and there a way would lead along the fold.
+        let limit = -(wall.scale + self.scale) * tolerance_quanta;
+        let behind = |u: f64| wall.model.value([u, v as f64]) - self.model.value([u, v as f64]);
+        let bend = wall.model.bend_in_rows() + self.model.bend_in_rows();
+        let [low, high] = bounds(behind, bend, u, seen.len());
+        if low > limit {
+            seen.fill(ENDS);
+        } else if high > limit {
+            for (u, seen) in (u as i32..).zip(seen) {
+                *seen = if behind(u.into()) > limit { ENDS } else { *seen };
+            }
+        }
+    }
+
     /// Whether nothing is seen behind it, as behind a floor or a wall without a window.
     fn bounds_room(&self, disparity: &Raster<f32>, tolerance_quanta: f64) -> bool {
         let (width, height) = disparity.size();

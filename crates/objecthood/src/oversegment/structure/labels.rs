@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::stretches::{STRETCH, Stretches, bounds};
 use super::surface::StructureSurface;
 use super::tilt::{Alike, Tilt, squared_between};
 use crate::buffers::Buffer;
@@ -11,14 +12,12 @@ use crate::regions::Segments;
 use crate::simd::vectorized;
 use crate::surface::window_choice::Orientation;
 
-/// Pixels of a row that are skipped together when none of them lies near the surface.
-const STRETCH: usize = 64;
-
 /// Labels every pixel with the first surface that lies within `tolerance_quanta` of it and has its tilt; -1 = none. A pixel without
 /// a normal needs no equal tilt. O(pixels · surfaces); parallel over rows.
 pub(super) fn label_pixels(
     surfaces: &[StructureSurface],
     disparity: &Raster<f32>,
+    stretches: &Stretches,
     orientation: &Orientation,
     alike: &Alike,
     tolerance_quanta: f64,
@@ -33,18 +32,17 @@ pub(super) fn label_pixels(
             vectorized(
                 #[inline(always)]
                 || {
-                    let stretches = labels.chunks_mut(STRETCH).zip(unsure.chunks_mut(STRETCH));
+                    let pixels = labels.chunks_mut(STRETCH).zip(unsure.chunks_mut(STRETCH));
                     let seen = disparity.chunks(STRETCH).zip(slopes.chunks(STRETCH));
-                    for (left, ((labels, unsure), (disparity, slopes))) in
-                        (0..).step_by(STRETCH).zip(stretches.zip(seen))
+                    for ((left, range), ((labels, unsure), (disparity, slopes))) in
+                        stretches.of_row(v).zip(pixels.zip(seen))
                     {
-                        surface.mark_near(
-                            labels,
-                            disparity,
-                            [left, v],
-                            surface.scale * tolerance_quanta,
-                            unsure,
-                        );
+                        let quanta = surface.scale * tolerance_quanta;
+                        if surface.is_far([left, v], unsure.len(), range, quanta) {
+                            unsure.fill(0);
+                            continue;
+                        }
+                        surface.mark_near(labels, disparity, [left, v], quanta, unsure);
                         if unsure.iter().fold(0, |any, near| any | near) != 0 {
                             let slope_squared = alike.slope_squared * surface.scale * surface.scale;
                             surface.claim(s, labels, slopes, [left, v], slope_squared, unsure);
@@ -67,6 +65,14 @@ pub(super) fn label_pixels(
 }
 
 impl StructureSurface {
+    /// Whether no pixel of a stretch lies near this surface. (u, v): its first pixel; `least` and `greatest`: its disparities.
+    #[inline(always)]
+    fn is_far(&self, [u, v]: [usize; 2], pixels: usize, [least, greatest]: [f64; 2], quanta: f64) -> bool {
+        let value = |u: f64| self.model.value([u, v as f64]);
+        let [low, high] = bounds(value, self.model.bend_in_rows(), u, pixels);
+        low - greatest >= quanta || least - high >= quanta
+    }
+
     /// Marks the unlabelled pixels near this surface. (u, v): the first pixel.
     #[inline(always)]
     fn mark_near(
@@ -77,8 +83,8 @@ impl StructureSurface {
         quanta: f64,
         near: &mut [i32],
     ) {
-        for (k, ((near, label), d)) in near.iter_mut().zip(labels).zip(disparity).enumerate() {
-            let misfit = f64::from(*d) - self.model.value([(u + k) as f64, v as f64]);
+        for (u, ((near, label), d)) in (u as i32..).zip(near.iter_mut().zip(labels).zip(disparity)) {
+            let misfit = f64::from(*d) - self.model.value([u.into(), v as f64]);
             *near = i32::from((misfit.abs() < quanta) & (*label < 0));
         }
     }
@@ -94,8 +100,8 @@ impl StructureSurface {
         slope_squared: f64,
         near: &mut [i32],
     ) {
-        for (k, ((near, own), slope)) in near.iter_mut().zip(labels).zip(slopes).enumerate() {
-            let steepness = self.model.slope([(u + k) as f64, v as f64]);
+        for (u, ((near, own), slope)) in (u as i32..).zip(near.iter_mut().zip(labels).zip(slopes)) {
+            let steepness = self.model.slope([u.into(), v as f64]);
             let is_alike = squared_between(steepness, slope.map(f64::from)) < slope_squared;
             *own = if (*near != 0) & is_alike { label as i32 } else { *own };
             *near &= i32::from(!is_alike);
@@ -137,7 +143,7 @@ mod tests {
             };
             let surfaces = [surface(100.0, [0.0, 0.0, -1.0]), surface(103.0, [0.0, -0.6, -0.8])];
             let alike = Alike { least_cosine: 0.9, slope_squared };
-            let labels = label_pixels(&surfaces, &disparity, &orientation, &alike, 2.0);
+            let labels = label_pixels(&surfaces, &disparity, &Stretches::of(&disparity), &orientation, &alike, 2.0);
             let width = disparity.width();
             for i in 0..disparity.len() {
                 let at = position(i, width);

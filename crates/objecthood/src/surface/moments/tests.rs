@@ -81,6 +81,17 @@ proptest! {
     }
 
     #[test]
+    fn the_sums_for_a_plane_fit_the_same_plane((disparity, pixels, _) in two_regions()) {
+        let all = Moments::of(&pixels, &disparity);
+        let mut some = Moments::about(all.center);
+        for &i in &pixels {
+            some.add_for_plane(position(i as usize, disparity.width()), disparity[i as usize].into());
+        }
+        let [all, some] = [all, some].map(|moments| moments.fit(Basis::Plane));
+        prop_assert_eq!((some.model, some.squared_error), (all.model, all.squared_error));
+    }
+
+    #[test]
     fn moments_are_shifted_as_if_summed_there(
         (disparity, pixels, _) in two_regions(),
         center in prop::array::uniform2(-20.0..20.0),

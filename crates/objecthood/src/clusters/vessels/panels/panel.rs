@@ -127,15 +127,19 @@ impl Panel {
         let normal = (facing - up * up.dot(facing)).try_normalize()?;
         let along = up.cross(normal);
         let [near_m, far_m] = reach_m(points.iter().copied(), facing, FLAT_QUANTILES);
+        let is_flat = (far_m - near_m).abs() < noise_m;
+        // Most pieces end here, before all of their pixels are looked at.
+        if !is_flat || !is_straight(scene, pixels, up, along) {
+            return None;
+        }
         // What stands before a wall, or lies on it, may have become part of its facet. A sample may be in step with the rows of the image.
         let is_of_wall = |&i: &usize| plane.distance_m(scene.point_at(i)) < noise_m;
         let of_wall: Vec<usize> = pixels.iter().map(|&i| i as usize).filter(is_of_wall).collect();
         let ends_m = reach_m(of_wall.iter().map(|&i| scene.point_at(i)), along, ENDS);
         let mut heights_m: Vec<f64> = of_wall.iter().map(|&i| scene.height_m(i, ground)).collect();
         let [foot_m, top_m] = range(&mut heights_m, FOOT_AND_TOP);
-        let is_flat = (far_m - near_m).abs() < noise_m;
         let is_wall = ends_m[1] - ends_m[0] >= LENGTH_M && top_m - foot_m >= HEIGHT_M;
-        if !is_flat || !is_wall || !is_straight(scene, pixels, up, along) {
+        if !is_wall {
             return None;
         }
         let [offset_m, _] = reach_m(points.iter().copied(), normal, [0.5; 2]);
