@@ -53,7 +53,7 @@ impl Surface {
         }
     }
 
-    /// The pixels at which points should be and something is seen there.
+    /// The pixels at which the image shows a surface where a point should be.
     fn there(&self, view: &View) -> impl Iterator<Item = usize> {
         self.points.iter().filter_map(|point| match shown(point.as_dvec3(), view) {
             Shown::There(pixel) => Some(pixel),
