@@ -1,4 +1,4 @@
-//! Depths that no sensor measures, and disparity in the place of depth.
+//! Depths that no sensor measures, and disparity instead of depth.
 
 use super::doubt::Doubt;
 use super::sample::{Sample, whole};

@@ -1,7 +1,7 @@
 //! The support forest of `context`: which thing stands on, lies in or leans on which, also where the contact is hidden.
 //!
 //! In the paper, the lower of two shapes in contact is the carrier (eq. 6). Here the place of the contact and the direction of
-//! gravity decide: a thing stands on another if it touches it with its foot, from above.
+//! gravity decide: a thing stands on another if its foot touches the other from above.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};

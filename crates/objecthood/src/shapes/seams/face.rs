@@ -1,7 +1,8 @@
 //! Joints of a single face: things of different widths share a plane (docs/CONTEXT.md 3.4).
 //!
-//! A box on another may stand flush with it on one side only. Then no plane cuts their whole body where colour changes, but the outline of the face they
-//! share steps at both ends of the joint, or far at one of them.
+//! A box on another may stand flush with it on one side only. Then no plane cuts their whole body where
+//! colour changes. But the outline of the face that they share steps at both ends of the joint, or far at one
+//! of them.
 
 use glam::DVec3;
 
@@ -12,28 +13,31 @@ use super::{GOES_ON, MOST_SEAMS, Parting, Piece, Search, clearest};
 use crate::check::{Bound, Check};
 use crate::quantile::range;
 
-/// The outline of the face steps by so much (m) at both ends of a joint, as by the thinnest box that is told by its side. Noise steps by up to 1 cm.
+/// The outline of the face steps by at least this (m) at both ends of a joint, as beside the thinnest box
+/// that is recognised by its side. Noise makes steps of up to 1 cm.
 const OUTLINE_STEP_M: f64 = 0.012;
-/// A step at one end alone is so large (m): that of both ends.
+/// A step at one end alone is at least this large (m): the sum of both.
 const LONE_STEP_M: f64 = 2.0 * OUTLINE_STEP_M;
-/// What lies so far (m) before the plane of a face may hide a part of it.
+/// A thing at least this far (m) before the plane of a face may hide a part of it.
 const BEFORE_M: f64 = 0.01;
-/// A lone step is no end of a thing where more than this share of the plane beyond it is hidden.
+/// The face does not end at a lone step if more than this share of the plane beyond it is hidden.
 const MOST_HIDDEN: f64 = 0.2;
-/// The outline is measured over two such lengths on either side of a joint (m), beyond what may show both.
+/// The outline is measured over two lengths of this (m) on either side of a joint, beyond the pixels that may
+/// show both sides.
 const OUTLINE_M: f64 = 0.008;
 /// The ends of the outline there are these quantiles of its pixels.
 const END_QUANTILES: [f64; 2] = [0.03, 0.97];
-/// Fewer pixels show no outline.
+/// With fewer pixels there is no outline.
 const LEAST_PX: usize = 10;
-/// Both sides share at most this multiple of the colours that two sides of a body may share: the outline speaks for a joint too.
+/// The colours of both sides overlap by at most this multiple of what two sides of a body may: the outline is
+/// evidence for a joint too.
 const OVERLAP_FACTOR: f64 = 2.0;
 /// A smaller face is not searched (px at 525 px): each side has the pixels of the smallest object.
 const LEAST_FACE_PX: usize = 400;
 
 impl Search<'_> {
-    /// Parts the faces of a piece, one by one, along joints that end in steps of their outlines; then both sides. `traces`: those of the piece.
-    /// O(pixels · edges of a face · seams).
+    /// Divides the faces of a piece, one by one, along joints that end in steps of their outlines; then both
+    /// sides of each joint. `traces`: those of the piece. O(pixels · axes of a face · seams).
     pub(super) fn part_faces(&self, piece: Piece, traces: Vec<Trace>, parting: &mut Parting) {
         let Piece { body, sides } = piece;
         // A piece of one face was searched as this face.
@@ -59,13 +63,13 @@ impl Search<'_> {
         }
     }
 
-    /// The checks of a joint of one face that passes them. Its outline steps at both ends, or one step is large, and the colours of both sides
-    /// share no more than those of a whole body may at the clearest.
+    /// The checks of a joint of one face, if it passes them. Its outline steps at both ends. Or one step is
+    /// large, and the colours of both sides overlap no more than those of a whole body may at the clearest.
     fn passed_in_face(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
         let colors = SideColors::of(body, trace);
         let (overlap, most) = (colors.overlap(), self.params.color_overlap);
         let mut checks = self.check_colors(trace, overlap, OVERLAP_FACTOR * most);
-        // Most traces end here, before the outline is measured.
+        // Most traces fail here, before the outline is measured.
         if !checks.iter().all(Check::holds) {
             return None;
         }
@@ -87,8 +91,8 @@ impl Search<'_> {
         checks.iter().all(Check::holds).then_some(checks)
     }
 
-    /// Checks that the outline steps far at one end of a trace, and that the face ends there: that nothing hides where it would go on. `None` if a
-    /// slant may look like a step.
+    /// Checks that the outline steps far at one end of a trace, and that the face really ends there: nothing
+    /// hides the place where it would go on. `None` if a slant may look like a step.
     fn check_lone_step(&self, outline: &Outline, face: &Face, trace: &Trace) -> Option<[Check; 2]> {
         let [first_m, last_m] = outline.steps_m;
         let step = "step of the outline of the face at the end with the larger one";
@@ -108,7 +112,7 @@ impl Search<'_> {
         let is_hidden = |point: DVec3| {
             let seen = self.space.camera().pixel_at(point, self.size);
             let depth_m = seen.map(|i| self.space.depth_m(self.disparity[i].into()));
-            // Nothing is measured in the shadow of the face itself, where it does end.
+            // In the shadow of the face itself nothing is measured; there it does end.
             depth_m.is_none_or(|depth_m| depth_m < point.z - BEFORE_M)
         };
         let (hidden, all) =
@@ -123,14 +127,14 @@ struct Outline {
     across: DVec3,
     /// The two ends along it (m): below the trace, and above.
     ends_m: [[f64; 2]; 2],
-    /// How far the outline steps at both ends (m), beyond what it slants.
+    /// How far the outline steps at both ends (m), without its slant.
     steps_m: [f64; 2],
     /// Whether both sides show how the outline slants.
     shows_slant: bool,
 }
 
 impl Outline {
-    /// `None` where too little of the face is seen.
+    /// `None` if too little of the face is seen.
     fn beside(face: &Face, trace: &Trace) -> Option<Self> {
         let across = face.normal.cross(trace.axis).try_normalize()?;
         // Places along the trace (m) of the pixels beside it: below and above, each near it and one length farther.
@@ -158,7 +162,7 @@ impl Outline {
             let slants =
                 [lower.map(|lower| below[end] - lower[end]), upper.map(|upper| upper[end] - above[end])];
             let along = slants.into_iter().flatten().map(|slant_m| slant_m * step_m.signum());
-            // A slant that only one side shows is none: the corner of a box may lie there.
+            // A slant that only one side shows does not count: the corner of a box may lie there.
             step_m.abs() - lengths * along.fold(f64::INFINITY, f64::min).clamp(0.0, step_m.abs())
         };
         let steps_m = [0, 1].map(step_m);
@@ -170,7 +174,8 @@ impl Outline {
         })
     }
 
-    /// The points of the plane of the face where it ends with a step: those that lie beside the wider side, on the other side of the trace.
+    /// Points of the plane of the face where it ends with a step: beside the wider side, on the other side of
+    /// the trace.
     fn beyond<'a>(
         &'a self,
         end: usize,
@@ -179,7 +184,7 @@ impl Outline {
     ) -> impl Iterator<Item = DVec3> + 'a {
         let outward = [-1.0, 1.0][end];
         let [below_m, above_m] = self.ends_m.map(|ends_m| outward * ends_m[end]);
-        // The axis may be a little out of the plane.
+        // The axis may deviate a little from the plane.
         let in_plane = trace.axis - trace.axis.dot(face.normal) * face.normal;
         let mirror = in_plane * (2.0 / in_plane.length_squared());
         let (wider, narrow_m) = if above_m > below_m { (1.0, below_m) } else { (-1.0, above_m) };
