@@ -2,8 +2,8 @@
 //!
 //! It needs no training and no known classes. The method `paper` is published in "Unsupervised Object
 //! Exploration Using Context" (RO-MAN 2014). It over-segments a frame on colour, depth and curvature, groups
-//! superpixels into facets, and joins facets across convex edges into shapes. A shape is an object if it has a
-//! graspable size and something carries it.
+//! superpixels into facets, and joins facets across convex edges into shapes. A shape is an object if it has
+//! a graspable size and something carries it.
 //!
 //! The method `context`, the default, has the same four stages. It fits surfaces in disparity, lets whole
 //! borders vote, and uses the surroundings: vessels, bottoms, parts behind an occluder.

@@ -1,4 +1,5 @@
-//! The search for a repair: tries, for every single parameter, whether it turns the answer for a pixel, or for two.
+//! The search for a repair: tries, for every single parameter, whether it turns the answer for a pixel, or
+//! for two.
 //!
 //! A [`Flip`](crate::explain::Flip) turns one decision that the method made. A repair turns the result, whichever decision led to it.
 

@@ -1,10 +1,10 @@
-//! What cannot be right in a frame: a camera of another image, depth in another unit, images that do not belong
-//! together.
+//! What cannot be right in a frame: a camera of another image, depth in another unit, images that do not
+//! belong together.
 //!
 //! The numbers of a frame show much of their origin: the principal point lies near the middle of the image;
 //! depth cameras reach some metres; their noise grows with the square of depth; planes are affine in inverse
-//! depth; where depth jumps, colour often changes. A frame that contradicts one of these is processed as it is,
-//! with a [`Doubt`].
+//! depth; where depth jumps, colour often changes. A frame that contradicts one of these is processed as it
+//! is, with a [`Doubt`].
 //!
 //! Only a grid of pixels is examined, so the cost is 1 to 2 % of that of a method. Source: ours; the limits
 //! leave a margin around all frames at hand (docs/INPUTS.md says how that was measured).

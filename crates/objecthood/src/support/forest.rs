@@ -52,16 +52,16 @@ const HIDDEN: f64 = 0.5;
 /// * otherwise merely touches the other side by side, which gives no edge.
 ///
 /// A thing that then neither stands on nor lies in anything has a hidden contact; it may lean. It is extended
-/// along gravity behind its occluder: to the highest thing below that holds its middle, or over which it hangs
-/// level with its top; else to the plane there; else to the highest plane below. Or it lies in the thing
-/// around it. `confidence`: a half if it is level with its carrier or lies in it; else half the share of its
-/// foot below which it is not seen to end, 0 if it floats.
+/// along gravity behind its occluder: to the highest thing below that holds its middle, or over which it
+/// hangs level with its top; else to the plane there; else to the highest plane below. Or it lies in the
+/// thing around it. `confidence`: a half if it is level with its carrier or lies in it; else half the share
+/// of its foot below which it is not seen to end, 0 if it floats.
 ///
-/// Edges are added in this order: *on* and *in*, *leans*, hidden contacts. Within each, the surest come first.
-/// An edge is left out if its upper already carries its lower, directly or through others, so there are no
-/// cycles. P(S) is eq. 7; a plane has the P(S) of its own normal. P(O) is eq. 8 over the edges, without their
-/// confidence: the confidence measures the choice of the carrier, and eq. 8 the ability of the carrier to
-/// carry. `contact.reach_px` holds at a focal length of 525 px.
+/// Edges are added in this order: *on* and *in*, *leans*, hidden contacts. Within each, the surest come
+/// first. An edge is left out if its upper already carries its lower, directly or through others, so there
+/// are no cycles. P(S) is eq. 7; a plane has the P(S) of its own normal. P(O) is eq. 8 over the edges,
+/// without their confidence: the confidence measures the choice of the carrier, and eq. 8 the ability of the
+/// carrier to carry. `contact.reach_px` holds at a focal length of 525 px.
 ///
 /// Source: ours, because it replaces eq. 6. O(pixels · `reach_px` + n log n + pairs · cells + edges · (regions + edges)) for n pixels
 /// of things, pairs of things, and cells of 1 cm² of the outer thing of a pair; the last term is the search for cycles.
