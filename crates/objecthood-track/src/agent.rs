@@ -1,4 +1,5 @@
-//! Agents: what is nearer than the rested scene and stays connected to the border of the image (ours, after the design note).
+//! Agents (hands, people): regions that are nearer than the rested scene and stay connected to the border of
+//! the image (ours, after the design note).
 
 use std::collections::BTreeSet;
 
@@ -10,47 +11,50 @@ use crate::pace::Pace;
 use crate::scene::{Key, Scene};
 use crate::view::View;
 
-/// Least size of what may be an agent (px at VGA size).
+/// Least size of a region that may be an agent (px at VGA size).
 const LEAST_PX: f64 = 300.0;
 /// Least number of its pixels on the border of the image (px at VGA size).
 const LEAST_BORDER_PX: f64 = 8.0;
-/// Least share of it that is measured nearer, or changed, in frames that count: a shining floor only loses its depth.
+/// Least share of its pixels that are measured nearer, or changed, in frames that count: a shining floor only
+/// loses its depth.
 const LEAST_MEASURED: f64 = 0.25;
-/// It is scene that the sensor reached late when more than this share of it stands before nothing, and less than this share of it has changed,
-/// for so long (s).
+/// A region is scene that came late into the sensor's reach if more than the first share of it stands before
+/// nothing, and less than the second share of it has changed, for this long (s).
 const MOST_BEFORE_NOTHING: f64 = 0.5;
 const LEAST_ALIVE: f64 = 0.02;
 const SCENE_S: f64 = 5.0;
-/// It has to be there so long (s).
+/// It has to be seen for this long (s).
 const LEAST_S: f64 = 0.2;
-/// It may be away from the border so long (s), once it was there twice as long as it has to be: what flies in is soon away. One that has lifted a thing
-/// may be away for any time.
+/// It may be away from the border for this long (s), once it was there twice as long as it has to be: a thing
+/// that flies in is soon away. An agent that has lifted a thing may be away for any time.
 const PATIENCE_S: f64 = 0.1;
 
 /// A hand with its arm, a person.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Agent {
-    /// Counts from 1.
+    /// Numbers begin at 1.
     pub(crate) number: u32,
     pub(crate) mask: Bits,
     frames: usize,
-    /// Frames since it was first seen, and whether it has become sure in this one.
+    /// Frames since it was first seen, and whether it has become sure in this frame.
     pub(crate) age: usize,
     pub(crate) is_new: bool,
     away: usize,
-    /// Whether it has lifted a thing: then it may come away from the border, as a gripper without an arm.
+    /// Whether it has lifted a thing: then it may leave the border, like a gripper without an arm.
     has_lifted: bool,
-    /// Frames for which it has not changed, if it stands before nothing that was in reach of the sensor.
+    /// Frames for which it has not changed, if it stands before places where nothing was in reach of the
+    /// sensor.
     still: usize,
 }
 
-/// The tracks of things, by which these are told from agents.
+/// The tracks of things that help to tell things from agents.
 pub(crate) struct Things {
-    /// Those that were seen by themselves away from the border.
+    /// Tracks that were seen by themselves, away from the border.
     pub(crate) free: BTreeSet<Key>,
-    /// Those that are known.
+    /// Tracks that are known.
     pub(crate) known: BTreeSet<Key>,
-    /// Arms that were there from the first frame on: where these still are, nothing is nearer than what rested there.
+    /// Arms that were there from the first frame on: where they still are, nothing is nearer than what rested
+    /// there.
     pub(crate) arms: BTreeSet<Key>,
 }
 
@@ -58,11 +62,11 @@ pub(crate) struct Things {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Agents {
     pub(crate) all: Vec<Agent>,
-    /// The pixels of all of them, with what they carry.
+    /// The pixels of all of them, with the things that they carry.
     pub(crate) region: Bits,
-    /// What else is nearer than the rested scene and is no agent: the pixels of each thing.
+    /// Other regions that are nearer than the rested scene: the pixels of each thing.
     pub(crate) free: Vec<Vec<usize>>,
-    /// What they look like without what they carry.
+    /// What they look like without the things that they carry.
     pub(crate) look: Look,
     next: u32,
 }
@@ -72,12 +76,13 @@ impl Agents {
         Self { all: Vec::new(), region: Bits::none(size), free: Vec::new(), look: Look::default(), next: 1 }
     }
 
-    /// Forgets where they are, not what they look like. New ones get new numbers.
+    /// Forgets where the agents are, but not what they look like. Agents found later get new numbers.
     pub(crate) fn lose(&mut self, size: (usize, usize)) {
         *self = Self { next: self.next, look: std::mem::take(&mut self.look), ..Self::none(size) };
     }
 
-    /// Finds them in a frame. What comes to the border as a free thing is no agent, nor is what an agent lets go. O(n).
+    /// Finds the agents in a frame. A free thing that comes to the border is no agent, nor is a thing that an
+    /// agent lets go. O(n).
     pub(crate) fn update(
         &mut self,
         view: &View,
@@ -102,7 +107,7 @@ impl Agents {
         let touches = |component: &Vec<usize>| component.iter().filter(on_border).count() >= least_border;
         let mut components: Vec<(bool, Vec<usize>)> =
             components.map(|component| (touches(&component), component)).collect();
-        // Neither a splinter of an arm nor what it let go takes its number.
+        // Neither a splinter of an arm nor a thing that it let go takes its number.
         components.sort_by_key(|(touches, component)| std::cmp::Reverse((*touches, component.len())));
         for (touches, component) in components {
             let mut mask = Bits::none(view.size);
@@ -155,7 +160,7 @@ impl Agents {
         }
     }
 
-    /// These agents have something in the air.
+    /// Notes that these agents hold something in the air.
     pub(crate) fn note_lifts(&mut self, numbers: impl Iterator<Item = u32>) {
         for number in numbers {
             self.all
@@ -165,7 +170,7 @@ impl Agents {
         }
     }
 
-    /// Those that have been there long enough.
+    /// The agents that have been there long enough.
     pub(crate) fn sure(&self) -> impl Iterator<Item = &Agent> {
         self.all.iter().filter(|agent| agent.number > 0 && self.region.common(&agent.mask) > 0)
     }

@@ -12,29 +12,29 @@ use crate::view::View;
 /// A point of a surface.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct SurfacePoint {
-    /// Where it was (m), in the frame of the camera.
+    /// Its old place (m), in the frame of the camera.
     pub(crate) at: DVec3,
-    /// What it looked like, 0 to 255; `None` without colour.
+    /// Its old grey value, 0 to 255; `None` without colour.
     pub(crate) grey: Option<f64>,
 }
 
 /// How something moved.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Motion {
-    /// Takes old places to new ones, in the frame of the camera.
+    /// Maps old places to new ones, in the frame of the camera.
     pub(crate) rigid: Rigid,
     /// Covariance of shift (m) and turn (rad) about the centre of the points: shift first.
     pub(crate) covariance: [[f64; 6]; 6],
-    /// Share of the points in view that lie where they should and look as they did.
+    /// Share of the points in view that lie at their new place and look as they did.
     pub(crate) fit: f64,
 }
 
 const ITERATIONS: usize = 8;
 /// Iterations that only translate.
 const SHIFTS: usize = 2;
-/// Fewer points do not tell a rotation.
+/// With fewer points no rotation is estimated.
 const LEAST_FOR_TURNS: usize = 150;
-/// Fewer points tell nothing.
+/// With fewer points no motion is estimated.
 const LEAST_POINTS: usize = 30;
 /// Standard deviation of grey values (levels).
 const SIGMA_GREY: f64 = 8.0;
@@ -42,16 +42,18 @@ const SIGMA_GREY: f64 = 8.0;
 const HUBER: f64 = 1.5;
 /// Beyond this many a residual does not count: depth, grey.
 const CUT: [f64; 2] = [12.0, 8.0];
-/// A point is somewhere else than expected beyond this depth difference (m): at first, from the fifth iteration on.
+/// A point beyond this depth difference (m) is somewhere else than expected: in the first iterations, and
+/// from the fifth on.
 const FAR_M: [f64; 2] = [0.05, 0.025];
-/// A point fits within this many standard deviations of depth, and this of grey.
+/// A point fits within the first number of standard deviations of depth, and the second of grey.
 const FIT: [f64; 2] = [3.5, 8.0];
-/// Nearer by this (m) than a point is what stands before it.
+/// Something stands before a point if it is nearer by this (m).
 const COVERED_M: f64 = 0.02;
-/// Weak knowledge that nothing moves: inverse variances of shift (1/m²) and turn (1/rad²).
+/// Weak prior for no motion: inverse variances of shift (1/m²) and turn (1/rad²).
 const PRIOR: [f64; 2] = [1e2, 1.0];
 
-/// The motion of points into a view, beginning at a guess. `None` when too few of them can be found there.
+/// Estimates the motion of points into a view, starting from a guess. `None` if too few of them can be found
+/// there.
 pub(crate) fn align(points: &[SurfacePoint], view: &View, guess: &Rigid) -> Option<Motion> {
     if points.len() < LEAST_POINTS {
         return None;
@@ -81,7 +83,7 @@ pub(crate) fn align(points: &[SurfacePoint], view: &View, guess: &Rigid) -> Opti
     Some(Motion { rigid, covariance: system.covariance(), fit })
 }
 
-/// Shares of the points: those that fit of those in view, and those in view.
+/// Two shares of the points: those that fit among those in view, and those in view.
 pub(crate) fn fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> (f64, f64) {
     let (mut in_view, mut fitting) = (0_usize, 0_usize);
     for point in points {
@@ -93,7 +95,7 @@ pub(crate) fn fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> (f64, 
     (fitting as f64 / in_view.max(1) as f64, in_view as f64 / points.len().max(1) as f64)
 }
 
-/// The share of the points that fit, of those in view before which nothing nearer stands. 0 when these are too few.
+/// The share of points that fit, among those in view that nothing nearer hides. 0 if these are too few.
 pub(crate) fn open_fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> f64 {
     let (mut open, mut fitting) = (0_usize, 0_usize);
     for point in points {
@@ -107,9 +109,10 @@ pub(crate) fn open_fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> f
     if open < LEAST_POINTS { 0.0 } else { fitting as f64 / open as f64 }
 }
 
-/// By how much one motion explains better what is seen than another, such as rest, does: the difference of the means of squared residuals in
-/// standard deviations, each cut off where it does not count in [`fit`]. Of all points at which, by the other, nothing nearer stands
-/// now than was there; `None` when these are too few.
+/// By how much better one motion explains what is seen than another one (such as rest) does. It is the
+/// difference of their mean squared residuals, in standard deviations, each cut off where a residual does not
+/// count in [`fit`]. Points before which, by the other motion, something nearer stands now are left out;
+/// `None` if too few remain.
 pub(crate) fn gain(points: &[SurfacePoint], view: &View, rigid: &Rigid, other: &Rigid) -> Option<f64> {
     let (mut open, mut gain) = (0_usize, 0.0);
     for point in points {
@@ -126,14 +129,14 @@ pub(crate) fn gain(points: &[SurfacePoint], view: &View, rigid: &Rigid, other: &
     (open >= LEAST_POINTS).then(|| gain / open as f64)
 }
 
-/// What is seen at a point, less what was remembered: depth (m), grey value (levels; 0 without colour).
+/// What is seen at a point minus what was remembered: depth (m), grey value (levels; 0 without colour).
 struct Residual {
     depth: f64,
     grey: f64,
 }
 
 impl Residual {
-    /// Whether it is within noise.
+    /// Whether the residual is within noise.
     fn fits(&self, z: f64, view: &View) -> bool {
         self.depth.abs() < FIT[0] * view.sigma_m(z) && self.grey.abs() < FIT[1] * SIGMA_GREY
     }
@@ -183,7 +186,7 @@ impl System {
         }
     }
 
-    /// A residual with its change by a shift; a turn shifts by turn x arm.
+    /// Adds a residual with its derivative by a shift; a turn shifts by turn x arm.
     fn row(&mut self, slope: DVec3, arm: DVec3, residual: f64, sigma: f64, cut: f64) {
         let size = residual.abs() / sigma;
         if size > cut {
@@ -210,7 +213,7 @@ impl System {
         h
     }
 
-    /// The step of the first `n` unknowns; the others stay.
+    /// Solves for the first `n` unknowns; the others are 0.
     fn solve(&self, n: usize) -> Option<[f64; 6]> {
         let l = cholesky(&self.with_prior(), n)?;
         let mut x = substitute(&l, n, &self.g);

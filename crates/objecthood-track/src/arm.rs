@@ -1,4 +1,4 @@
-//! Agents that are there from the first frame on: at rest they look like things (ours).
+//! Agents that are in the image from the first frame on: while at rest they look like things (ours).
 
 use std::collections::BTreeSet;
 
@@ -9,19 +9,21 @@ use crate::scene::Key;
 use crate::track::{Sample, Track, is_as_whole};
 use crate::view::View;
 
-/// A thing moved with an agent from the beginning when it moved so soon (s) after the first frame in which the agent was nearer than the rested
-/// scene. A hand that comes in from the border needs longer to get anywhere.
+/// A thing moved with an agent from the beginning if it moved within this time (s) after the first frame in
+/// which the agent was nearer than the rested scene. A hand that comes in from the border needs longer to
+/// reach anything.
 const AT_ONCE_S: f64 = 0.1;
-/// It has moved by so much (m) by then,
+/// It has moved by at least this (m) by then,
 const BEGUN_M: f64 = 0.004;
-/// and by so much since it rested.
+/// and by at least this since it rested.
 const MOVED_M: f64 = 0.015;
-/// It belongs to the agent's region with this share of its pixels or more.
+/// It belongs to the agent's region with at least this share of its pixels.
 const OF_AGENT: f64 = 0.5;
 
 impl Memory {
-    /// An agent that has just become sure and that did not come in was there before, and what moved with it from the first was part of it.
-    /// O(agents · (n + tracks)) in frames with such an agent.
+    /// Handles agents that have just become sure but did not come in from the border: they were there before,
+    /// and the things that moved with them from the first were parts of them. O(agents · (n + tracks)) in
+    /// frames with such an agent.
     pub(crate) fn find_arms(&mut self, look: &Look<'_>) {
         let mut arms: BTreeSet<Key> = BTreeSet::new();
         for agent in self.agents.sure().filter(|agent| agent.is_new) {
@@ -37,8 +39,9 @@ impl Memory {
         }
     }
 
-    /// Notes which things of the first frame nothing but structure joins to the border of the image: they are no parts of an arm. O(n).
-    /// `structure`: the plane at each pixel, 0 = none; of another size where it is not known.
+    /// Notes which things of the first frame are joined to the border of the image by structure alone: these
+    /// are no parts of an arm. `structure`: the plane at each pixel, 0 = none; of another size if it is not
+    /// known. O(n).
     pub(crate) fn note_apart(&mut self, structure: &[u16], view: &View) {
         if self.frame > 0 || structure.len() != view.inverse.len() {
             return;
@@ -53,7 +56,8 @@ impl Memory {
         }
     }
 
-    /// Whether most of what is seen of a track belongs to an agent; of what is not seen, whether its last place does.
+    /// Whether most of the pixels of a track belong to an agent; for a track that is not seen, most of its
+    /// last place.
     fn lies_in(&self, key: Key, agent: &Agent, look: &Look<'_>) -> bool {
         let last = self.tracks[&key].last;
         if last.frame < self.frame {
@@ -69,13 +73,14 @@ impl Memory {
     }
 }
 
-/// Whether a track rested from the first frame on, nothing was done to it, and it moves since a frame or longer.
+/// Whether a track rested from the first frame on, nothing was done to it, and it has moved for at least a
+/// frame.
 fn moved_at_once(track: &Track, by: u64) -> bool {
     let may_be_arm = track.was_never_handled() && !track.was_apart && !track.is_agent_part();
     let Some(rest) = track.rest.filter(|_| may_be_arm) else {
         return false;
     };
-    // What is hidden in part has another middle, within its size.
+    // If a part of a thing is hidden, its middle shifts, but within its size.
     let moved_m = |sample: &Sample| {
         let moved_m = (sample.center - rest.center).length();
         let is_sure = is_as_whole(sample.px, rest.px) || moved_m > track.area_m2.sqrt();

@@ -1,4 +1,4 @@
-//! Which segment shows which track.
+//! Decides which segment shows which track.
 
 use std::collections::BTreeMap;
 
@@ -8,53 +8,56 @@ use crate::pace::Pace;
 use crate::segment::Segment;
 use crate::track::{KNOWN_S, Track};
 
-/// Least overlap (intersection over union) of a segment with where a track should be seen.
+/// Least overlap (intersection over union) of a segment with the predicted mask of a track.
 const LEAST_IOU: f64 = 0.25;
-/// What comes out of a hand has the colours of its thing in this share of its pixels,
+/// A thing that comes out of a hand has its own colours in this share of its pixels,
 pub(crate) const OWN_LOOK: f64 = 0.75;
-/// and counts as if it overlapped by so much with where that should be: more than the least, less than a good overlap.
+/// and counts as if it overlapped by this much with its predicted mask: more than the least overlap, less
+/// than a good one.
 const COMES_OUT_IOU: f64 = 0.3;
-/// A segment holds a track when it covers this share of where the track should be.
+/// A segment holds a track if it covers this share of the track's predicted mask.
 pub(crate) const HOLDS: f64 = 0.5;
-/// Limits of finding again: difference of looks, logarithm of the ratio of areas.
+/// Limits for finding a track again: difference of looks, logarithm of the ratio of areas.
 const MOST_LOOK: f64 = 0.6;
 const MOST_SIZE: f64 = 1.4;
-/// Where something of about the same size (the same logarithm) was hidden, it may look as different as this.
+/// Where a track of about the same size (within the first, a logarithm) was hidden, the difference of looks
+/// may be as large as the second.
 const SAME_SIZE: f64 = 0.3;
 const MOST_LOOK_UNCOVERED: f64 = 0.8;
-/// In an agent's region looks have to agree better, because much of the region is the agent's.
+/// In an agent's region looks have to agree better, because much of the region belongs to the agent.
 const MOST_LOOK_AT_AGENT: f64 = 0.35;
-/// Reach (m): at once, and in addition each thirtieth of a second, up to eight of them.
+/// Reach (m): at once, and in addition for each thirtieth of a second, up to eight of them.
 const REACH_M: [f64; 2] = [0.07, 0.06];
 const REACH_STEPS: f64 = 8.0;
-/// A track is found again for so long (s) when it is confirmed, and else for so many frames.
+/// A confirmed track can be found again for this long (s), any other for this many frames.
 pub(crate) const MEMORY_S: f64 = 5.0;
 pub(crate) const YOUNG_MEMORY_FRAMES: f64 = 2.5;
-/// A track that began so short a time ago (s), after another was last seen, may turn out to be that one.
+/// A track that began at most this long (s) after another was last seen may turn out to be the other.
 const NEW_S: f64 = 2.0;
-/// What comes out from behind something lies within this share of its size (the root of its area) of where it was seen last.
+/// A thing that comes out from behind something lies within this share of its size (the root of its area) of
+/// where it was last seen.
 const UNCOVERED_SHARE: f64 = 0.6;
-/// A look is clearly nearer to another when the differences differ by this.
+/// One look is clearly nearer than another if the differences differ by this.
 const CLEARLY: f64 = 0.3;
-/// What an unknown difference of looks counts as.
+/// An unknown difference of looks counts as this.
 const UNKNOWN_LOOK: f64 = 0.3;
 
-/// Pixels that segments and predicted masks have, and have in common.
+/// Pixel counts of segments and predicted masks, and of their overlaps.
 #[derive(Debug, Default)]
 pub(crate) struct Overlap {
-    /// By track: the pixels of its predicted mask in which it can be seen.
+    /// By track: the pixels of its predicted mask that can be seen.
     pub(crate) predicted: BTreeMap<u32, usize>,
-    /// By segment and track.
+    /// By segment and track: the pixels that they have in common.
     pub(crate) common: BTreeMap<(usize, u32), usize>,
 }
 
 impl Overlap {
-    /// Whether a segment covers most of where a track should be seen.
+    /// Whether any segment covers most of a track's predicted mask.
     pub(crate) fn is_held(&self, key: u32) -> bool {
         self.common.keys().any(|&(segment, other)| other == key && self.is_held_by(segment, key))
     }
 
-    /// Whether this segment does.
+    /// Whether this segment covers most of it.
     pub(crate) fn is_held_by(&self, segment: usize, key: u32) -> bool {
         let predicted = self.predicted.get(&key).copied().unwrap_or(0);
         self.common.get(&(segment, key)).is_some_and(|&common| common as f64 > HOLDS * predicted as f64)
@@ -67,8 +70,8 @@ impl Overlap {
     }
 }
 
-/// The track of each segment by overlap with where tracks should be seen. Segments without one are `None`. One assignment, O(s² t) for
-/// s segments and t tracks.
+/// The track of each segment, by overlap with predicted masks; `None` for a segment without a track. One
+/// assignment, O(s² t) for s segments and t tracks.
 pub(crate) fn by_overlap(
     segments: &[Segment],
     tracks: &BTreeMap<u32, Track>,
@@ -83,7 +86,7 @@ pub(crate) fn by_overlap(
     tracks_of
 }
 
-/// What segments show of where tracks should be seen.
+/// What segments show of the predicted masks of tracks.
 struct Expected<'a> {
     segments: &'a [Segment],
     tracks: &'a BTreeMap<u32, Track>,
@@ -92,7 +95,7 @@ struct Expected<'a> {
 }
 
 impl Expected<'_> {
-    /// How well a segment shows a track, in [0, 1]; 0: not at all.
+    /// How well a segment shows a track, in [0, 1]; 0 = not at all.
     fn value(&self, k: usize, key: u32) -> f64 {
         let iou = self.iou(k, key);
         let iou = if iou > 0.0 && self.comes_out(k, key) { iou.max(COMES_OUT_IOU) } else { iou };
@@ -107,7 +110,8 @@ impl Expected<'_> {
         self.overlap.iou(k, self.segments[k].px, key)
     }
 
-    /// Whether a segment lies nearer to the camera than a thing can have come: it stands before that, as a hand near the camera does.
+    /// Whether a segment lies nearer to the camera than the thing can have come. Then it stands before the
+    /// thing, like a hand near the camera.
     fn is_out_of_reach(&self, k: usize, key: u32) -> bool {
         let (segment, track) = (&self.segments[k], &self.tracks[&key]);
         let nearer_m = track.center_in_camera.length() - segment.center_in_camera.length();
@@ -115,8 +119,9 @@ impl Expected<'_> {
         !track.is_agent_part() && nearer_m > reach_m + track.area_m2.sqrt()
     }
 
-    /// Whether a segment shows more of a known thing than was expected, because less of it is hidden now: it holds the thing, has its colours and
-    /// is no larger. Where much less is expected than was just seen, the motion was not found.
+    /// Whether a segment shows more of a known thing than was expected, because less of the thing is hidden
+    /// now: the segment holds the thing, has its colours and is no larger. If much less is expected than was
+    /// just seen, the motion was not found.
     fn comes_out(&self, k: usize, key: u32) -> bool {
         let (segment, track) = (&self.segments[k], &self.tracks[&key]);
         let looks_like_it = segment.look.share_of(&track.look).is_some_and(|share| share > OWN_LOOK);
@@ -125,8 +130,8 @@ impl Expected<'_> {
         may_be_it && 2 * expected > track.last.px && self.overlap.is_held_by(k, key)
     }
 
-    /// Whether another segment lies where a known thing should be seen too, and has clearly more of its look: a frame may have taken the thing and what
-    /// fell on it for one.
+    /// Whether another segment lies on the predicted mask of a known thing too, and has clearly more of its
+    /// look. Then the frame may have taken the thing, and something that fell on it, for one.
     fn is_rather_another(&self, k: usize, key: u32) -> bool {
         let track = &self.tracks[&key];
         let difference = |k: usize| self.segments[k].look.distance(&track.look);
@@ -136,14 +141,14 @@ impl Expected<'_> {
             && (0..self.segments.len()).any(|other| other != k && lies_there(other) && is_liker(other))
     }
 
-    /// Whether a segment has more pixels of a known thing than of this part of an agent: a frame once took a finger for one with what it
-    /// holds, and what it holds is no part of the hand.
+    /// Whether a segment has more pixels of a known thing than of this part of an agent. A frame may take a
+    /// finger and the thing that it holds for one, and the thing is no part of the hand.
     fn is_rather_a_thing(&self, k: usize, part: u32) -> bool {
         let common = self.overlap.common.get(&(k, part)).copied().unwrap_or(0);
         self.tracks[&part].is_agent_part() && common < self.most_of_a_thing(k)
     }
 
-    /// The pixels that a segment has of a known thing that it holds and may show; the most of any.
+    /// The largest number of pixels that a segment has of a known thing that it holds and may show.
     fn most_of_a_thing(&self, k: usize) -> usize {
         let is_held = |key: u32| {
             let may_show = self.overlap.is_held_by(k, key) && self.iou(k, key) > LEAST_IOU;
@@ -154,8 +159,9 @@ impl Expected<'_> {
     }
 }
 
-/// Finds tracks again in what overlap leaves open, by looks, size and reach. `inside`: segments that lie inside open things; what was moved off
-/// one is none of them. One assignment, as [`by_overlap`].
+/// Finds tracks again for segments that have no track by overlap, by looks, size and reach. `inside`:
+/// segments that lie inside open things; they do not show a part that was moved off one. One assignment, as
+/// [`by_overlap`].
 pub(crate) fn find_again(
     segments: &[Segment],
     tracks: &BTreeMap<u32, Track>,
@@ -164,7 +170,8 @@ pub(crate) fn find_again(
     (now_s, pace): (f64, Pace),
     tracks_of: &mut [Option<u32>],
 ) {
-    // What an agent carries may be a known thing that was hidden in it; what is new, a known thing that was hidden before.
+    // A thing that an agent carries may be a known one that was hidden in the hand; a new segment may be a
+    // known thing that was hidden before.
     let is_part = |key: u32| tracks[&key].is_agent_part();
     let is_new = |key: u32| now_s - tracks[&key].first.stamp_s < NEW_S;
     let is_open = |key: u32| is_part(key) || is_new(key);
@@ -184,7 +191,7 @@ pub(crate) fn find_again(
         may_be.then(|| found_again(&segments[k], &tracks[&key], now_s, pace)).flatten().unwrap_or(0.0)
     };
     pair(&free, &lost, again, tracks_of);
-    // What lost its segment to such a track may have another.
+    // A track that lost its segment to such a track may have another segment.
     let displaced: Vec<u32> =
         by_overlap.iter().flatten().copied().filter(|key| !tracks_of.contains(&Some(*key))).collect();
     let left: Vec<usize> = (0..segments.len()).filter(|&k| tracks_of[k].is_none()).collect();
@@ -192,7 +199,7 @@ pub(crate) fn find_again(
     pair(&left, &displaced, elsewhere, tracks_of);
 }
 
-/// Pairs rows and columns so that the sum of values is greatest; pairs of value 0 are none.
+/// Pairs rows and columns so that the sum of values is greatest; pairs of value 0 are left out.
 fn pair(rows: &[usize], columns: &[u32], value: impl Fn(usize, u32) -> f64, tracks_of: &mut [Option<u32>]) {
     let values: Vec<f64> = rows
         .iter()
@@ -206,7 +213,8 @@ fn pair(rows: &[usize], columns: &[u32], value: impl Fn(usize, u32) -> f64, trac
     }
 }
 
-/// How well a segment fits a track that is not where it was: 1 less the cost; `None` when it cannot be.
+/// How well a segment fits a track that is not where it was: 1 minus the cost; `None` if it cannot be the
+/// same.
 pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pace) -> Option<f64> {
     let away_s = now_s - track.last.stamp_s;
     let memory_s = match track.is_confirmed() {
@@ -218,7 +226,7 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
         return None;
     }
     let look = match track.moved_off {
-        // A part shows some of what its thing shows.
+        // A part shows some of the colours of its thing.
         Some(_) => segment.look.share_of(&track.look).map(|share| 1.0 - share),
         None => segment.look.distance(&track.look),
     };
@@ -234,7 +242,7 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
     let comes_out = is_uncovered && track.rest_s > 0.0 && segment.area_m2 < track.area_m2;
     let ratio = libm::log(segment.area_m2.max(1e-9) / track.area_m2.max(1e-9)).abs();
     let size = if comes_out { 0.0 } else { ratio };
-    // What was turned, or was in a shadow, has another look.
+    // A thing that was turned, or was in a shadow, has another look.
     let most_look = if is_uncovered && ratio < SAME_SIZE { MOST_LOOK_UNCOVERED } else { MOST_LOOK };
     let reach = reach_m(away_s);
     if look > most_look || size > MOST_SIZE || distance > reach {
@@ -244,12 +252,12 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
     (cost < 1.0).then_some(1.0 - cost)
 }
 
-/// Whether the first of two differences of looks is clearly less; not if one is unknown.
+/// Whether the first of two differences of looks is clearly less; false if one is unknown.
 fn is_clearly_less(one: Option<f64>, other: Option<f64>) -> bool {
     one.zip(other).is_some_and(|(one, other)| one + CLEARLY < other)
 }
 
-/// How far (m) a track may be from where it was expected after so long.
+/// How far (m) a track may be from where it was expected, after this time.
 fn reach_m(away_s: f64) -> f64 {
     REACH_M[0] + REACH_M[1] * (30.0 * away_s).min(REACH_STEPS)
 }

@@ -1,4 +1,4 @@
-//! The camera's own motion, from what stands still.
+//! Estimates the camera's own motion from what stands still.
 
 use glam::DVec3;
 use objecthood::Camera;
@@ -9,46 +9,49 @@ use crate::rigid::Rigid;
 use crate::turn::SmallImage;
 use crate::view::View;
 
-/// Points on a grid of so many columns and rows (px at VGA size).
+/// Points lie on a grid with this distance of columns and rows (px at VGA size).
 const GRID_PX: [f64; 2] = [16.0, 12.0];
-/// Less than this is standing still: shift (m), turn (rad).
+/// A smaller step counts as standing still: shift (m), turn (rad).
 const STILL: (f64, f64) = (0.0005, 0.0005);
-/// A new key frame when fewer points are in view or fit.
+/// A new key frame is taken if fewer points are in view or fit.
 const LEAST_SEEN: f64 = 0.75;
 const LEAST_FIT: f64 = 0.5;
-/// The motion is not known when fewer points fit.
+/// The motion is unknown if fewer points fit.
 const LOST_FIT: f64 = 0.3;
-/// When so many points of the key frame lie where they lay, the camera stands still.
+/// If this share of the points of the key frame lie where they lay, the camera stands still.
 const STANDS_FIT: f64 = 0.85;
-/// The camera moves when that explains the frame better than standing still, by this mean square of standard deviations. A hand and its
-/// shadow hide much of the key frame. A slow motion is found once it has summed up to this: about a millimetre at a metre.
+/// The camera moves if a motion explains the frame better than standing still does, by this mean square of
+/// standard deviations. A hand and its shadow hide much of the key frame. A slow motion is found once it has
+/// summed up to this: about a millimetre at a metre.
 const LEAST_GAIN: f64 = 0.1;
 
-/// A turn by less (px) is found without a guess.
+/// A turn by less than this (px) is found without a guess.
 const GUESSED_PX: f64 = 4.0;
-/// After a turn by more (px) in one frame what is remembered lies beside what is seen: the frame is blurred, and depth and colour are of different times.
+/// After a turn by more than this (px) in one frame, remembered and seen pixels no longer match: the frame is
+/// blurred, and depth and colour are of different times.
 const FAST_PX: f64 = 8.0;
-/// Beginning at the guess is right when hardly less lies where it lay, by this share: in a blurred frame an alignment that stops on the way fits as
-/// well.
+/// Starting from the guess is right if the share of points that lie where they lay is lower by at most this:
+/// in a blurred frame an alignment that stops on the way fits as well.
 const ALIKE_FIT: f64 = 0.05;
 
-/// Other intrinsics count when they move a pixel by more than this (px): those of organized clouds are fitted, and scatter a little.
+/// Other intrinsics count if they move a pixel by more than this (px): those of organized clouds are fitted,
+/// and vary a little.
 const OTHER_CAMERA_PX: f64 = 0.5;
 
-/// Where the camera is.
+/// The place of the camera.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
-    /// Takes points of the camera to the world: the first frame's camera, or that of the given poses.
+    /// Maps points of the camera to the world, which is the first frame's camera or that of the given poses.
     pub(crate) world_from_camera: Rigid,
-    /// Takes points of the last frame's camera to this one's.
+    /// Maps points of the last frame's camera to this frame's.
     pub(crate) step: Rigid,
-    /// The intrinsics with which the pixels of the memory were seen.
+    /// The intrinsics with which the remembered pixels were seen.
     pub(crate) remembered: Camera,
-    /// Against gravity, in the world.
+    /// The direction against gravity, in the world.
     pub(crate) up: DVec3,
-    /// Whether it is moving, or zooming.
+    /// Whether the camera is moving, or zooming.
     pub(crate) moves: bool,
-    /// Whether it turned so fast that the motion that was found is off by more than noise.
+    /// Whether it turned so fast that the error of the motion exceeds noise.
     pub(crate) is_fast: bool,
     /// Whether the motion could not be found.
     pub(crate) is_lost: bool,
@@ -61,23 +64,23 @@ impl Place {
         self.world_from_camera.point(p)
     }
 
-    /// Height (m) of a point of the camera, above the origin of the world.
+    /// Height (m) of a point of the camera above the origin of the world.
     pub(crate) fn height_m(&self, p: DVec3) -> f64 {
         self.world(p).dot(self.up)
     }
 }
 
-/// Follows the camera.
+/// Follows the camera from frame to frame.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct CameraMotion {
     key: Vec<SurfacePoint>,
-    /// Takes points of the key frame's camera to the last one's.
+    /// Maps points of the key frame's camera to the last frame's.
     from_key: Rigid,
     world_from_camera: Rigid,
     up: Option<DVec3>,
-    /// Intrinsics of the frame whose pixels the memory has.
+    /// Intrinsics of the frame from which the remembered pixels are.
     intrinsics: Option<Camera>,
-    /// The last frame, from which a turn is guessed.
+    /// The last frame, for guessing a turn.
     last: Option<SmallImage>,
 }
 
@@ -93,7 +96,8 @@ impl CameraMotion {
         }
     }
 
-    /// Where the camera is in a frame; `up` is what the frame tells, in its camera. O(n / grid).
+    /// Estimates where the camera is in a frame. `up`: the direction up by this frame, in its camera. O(n /
+    /// grid).
     pub(crate) fn follow(&mut self, view: &View, given: Option<Rigid>, up: DVec3) -> Place {
         let is_first = self.key.is_empty() && self.up.is_none();
         // A given pose needs no guess.
@@ -133,7 +137,8 @@ impl CameraMotion {
         if moves || is_first {
             self.intrinsics = Some(view.camera);
         }
-        // A given pose that differs by less than noise is not taken over. So the steps of a slow motion sum up until they are followed.
+        // A given pose that differs by less than noise is not adopted. So the steps of a slow motion sum up
+        // until they are followed.
         self.world_from_camera = match given {
             Some(pose) if is_first || !is_still => pose,
             _ => self.world_from_camera.after(&step.inverse()),
@@ -159,10 +164,11 @@ impl CameraMotion {
         }
     }
 
-    /// The motion since the key frame, beginning where the camera was, or where a turn that was guessed has brought it: the one by which more lies where
-    /// it lay, and the second if they are alike. `None` when neither fits.
+    /// The motion since the key frame. The search starts where the camera was, and where a guessed turn has
+    /// brought it. The result is the one by which more points lie where they lay, and the second if they are
+    /// alike. `None` if neither fits.
     fn align(&self, view: &View, turn: Option<Rigid>) -> Option<Motion> {
-        // What stands before the scene, such as a person, says nothing of the camera.
+        // What stands before the scene, such as a person, says nothing about the camera.
         let fits = |guess: Rigid| {
             let motion = align(&self.key, view, &guess)?;
             Some((open_fit(&self.key, view, &motion.rigid), motion)).filter(|(fit, _)| *fit > LOST_FIT)
@@ -182,7 +188,7 @@ impl CameraMotion {
     }
 }
 
-/// Whether a step is within what noise does. It is measured at 1 m before the camera.
+/// Whether a step is within noise, measured at 1 m in front of the camera.
 fn is_still(step: &Rigid) -> bool {
     step.displacement_m(DVec3::Z) < STILL.0 && step.angle_rad() < STILL.1
 }

@@ -1,4 +1,5 @@
-//! Hypotheses that a frame alone takes for no objects, and that show a known thing: what a hand lifts stands on nothing.
+//! Refused hypotheses that show a known thing: a thing in a hand stands on nothing, so a frame alone takes it
+//! for no object.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,8 +11,8 @@ use crate::scene::Key;
 use crate::segment::is_looked_at;
 use crate::track::Track;
 
-/// Least overlap (intersection over union) of a hypothesis with where a thing should be seen. More than of an object: a ball in a cup is part of
-/// where the cup should be.
+/// Least overlap (intersection over union) of a hypothesis with the predicted mask of a thing. It is higher
+/// than for objects, because a ball in a cup is a part of the cup's predicted mask.
 const RECOGNISED_IOU: f64 = 0.5;
 
 /// Collects the pixels of each hypothesis that is not an object.
@@ -38,8 +39,9 @@ impl Observer for Doubtful<'_> {
 }
 
 impl Memory {
-    /// Labels the hypotheses that show known things which move or are handled. Labels go on from `count`; gives the new count. A thing is shown by
-    /// the hypothesis that overlaps most with where it should be seen, unless objects cover most of that. O(n) if anything moves.
+    /// Labels the hypotheses that show known things which move or are handled. Labels continue from `count`;
+    /// returns the new count. A thing is shown by the hypothesis that overlaps most with its predicted mask,
+    /// unless objects cover most of that mask. O(n) if anything moves.
     pub(crate) fn recognise(
         &self,
         hypotheses: &[Vec<usize>],
@@ -79,7 +81,7 @@ impl Memory {
         let shown: BTreeSet<usize> = best.values().map(|&(_, k)| k).collect();
         let width = self.scene.size().0;
         for k in shown.into_iter().take(usize::from(u16::MAX) - count) {
-            // What is predicted to show another thing is not taken from it.
+            // Pixels that are predicted to show another thing are not taken from it.
             let is_its_own = |key: Key| {
                 let is_part = self.tracks.get(&key).is_none_or(Track::is_agent_part);
                 is_part || best.get(&key).is_some_and(|&(_, other)| other == k)

@@ -1,25 +1,25 @@
-//! Why a frame could not be taken.
+//! Why a frame could not be processed.
 
 use objecthood::{Discovery, Frame};
 
-/// Why a frame could not be taken. The tracker is as it was before.
+/// Why a frame could not be processed. The tracker stays as it was before.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The objects of the frame could not be found.
     #[error(transparent)]
     Discover(#[from] objecthood::Error),
-    /// Time does not rise.
+    /// The stamp is not later than the last one.
     #[error(
         "the stamp {stamp_s} s is not after that of the last frame, {last_s} s: give frames in the order in which they were taken"
     )]
     Stamp {
-        /// Of this frame (s).
+        /// The stamp of this frame (s).
         stamp_s: f64,
-        /// Of the last (s).
+        /// The stamp of the last frame (s).
         last_s: f64,
     },
-    /// Labels of another frame.
+    /// The labels have another size than the frame.
     #[error("the labels have {}x{} pixels, the frame {}x{}: give the discovery of this frame", labels.0, labels.1, frame.0, frame.1)]
     Size {
         /// Columns and rows of the labels.
@@ -27,7 +27,7 @@ pub enum Error {
         /// Columns and rows of the frame.
         frame: (usize, usize),
     },
-    /// Labels that name no object.
+    /// A label names no object.
     #[error(
         "label {label} names no object of the discovery: object k has to have the label k, counted from 1"
     )]
@@ -35,13 +35,13 @@ pub enum Error {
         /// The label.
         label: u16,
     },
-    /// A tracker could not be written down.
+    /// The state of a tracker could not be written.
     #[error("the tracker's state cannot be saved: {reason}")]
     Save {
         /// Why.
         reason: String,
     },
-    /// Bytes that are no state of a tracker.
+    /// The bytes are not a state of a tracker.
     #[error(
         "the saved state of the tracker cannot be used: {reason}; the video is to be followed from its first frame"
     )]
@@ -54,13 +54,13 @@ pub enum Error {
 /// The tracker's result.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Refuses a stamp that does not rise.
+/// Refuses a stamp that is not later than the last one.
 pub(crate) fn check_stamp(stamp_s: f64, last_s: Option<f64>) -> Result<()> {
     let last_s = last_s.unwrap_or(f64::NEG_INFINITY);
     if stamp_s.is_finite() && stamp_s > last_s { Ok(()) } else { Err(Error::Stamp { stamp_s, last_s }) }
 }
 
-/// Refuses labels that make no sense.
+/// Refuses labels of another size, and labels that name no object.
 pub(crate) fn check_labels(frame: &Frame, found: &Discovery) -> Result<()> {
     if found.labels.size() != frame.size() {
         return Err(Error::Size { labels: found.labels.size(), frame: frame.size() });

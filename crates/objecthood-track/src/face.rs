@@ -1,4 +1,5 @@
-//! Another face of a thing in a hand: a frame shows it as a segment of its own while a finger crosses the thing, or while the thing turns.
+//! Another face of a thing in a hand. A frame shows it as a segment of its own while a finger crosses the
+//! thing, or while the thing turns.
 
 use std::collections::BTreeMap;
 
@@ -10,17 +11,20 @@ use crate::scene::Key;
 use crate::segment::{Measure, Segment, is_looked_at};
 use crate::view::View;
 
-/// Another view of a thing is larger by this factor at most: a cube shows its diagonal.
+/// Another view of a thing is larger by at most this factor: a cube may show its diagonal.
 pub(crate) const OTHER_FACE: f64 = 1.73;
-/// The middles of two of its faces are so far apart at most, in sizes (the root of its visible area): it may be four times as long as wide.
+/// The middles of two of its faces are at most this far apart, in sizes (the root of its visible area): it
+/// may be four times as long as wide.
 pub(crate) const BESIDE_IT: f64 = 2.0;
-/// What is in a hand belongs to the agents' region with more than this share.
+/// A thing is in a hand if more than this share of it belongs to the agents' region.
 const IN_HAND: f64 = 0.5;
 
 impl Memory {
-    /// Of the `open` segments, which show no track, those that show another face of a thing that an agent carries; and for each the segment that
-    /// shows the thing. They lie in the agent's region, have not the hand's colours, are beside that segment, and all together are not much
-    /// larger than the thing. `pixels`: of each segment, those that are looked at. None without colour. O(n) if there may be any.
+    /// Finds, among the `open` segments (those that show no track), the ones that show another face of a
+    /// thing that an agent carries. Returns for each of them the segment that shows the thing. They lie in
+    /// the agent's region, do not have the hand's colours, and are beside that segment. All together they are
+    /// not much larger than the thing. `pixels`: the sampled pixels of each segment. None without colour.
+    /// O(n) if there may be any.
     pub(crate) fn other_faces(
         &self,
         open: &[usize],
@@ -68,7 +72,8 @@ impl Memory {
     }
 }
 
-/// Faces become one with the segment that shows their thing. The first of them has all pixels, and the others none. O(n) if there are any.
+/// Merges faces with the segment that shows their thing: the first of them gets all pixels, and the others
+/// none. O(n) if there are any.
 pub(crate) fn unite(
     faces: &BTreeMap<usize, usize>,
     (labels, segments, overlap): (&mut [u16], &mut [Segment], &mut Overlap),

@@ -3,10 +3,10 @@
 use objecthood::Frame;
 use objecthood::surface::bands::Bands;
 
-/// The edge of depth beside a band is ragged by so many pixels (px at VGA size).
+/// The edge of depth beside a band is ragged by this many pixels (px at VGA size).
 const RAGGED_PX: f64 = 4.0;
 
-/// The first and last columns and rows that count as the border of the image, from where things enter.
+/// The first and last columns and rows that count as the border of the image, where things enter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Field {
     columns: (usize, usize),
@@ -32,7 +32,7 @@ impl Field {
         within(self.columns, u) && within(self.rows, v)
     }
 
-    /// Whether a pixel lies at most so far from the border, or beyond it.
+    /// Whether a pixel lies at most this far from the border, or beyond it.
     pub(crate) fn is_border(&self, u: usize, v: usize, reach_px: usize) -> bool {
         let at = |(first, last): (usize, usize), x: usize| x <= first + reach_px || x + reach_px >= last;
         at(self.columns, u) || at(self.rows, v)

@@ -1,40 +1,45 @@
-//! Free flight: nothing but gravity acts. A pure function of where a thing was.
+//! Free flight: only gravity acts. A pure function of where a thing was.
 
 use crate::track::Sample;
 
 /// Acceleration of free fall (m/s²).
 const GRAVITY: f64 = 9.81;
-/// A flight is seen in at least so many frames, or in so many by what flies into the image and has flown before it was seen as a whole.
+/// A flight is seen in at least the first number of frames, or in the second if the thing flies into the
+/// image and has flown before it was seen as a whole.
 pub(crate) const LEAST_FRAMES: usize = 5;
 const LEAST_FRAMES_IF_CAME: usize = 4;
-/// Heights lie on the parabola: root mean square, largest, at the ends (m).
+/// The heights deviate from the parabola by at most this: root mean square, largest deviation, deviation at
+/// the ends (m).
 const RMS_M: f64 = 0.010;
 const LARGEST_M: f64 = 0.022;
 const ENDS_M: f64 = 0.010;
-/// Sideways it moves straight (m, root mean square).
+/// Sideways the motion deviates from a straight line by at most this (m, root mean square).
 const SIDEWAYS_M: f64 = 0.016;
-/// The acceleration that the heights have by themselves differs from gravity by at most this share, or so many standard deviations: a slide down a
-/// slope of 30 degrees is no flight.
+/// The acceleration fitted to the heights differs from gravity by at most this share, or this many standard
+/// deviations: sliding down a slope of 30 degrees is no flight.
 const SHARE: f64 = 0.22;
 const SIGMAS: f64 = 2.5;
-/// The standard deviation of that acceleration is this share of gravity at most.
+/// The standard deviation of this acceleration is at most this share of gravity.
 const MOST_UNSURE: f64 = 1.0 / 6.0;
-/// Fewer frames than [`LEAST_FRAMES`] tell less, so nobody may reach the thing, its heights keep to the parabola within their noise, and these are
-/// the limits of their acceleration. At 60 frames a second four are too short a time for them.
+/// Fewer frames than [`LEAST_FRAMES`] tell less. Then nobody may reach the thing, its heights keep to the
+/// parabola within their noise, and these are the limits of their acceleration. At 60 frames a second four
+/// frames are too short a time for them.
 const SHARE_IF_CAME: f64 = 0.35;
 const MOST_UNSURE_IF_CAME: f64 = 1.0 / 3.0;
 /// Standard deviation of a height (m).
 const HEIGHT_SIGMA_M: f64 = 0.003;
-/// What flies moves, or changes where it is seen.
+/// A flying thing moves, or more than this share of its pixels changes.
 const LEAST_CHANGED: f64 = 0.35;
-/// No hand reaches it in so many frames, or in so many at the end if its heights keep to the parabola within their noise.
+/// No hand reaches it in at least the first number of frames. The second, at the end, is enough if its
+/// heights keep to the parabola within their noise.
 const LEAST_FREE: usize = 3;
 const LEAST_FREE_IF_EXACT: usize = 2;
-/// Of what no hand reaches less than this share belongs to an agent's region.
+/// No hand reaches a thing if less than this share of it belongs to an agent's region.
 const MOST_OF_AGENT: f64 = 0.5;
-/// It covers at least this (m), so that rest is no flight.
+/// It covers at least this distance (m), so that rest is no flight.
 const LEAST_PATH_M: f64 = 0.03;
-/// Its visible area (m²) stays within this ratio: else something comes before it, and its mean point with it.
+/// Its visible area (m²) stays within this ratio. Otherwise something comes before it and shifts its mean
+/// point.
 const MOST_AREAS: f64 = 2.0;
 
 /// An interval of free flight.
@@ -43,7 +48,7 @@ pub(crate) struct Flight {
     pub(crate) first: u64,
     pub(crate) last: u64,
     pub(crate) start_s: f64,
-    /// Heights (m) at both ends, and the highest between.
+    /// Heights (m) at both ends, and the greatest between.
     pub(crate) from_m: f64,
     pub(crate) to_m: f64,
     pub(crate) highest_m: f64,
@@ -52,7 +57,8 @@ pub(crate) struct Flight {
     pub(crate) rms_m: f64,
 }
 
-/// The flights among the samples of a thing that was first seen in frame `seen_from`, in time. O(samples²).
+/// The flights among the samples of a thing that was first seen in frame `seen_from`, in order of time.
+/// O(samples²).
 pub(crate) fn flights(samples: &[Sample], seen_from: u64) -> Vec<Flight> {
     let moves = |sample: &Sample| sample.moves || sample.changed > LEAST_CHANGED;
     // At the top of its path it hardly moves.
@@ -63,7 +69,7 @@ pub(crate) fn flights(samples: &[Sample], seen_from: u64) -> Vec<Flight> {
     let mut flights = Vec::new();
     let mut start = 0;
     while start + LEAST_FRAMES_IF_CAME <= samples.len() {
-        // It was not seen before, or at the border.
+        // It was not seen before, or only at the border.
         let came = samples[start].frame == seen_from || (start > 0 && samples[start - 1].at_border);
         let least = if came { LEAST_FRAMES_IF_CAME } else { LEAST_FRAMES };
         let run = (start..samples.len()).take_while(|&k| may_fly(k)).count();
@@ -134,7 +140,7 @@ fn fits(samples: &[Sample]) -> Option<Flight> {
     if rms(&residuals) > RMS_M || largest > LARGEST_M || ends > ENDS_M {
         return None;
     }
-    // The heights' own acceleration: the square of time without its mean and slope.
+    // The heights' own acceleration: from the square of time, without its mean and slope.
     let squares = line(&times.iter().map(|t| t * t).collect::<Vec<f64>>());
     let power: f64 = squares.iter().map(|q| q * q).sum();
     let bend = squares.iter().zip(&heights).map(|(q, h)| q * h).sum::<f64>() / power;
@@ -147,7 +153,7 @@ fn fits(samples: &[Sample]) -> Option<Flight> {
         return None;
     }
     let axis = |k: usize| line(&samples.iter().map(|sample| sample.center[k]).collect::<Vec<f64>>());
-    // Heights are along up; the residual of all three axes holds the parabola, which is taken out.
+    // Heights are along up; the residual of all three axes includes the parabola, which is subtracted.
     let sideways: f64 = (0..3).map(|k| axis(k).iter().map(|r| r * r).sum::<f64>()).sum();
     let vertical: f64 = line(&heights).iter().map(|r| r * r).sum();
     if ((sideways - vertical).max(0.0) / n).sqrt() > SIDEWAYS_M {

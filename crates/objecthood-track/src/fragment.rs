@@ -10,12 +10,14 @@ use crate::segment::Segment;
 use crate::track::RESTING_CHANGE;
 use crate::view::View;
 
-/// A segment shows a thing as it rested when this share of its pixels or more lies on the surface of that.
+/// A segment shows a thing as it rested if at least this share of its pixels lies on the surface that the
+/// thing then had.
 const AS_IT_RESTED: f64 = 0.6;
 
 impl Memory {
-    /// The resting track of which a segment without a track of its own is a fragment: most of its pixels belong to it, and it shows itself
-    /// elsewhere too. Either an agent stands before it; or no agent is near, nothing has changed, and most frames showed it as one.
+    /// The resting track of which a segment without a track is a fragment. Most pixels of the segment belong
+    /// to the track, and the track also shows itself elsewhere. Besides, either an agent stands before it, or
+    /// no agent is near, nothing has changed, and most frames showed it as one.
     pub(crate) fn fragment_of(
         &self,
         k: usize,
@@ -35,10 +37,13 @@ impl Memory {
         (is_part && is_seen && (is_behind_agent || is_as_before)).then_some(key)
     }
 
-    /// Of the `open` segments, those that show the surface of a thing as it last rested, and the thing: an arm that passes leaves pieces to be seen, too
-    /// small to be known by their looks. Nobody has lifted the thing. Either it does not move, and no segment shows it; or the segment that shows it lies on
-    /// the same surface, so neither has moved, and an arm reaches it or most frames showed it as one. Else it may be two, as a box and its lid are. `pixels`: of each
-    /// segment, those that are looked at. O(pixels of the open segments and of those that show their things).
+    /// Finds, among the `open` segments, those that show the surface of a thing as it last rested, and
+    /// returns the thing for each. An arm that passes leaves pieces visible that are too small to be
+    /// recognised by their looks. Nobody has lifted the thing. Either the thing does not move and no segment
+    /// shows it; or the segment that shows it lies on the same surface, so neither has moved, and an arm
+    /// reaches the thing or most frames showed it as one. Otherwise there may be two things, like a box and
+    /// its lid. `pixels`: the sampled pixels of each segment. O(pixels of the open segments and of those that
+    /// show their things).
     pub(crate) fn as_they_rested(
         &self,
         open: &[usize],

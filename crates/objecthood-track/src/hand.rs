@@ -1,4 +1,5 @@
-//! What belongs to a hand rather than to the thing that it holds: a frame takes both for one segment, and colour tells them apart (ours).
+//! Tells pixels of a hand from those of the thing that it holds: a frame takes both for one segment, and
+//! colour separates them (ours).
 
 use std::collections::BTreeMap;
 
@@ -9,15 +10,18 @@ use crate::segment::is_looked_at;
 use crate::track::Track;
 use crate::view::View;
 
-/// Where a thing is expected, a colour has to be so many times as frequent in the hand as in the thing to be the hand's.
+/// Where a thing is expected, a colour is the hand's if it is at least this many times as frequent in the
+/// hand as in the thing.
 const EXPECTED: f32 = 4.0;
 
-/// Where a thing is not expected, a colour is the thing's when this share of it or more has it: less may be noise,
+/// Where a thing is not expected, a colour is the thing's if at least this share of the thing has it (less
+/// may be noise),
 const OF_THING: f32 = 0.02;
-/// and this share of the agents or less had it in frames that showed all that they handle: a thing leaves a seam of pixels in their region.
+/// and if at most this share of the agents had it in frames that showed everything that they handle: a thing
+/// leaves a seam of pixels in their region.
 const OF_AGENTS: f32 = 0.02;
 
-/// A segment has few of the hand's colours when at most this share of it has any.
+/// A segment has few of the hand's colours if at most this share of it has any.
 const FEW: f64 = 0.5;
 
 /// The colours of the agents of a frame.
@@ -28,7 +32,7 @@ pub(crate) struct HandColors<'a> {
 }
 
 impl<'a> HandColors<'a> {
-    /// The colours of the agents' region where no known thing is expected. O(n).
+    /// Measures the colours of the agents' region where no known thing is expected. O(n).
     pub(crate) fn of(
         view: &'a View,
         predicted: &[Key],
@@ -48,12 +52,13 @@ impl<'a> HandColors<'a> {
         Self { view, region: region.clone(), look }
     }
 
-    /// Its colours become part of what the agents look like.
+    /// Adds its colours to what the agents look like.
     pub(crate) fn teach(&self, agents: &mut Look) {
         agents.learn(&self.look);
     }
 
-    /// Whether a pixel of the agents' region has a colour of a thing that the agents had not before. Never without colour, nor before any was learned.
+    /// Whether a pixel of the agents' region has a colour of a thing that the agents did not have before.
+    /// Never without colour, nor before any was learned.
     pub(crate) fn is_of_thing(&self, pixel: usize, track: &Track, agents: &Look) -> bool {
         let is_its_own = |&color: &[u8; 3]| {
             let [own, others] = Look::shares([&track.look, agents], color);
@@ -62,15 +67,15 @@ impl<'a> HandColors<'a> {
         self.region.has(pixel) && !agents.is_empty() && self.view.color.get(pixel).is_some_and(is_its_own)
     }
 
-    /// Whether a segment has few of the hand's colours, and of those that the agents had before: the segment may be the hand, beside a sleeve of
-    /// another colour. Never without colour.
+    /// Whether a segment has few of the hand's colours and of the colours that the agents had before. The
+    /// colours of a hand may differ from those of its sleeve. Never without colour.
     pub(crate) fn has_few(&self, look: &Look, agents: &Look) -> bool {
         let has_few_of = |whole: &Look| look.share_of(whole).is_some_and(|share| share <= FEW);
         has_few_of(&self.look) && (agents.is_empty() || has_few_of(agents))
     }
 
-    /// Whether a pixel that a segment gives to a known thing is the hand's. `is_expected`: whether the thing should be there.
-    /// Never without colour.
+    /// Whether a pixel that a segment gives to a known thing belongs to the hand. `is_expected`: whether the
+    /// thing should be there. Never without colour.
     pub(crate) fn is_of_hand(&self, pixel: usize, track: &Track, is_expected: bool) -> bool {
         let least = if is_expected { EXPECTED } else { 1.0 };
         let is_more_its = |&color: &[u8; 3]| {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::Key;
 use crate::tracked::EventKind;
 
-/// Who or what had part in an event.
+/// Who or what took part in an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Other {
     Nobody,

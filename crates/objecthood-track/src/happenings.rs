@@ -1,4 +1,4 @@
-//! What happens to a thing: read from where it was, how it moved and who reached it.
+//! What happens to a thing: derived from where it was, how it moved and who reached it.
 
 use std::collections::BTreeMap;
 
@@ -16,32 +16,33 @@ use crate::track::{AS_WHOLE, Deed, Rest, Sample, Track, are_alike};
 use crate::tracked::{EventKind, Relation};
 use crate::vessel::Lay;
 
-/// Lifted: its lowest point rose by this (m), and its mean point by half of that.
+/// A thing is lifted if its lowest point rose by this (m), and its mean point by half of this.
 pub(crate) const LIFTED_M: f64 = 0.02;
-/// Of that rise this share or more is by motions that were found.
+/// At least this share of the rise is explained by motions that were found.
 const LEAST_FOUND: f64 = 0.5;
-/// It stays where it is when this share of its pixels or more shows what rested there.
+/// A thing stays where it is if at least this share of its pixels shows what rested there.
 const STAYS: f64 = 0.8;
-/// First moved, upwards (m).
+/// A thing begins to rise when it has moved up by this (m).
 const OFF_M: f64 = 0.005;
-/// Displaced by this between rest and rest (m), half of it by motions that were found; begun by this.
+/// A thing is displaced if it moved by this between rest and rest (m), half of it by motions that were found.
+/// The displacement begins when it has moved by the second,
 const PUSHED_M: f64 = 0.012;
 const BEGUN_M: f64 = 0.003;
-/// Or by this share of that.
+/// or by this share of the whole.
 const BEGUN_SHARE: f64 = 0.15;
-/// An agent that reached it so long ago (s) may have moved it.
+/// An agent that reached a thing at most this long ago (s) may have moved it.
 pub(crate) const REACHED_S: f64 = 0.33;
-/// What rested so long (s) is not being pushed, even by an agent that still touches it.
+/// A thing that has rested for this long (s) is not being pushed, even by an agent that still touches it.
 const UNTOUCHED_S: f64 = 0.6;
-/// In a hand: this share of its pixels or more belongs to an agent's region.
+/// A thing is in a hand if at least this share of its pixels belongs to an agent's region.
 const OF_AGENT: f64 = 0.5;
-/// What is under a lid is seen so soon (s) after the lid was lifted.
+/// The things under a lid are seen within this time (s) after the lid was lifted.
 const LID_S: f64 = 0.6;
-/// Flights with less between them (s) are bounces of one.
+/// Flights with less time between them (s) are bounces of one flight.
 const BOUNCE_S: f64 = 0.34;
 /// A fall goes down by more than this (m), and up by less.
 const FALL_M: f64 = 0.03;
-/// What falls was seen before for so long (s).
+/// A thing that falls was seen before for this long (s).
 const SEEN_BEFORE_S: f64 = 0.15;
 
 /// A thing that an agent handles.
@@ -51,7 +52,7 @@ struct Handling {
     agent: u32,
     /// What held it, and how.
     held_by: Option<(Parent, Relation)>,
-    /// Whether it was lifted only because what holds it was.
+    /// Whether it was lifted only because the thing that holds it was.
     goes_along: bool,
     begun: u64,
     /// When its lift began (s), once that is sure.
@@ -60,7 +61,7 @@ struct Handling {
     lift: Vec<Happening>,
 }
 
-/// What is told of a part that came off a thing, until it is sure that it is not its lid.
+/// Events of a part that came off the thing, until it is sure that the part is not its lid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Parting {
     whole: Key,
@@ -83,7 +84,7 @@ impl Happenings {
         self.told.push(happening);
     }
 
-    /// What became certain since the last call.
+    /// The events that have become certain since the last call.
     pub(crate) fn take(&mut self) -> Vec<Happening> {
         std::mem::take(&mut self.told)
     }
@@ -92,25 +93,25 @@ impl Happenings {
         self.handled.remove(&key);
     }
 
-    /// A track turned out to be part of another: what is done to it is done to that.
+    /// A track turned out to be part of another: what is done to the part is done to the other.
     pub(crate) fn hand_over(&mut self, part: Key, whole: Key) {
         if let Some(handling) = self.handled.remove(&part) {
             self.handled.entry(whole).or_insert(handling);
         }
     }
 
-    /// The agents that have lifted something, and have not let go.
+    /// The agents that have lifted something and have not let it go.
     pub(crate) fn lifting(&self) -> impl Iterator<Item = u32> {
         self.carried().map(|(_, agent)| agent)
     }
 
-    /// What agents have lifted, and have not let go, and which agent.
+    /// The things that agents have lifted and not let go, each with its agent.
     pub(crate) fn carried(&self) -> impl Iterator<Item = (Key, u32)> {
         let lifted = self.handled.iter().filter(|(_, handling)| handling.lifted_s.is_some());
         lifted.map(|(&key, handling)| (key, handling.agent))
     }
 
-    /// What agents handle, and which agent.
+    /// The things that agents handle, each with its agent.
     pub(crate) fn handled(&self) -> impl Iterator<Item = (Key, u32)> {
         self.handled.iter().map(|(&key, handling)| (key, handling.agent))
     }
@@ -123,7 +124,8 @@ impl Happenings {
         self.handled.get(&key).is_some_and(|handling| handling.lifted_s.is_some())
     }
 
-    /// Whether its lift, which is not told yet, was that of the thing that held it: both were lifted at about the same time.
+    /// Whether its lift, which is not reported yet, was that of the thing that held it: both were lifted at
+    /// about the same time.
     fn is_lifted_along(&self, key: Key) -> bool {
         let Some(handling) = self.handled.get(&key) else { return false };
         let carrier = handling.held_by.and_then(|(parent, _)| self.handled.get(&parent?));
@@ -134,13 +136,13 @@ impl Happenings {
         !handling.lift.is_empty() && carrier.is_some_and(goes_along)
     }
 
-    /// Looks at a track that is seen, after its new sample.
-    /// `is_carried`: what it lies in or stands on moves.
+    /// Examines a track that is seen, after its new sample. `is_carried`: whether what it lies in or stands
+    /// on moves.
     pub(crate) fn look(&mut self, key: Key, track: &mut Track, is_carried: bool, up: DVec3, pace: Pace) {
         if track.is_agent_part() {
             return;
         }
-        // What was opened is neither lifted nor pushed.
+        // A thing that was opened is neither lifted nor pushed.
         if !is_carried && !track.told_opened {
             self.begin(key, track);
         }
@@ -159,7 +161,7 @@ impl Happenings {
             if track.is_still_for(STILL_S, pace.frame_s) {
                 self.end(key, track, pace, false);
             }
-            // What lies farther away or on another face than before shows fewer pixels.
+            // A thing that lies farther away, or on another face than before, shows fewer pixels.
             let is_whole = track.rest.is_none_or(|rest| track.last.px as f64 > AS_WHOLE * rest.px as f64);
             let is_over = is_whole || track.is_left_alone() && track.rest_s > UNTOUCHED_S;
             if !self.handled.contains_key(&key) && is_over {
@@ -168,7 +170,8 @@ impl Happenings {
         }
     }
 
-    /// In a hand that keeps still a thing is not put down, unless something is seen to hold it. The ground does not reach up.
+    /// Whether a thing is put down. In a hand that keeps still it is not, unless something is seen to hold
+    /// it. The ground does not reach up.
     fn is_put_down(&self, key: Key, track: &Track) -> bool {
         let is_low = self
             .handled
@@ -178,7 +181,7 @@ impl Happenings {
         track.last.of_agent < OF_AGENT || is_held_from_below
     }
 
-    /// The last word on a track: it is gone, or the video ends.
+    /// Closes a track: it is gone, or the video ends.
     pub(crate) fn close(&mut self, key: Key, track: &mut Track, pace: Pace) {
         self.fly(key, track);
         if let Some(since) = track.gone_since.filter(|&(frame, _)| frame > track.last.frame) {
@@ -187,12 +190,12 @@ impl Happenings {
         self.end(key, track, pace, true);
     }
 
-    /// Begins to look at a thing that was at rest and moves within an agent's reach.
+    /// Begins to follow a thing that was at rest and moves within an agent's reach.
     fn begin(&mut self, key: Key, track: &Track) {
         let (Some(before), false) = (track.rest, self.handled.contains_key(&key)) else { return };
         let last = track.last;
         let shift_m = (last.center - before.center).length();
-        // What is far from where it rested was moved, even if a hand hides how.
+        // A thing far from where it rested was moved, even if a hand hides how.
         let is_gone = track.gone_since.is_some() && shift_m > CARRIED_M;
         let is_far = is_gone || shift_m > LIFTED_M && are_alike(last.px, before.px);
         let is_displaced = shift_m > BEGUN_M && track.is_moving || is_far;
@@ -207,10 +210,11 @@ impl Happenings {
         }
     }
 
-    /// A thing that an agent hid is seen nowhere, and its place is bare since a frame and time (s): the agent has it.
+    /// An agent hid a thing that is now seen nowhere, and the place of the thing has been bare since a frame
+    /// and time (s). So the agent has it.
     pub(crate) fn take_unseen(&mut self, key: Key, track: &mut Track, since: (u64, f64)) {
         let (Some(before), Some(agent)) = (track.rest, track.taken_by(REACHED_S)) else { return };
-        // What was pushed or fell away before it was hidden left its place by itself.
+        // A thing that was pushed or fell away before it was hidden left its place by itself.
         let was_low = track.last.bottom_m - before.bottom_m < LIFTED_M;
         let went = track.is_away() && track.last.in_place < STAYS && was_low;
         if self.is_lifted(key) || track.last.at_border || track.is_open() || went {
@@ -227,17 +231,19 @@ impl Happenings {
         track.votes.clear();
     }
 
-    /// Tells of a lift as soon as it is sure.
+    /// Reports a lift as soon as it is sure.
     fn lift(&mut self, key: Key, track: &mut Track, up: DVec3) {
         let Some(handling) = self.handled.get_mut(&key) else { return };
         let before = handling.before;
-        // A hand before its lower part only seems to lift it: no motion is found, nor does its top rise.
+        // A hand before the lower part of a thing only seems to lift it: no motion is found, and its top does
+        // not rise.
         let [rise_m, top_m] = [track.last.bottom_m - before.bottom_m, track.last.top_m - before.top_m];
         let rises_as_one = are_alike(track.last.px, before.px) && (top_m - rise_m).abs() < LIFTED_M / 2.0;
         let found_m = track.drift.dot(up);
         let is_found = found_m > LIFTED_M / 2.0 && (found_m > rise_m * LEAST_FOUND || top_m > LIFTED_M);
         let climbs = is_found || rises_as_one;
-        // Of what is lifted along its own face much is seen where it rested; a hand before it does not lift its top.
+        // If a thing is lifted along its own face, much of it is still seen where it rested; a hand before it
+        // does not lift its top.
         let is_off = |sample: &Sample, by_m: f64| {
             sample.in_place < STAYS
                 || sample.top_m - before.top_m > by_m && sample.bottom_m - before.bottom_m > by_m
@@ -272,7 +278,8 @@ impl Happenings {
         self.partings.push(Parting { whole, part, since, since_s, told });
     }
 
-    /// Tells of lifts and partings that are none of lids. `stayed`: whether a part is still seen since a frame: fingers come and go.
+    /// Reports lifts and partings that are not those of lids. `stayed`: whether a part has been seen
+    /// continuously since a frame, because fingers come and go.
     pub(crate) fn tell_no_lids(&mut self, now_s: f64, stayed: impl Fn(Key, u64) -> bool) {
         for parting in self.partings.extract_if(.., |parting| now_s - parting.since_s > LID_S) {
             if stayed(parting.part, parting.since) {
@@ -294,13 +301,14 @@ impl Happenings {
         }
     }
 
-    /// A thing was opened: what seemed to be its lift was that of its lid, and what came off it is its lid.
+    /// A thing was opened: what seemed to be its own lift was that of its lid, and what came off it is the
+    /// lid.
     pub(crate) fn opens(&mut self, key: Key) {
         self.handled.remove(&key);
         self.partings.retain(|parting| parting.whole != key);
     }
 
-    /// Tells how a handled thing came to rest.
+    /// Reports how a handled thing came to rest.
     fn end(&mut self, key: Key, track: &mut Track, pace: Pace, is_last_word: bool) {
         let Some(handling) = self.handled.get(&key).cloned() else { return };
         if handling.goes_along || self.is_lifted_along(key) {
@@ -336,7 +344,7 @@ impl Happenings {
         self.handled.remove(&key);
     }
 
-    /// Tells of flights since the last look.
+    /// Reports flights since the last call.
     pub(crate) fn fly(&mut self, key: Key, track: &mut Track) {
         let found = track.flights_since(track.analysed_to);
         track.analysed_to = track.last.frame;

@@ -1,4 +1,4 @@
-//! What motion proves of a video, written backwards into its earlier frames.
+//! Applies what motion proves about a video to its earlier frames.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -6,14 +6,14 @@ use objecthood::Raster;
 
 use crate::tracked::{Event, EventKind, TrackId, Tracked};
 
-/// Two that come apart stood as they were last seen as one while their common mask stays this much the same (intersection over union) from
-/// frame to frame.
+/// Two things that come apart were still together in an earlier frame if their common mask stayed this much
+/// the same (intersection over union) from frame to frame.
 const LEAST_IOU: f64 = 0.7;
 
 /// What a whole video has proved: which tracks are one, and which were taken for one until they came apart.
 ///
-/// First it learns from all frames in their order, then it rewrites their label images from the last to the first. Ours, because a
-/// tracker says of a frame only what is known by then.
+/// First it learns from all frames, in their order. Then it rewrites their label images, from the last to the
+/// first. Source: ours, because a tracker says about a frame only what is known by then.
 #[derive(Clone, Debug, Default)]
 pub struct Hindsight {
     /// By part.
@@ -22,13 +22,13 @@ pub struct Hindsight {
     partings: Vec<Parting>,
 }
 
-/// Two that came apart, and where the last rewritten frame shows them.
+/// Two tracks that came apart, and where the last rewritten frame shows them.
 #[derive(Clone, Debug)]
 struct Parting {
-    /// The one that had the number of both, and the one that got a new one.
+    /// The track that had the number of both, and the one that got a new number.
     old: TrackId,
     new: TrackId,
-    /// Pixels of both.
+    /// Pixels of each.
     shown: [Vec<usize>; 2],
 }
 
@@ -54,7 +54,7 @@ impl Hindsight {
         }
     }
 
-    /// The number under which a track goes in the end.
+    /// The number that a track has in the end.
     pub fn whole_of(&self, track: TrackId) -> TrackId {
         let mut whole = track;
         // Numbers that name each other in a circle cannot arise; a bound costs nothing.
@@ -67,8 +67,9 @@ impl Hindsight {
         whole
     }
 
-    /// Rewrites the labels of a frame; `frame` as in [`Tracked`], from the last to the first. Returns those that got a number which the frame
-    /// did not have: each with the track that had their pixels. O(n) a parting.
+    /// Rewrites the labels of a frame. `frame`: as in [`Tracked`]; frames go from the last to the first.
+    /// Returns the tracks whose number the frame did not have, each with the track that had their pixels.
+    /// O(n) for each parting.
     pub fn rewrite(&mut self, frame: u64, labels: &mut Raster<u16>) -> Vec<(TrackId, TrackId)> {
         for label in labels.as_mut_slice() {
             if *label > 0 {
@@ -91,7 +92,7 @@ impl Hindsight {
                 continue;
             }
             let both = pixels(labels, parting.old);
-            // A frame that shows them elsewhere, or only one of them, stays as it is.
+            // If a frame shows them elsewhere, or shows only one of them, it stays as it is.
             if let Some(shown) = part(&both, &parting.shown, labels.size()) {
                 shown[1].iter().for_each(|&pixel| labels.as_mut_slice()[pixel] = parting.new.0);
                 parted.push((parting.new, parting.old));
@@ -102,7 +103,8 @@ impl Hindsight {
     }
 }
 
-/// Parts the pixels of two by where a later frame shows each: every pixel goes to the nearer. `None` when that is elsewhere. O(n).
+/// Divides the pixels of two tracks by where a later frame shows each: every pixel goes to the nearer one.
+/// `None` if the later frame shows them elsewhere. O(n).
 fn part(both: &[usize], shown: &[Vec<usize>; 2], (width, height): (usize, usize)) -> Option<[Vec<usize>; 2]> {
     const NOBODY: u8 = 2;
     let mut owner = vec![NOBODY; width * height];

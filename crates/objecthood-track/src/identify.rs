@@ -1,4 +1,4 @@
-//! Which track each segment shows, and which segments show new ones.
+//! Decides which track each segment shows, and which segments show new tracks.
 
 use std::collections::BTreeMap;
 
@@ -18,17 +18,19 @@ use crate::surface::Surface;
 use crate::track::Track;
 use crate::view::View;
 
-/// What has always been there shows the rested scene in this share of its pixels.
+/// A segment that has always been there shows the rested scene in this share of its pixels.
 const IN_PLACE: f64 = 0.8;
-/// What is first told from its surroundings so soon (s), and rested there before, was there from the beginning.
+/// A segment was there from the beginning if it is first separated from its surroundings within this time (s)
+/// and rested there before.
 const BEGINNING_S: f64 = 0.5;
-/// An agent is beside what is this close to it (px at VGA size).
+/// An agent is beside a thing if it is this close (px at VGA size).
 const BESIDE_PX: f64 = 16.0;
-/// What came off a thing has its colours in this share of its pixels.
+/// A part that came off a thing has the colours of the thing in this share of its pixels.
 const LEAST_OF_ITS_COLORS: f64 = 0.5;
 
 impl Memory {
-    /// Which track each segment shows; writes the tracks that are seen to the scene. `doubtful`: the pixels of hypotheses that are no objects.
+    /// Decides which track each segment shows, and writes the tracks that are seen to the scene. `doubtful`:
+    /// the pixels of refused hypotheses.
     pub(crate) fn identify<'a>(
         &mut self,
         (found, doubtful): (&'a Discovery, &[Vec<usize>]),
@@ -89,7 +91,7 @@ impl Memory {
         }
         self.vote_on_wholes(&segments, &keys, &fresh, &overlap);
         self.begin_tracks(&fresh, (&segments, &labels), &inside, &overlap, view);
-        // What was cut off may show a hand that is known.
+        // A part that was cut off may show a hand that is known.
         cut.retain(|k, _| fresh.iter().any(|(known, _)| known == k));
         for (k, whole) in cut.into_iter().chain(moved) {
             self.move_off(keys[k], whole);
@@ -102,7 +104,7 @@ impl Memory {
         look
     }
 
-    /// A track for each fresh segment. `inside`: what lies inside an open thing.
+    /// Makes a track for each fresh segment. `inside`: segments that lie inside an open thing.
     fn begin_tracks(
         &mut self,
         fresh: &[(usize, Key)],
@@ -113,7 +115,7 @@ impl Memory {
     ) {
         for &(k, key) in fresh {
             let sample = self.sample(&segments[k], &[]);
-            // Parts of an arm may be told apart later.
+            // Parts of an arm may be separated later.
             let begins = self.frame <= self.pace.frames(BEGINNING_S) as u64;
             let was_in_view = self.frame == 0 || begins && segments[k].in_place > IN_PLACE;
             let mut track = Track::new(&segments[k], sample, was_in_view);
@@ -134,8 +136,9 @@ impl Memory {
         }
     }
 
-    /// A doubt lasts while an agent is beside the thing, and the thing stays where it is: the leg of a table looks like a thing while an arm
-    /// hides where it meets the table. O(n) if there are doubts.
+    /// Updates which things are doubted. A doubt lasts while an agent is beside the thing and the thing stays
+    /// where it is: the leg of a table looks like a thing while an arm hides where it meets the table. O(n)
+    /// if there are doubts.
     fn settle_doubts(&mut self, look: &Look<'_>) {
         let doubted: Vec<usize> =
             (0..look.keys.len()).filter(|&k| self.tracks[&look.keys[k]].is_doubted).collect();
@@ -153,7 +156,7 @@ impl Memory {
         }
     }
 
-    /// A track shows a part that was moved of a known thing.
+    /// A track shows a part of a known thing that was moved.
     fn move_off(&mut self, part: Key, whole: Key) {
         let Some(mut known) = self.tracks.remove(&whole) else { return };
         if let Some(track) = self.tracks.get_mut(&part).filter(|track| track.moved_off.is_none()) {
@@ -162,7 +165,7 @@ impl Memory {
         self.tracks.insert(whole, known);
     }
 
-    /// A younger track that showed a segment, which is found to show an older one, was that all along.
+    /// A younger track showed a segment that now turns out to show an older one: the two were one all along.
     fn take_over(&mut self, segments: &[Segment], tracks_of: &[Option<Key>], overlap: &Overlap) {
         for (k, owner) in tracks_of.iter().enumerate() {
             let Some(owner) = *owner else { continue };
@@ -191,7 +194,7 @@ impl Memory {
             }
         };
         for (pixel, (&key, &label)) in predicted.iter().zip(labels).enumerate() {
-            // Behind a hand nothing is expected. What flies may be far from where it was.
+            // Behind a hand nothing is expected. A flying thing may be far from where it was.
             let is_behind = self.agents.region.has(pixel) && self.scene.is_behind(view, pixel);
             let key = if is_behind { 0 } else { key };
             if (key, label) != (run.0, run.1) {
@@ -206,7 +209,8 @@ impl Memory {
         overlap
     }
 
-    /// Whether a fresh segment shows what was there before, where no thing rested. O(n) if it does not move.
+    /// Whether a fresh segment shows something that was there before, where no thing rested. O(n) if it does
+    /// not move.
     fn was_no_thing(&self, k: usize, segment: &Segment, labels: &[u16], view: &View) -> bool {
         if segment.in_place <= IN_PLACE {
             return false;
@@ -217,8 +221,8 @@ impl Memory {
         (known as f64) < (1.0 - IN_PLACE) * segment.px as f64
     }
 
-    /// Whether most of a fresh segment was part of a known thing that nobody holds in the air, and has its colours: a hand at the thing does not. Of what is
-    /// carried, fingers show pieces.
+    /// Whether most of a fresh segment was part of a known thing that nobody holds in the air, and has the
+    /// colours of that thing (unlike a hand at the thing). Of a carried thing, fingers show pieces.
     fn was_of(&self, k: usize, segment: &Segment, thing: Key, overlap: &Overlap) -> bool {
         let common = overlap.common.get(&(k, thing)).copied().unwrap_or(0);
         let looks_like_it = segment.look.share_of(&self.tracks[&thing].look);
@@ -226,7 +230,8 @@ impl Memory {
         is_of_it && !self.happenings.is_lifted(thing) && looks_like_it.is_some_and(|share| share > OWN_LOOK)
     }
 
-    /// The track to which most pixels of a fresh segment belonged while it rested. What has other colours stands before it, as a hand does.
+    /// The track to which most pixels of a fresh segment belonged while it rested. A segment of other colours
+    /// stands before the track, as a hand does.
     pub(crate) fn came_off(&self, k: usize, segment: &Segment, overlap: &Overlap) -> Option<Key> {
         let parts = overlap.common.range((k, 0)..=(k, Key::MAX));
         let (&(_, key), &common) =

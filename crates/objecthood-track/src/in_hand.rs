@@ -1,6 +1,7 @@
-//! Things that a hand has and no segment shows: their colours are found in the agents' region (ours).
+//! Finds things in a hand that no segment shows, by their colours in the agents' region (ours).
 //!
-//! Of a small thing in a hand a frame shows corners between fingers, which are no convex shapes with a support.
+//! Of a small thing in a hand, a frame shows only corners between fingers, which are no convex shapes with a
+//! support.
 
 use std::collections::BTreeMap;
 
@@ -18,14 +19,15 @@ use crate::view::View;
 
 /// Least size of the largest part that is seen (px at VGA size).
 const LEAST_PX: f64 = 100.0;
-/// The least share of a thing's area that is seen: less may be a button.
+/// Least share of a thing's area that is seen: less may be a button.
 const LEAST_SHARE: f64 = 0.1;
-/// Parts up to this width are edges, where colours mix (px at VGA size). Images of less than VGA size have none: things in them are as narrow.
+/// Parts up to this width are edges, where colours mix (px at VGA size). In images of less than VGA size this
+/// is not applied: things in them are as narrow.
 const NARROW_PX: f64 = 2.0;
 
 impl Memory {
-    /// Looks for the things that agents handle and no segment shows, each in the pixels of its agent. O(n) if there are any. Does nothing without
-    /// colour.
+    /// Searches for the things that agents handle and no segment shows, each in the pixels of its agent. O(n)
+    /// if there are any. Does nothing without colour.
     pub(crate) fn find_in_hands(
         &mut self,
         look: &Look<'_>,
@@ -48,8 +50,9 @@ impl Memory {
         }
     }
 
-    /// The pixels that show a thing in the hand of an agent: the largest part that has colours of the thing and not of the hand, and what is beside that.
-    /// None if they are more than the thing can show, or too few for a piece.
+    /// The pixels that show a thing in the hand of an agent: the largest part that has colours of the thing
+    /// and not of the hand, and what is beside this part. None if they are more than the thing can show, or
+    /// too few for a piece.
     fn seen_in_hand(&self, track: &Track, number: u32, view: &View, hand: &HandColors<'_>) -> Vec<usize> {
         let Some(agent) = self.agents.sure().find(|agent| agent.number == number) else { return Vec::new() };
         let edge = view.length_px(NARROW_PX) / 2;

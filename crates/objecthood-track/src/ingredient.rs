@@ -1,4 +1,4 @@
-//! What the tracker is made of, each of which can be left out to measure what it gains.
+//! The ingredients of the tracker. Each can be left out to measure what it gains.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,18 +8,18 @@ use serde::{Deserialize, Serialize};
 pub enum Ingredient {
     /// The motion of the camera.
     Camera,
-    /// Hands and people are told from objects.
+    /// Hands and people are distinguished from objects.
     Agents,
-    /// The motion of every object predicts where it is seen.
+    /// The motion of every object predicts where it will be seen.
     Motion,
-    /// Tracks that were hidden or moved far are found again by their looks, size and reach; those that move, among the hypotheses that are no
-    /// objects; and those in a hand, on another face or by their colours.
+    /// Tracks that were hidden or moved far are found again by looks, size and reach. Moving ones are also
+    /// found among refused hypotheses, and things in a hand on another face or by their colours.
     Finding,
     /// Known things that no segment of the frame shows are held where they should be.
     Holding,
-    /// What motion proved: parts that are one, things that are not.
+    /// What motion has proved is applied: parts that are one, things that are not.
     Knowledge,
-    /// Labels are steadied where nothing changes.
+    /// Labels are kept steady where nothing changes.
     Steadying,
 }
 

@@ -1,4 +1,4 @@
-//! What motion has proved: which parts are one, and which are not.
+//! What motion has proved: which parts are one thing, and which are not.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,36 +12,36 @@ use crate::scene::Key;
 use crate::track::{Rest, Track};
 use crate::tracked::Relation;
 
-/// Two parts of one thing moved so far (m) together, to and fro,
+/// Two parts are one thing if they moved together along a path of this length (m), to and fro,
 const TOGETHER_PATH_M: f64 = 0.03;
 /// with less than this share of it between them at the end,
 const TOGETHER_SHARE: f64 = 0.2;
-/// and less than this from frame to frame (root mean square): what noise moves goes each its own way,
+/// and less than this from frame to frame (root mean square), because under noise each goes its own way,
 const TOGETHER_STEP_SHARE: f64 = 0.5;
-/// in so many frames,
+/// in at least this many frames,
 const TOGETHER_FRAMES: u32 = 6;
 /// in which the motions of both fit this well (share of points).
 const SURE_FIT: f64 = 0.5;
-/// One of two moved so far (m) against the other.
+/// Two tracks are apart if one moved this far (m) against the other,
 const APART_M: f64 = 0.012;
-/// Or rests so far (m) from where it first rested, if it is put beside where the other first rested.
+/// or if one rests this far (m) from where it first rested, beside where the other first rested.
 const AGAINST_M: f64 = 0.02;
-/// Parts that stood apart are one when a segment holds both for so many frames.
+/// Parts that stood apart are one if a segment holds both for this many frames.
 const WHOLE_FRAMES: u32 = 3;
 
 /// What motion has proved.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Knowledge {
-    /// Pairs that moved apart; the smaller key first.
+    /// Pairs that moved apart; the smaller key comes first.
     apart: BTreeSet<(Key, Key)>,
-    /// Pairs that have never touched and of which one segment holds both: for how many frames.
+    /// Pairs that have never touched, but that one segment holds both of: for how many frames.
     whole: BTreeMap<(Key, Key), u32>,
     /// Pairs that touch and rest: whether frames show them as one.
     ones: BTreeMap<(Key, Key), Oneness>,
     /// The pace of this frame.
     #[serde(skip)]
     pace: Pace,
-    /// Those of `ones` that this frame shows as one.
+    /// The pairs of `ones` that this frame shows as one.
     #[serde(skip)]
     shown_as_one: BTreeSet<(Key, Key)>,
     /// Pairs that touch and move.
@@ -52,7 +52,7 @@ pub(crate) struct Knowledge {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Together {
     frames: u32,
-    /// How far the point between them moved with both (m), and by the one against the other (m).
+    /// How far the point between them moved with both (m), and how far one moved against the other (m).
     path_m: f64,
     against: DVec3,
     /// Sums of the squares of both (m²).
@@ -78,8 +78,8 @@ impl Knowledge {
         self.together.retain(|pair, _| is_other(pair));
     }
 
-    /// Learns from pairs of tracks that are seen by themselves and touch: those that moved against each other are apart, those that
-    /// moved as one are one. Returns the latter.
+    /// Learns from pairs of tracks that are seen by themselves and touch. Those that moved against each other
+    /// are apart; those that moved as one are one. Returns the latter.
     pub(crate) fn learn(
         &mut self,
         touching: &BTreeSet<(Key, Key)>,
@@ -97,7 +97,7 @@ impl Knowledge {
             {
                 continue;
             }
-            // What lies in a vessel moves with it.
+            // A thing in a vessel moves with the vessel.
             let is_in = |track: &Track, vessel: Key| track.votes.says(Some(vessel), Relation::In);
             if is_in(one, b) || is_in(other, a) || one.was_moved_against(other, AGAINST_M) {
                 continue;
@@ -118,7 +118,7 @@ impl Knowledge {
                 self.apart.insert((a, b));
                 self.together.remove(&(a, b));
             } else if camera_moves || one.rests() && other.rests() {
-                // The motion of a camera is not told from theirs.
+                // The motion of the camera cannot be told from theirs.
                 self.together.remove(&(a, b));
             } else if !self.apart.contains(&(a, b)) && self.moved_as_one(one, other, (a, b)) {
                 joined.push((a, b));
@@ -128,7 +128,8 @@ impl Knowledge {
         joined
     }
 
-    /// Adds the motions of a frame, if both are known, and says whether the two have moved as one for long enough.
+    /// Adds the motions of a frame, if both are known. Returns whether the two have moved as one for long
+    /// enough.
     fn moved_as_one(&mut self, one: &Track, other: &Track, pair: (Key, Key)) -> bool {
         let known =
             |track: &Track| track.motion.clone().filter(|motion| track.is_moving && motion.fit > SURE_FIT);
@@ -148,7 +149,7 @@ impl Knowledge {
             && sum.against_m2 < TOGETHER_STEP_SHARE.powi(2) * sum.path_m2
     }
 
-    /// Marks two tracks as things of their own.
+    /// Marks two tracks as separate things.
     pub(crate) fn part(&mut self, a: Key, b: Key) {
         self.apart.insert(pair(a, b));
     }
@@ -159,8 +160,9 @@ impl Knowledge {
         self.shown_as_one.clear();
     }
 
-    /// Tracks that a segment, which shows `owner`, holds as well: to be kept apart, because they were seen to move apart or
-    /// touched when they were last seen; and such that turn out to be one with the owner, because most frames show them as one.
+    /// The other tracks that a segment, which shows `owner`, holds as well. First those to be kept apart,
+    /// because they were seen to move apart or touched when they were last seen. Then those that turn out to
+    /// be one with the owner, because most frames show them as one.
     pub(crate) fn held(
         &mut self,
         segment: usize,

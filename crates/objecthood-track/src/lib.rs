@@ -1,4 +1,4 @@
-//! Objects through RGB-D video: identities that last, motion as evidence, and what happened.
+//! Follows objects through RGB-D video: lasting identities, motion as evidence, and events.
 //!
 //! ```
 //! use objecthood::{Camera, Frame, Params, Raster};
@@ -14,41 +14,42 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Tracker`] is the only type of objecthood that remembers earlier frames. Its steps, in their order (`memory.rs` has them on a screen):
+//! [`Tracker`] is the only type of objecthood that remembers earlier frames. `memory.rs` shows the order of
+//! its steps on one screen. The files, roughly in that order:
 //!
 //! | file | task |
 //! |---|---|
-//! | `camera.rs`, `align.rs` | the camera's motion; one `align` serves camera and objects |
-//! | `turn.rs` | how far the camera has turned, roughly: where `align` begins |
-//! | `scene.rs` | what is remembered of every pixel: where the frame changed, labels steadied at rest |
-//! | `pace.rs` | how long frames last, and which pauses are gaps |
+//! | `camera.rs`, `align.rs` | the camera's motion; `align` finds rigid motions of camera and objects |
+//! | `turn.rs` | a rough guess of the camera's turn, from which `align` starts |
+//! | `scene.rs` | the memory of every pixel: where the frame changed, labels kept steady at rest |
+//! | `pace.rs` | the time between frames, and which pauses are gaps |
 //! | `field.rs` | where the sensor measures depth |
 //! | `agent.rs` | hands and people: what is nearer than the rested scene and stays connected to the border of the image |
-//! | `arm.rs` | agents that are there from the first frame on |
-//! | `predict.rs`, `surface.rs` | the motion of every object, and where it should be seen; the surface of what is moved |
+//! | `arm.rs` | agents that are in the image from the first frame on |
+//! | `predict.rs`, `surface.rs` | the motion of every object, and where it should be seen; the surface of moved things |
 //! | `identify.rs`, `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
-//! | `doubtful.rs` | hypotheses that a frame alone takes for no objects, and that show known things |
-//! | `uncover.rs` | what comes out from behind a hand beside a known thing, and that a frame takes for one with it |
+//! | `doubtful.rs` | refused hypotheses that show known things |
+//! | `uncover.rs` | things that come out from behind a hand beside a known thing, so that a frame takes both for one |
 //! | `fragment.rs` | segments that show a piece of a known thing |
 //! | `moved_part.rs` | the part of a thing that is moved, such as a lid, and what stays |
 //! | `face.rs` | another face of a thing in a hand |
-//! | `in_hand.rs` | things that a hand has and no segment shows, by their colours |
-//! | `hand.rs` | what belongs to a hand rather than to the thing that it holds, by colour |
+//! | `in_hand.rs` | things in a hand that no segment shows, found by their colours |
+//! | `hand.rs` | pixels of a hand rather than of the thing that it holds, by colour |
 //! | `seen.rs` | which track is seen at each pixel; known things that no segment shows are held |
 //! | `observe.rs`, `missing.rs` | tracks that are seen, and tracks that are not |
-//! | `parts.rs`, `knowledge.rs` | what motion proved: parts that are one, things that are not |
-//! | `oneness.rs` | whether most frames show a resting thing as one |
+//! | `parts.rs`, `knowledge.rs` | what motion proved: which parts are one thing, and which are not |
+//! | `oneness.rs` | whether most frames show a resting thing as one segment |
 //! | `rested.rs`, `opened.rs` | the surface of things as they last rested: what is hidden, what was opened |
-//! | `whole.rs` | things that were cut in pieces, and are seen whole |
+//! | `whole.rs` | things that were cut into pieces, and are seen whole |
 //! | `support.rs` | what holds what, over time |
 //! | `flight.rs` | free flight: a pure function of where a thing was |
-//! | `happenings.rs`, `happening.rs` | what happened to a thing, read from where it was, how it moved and who reached it; an event |
-//! | `taken.rs`, `put_down.rs` | when a thing was taken that a hand hid; when and on what it was put down |
-//! | `vessel.rs` | what goes into a vessel, or out of it, by itself |
-//! | `hindsight.rs` | what the whole video proved, written backwards |
-//! | `numbering.rs` | the numbers of frames, those too that show nothing |
-//! | `state.rs`, `ingredient.rs` | a tracker in a file; a tracker without some of its ingredients |
-//! | `output.rs` | numbers, labels and states |
+//! | `happenings.rs`, `happening.rs` | what happened to a thing, derived from where it was, how it moved and who reached it; an event |
+//! | `taken.rs`, `put_down.rs` | when a thing that a hand hid was taken; when, and on what, it was put down |
+//! | `vessel.rs` | things that go into a vessel, or out of it, without being handled |
+//! | `hindsight.rs` | what the whole video proved, applied to earlier frames |
+//! | `numbering.rs` | the numbers of frames, including those that were passed over |
+//! | `state.rs`, `ingredient.rs` | saving a tracker; leaving out ingredients |
+//! | `output.rs` | the output: numbers, labels and states |
 
 mod agent;
 mod align;

@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 
 /// Lightness in 4 steps, a and b in 8 each.
 const BINS: usize = 4 * 8 * 8;
-/// The share that a new look has in the mean.
+/// The weight of a new look in the mean.
 const NEW_SHARE: f32 = 0.1;
 
 /// Colours of a smaller share are noise.
 const RARE: f32 = 0.01;
 
-/// Shares of colours; they sum to 1, or to 0 without colour.
+/// Shares of colours. They sum to 1, or to 0 without colour.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Look {
     shares: Vec<f32>,
@@ -24,7 +24,7 @@ impl Default for Look {
     }
 }
 
-/// Which of the colours this one is.
+/// The index of this colour.
 fn bin(rgb: [u8; 3]) -> usize {
     let [l, a, b] = lab(rgb);
     let step = |x: f32, first: f32, width: f32, steps: usize| {
@@ -51,7 +51,8 @@ impl Look {
         self.shares.iter_mut().for_each(|share| *share /= n);
     }
 
-    /// 0 for equal looks, 1 for those without a common colour; `None` without colour.
+    /// The difference of two looks: 0 for equal looks, 1 for looks without a common colour; `None` without
+    /// colour.
     pub(crate) fn distance(&self, other: &Self) -> Option<f64> {
         if self.is_empty() || other.is_empty() {
             return None;
@@ -60,7 +61,7 @@ impl Look {
         Some(1.0 - f64::from(common))
     }
 
-    /// The share of it that has colours of another look; `None` without colour.
+    /// The share of this look that has colours of another look; `None` without colour.
     pub(crate) fn share_of(&self, whole: &Self) -> Option<f64> {
         if self.is_empty() || whole.is_empty() {
             return None;
@@ -73,7 +74,7 @@ impl Look {
         self.samples == 0
     }
 
-    /// Takes a new look into the mean; the first one is the mean. One without colour is none.
+    /// Adds a new look to the mean; the first one becomes the mean. A look without colour is ignored.
     pub(crate) fn learn(&mut self, new: &Self) {
         match (self.is_empty(), new.is_empty()) {
             (_, true) => {}

@@ -24,17 +24,17 @@ use crate::track::Track;
 use crate::tracked::{Event, Relation, TrackNotice, Tracked};
 use crate::view::View;
 
-/// A track that is hidden is forgotten after this (s).
+/// A hidden track is forgotten after this time (s).
 pub(crate) const FORGET_S: f64 = 30.0;
-/// What moves is in the air so far (m) above where it rested, or when it rises or falls this fast (m/s): what rolls down a slope of 30 degrees
-/// does not for its first tenth of a second.
+/// A moving thing is in the air if it is this far (m) above where it rested, or if it rises or falls this
+/// fast (m/s): a thing that rolls down a slope of 30 degrees does not in its first tenth of a second.
 const IN_AIR_M: f64 = 0.02;
 const IN_AIR_M_PER_S: f64 = 0.3;
 
 /// What is known after a frame.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Memory {
-    /// What of the method is left out.
+    /// The ingredients that are left out.
     pub(crate) without: BTreeSet<Ingredient>,
     pub(crate) frame: u64,
     pub(crate) stamp_s: f64,
@@ -56,7 +56,7 @@ pub(crate) struct Memory {
 /// What a frame shows.
 pub(crate) struct Look<'a> {
     pub(crate) found: &'a Discovery,
-    /// The segment at every pixel, counted from 1, 0 = none: first those of the discovery.
+    /// The segment at every pixel, counted from 1, 0 = none. The segments of the discovery come first.
     pub(crate) labels: Vec<u16>,
     pub(crate) view: &'a View,
     pub(crate) changed: &'a Bits,
@@ -87,7 +87,7 @@ impl Memory {
         }
     }
 
-    /// The whole method.
+    /// Processes a frame: all steps of the tracker, in their order.
     pub(crate) fn update(
         &mut self,
         view: &View,
@@ -158,7 +158,8 @@ impl Memory {
         tracked
     }
 
-    /// Nobody knows any more what was seen at which pixel: else all that is nearer now would be an agent. Tracks are found again by their looks.
+    /// The camera is lost, so it is unknown what was seen at which pixel. The memory of places is cleared;
+    /// otherwise everything that is nearer now would be an agent. Tracks are found again by their looks.
     fn lose_places(&mut self, size: (usize, usize)) {
         self.scene = Scene::empty(size);
         self.rested = Rested::empty(size);
@@ -210,7 +211,7 @@ impl Memory {
         self.numbers.events(told, &mut self.tracks)
     }
 
-    /// The track that a track is part of, or itself.
+    /// The track that a track is part of, or the track itself.
     pub(crate) fn root(&self, key: Key) -> Key {
         let mut key = key;
         while let Some(whole) = self.tracks.get(&key).and_then(|track| track.part_of) {
@@ -219,7 +220,7 @@ impl Memory {
         key
     }
 
-    /// The relation of a track to what holds it; nothing does while it is in the air. `is_carried`: by what holds it.
+    /// The relation of a track to what holds it; none while it is in the air. `is_carried`: by what holds it.
     pub(crate) fn held_by(&self, key: Key, is_carried: bool, up: DVec3) -> Option<(Option<Key>, Relation)> {
         let track = self.tracks.get(&key)?;
         let above_m = track.rest.map_or(0.0, |rest| track.last.bottom_m - rest.bottom_m);

@@ -1,4 +1,4 @@
-//! Tracks that are not seen, and such that are new.
+//! Tracks that are not seen, and new tracks.
 
 use std::collections::BTreeMap;
 
@@ -10,30 +10,32 @@ use crate::scene::Key;
 use crate::track::{Deed, Track};
 use crate::tracked::EventKind;
 
-/// What is nearer by this (m) than a thing stands before it.
+/// Something nearer than a thing by this (m) stands before it.
 const BEFORE_M: f64 = 0.02;
-/// A thing is hidden when so much of where it rested is (share of its pixels),
+/// A thing is hidden if this share of the pixels where it rested is hidden,
 const HIDDEN: f64 = 0.9;
-/// for so long (s).
+/// for this long (s).
 const HIDDEN_S: f64 = 0.1;
-/// It is not where it rested when so much of its place is bare (share of its pixels).
+/// A thing is not where it rested if this share of the pixels of its place is bare.
 const BARE: f64 = 0.5;
-/// An agent is said to have what it hid once the place is bare, and the thing unseen, for so long (s). What is pushed is seen again sooner.
+/// A thing that an agent hid is taken by the agent once its place is bare, and the thing unseen, for this
+/// long (s). A thing that is pushed is seen again sooner.
 const TAKEN_S: f64 = 1.0;
-/// A thing is gone once it is not seen for so long (s).
+/// A thing is gone if it is not seen for this long (s).
 const GONE_S: f64 = 0.1;
-/// What leaves the image has gone so far (m) from where it rested: an arm that comes in hides what lies at the border bit by bit.
+/// A thing that leaves the image has gone this far (m) from where it rested: an arm that comes in hides what
+/// lies at the border bit by bit.
 const LEAVING_M: f64 = 0.05;
-/// When it was seen last it moved, or so much of it changed (share of its pixels).
+/// When it was last seen it moved, or this share of its pixels changed.
 const LEAVING_CHANGED: f64 = 0.35;
 /// It moves faster than this (m/s).
 const LEAVING_M_PER_S: f64 = 0.02;
-/// What is new is a thing of its own once it has rested so long (s).
+/// A new thing is a thing of its own once it has rested for this long (s).
 const SETTLED_S: f64 = 0.25;
 
 /// Why a track is not seen.
 struct Absence {
-    /// First frame, and number of frames.
+    /// The first frame in which it is not seen, and the number of such frames.
     since: u64,
     frames: u64,
     /// Whether something stands before where it was, and what.
@@ -46,7 +48,7 @@ struct Absence {
 }
 
 impl Memory {
-    /// Tracks that are not seen: what stands before them?
+    /// Examines the tracks that are not seen: what stands before them?
     pub(crate) fn miss(&mut self, look: &Look<'_>, remains: &BTreeMap<Key, Remains>) {
         let shown = self.shown_now();
         let is_missing = |(key, track): &(&Key, &Track)| track.part_of.is_none() && !shown.contains(key);
@@ -81,8 +83,8 @@ impl Memory {
         Absence { since, frames, is_covered, by, hidden, bare }
     }
 
-    /// Tells that a track went behind something or out of the image, once that is sure. `is_carried`: what carries it moves, so it is not where
-    /// it rested.
+    /// Reports that a track went behind something or out of the image, once that is sure. `is_carried`: what
+    /// carries it moves, so it is not where it rested.
     fn tell_absence(&mut self, key: Key, absence: &Absence, is_carried: bool) {
         let gone_frames = self.pace.frames(GONE_S) as u64;
         let Some(track) = self.tracks.get_mut(&key) else { return };
@@ -99,7 +101,7 @@ impl Memory {
         let is_known = track.rest.is_some() && !track.is_agent_part();
         let was_raised = track.rest.is_some_and(|rest| track.last.bottom_m - rest.bottom_m > LIFTED_M);
         if track.gone_since.is_some_and(|(frame, _)| frame <= track.last.frame) && !was_raised {
-            // It was seen again since, and not in a hand.
+            // It was seen again since then, and not in a hand.
             track.gone_since = None;
         }
         if absence.bare > BARE && is_known && !is_carried {
@@ -150,7 +152,7 @@ impl Memory {
         }
     }
 
-    /// New things that are things of their own came into view.
+    /// Reports new tracks that came into view as things of their own.
     pub(crate) fn tell_appearances(&mut self) {
         for (&key, track) in &mut self.tracks {
             let is_new = !track.told_appeared
@@ -158,7 +160,7 @@ impl Memory {
                 && !track.is_agent_part()
                 && track.part_of.is_none();
             let has_settled = track.rest_s > SETTLED_S || track.seen_to.contains(&Deed::Flew);
-            // What rolls through the image never rests.
+            // A thing that rolls through the image never rests.
             let went_by_itself = track.was_free(self.pace) && track.path_m > track.area_m2.sqrt();
             if is_new && (has_settled || went_by_itself) {
                 track.told_appeared = true;

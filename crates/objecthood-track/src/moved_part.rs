@@ -1,4 +1,5 @@
-//! Lids and drawers: what stays of a thing of which a part is moved keeps its number, and the part gets one of its own (ours).
+//! Lids and drawers: if a part of a thing is moved, the rest keeps the number of the thing and the part gets
+//! a number of its own (ours).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,21 +12,24 @@ use crate::segment::{Measure, STRIDE_PX, Segment, is_looked_at};
 use crate::track::Track;
 use crate::view::View;
 
-/// A segment lies on, or behind, where a thing rested when this share of its pixels does, and does not when less than this does.
+/// A segment lies on, or behind, the place where a thing rested if at least the first share of its pixels
+/// does. It does not if less than the second share does.
 const MOST: f64 = 0.6;
 const FEW: f64 = 0.3;
-/// A moved part belonged to its thing with this share of its pixels or more, and this share stands before where that rested.
+/// A moved part belonged to its thing with at least this share of its pixels, and at least this share stands
+/// before where the thing rested.
 pub(crate) const BELONGED: f64 = 0.7;
 const BEFORE: f64 = 0.5;
-/// This share of a part has colours of its thing.
+/// At least this share of a part has colours of its thing.
 const LEAST_LOOK: f64 = 0.6;
-/// What stays belongs to an agent's region with less than this share: a hand may lie where a thing rested.
+/// The rest belongs to an agent's region with less than this share: a hand may lie where a thing rested.
 const OF_AGENT: f64 = 0.3;
-/// What is cut off an open thing has this share of the pixels that are left, and so many pixels (at VGA size), or more.
+/// A part that is cut off an open thing has at least this share of the pixels that are left, and at least
+/// this many pixels (at VGA size).
 const LEAST_SHARE: f64 = 0.1;
 const LEAST_PX: f64 = 100.0;
 
-/// Which shares of a segment lie where a thing rested: on its surface, before it and behind it.
+/// The shares of a segment that lie where a thing rested: on its surface, before it and behind it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Shares {
     there: f64,
@@ -37,7 +41,8 @@ pub(crate) struct Shares {
 pub(crate) type BesideRest = BTreeMap<(usize, Key), Shares>;
 
 impl Memory {
-    /// How segments lie beside where things rested that are open, or that an agent reaches. O(n) while there are any.
+    /// How segments lie relative to the places where things rested, for things that are open or that an agent
+    /// reaches. O(n) while there are any.
     pub(crate) fn beside_rest(&self, segments: &[Segment], labels: &[u16], view: &View) -> BesideRest {
         let mut shares = BesideRest::new();
         let matters = |(_, track): &(&Key, &Track)| track.is_open() || may_open(track);
@@ -65,15 +70,16 @@ impl Memory {
         shares
     }
 
-    /// The segments that lie inside open things.
+    /// The segments that lie inside open things, each with its thing.
     pub(crate) fn inside(&self, beside: &BesideRest) -> BTreeMap<usize, Key> {
         let is_inside =
             |&(&(_, key), of): &(&(usize, Key), &Shares)| of.behind > MOST && self.tracks[&key].is_open();
         beside.iter().filter(is_inside).map(|(&pair, _)| pair).collect()
     }
 
-    /// Of a thing that an agent reaches, what stays shows its track, not what was moved of it. Returns the segments that show what was
-    /// moved, and of what. O(s t) for s segments and t tracks.
+    /// For a thing that an agent reaches: the segment of the part that stays shows the thing's track, not the
+    /// segment of the part that was moved. Returns the segments of moved parts, each with its thing. O(s t)
+    /// for s segments and t tracks.
     pub(crate) fn stay_with_the_rest(
         &mut self,
         segments: &[Segment],
@@ -116,8 +122,8 @@ impl Memory {
         moved
     }
 
-    /// Gives a segment of its own to the part of an open thing that stands before what rested there, when the frame takes both for one.
-    /// Returns those segments, and of what they are parts. O(n).
+    /// If the frame takes both parts of an open thing for one segment, the part that stands before the
+    /// thing's resting place gets a segment of its own. Returns these segments, each with its thing. O(n).
     pub(crate) fn part_opened(
         &self,
         labels: &mut [u16],

@@ -1,21 +1,22 @@
-//! The numbers of frames: as they are given, those too of which nothing is known.
+//! The numbers of frames as they were given, including those that were passed over.
 
 use serde::{Deserialize, Serialize};
 
-/// So many runs are kept: frames before them are about no more events.
+/// This many runs are kept: no more events refer to frames before them.
 const MOST_RUNS: usize = 1000;
 
-/// Turns the frames of the memory, which knows only those that it has seen, into numbers of the frames that were given.
+/// Converts frames of the memory, which counts only processed frames, to numbers of the given frames.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Numbering {
-    /// Frames that were given.
+    /// The number of frames that were given.
     given: u64,
-    /// Each: from this frame of the memory on they were given one after the other, beginning with this number.
+    /// Runs. Each says: from this frame of the memory on, frames were given without a pause, beginning with
+    /// this number.
     runs: Vec<(u64, u64)>,
 }
 
 impl Numbering {
-    /// The next frame that is given is this one of the memory.
+    /// The next given frame becomes this frame of the memory.
     pub(crate) fn take(&mut self, frame: u64) {
         if self.runs.is_empty() || self.of(frame) != self.given {
             self.runs.push((frame, self.given));
@@ -26,17 +27,17 @@ impl Numbering {
         self.given += 1;
     }
 
-    /// Nothing is known of the next frame that is given.
+    /// The next given frame is passed over.
     pub(crate) fn skip(&mut self) {
         self.given += 1;
     }
 
-    /// The memory begins anew.
+    /// The memory starts over.
     pub(crate) fn begin_anew(&mut self) {
         self.runs.clear();
     }
 
-    /// The number of a frame of the memory.
+    /// The given number of a frame of the memory.
     pub(crate) fn of(&self, frame: u64) -> u64 {
         let run = self.runs.iter().rev().find(|run| run.0 <= frame).or(self.runs.first());
         run.map_or(frame, |&(first, number)| number + frame.saturating_sub(first))

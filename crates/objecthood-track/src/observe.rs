@@ -1,4 +1,4 @@
-//! Every track that is seen is brought up to date.
+//! Updates every track that is seen.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,17 +13,17 @@ use crate::taken::CARRIED_M;
 use crate::track::{Sample, Track};
 use crate::tracked::Relation;
 
-/// An agent reaches what is this close to it (px at VGA size).
+/// An agent reaches a thing if it is this close (px at VGA size).
 const REACH_PX: f64 = 6.0;
-/// What goes with what carries it was moved at most this much (m) farther.
+/// A thing goes along with its carrier if it moved at most this much (m) farther.
 const WITH_IT_M: f64 = 0.015;
-/// The foot of a thing is at a surface that is this close (m).
+/// The foot of a thing is at a surface if it is this close (m).
 const AT_FOOT_M: f64 = 0.03;
-/// A thing lies in another that rises above its foot by this (m).
+/// A thing lies in another if the other rises above its foot by this (m).
 const RIM_M: f64 = 0.01;
 
 impl Memory {
-    /// Brings every track up to date and tells what happened to it.
+    /// Updates every track and reports what happened to it.
     pub(crate) fn observe(&mut self, look: &Look<'_>) {
         let reach = self.reach(look);
         for k in 0..look.keys.len() {
@@ -92,14 +92,15 @@ impl Memory {
         }
     }
 
-    /// Things that lie in or stand on another, which was moved as far as they were: they go with it.
+    /// The things that lie in or stand on another thing, which was moved as far as they were: they go along
+    /// with it.
     pub(crate) fn carried(&self) -> BTreeSet<Key> {
         let moved_m =
             |track: &Track| track.rest.map_or(0.0, |rest| (track.last.center - rest.center).length());
         let goes_with = |track: &Track, below: &Track| moved_m(track) < moved_m(below) + WITH_IT_M;
         let is_carried = |track: &Track| match track.votes.winner() {
             Some((Some(below), _)) => self.tracks.get(&below).is_some_and(|carrier| {
-                // What was hidden in it when it was moved went with it.
+                // A thing that was hidden in its carrier when the carrier was moved went along.
                 let then = carrier.since(track.last.frame).next();
                 let went_m = then.map_or(0.0, |then| (carrier.last.center - then.center).length());
                 let moves = carrier.is_moving || self.happenings.is_handled(below);
@@ -138,7 +139,8 @@ impl Memory {
         reach
     }
 
-    /// What holds each track: the thing on which the frame says that it stands; else a thing that rested below it; else structure.
+    /// What holds each track: the thing on which it stands by this frame, else a thing that rested below it,
+    /// else structure.
     fn vote(&mut self, look: &Look<'_>) {
         for (k, &key) in look.keys.iter().enumerate() {
             let told = (k < look.found.objects.len()).then(|| carrier(look.found, k)).flatten();
@@ -158,7 +160,8 @@ impl Memory {
         }
     }
 
-    /// What a thing stands on, or in, when a hand hides that: the foot of the thing is where the surface of another was when that last rested.
+    /// What a thing stands on, or in, if a hand hides that: the foot of the thing is where the surface of
+    /// another thing was when the other last rested.
     fn rests_on(&self, k: usize, look: &Look<'_>) -> Option<(Key, Relation)> {
         let segment = &look.segments[k];
         let foot = segment.center + (segment.bottom_m - segment.height_m) * look.place.up;
@@ -167,7 +170,7 @@ impl Memory {
         let below = self.root(key);
         let carrier = self.tracks.get(&below)?;
         let at = look.place.world(at);
-        // What was pushed away leaves its surface behind.
+        // A thing that was pushed away leaves its surface behind.
         let is_its_own = (at - carrier.last.center).length() < carrier.area_m2.sqrt();
         let is_there = (at - foot).length() < AT_FOOT_M && !carrier.is_moving && is_its_own;
         if !is_there || below == self.root(look.keys[k]) {

@@ -1,4 +1,5 @@
-//! Whether the frames show something as one or in pieces: a frame may be wrong, and where nothing moves most of them decide (ours).
+//! Whether frames show something as one segment or in pieces. A single frame may be wrong; where nothing
+//! moves, most frames decide (ours).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,18 +12,20 @@ use crate::scene::Key;
 use crate::segment::Segment;
 use crate::track::RESTING_CHANGE;
 
-/// Frames are forgotten with this time constant (s).
+/// Earlier frames are forgotten with this time constant (s).
 const VOTES_S: f64 = 0.5;
-/// A frame has at most this weight, however long it lasts: a few frames decide, never one.
+/// A frame has at most this weight, however long it lasts: a few frames decide, never one alone.
 const MOST_WEIGHT: f64 = 0.15;
-/// What is one stays one while so many of the last frames show it as one. Less than half: one frame is not enough to part it.
+/// What is one stays one while at least this share of the last frames shows it as one. It is less than half,
+/// so that one frame is not enough to separate it.
 const STAYS_ONE: f64 = 0.4;
-/// Two turn out to be one when so many show them as one, ...
+/// Two tracks turn out to be one if at least this share shows them as one, ...
 const IS_ONE: f64 = 0.8;
-/// ... unless so few did once: then they were clearly two, and what is seen now is a worse view of them.
+/// ... unless the share was once below this: then they were clearly two, and what is seen now is a worse view
+/// of them.
 const WAS_TWO: f64 = 0.2;
 
-/// The share of the last frames that show something as one, and the least that it has been.
+/// The share of the last frames that show something as one, and the least that this share has been.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Oneness {
     share: f64,
@@ -43,20 +46,20 @@ impl Oneness {
         self.least = self.least.min(self.share);
     }
 
-    /// Whether one that comes in pieces in this frame is still one.
+    /// Whether one thing that comes in pieces in this frame is still one.
     pub(crate) fn holds(self) -> bool {
         self.share > STAYS_ONE
     }
 
-    /// Whether two turn out to be one.
+    /// Whether two tracks turn out to be one.
     pub(crate) fn is_proved(self) -> bool {
         self.share > IS_ONE && self.least > WAS_TWO
     }
 }
 
 impl Memory {
-    /// Counts a frame for every track that rests, of which nothing has changed, and that no agent reaches: whether a segment of its own shows it, or several do.
-    /// `fresh`: segments that show no known track.
+    /// Counts a frame for every track that rests, of which nothing has changed, and that no agent reaches:
+    /// whether one segment shows it, or several do. `fresh`: segments that show no known track.
     pub(crate) fn vote_on_wholes(
         &mut self,
         segments: &[Segment],

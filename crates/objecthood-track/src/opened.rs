@@ -1,4 +1,5 @@
-//! Lids, doors and drawers: a part of a thing is moved, the rest of it stays, and its inside is seen (ours).
+//! Lids, doors and drawers: a part of a thing is moved, the rest stays, and the inside of the thing is seen
+//! (ours).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,23 +11,25 @@ use crate::scene::Key;
 use crate::track::{Sample, Track, are_alike};
 use crate::tracked::EventKind;
 
-/// A thing is open when this share of what is seen where it rested is its inside,
+/// A thing is open if at least this share of what is seen where it rested is its inside,
 const OPEN: f64 = 0.05;
-/// for so long (s);
+/// for this long (s);
 const OPEN_S: f64 = 0.1;
-/// and it begins to be when it is this share: gaps and noise show less.
+/// it begins to be open at this share: gaps and noise show less.
 const AJAR: f64 = 0.03;
-/// The rest of it stays: this share of where it rested.
+/// The rest stays if at least this share of where the thing rested is still in place.
 const STAYS: f64 = 0.2;
-/// It is closed while this share of its pixels is in place, and its inside is seen so soon (s) after it was.
+/// A thing is closed while this share of its pixels is in place. Its inside is seen within this time (s)
+/// after it was last closed.
 const CLOSED: f64 = 0.9;
 const OPENING_S: f64 = 0.6;
-/// The front of a drawer was pulled so far (m).
+/// The front of a drawer was pulled at least this far (m).
 const PULLED_M: f64 = 0.02;
-/// The front of a drawer is ahead of its inside by this (m), and the inside lies lower by this (m): both by their mean points.
+/// The front of a drawer is ahead of its inside by this (m), and the inside is lower by this (m); both by
+/// their mean points.
 const AHEAD_M: f64 = 0.01;
 const LOWER_M: f64 = 0.003;
-/// Of fewer pixels (at VGA size) nothing is said.
+/// With fewer pixels (at VGA size) nothing is reported.
 const LEAST_PX: f64 = 400.0;
 
 impl Memory {
@@ -36,7 +39,8 @@ impl Memory {
         self.rested.remains(look, &self.agents.region, &openable)
     }
 
-    /// The inside of a thing belongs to the part that was moved if that reaches lower, as a drawer does. A lid lies higher.
+    /// The inside of a thing belongs to the part that was moved if that part reaches lower, as a drawer does.
+    /// A lid lies higher.
     pub(crate) fn join_drawers(&mut self) {
         let is_seen = |track: &Track| track.last.frame == self.frame && track.part_of.is_none();
         let mut joined = Vec::new();
@@ -54,7 +58,7 @@ impl Memory {
         }
     }
 
-    /// The part that was moved of a thing, if it has a number of its own: the one that was seen longest.
+    /// The moved part of a thing, if it has a number of its own: the one that was seen longest.
     fn lid_of(&self, key: Key) -> Option<Key> {
         let is_lid = |(_, track): &(&Key, &Track)| {
             track.moved_off == Some(key) && track.part_of.is_none() && track.id.is_some()
@@ -63,7 +67,7 @@ impl Memory {
         lids.max_by_key(|(_, track)| track.hits).map(|(&lid, _)| lid)
     }
 
-    /// Tells that a thing was opened, once its inside is seen.
+    /// Reports that a thing was opened, once its inside is seen.
     pub(crate) fn tell_openings(&mut self, look: &Look<'_>, remains: &BTreeMap<Key, Remains>) {
         let is_off = |part: &Track| (part.last.center - part.first.center).length() > PULLED_M;
         let parts = self.tracks.values().filter(|part| !part.rests() || is_off(part));
@@ -95,7 +99,7 @@ impl Memory {
         }
     }
 
-    /// Tells that a thing was opened; its inside has been seen since a frame and time (s).
+    /// Reports that a thing was opened. Its inside has been seen since a frame and time (s).
     fn tell_opened(&mut self, key: Key, (frame, time_s): (u64, f64), evidence: String) {
         self.tracks.entry(key).and_modify(|track| track.told_opened = true);
         self.happenings.opens(key);
@@ -105,7 +109,7 @@ impl Memory {
         }
         let lid = self.lid_of(key);
         let Some(track) = self.tracks.get(&key) else { return };
-        // Of an earlier opening the lid tells nothing.
+        // The lid says nothing about an earlier opening.
         let lid_s = lid.map(|lid| self.tracks[&lid].first.stamp_s);
         let seen_s =
             lid_s.filter(|lid_s| time_s - lid_s < OPENING_S).map_or(time_s, |lid_s| lid_s.min(time_s));
@@ -122,7 +126,8 @@ impl Memory {
         });
     }
 
-    /// Finds drawers: of two parts that came off a thing one, the front, goes ahead, and the other lies lower.
+    /// Finds drawers: of two parts that came off a thing, one, the front, goes ahead, and the other lies
+    /// lower.
     pub(crate) fn tell_drawers(&mut self) {
         let is_seen = |track: &Track| track.last.frame == self.frame && track.part_of.is_none();
         let parts: Vec<(Key, Key)> = self
@@ -147,7 +152,7 @@ impl Memory {
     }
 }
 
-/// Whether a part that moves level goes ahead of another, which lies lower.
+/// Whether a part that moves horizontally goes ahead of another, which lies lower.
 fn is_front_of(front: &Track, inside: &Track) -> bool {
     let moved = front.last.center - front.first.center;
     let ahead_m = moved.try_normalize().map_or(0.0, |way| way.dot(front.last.center - inside.last.center));
@@ -163,7 +168,7 @@ fn closed_at(track: &Track, before_s: f64) -> Option<(u64, f64)> {
     closed.map(|sample| (sample.frame, sample.stamp_s))
 }
 
-/// Whether a thing is seen as whole elsewhere than where it rested.
+/// Whether a thing is seen as a whole elsewhere than where it rested.
 fn was_moved(track: &Track, frame: u64) -> bool {
     let is_whole = track.rest.is_some_and(|rest| are_alike(track.last.px, rest.px));
     track.last.frame == frame && track.is_away() && is_whole && !track.lost_part

@@ -1,4 +1,4 @@
-//! What is known becomes what is told: numbers, labels, states.
+//! Converts what the tracker knows to its output: numbers, labels, states.
 
 use std::collections::BTreeMap;
 
@@ -17,12 +17,12 @@ use crate::tracked::{
     TrackState, Tracked, TrackedObject,
 };
 
-/// What moved when it was last seen is expected to move on for so long (s).
+/// A thing that moved when it was last seen is predicted to go on for this long (s).
 const ALONG_S: f64 = 0.25;
-/// A track is shown when it has so many pixels (at VGA size).
+/// A track is shown if it has this many pixels (at VGA size).
 const SHOWN_PX: f64 = 100.0;
 
-/// Gives out numbers.
+/// Assigns numbers.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Numbers {
     given: u16,
@@ -30,7 +30,7 @@ pub(crate) struct Numbers {
 }
 
 impl Numbers {
-    /// Agents are found anew, and get new numbers.
+    /// Agents are found again, and get new numbers.
     pub(crate) fn without_agents(mut self) -> Self {
         self.agents.clear();
         self
@@ -54,7 +54,7 @@ impl Numbers {
         self.agents.get(&number).copied()
     }
 
-    /// Events of tracks that have numbers; those of others are no one's.
+    /// The events of tracks that have numbers; events of other tracks are dropped.
     pub(crate) fn events(&mut self, told: Vec<Happening>, tracks: &mut BTreeMap<Key, Track>) -> Vec<Event> {
         let mut events = Vec::new();
         for happening in told {
@@ -71,12 +71,12 @@ impl Numbers {
                 Other::Ground => Some(0),
                 Other::Track(key) => {
                     let own = tracks.get(&key).and_then(|track| track.id);
-                    // A part that has become one with the object is named as it was before.
+                    // A part that has become one with the object keeps the name that it had before.
                     let named = if happening.kind == EventKind::Merged { own } else { id_of(key).or(own) };
                     if named == Some(object) {
                         continue;
                     }
-                    // What is too small for a number, or was not seen for long enough, remains unnamed.
+                    // A track that is too small for a number, or was not seen for long enough, gets none.
                     named.map(|id| id.0)
                 }
                 Other::Agent(number) => self.agent(number).map(|id| id.0),
@@ -102,7 +102,7 @@ impl Numbers {
 }
 
 impl Memory {
-    /// What is said of the frame.
+    /// Describes the frame.
     pub(crate) fn describe(&mut self, look: &Look<'_>, mut notices: Vec<TrackNotice>) -> Tracked {
         let places = self.places(look);
         let least_px = look.view.px(SHOWN_PX);
@@ -163,7 +163,7 @@ impl Memory {
         }
     }
 
-    /// Pixels and box of every track that is shown, by the track that it is part of.
+    /// Pixels and box of every track that is shown; parts count for the track that they are part of.
     fn places(&self, look: &Look<'_>) -> BTreeMap<Key, (usize, [usize; 4])> {
         let width = look.view.size.0;
         let mut places: BTreeMap<Key, (usize, [usize; 4])> = BTreeMap::new();
@@ -263,7 +263,7 @@ impl Memory {
         lost
     }
 
-    /// Where the mean point of a track should be that is not seen (m), in the world.
+    /// The predicted mean point (m), in the world, of a track that is not seen.
     fn expected_center(&self, track: &Track) -> DVec3 {
         let carrier = track.votes.winner().and_then(|(below, _)| self.tracks.get(&self.root(below?)));
         let went_along = carrier.map(|carrier| {

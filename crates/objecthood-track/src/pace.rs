@@ -1,16 +1,16 @@
-//! How long frames last.
+//! The time between frames.
 
 use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-/// Shorter pauses are no gaps, whatever is usual (s).
+/// Shorter pauses are no gaps, whatever the usual pause is (s).
 const GAP_S: f64 = 0.3;
-/// A gap is longer than this multiple of the usual pause: a frame that is missing doubles a pause.
+/// A gap is longer than this multiple of the usual pause. (A missing frame doubles a pause.)
 const GAP_RATIO: f64 = 1.5;
-/// What is usual is the median of so many pauses,
+/// The usual pause is the median of this many pauses,
 const MOST_PAUSES: usize = 9;
-/// and a source is slow only once so many are known: fast ones begin with a pause or two.
+/// and a source counts as slow only once this many are known: fast sources begin with one or two pauses.
 const LEAST_PAUSES: usize = 3;
 
 /// The time between frames.
@@ -30,7 +30,7 @@ impl Pace {
     /// Before two frames are known: 30 frames a second.
     pub(crate) const UNKNOWN: Self = Self { frame_s: 1.0 / 30.0 };
 
-    /// After a pause (s); `earlier`: those before it.
+    /// The pace after a pause (s). `earlier`: the pauses before it.
     pub(crate) fn after(self, pause_s: f64, earlier: &Pauses) -> Self {
         if pause_s > 0.0 && pause_s <= GAP_S {
             return Self { frame_s: 0.8 * self.frame_s + 0.2 * pause_s };
@@ -38,7 +38,7 @@ impl Pace {
         earlier.of_slow_source_s().map_or(self, |frame_s| Self { frame_s })
     }
 
-    /// The frames in a time, at least 2.
+    /// The number of frames in a time, at least 2.
     pub(crate) fn frames(self, seconds: f64) -> usize {
         ((seconds / self.frame_s).round() as usize).max(2)
     }
@@ -49,17 +49,17 @@ impl Pace {
 pub(crate) struct Pauses(VecDeque<f64>);
 
 impl Pauses {
-    /// Whether a pause is much longer than usual. Of the first one nobody knows.
+    /// Whether a pause is much longer than usual. For the first pause this is unknown.
     pub(crate) fn is_gap(&self, pause_s: f64) -> bool {
         self.usual_s().is_some_and(|usual_s| pause_s > GAP_S.max(GAP_RATIO * usual_s))
     }
 
-    /// The usual pause (s), if it would be a gap in other sources.
+    /// The usual pause (s), if other sources would call it a gap.
     fn of_slow_source_s(&self) -> Option<f64> {
         self.usual_s().filter(|&usual_s| usual_s > GAP_S && self.0.len() >= LEAST_PAUSES)
     }
 
-    /// Takes in a pause; before the first frame there is none.
+    /// Adds a pause. Before the first frame there is none.
     pub(crate) fn add(&mut self, pause_s: f64) {
         if pause_s > 0.0 {
             self.0.push_back(pause_s);
@@ -69,7 +69,7 @@ impl Pauses {
         }
     }
 
-    /// The median, the shorter one of two.
+    /// The median; of two middle values the shorter one.
     fn usual_s(&self) -> Option<f64> {
         let mut sorted: Vec<f64> = self.0.iter().copied().collect();
         sorted.sort_by(f64::total_cmp);

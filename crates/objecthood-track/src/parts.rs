@@ -1,4 +1,4 @@
-//! Tracks that turn out to be parts of one, and such that come apart.
+//! Tracks that turn out to be one, and tracks that come apart.
 
 use std::collections::BTreeSet;
 
@@ -13,9 +13,9 @@ use crate::track::{Deed, Track, are_alike};
 use crate::tracked::EventKind;
 use crate::whole::Sight;
 
-/// A part that came off is a thing when it is seen in this share of the frames from then on.
+/// A part that came off is a thing if it is seen in at least this share of the frames from then on.
 const SEEN: f64 = 0.3;
-/// Tracks touch when they are this close (px at VGA size).
+/// Tracks touch if they are this close (px at VGA size).
 const TOUCH_PX: f64 = 3.0;
 
 impl Memory {
@@ -50,8 +50,8 @@ impl Memory {
         self.touched = touching;
     }
 
-    /// Two tracks turned out to be one. The one that is seen goes on, with the lower of their numbers: else what is known of it would
-    /// never be brought up to date. Returns it.
+    /// Two tracks turned out to be one. The one that is seen goes on, with the lower of their numbers;
+    /// otherwise what is known about it would never be updated. Returns it.
     pub(crate) fn join(&mut self, seen: Key, other: Key) -> Key {
         let (whole, part) = (self.root(seen), self.root(other));
         let [own, parts] = [whole, part].map(|key| self.tracks[&key].id);
@@ -88,7 +88,7 @@ impl Memory {
         seen.map(|(&key, _)| self.root(key)).collect()
     }
 
-    /// What stood before a thing is gone, and one surface shows its part too.
+    /// What stood before a thing is gone, and one surface shows the part of the thing too.
     pub(crate) fn merge(&mut self, owner: Key, part: Key) {
         let (whole, own) = (self.root(owner), self.root(part));
         if whole == own {
@@ -108,7 +108,7 @@ impl Memory {
         });
     }
 
-    /// Tells of partings and lifts once they cannot be those of a lid.
+    /// Reports partings and lifts once they cannot be those of a lid.
     pub(crate) fn tell_no_lids(&mut self, now_s: f64) {
         let stayed = |part: Key, since: u64| {
             let frames = self.frame.saturating_sub(since).max(1) as f64;
@@ -117,10 +117,11 @@ impl Memory {
         self.happenings.tell_no_lids(now_s, stayed);
     }
 
-    /// What came off another thing and moved against it was one with it before.
+    /// Handles a track that came off another thing and moved against it: it was one with the thing before.
     pub(crate) fn tell_partings(&mut self) {
         const PARTED_M: f64 = 0.005;
-        // A slow push shows no motion from frame to frame. What an agent pushed off has moved if its middle has, by so much, while as much of it was seen.
+        // A slow push shows no motion from frame to frame. A thing that an agent pushed off has moved if its
+        // middle has moved by this much while as much of it was seen.
         const SHIFTED_M: f64 = 0.01;
         const SEEN_LATE_S: f64 = 0.2;
         let mut parted = Vec::new();

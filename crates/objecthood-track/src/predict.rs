@@ -1,4 +1,4 @@
-//! Where tracks should be seen.
+//! Predicts where tracks will be seen.
 
 use std::collections::BTreeMap;
 
@@ -12,22 +12,23 @@ use crate::surface::expect;
 use crate::track::Track;
 use crate::view::{View, block};
 
-/// A track may have moved when more of its pixels changed.
+/// A track may have moved if more than this share of its pixels changed.
 const CHANGED_SHARE: f64 = 0.06;
-/// So many points tell a motion.
+/// At least this many points are needed to find a motion.
 const MOST_POINTS: usize = 700;
-/// A motion counts when more of its points fit,
+/// A motion counts if more than this share of its points fits,
 const LEAST_FIT: f64 = 0.35;
-/// and it is more than noise: shift (m), turn (rad) in a thirtieth of a second. In shorter frames a motion is smaller; in longer ones noise is
-/// no larger.
+/// if it is more than noise (shift (m), turn (rad) in a thirtieth of a second; in shorter frames a motion is
+/// smaller, and in longer ones noise is not larger),
 const LEAST_SHIFT_M: f64 = 0.0025;
 const LEAST_TURN_RAD: f64 = 0.02;
 const LEAST_IN_S: f64 = 1.0 / 30.0;
-/// and it explains what is seen better than rest does, by this mean square of standard deviations: what a hand passes only seems to move.
+/// and if it explains what is seen better than rest does, by this mean square of standard deviations: a thing
+/// that a hand passes only seems to move.
 const LEAST_GAIN: f64 = 1.0;
 
-/// Finds the motion of every track that may have moved, and the pixels at which all should be seen. O(n) and O(points) a
-/// moving track.
+/// Finds the motion of every track that may have moved, and predicts the pixels of all tracks. O(n), and
+/// O(points) for each moving track.
 pub(crate) fn predict(
     scene: &Scene,
     view: &View,
@@ -67,7 +68,7 @@ pub(crate) fn predict(
             if is_more {
                 moving.insert(*key, motion.rigid);
             }
-            // Small motions add up, and what is hidden of a surface is not seen anew.
+            // Small motions add up, and the hidden part of a surface is not measured again.
             if track.rest_s == 0.0 {
                 track.surface.carry(&motion.rigid);
             }
@@ -108,7 +109,8 @@ fn collect(scene: &Scene, view: &View, points: &mut BTreeMap<Key, (usize, Vec<Su
     }
 }
 
-/// The better of the motions that are found from rest and from the last velocity, which is in the world.
+/// The better of two motions: the one found from rest, and the one found from the last velocity, which is in
+/// the world.
 fn best_motion(points: &[SurfacePoint], view: &View, step: DVec3) -> Option<Motion> {
     let from_rest = align(points, view, &Rigid::IDENTITY);
     if step.length() < LEAST_SHIFT_M {
@@ -121,7 +123,8 @@ fn best_motion(points: &[SurfacePoint], view: &View, step: DVec3) -> Option<Moti
     }
 }
 
-/// The track that should be seen at each pixel: those that move, where the depth agrees; else as in the last frame.
+/// The predicted track of each pixel. Moving tracks are predicted where the depth agrees; elsewhere the track
+/// is that of the last frame.
 fn splat(scene: &Scene, view: &View, moving: &BTreeMap<Key, Rigid>) -> Vec<Key> {
     let mut predicted: Vec<Key> = scene.seen.clone();
     if moving.is_empty() {

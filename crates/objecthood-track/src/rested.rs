@@ -1,4 +1,5 @@
-//! The surface of every thing as it last rested: how much of it is hidden now, and whether it was opened.
+//! The surface of every thing as it last rested: how much of it is hidden now, and whether the thing was
+//! opened.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,10 +12,11 @@ use crate::memory::Look;
 use crate::scene::{BESIDE_BACKGROUND_PER_M, Key, Reach, THERE_M, placed};
 use crate::view::View;
 
-/// What something nearer by this (m) stands before is hidden.
+/// A place is hidden if something nearer by this (m) stands before it.
 const BEFORE_M: f32 = 0.02;
 
-/// The inside of a thing lies higher than the lowest of its surface, without this fraction of it, by this (m): a bottom is a board thick.
+/// The inside of a thing lies higher than the lowest part of its surface by this (m), not counting this
+/// fraction of the surface: a bottom is as thick as a board.
 const LOWEST: usize = 50;
 const FLOOR_M: f64 = 0.005;
 
@@ -32,9 +34,9 @@ pub(crate) struct Rested {
 pub(crate) enum Beside {
     /// Where its surface was.
     There,
-    /// Nearer.
+    /// Nearer than the thing's surface.
     Before,
-    /// Farther: it may be its inside.
+    /// Farther: it may be the inside of the thing.
     Behind,
 }
 
@@ -42,17 +44,18 @@ pub(crate) enum Beside {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Remains {
     pub(crate) all: usize,
-    /// Behind something nearer.
+    /// Pixels behind something nearer.
     pub(crate) hidden: usize,
-    /// Farther than it was: what is seen there stood behind it.
+    /// Pixels at which something farther is seen, which stood behind the thing.
     pub(crate) bare: usize,
-    /// Its surface stayed.
+    /// Pixels at which its surface stayed.
     pub(crate) stays: usize,
-    /// Its surface is gone, what is seen lies behind it, and its surface stayed on three of four sides of that.
+    /// Pixels at which its surface is gone and something behind it is seen, while its surface stayed on three
+    /// of the four sides.
     pub(crate) hollow: usize,
 }
 
-/// First and last row or column in which the surface of a thing stayed, by row or column.
+/// The first and last row or column in which the surface of a thing stayed, for each column or row.
 #[derive(Default)]
 struct Extents(BTreeMap<(Key, usize), (usize, usize)>);
 
@@ -74,7 +77,7 @@ impl Rested {
         Self { size, owner: vec![0; n], surface: vec![0.0; n] }
     }
 
-    /// Moves what is known with the camera. O(n).
+    /// Moves the remembered surfaces with the camera. O(n).
     pub(crate) fn carry(&mut self, place: &Place, view: &View) {
         let old = std::mem::replace(self, Self::empty(self.size));
         let places = placed(&old.surface, place, view);
@@ -89,8 +92,8 @@ impl Rested {
         }
     }
 
-    /// Takes in the frame: `seen` is the track at each pixel, `rests` whether one is seen and rests, and nobody handles it.
-    /// O(n).
+    /// Updates the remembered surfaces from a frame. `seen`: the track at each pixel. `rests`: whether a
+    /// track is seen and rests, and nobody handles it. O(n).
     pub(crate) fn learn(&mut self, seen: &[Key], view: &View, changed: &Bits, rests: impl Fn(Key) -> bool) {
         let mut last = (0, false);
         let mut known = |key: Key| {
@@ -112,7 +115,8 @@ impl Rested {
         }
     }
 
-    /// The thing that rested at a pixel, and where what is seen there now lies; `None` where nothing rested or is measured.
+    /// The thing that rested at a pixel, and where the surface seen there now lies. `None` where nothing
+    /// rested or nothing is measured.
     pub(crate) fn at(&self, pixel: usize, view: &View) -> Option<(Key, Beside)> {
         let (key, is, was) = (self.owner[pixel], view.inverse[pixel], self.surface[pixel]);
         if key == 0 || is == 0.0 {
@@ -133,7 +137,8 @@ impl Rested {
         Some((self.owner[pixel], point)).filter(|&(key, _)| key > 0)
     }
 
-    /// What is seen now where things rested; what belongs to `agents` hides. `openable`: the things of which the inside is looked for. O(n).
+    /// Counts what is seen now where things rested. What belongs to `agents` hides the place. `openable`: the
+    /// things whose inside is searched. O(n).
     pub(crate) fn remains(
         &self,
         look: &Look<'_>,
@@ -159,7 +164,7 @@ impl Rested {
                 && look.place.height_m(point) > floor
             {
                 let (u, v) = (pixel % self.size.0, pixel / self.size.0);
-                // What is pushed away from the camera is behind where it was too, but moves.
+                // A thing that is pushed away from the camera is also behind where it was, but it moves.
                 match beside.filter(|_| !look.changed.has(pixel)) {
                     Some(Beside::There) => {
                         of.stays += 1;

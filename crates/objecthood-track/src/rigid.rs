@@ -11,10 +11,11 @@ pub struct Rigid {
 }
 
 impl Rigid {
-    /// What leaves everything where it is.
+    /// The motion that leaves everything where it is.
     pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
 
-    /// From a quaternion x, y, z, w of any length but 0, and a translation (m). `None` when they are not finite.
+    /// From a quaternion x, y, z, w of any length except 0, and a translation (m). `None` if they are not
+    /// finite.
     pub fn new(rotation_xyzw: [f64; 4], translation_m: [f64; 3]) -> Option<Self> {
         let (quaternion, translation) = (DQuat::from_array(rotation_xyzw), DVec3::from(translation_m));
         let length = quaternion.length();
@@ -38,7 +39,7 @@ impl Rigid {
         2.0 * libm::atan2((x * x + y * y + z * z).sqrt(), w.abs())
     }
 
-    /// Where it takes a point (m).
+    /// Where it maps a point (m).
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.rotation * p + self.translation
     }
@@ -47,19 +48,19 @@ impl Rigid {
         self.rotation * d
     }
 
-    /// First the other, then this one.
+    /// The composition: first the other, then this one.
     pub(crate) fn after(&self, first: &Self) -> Self {
         let rotation = (self.rotation * first.rotation).normalize();
         Self { rotation, translation: self.rotation * first.translation + self.translation }
     }
 
-    /// What undoes it.
+    /// The inverse.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.inverse();
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
-    /// Its rotation, as seen in the frame of coordinates to which another motion takes.
+    /// The same motion in the frame of coordinates to which another motion maps: its rotation only.
     pub(crate) fn turn_seen_from(&self, world: &Self) -> DQuat {
         (world.rotation * self.rotation * world.rotation.inverse()).normalize()
     }

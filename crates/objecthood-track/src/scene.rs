@@ -1,4 +1,4 @@
-//! What the tracker remembers of every pixel.
+//! What the tracker remembers about every pixel.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,21 +14,22 @@ const CHANGED_PER_M: [f32; 2] = [0.0042, 0.009];
 const CHANGED_LEVELS: [i16; 2] = [26, 60];
 /// Nearer or farther than the rested background by this inverse depth (1/m).
 pub(crate) const BESIDE_BACKGROUND_PER_M: f32 = 0.007;
-/// The background where nothing is in reach of the sensor: as good as infinitely far (1/m).
+/// The background where nothing is in reach of the sensor: practically infinitely far (1/m).
 const NOTHING_PER_M: f32 = 1e-6;
-/// A surface is there when the depth is within this (m).
+/// A surface is at a place if the depth is within this (m).
 pub(crate) const THERE_M: f32 = 0.02;
 /// A surface is far behind another by this (m).
 const BEHIND_M: f32 = 0.05;
-/// The running mean of inverse depth goes over so many frames.
+/// The running mean of inverse depth covers this many frames.
 const MEAN_FRAMES: u8 = 12;
-/// Farther than the background for so long (s), it is the background.
+/// What is farther than the background for this long (s) is the background.
 const FARTHER_S: f64 = 0.1;
-/// Never measured for so long (s), nothing is in reach there; and if something was, after so long without a change.
+/// Where nothing was ever measured for this long (s), nothing is in reach; if something was in reach, after
+/// this long without a change.
 const NOTHING_S: [f64; 2] = [0.1, 2.0];
-/// Nearer and unchanged for so long (s), it has joined the background.
+/// What is nearer and unchanged for this long (s) has joined the background.
 const JOINED_S: f64 = 0.5;
-/// Frames of disagreement after which a label at rest changes.
+/// A label at rest changes after this many frames of disagreement.
 const MOST_SURE: u8 = 8;
 /// Labels closer than this to a change follow the frame (px at VGA size).
 const NEAR_CHANGE_PX: f64 = 7.0;
@@ -44,14 +45,16 @@ pub(crate) struct Scene {
     depth: Vec<f32>,
     frames: Vec<u8>,
     color: Vec<[u8; 3]>,
-    /// Inverse depth (1/m) of what rested there before anything came nearer, 0 = unknown, [`NOTHING_PER_M`] = nothing was in reach.
+    /// Inverse depth (1/m) of what rested there before anything came nearer; 0 = unknown,
+    /// [`NOTHING_PER_M`] = nothing was in reach.
     background: Vec<f32>,
-    /// Frames seen farther than the background, or without depth; frames that rested nearer.
+    /// The number of frames in which it was farther than the background, or without depth; the number in
+    /// which something nearer rested.
     farther: Vec<u8>,
     nearer: Vec<u8>,
     /// The track that the last frame showed.
     pub(crate) seen: Vec<Key>,
-    /// The track that is shown, steadied, and how sure that is.
+    /// The track that is shown, kept steady, and how sure that is.
     pub(crate) shown: Vec<Key>,
     sure: Vec<u8>,
 }
@@ -64,7 +67,8 @@ pub(crate) struct Placed {
     pub(crate) inverse: f32,
 }
 
-/// The pixels of a remembered image of inverse depths (1/m, 0 = unknown) that stay in view after a step. O(n).
+/// Where the pixels of a remembered image of inverse depths (1/m, 0 = unknown) are after a step, if they stay
+/// in view. O(n).
 pub(crate) fn placed(inverse: &[f32], place: &Place, view: &View) -> Vec<Placed> {
     let (matrix, shift) = (place.step.matrix(), place.step.point(glam::DVec3::ZERO));
     let at = |from: usize, inverse: f32| {
@@ -81,8 +85,8 @@ pub(crate) fn placed(inverse: &[f32], place: &Place, view: &View) -> Vec<Placed>
         .collect()
 }
 
-/// Where a pixel that moves with the camera goes: first to the nearest pixel, then to those around it that are still empty. If the nearest
-/// surface won everywhere, all surfaces would creep towards the camera.
+/// Moves pixels with the camera: each goes first to the nearest pixel, then to those around it that are still
+/// empty. If the nearest surface won everywhere, all surfaces would creep towards the camera.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Reach {
     Nearest,
@@ -98,7 +102,7 @@ impl Reach {
         block(((at.u + shift) as usize, (at.v + shift) as usize), size).take(count)
     }
 
-    /// Whether what a pixel has already (1/m, 0 = nothing) stays.
+    /// Whether the value that a pixel already has (1/m, 0 = nothing) stays.
     pub(crate) fn keeps(self, has: f32, inverse: f32) -> bool {
         match self {
             Self::Nearest => inverse <= has,
@@ -128,7 +132,7 @@ impl Scene {
         self.size
     }
 
-    /// Moves what is known with the camera. O(n).
+    /// Moves the remembered scene with the camera. O(n).
     pub(crate) fn carry(&mut self, place: &Place, view: &View) {
         let old = std::mem::replace(self, Self::empty(self.size));
         let (surface, rested) = (placed(&old.depth, place, view), placed(&old.background, place, view));
@@ -160,13 +164,13 @@ impl Scene {
         }
     }
 
-    /// Takes what is seen for what rests there. O(n).
+    /// Takes what is seen as the rested scene. O(n).
     pub(crate) fn rest(&mut self, view: &View) {
         let seen = self.background.iter_mut().zip(&view.inverse).filter(|(_, inverse)| **inverse > 0.0);
         seen.for_each(|(background, &inverse)| *background = inverse);
     }
 
-    /// Where depth or colour are not what they were. O(n).
+    /// The pixels whose depth or colour has changed. O(n).
     pub(crate) fn changed(&self, view: &View, camera_moves: bool) -> Bits {
         let limit = CHANGED_PER_M[usize::from(camera_moves)] * view.noise;
         let levels = CHANGED_LEVELS[usize::from(camera_moves)];
@@ -202,7 +206,8 @@ impl Scene {
         *differences.select_nth_unstable(middle).1
     }
 
-    /// What is nearer than the rested background, or has no depth where that had one. O(n).
+    /// The pixels that are nearer than the rested background, or have no depth where the background had one.
+    /// O(n).
     pub(crate) fn in_front(&self, view: &View) -> Bits {
         let is_hidden = |pixel: usize| self.background[pixel] > NOTHING_PER_M && view.inverse[pixel] == 0.0;
         Bits::of(self.size, |pixel| is_hidden(pixel) || self.is_in_front(view, pixel))
@@ -219,7 +224,7 @@ impl Scene {
         self.background[pixel] <= NOTHING_PER_M
     }
 
-    /// Whether a pixel shows the rested background, to which belongs what rests.
+    /// Whether a pixel shows the rested background, including things that rest.
     pub(crate) fn is_in_place(&self, view: &View, pixel: usize) -> bool {
         let (rested, is) = (self.background[pixel], view.inverse[pixel]);
         rested > 0.0 && is > 0.0 && (is - rested).abs() < BESIDE_BACKGROUND_PER_M * view.noise
@@ -230,19 +235,20 @@ impl Scene {
         view.inverse[pixel] > self.depth[pixel] + CHANGED_PER_M[1] * view.noise
     }
 
-    /// Whether what was remembered at a pixel is far behind what is seen there.
+    /// Whether the remembered surface at a pixel is far behind what is seen there.
     pub(crate) fn is_behind(&self, view: &View, pixel: usize) -> bool {
         let (was, is) = (self.depth[pixel], view.inverse[pixel]);
         was > 0.0 && is > 0.0 && 1.0 / was - 1.0 / is > BEHIND_M
     }
 
-    /// Whether the surface that was remembered at a pixel is still there.
+    /// Whether the remembered surface at a pixel is still there.
     pub(crate) fn is_as_before(&self, view: &View, pixel: usize) -> bool {
         let (was, is) = (self.depth[pixel], view.inverse[pixel]);
         was > 0.0 && is > 0.0 && (1.0 / is - 1.0 / was).abs() < THERE_M
     }
 
-    /// Decides which track is shown: near changes the frame's, elsewhere the one shown before unless frames disagree long. O(n).
+    /// Decides which track is shown. Near changes it is the track of the frame; elsewhere it is the one shown
+    /// before, unless several frames disagree. O(n).
     pub(crate) fn steady(&mut self, view: &View, changed: &Bits) {
         let follows = changed.dilated(view.length_px(NEAR_CHANGE_PX));
         for pixel in 0..self.seen.len() {
@@ -258,7 +264,7 @@ impl Scene {
         }
     }
 
-    /// Takes in the frame. O(n).
+    /// Learns from a frame. O(n).
     pub(crate) fn learn(&mut self, view: &View, changed: &Bits, agents: &Bits, pace: Pace) {
         let limit = BESIDE_BACKGROUND_PER_M * view.noise;
         let most = |seconds: f64| pace.frames(seconds).min(usize::from(u8::MAX)) as u8;
@@ -278,7 +284,7 @@ impl Scene {
                 let was_known = self.background[pixel] > 0.0;
                 let is_other = was_known && has_changed;
                 self.farther[pixel] = if is_other { 0 } else { self.farther[pixel].saturating_add(1) };
-                // Outside the field nothing is ever measured, which says nothing.
+                // Outside the field nothing is ever measured, which has no meaning.
                 let is_seen = view.field.has(pixel % self.size.0, pixel / self.size.0);
                 if is_seen && self.farther[pixel] >= nothing[usize::from(was_known)] {
                     (self.background[pixel], self.farther[pixel]) = (NOTHING_PER_M, 0);

@@ -11,23 +11,24 @@ use crate::scene::Key;
 use crate::segment::{Measure, is_looked_at};
 use crate::track::Track;
 
-/// What no segment shows is held when its motion fits so well, or while it rests, so long (s).
+/// A track that no segment shows is held if its motion fits this well, or while it rests, for this long (s).
 const HELD_FIT: f64 = 0.5;
 const HELD_S: f64 = 1.0;
-/// Little of a thing is this share of its pixels at rest; of what is left of it this share or more stands before the rested scene.
+/// Little of a resting thing is this share of its pixels. Of what is left of it, at least this share stands
+/// before the rested scene.
 const LITTLE: f64 = 0.25;
 const LEAST_IN_FRONT: f64 = 0.3;
-/// A piece has so many pixels or more, of those that are looked at.
+/// A piece has at least this many of the sampled pixels.
 const LEAST_PIECE: usize = 9;
 
-/// Whether these pixels, of those that are looked at, are a piece.
+/// Whether these sampled pixels are enough for a piece.
 pub(crate) fn is_piece(pixels: &[usize]) -> bool {
     pixels.len() >= LEAST_PIECE
 }
 
 impl Memory {
-    /// Writes which track is seen at each pixel. A segment that holds several tracks which were seen to move apart is parted by where they
-    /// should be.
+    /// Writes which track is seen at each pixel. A segment that holds several tracks which were seen to move
+    /// apart is divided by where they should be.
     pub(crate) fn write_seen(&mut self, look: &mut Look<'_>, predicted: &[Key], overlap: &Overlap) {
         let parted = self.parted(&look.keys, overlap);
         let mut pieces: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
@@ -65,7 +66,8 @@ impl Memory {
         self.measure_pieces(look, pieces);
     }
 
-    /// The tracks, beside its own, that each segment holds and that are to be kept apart; joins those that turn out to be one with it.
+    /// The other tracks that each segment holds and that are to be kept apart. Joins those that turn out to
+    /// be one with the track of the segment.
     fn parted(&mut self, keys: &[Key], overlap: &Overlap) -> BTreeMap<usize, BTreeSet<Key>> {
         let mut parted = BTreeMap::new();
         if !self.has(Ingredient::Knowledge) {
@@ -91,7 +93,7 @@ impl Memory {
         parted
     }
 
-    /// Pieces of segments, and what is held without one, are segments of their own.
+    /// Makes segments of their own from pieces of segments and from tracks that are held without a segment.
     fn measure_pieces(&self, look: &mut Look<'_>, pieces: BTreeMap<Key, Vec<usize>>) {
         let measure = Measure {
             view: look.view,
@@ -112,8 +114,8 @@ impl Memory {
         }
     }
 
-    /// Known things that no segment shows stay where their motion, or rest, says that they are, if the depth agrees: what a hand
-    /// carries has no support, so the frame alone may take it for no object.
+    /// Keeps known things that no segment shows where their motion, or their rest, places them, if the depth
+    /// agrees. A thing that a hand carries has no support, so the frame alone may take it for no object.
     fn hold(
         &mut self,
         look: &Look<'_>,
@@ -174,8 +176,8 @@ impl Memory {
         }
     }
 
-    /// Whether what seems to be left of a thing that was taken away is a shadow that moves with the hand: little is left, and most of it
-    /// does not stand before the rested scene.
+    /// Whether what seems to be left of a thing that was taken away is a shadow that moves with the hand:
+    /// little is left, and most of it does not stand before the rested scene.
     fn is_shadow(&self, key: Key, pixels: &[usize], look: &Look<'_>) -> bool {
         let track = &self.tracks[&key];
         let in_front = pixels.iter().filter(|&&pixel| self.scene.is_in_front(look.view, pixel)).count();

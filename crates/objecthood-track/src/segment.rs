@@ -10,9 +10,9 @@ use crate::look::Look;
 use crate::scene::{BESIDE_BACKGROUND_PER_M, Scene};
 use crate::view::View;
 
-/// Every so many columns and rows are looked at.
+/// Columns and rows are sampled at this distance.
 pub(crate) const STRIDE_PX: usize = 2;
-/// Least size of a thing that only stands before the rested scene (px at VGA size).
+/// Least size of a thing that is detected only because it stands before the rested scene (px at VGA size).
 const LEAST_THING_PX: f64 = 200.0;
 
 /// A segment: an object of one frame, or a piece of it.
@@ -23,7 +23,8 @@ pub(crate) struct Segment {
     /// Mean visible point (m), in the world, and in the camera.
     pub(crate) center: DVec3,
     pub(crate) center_in_camera: DVec3,
-    /// Height of the mean visible point (m), of what is lowest, without the lowest twentieth, and of what is highest, likewise.
+    /// Heights (m): of the mean visible point, of the lowest point without the lowest twentieth, and of the
+    /// highest point, likewise.
     pub(crate) height_m: f64,
     pub(crate) bottom_m: f64,
     pub(crate) top_m: f64,
@@ -38,7 +39,7 @@ pub(crate) struct Segment {
     pub(crate) at_border: bool,
 }
 
-/// What segments are measured with.
+/// What is needed to measure segments.
 pub(crate) struct Measure<'a> {
     pub(crate) view: &'a View,
     pub(crate) changed: &'a Bits,
@@ -47,12 +48,12 @@ pub(crate) struct Measure<'a> {
     pub(crate) place: &'a Place,
 }
 
-/// Whether a pixel is looked at.
+/// Whether a pixel is sampled.
 pub(crate) fn is_looked_at(pixel: usize, width: usize) -> bool {
     (pixel % width).is_multiple_of(STRIDE_PX) && (pixel / width).is_multiple_of(STRIDE_PX)
 }
 
-/// The pixels that are looked at of each of `count` labels, which begin at 1. O(n).
+/// The sampled pixels of each of `count` labels, which begin at 1. O(n).
 pub(crate) fn pixels_by_label(labels: &[u16], size: (usize, usize), count: usize) -> Vec<Vec<usize>> {
     let mut pixels = vec![Vec::new(); count];
     for v in (0..size.1).step_by(STRIDE_PX) {
@@ -72,13 +73,14 @@ pub(crate) fn segments(labels: &[u16], count: usize, with: &Measure<'_>) -> Vec<
     pixels.iter().map(|pixels| with.segment(pixels)).collect()
 }
 
-/// The labels of a frame's objects, and further ones for what stands before the rested scene where no object was found:
-/// what is in the air has no support, so a frame alone may take it for no object. Also their number. O(n).
+/// The labels of a frame's objects, and further labels for regions that stand before the rested scene where
+/// no object was found. (A thing in the air has no support, so a frame alone may take it for no object.) Also
+/// the number of labels. O(n).
 pub(crate) fn labels(found: &Discovery, view: &View, scene: &Scene, agents: &Agents) -> (Vec<u16>, usize) {
     let objects = found.labels.as_slice();
     let (mut labels, mut count) = (objects.to_vec(), found.objects.len());
     let is_unfound = |pixel: &&usize| objects[**pixel] == 0;
-    // What is left of a thing that was found is its rim.
+    // The rest of a thing that was found is its rim.
     let is_thing = |thing: &Vec<usize>| {
         let free = thing.iter().filter(is_unfound).count();
         free >= view.px(LEAST_THING_PX) && 4 * free > 3 * thing.len()
@@ -90,7 +92,7 @@ pub(crate) fn labels(found: &Discovery, view: &View, scene: &Scene, agents: &Age
         let new: Vec<usize> = component.iter().filter(is_new).copied().collect();
         let things = match is_thing(&new) {
             true => vec![new],
-            // It may fly before another.
+            // It may fly in front of another thing.
             false => by_depth(&new, view).into_iter().filter(is_thing).collect(),
         };
         for thing in things {
@@ -106,7 +108,7 @@ pub(crate) fn labels(found: &Discovery, view: &View, scene: &Scene, agents: &Age
     (labels, count)
 }
 
-/// The parts of a set of pixels between which depth does not jump. O(n).
+/// Divides a set of pixels into parts between which depth jumps. O(n).
 fn by_depth(pixels: &[usize], view: &View) -> Vec<Vec<usize>> {
     let mut mask = Bits::none(view.size);
     pixels.iter().for_each(|&pixel| mask.insert(pixel));
@@ -114,7 +116,7 @@ fn by_depth(pixels: &[usize], view: &View) -> Vec<Vec<usize>> {
 }
 
 impl Bits {
-    /// Its parts between which depth does not jump. O(n).
+    /// Its parts, divided where depth jumps. O(n).
     pub(crate) fn joined(&self, view: &View) -> Vec<Vec<usize>> {
         let jump = BESIDE_BACKGROUND_PER_M * view.noise;
         self.components_where(|a, b| (view.inverse[a] - view.inverse[b]).abs() < jump)
@@ -122,7 +124,7 @@ impl Bits {
 }
 
 impl Measure<'_> {
-    /// Measures a segment of which every second column and row is given. O(pixels).
+    /// Measures a segment, given every second of its columns and rows. O(pixels).
     pub(crate) fn segment(&self, pixels: &[usize]) -> Segment {
         let width = self.view.size.0;
         let mut segment = Segment { px: pixels.len() * STRIDE_PX * STRIDE_PX, ..Segment::default() };

@@ -1,4 +1,4 @@
-//! A tracker in a file: a stopped run goes on from where it was.
+//! Saves a tracker to a file, so that a stopped run can continue.
 
 use objecthood::{Estimates, Noise, Params};
 use serde::{Deserialize, Serialize};
@@ -9,12 +9,12 @@ use crate::memory::Memory;
 use crate::numbering::Numbering;
 use crate::tracker::Tracker;
 
-/// What a state begins with; the number changes with what the tracker remembers.
+/// The beginning of a state. The number changes with what the tracker remembers.
 const HEAD: &[u8] = b"objecthood tracker, state 14\n";
 /// Bytes of the checksum that follows.
 const SUM: usize = 32;
 
-/// What is kept. The estimates of noise and up go by their parts.
+/// What is saved. The estimates of noise and up are saved by their parts.
 #[derive(Serialize, Deserialize)]
 struct State<M> {
     version: String,
@@ -25,11 +25,11 @@ struct State<M> {
 }
 
 impl Tracker {
-    /// All that the tracker remembers, but not its parameters: about 25 bytes a pixel, and 20 kB and at most 1 MB of surface a track, however long
-    /// the video is.
+    /// Everything that the tracker remembers, but not its parameters. It has about 25 bytes a pixel, and 20
+    /// kB and at most 1 MB of surface a track, however long the video is.
     ///
     /// # Errors
-    /// [`Error::Save`] when it cannot be written down.
+    /// [`Error::Save`] if the state cannot be written.
     pub fn save(&self) -> Result<Vec<u8>> {
         let noise = self.estimates.map(|e| (e.noise.white, e.noise.blocks_quanta, e.frames));
         let up = self.estimates.and_then(|e| e.up);
@@ -39,11 +39,11 @@ impl Tracker {
         Ok([HEAD, Sha256::digest(&body).as_slice(), &body].concat())
     }
 
-    /// A tracker that goes on where the one that [`Self::save`] wrote down was. With the same parameters it says of the next frames what
-    /// that one would have said.
+    /// A tracker that continues from a state that [`Self::save`] wrote. With the same parameters it gives the
+    /// same results for the next frames as the saved one would have.
     ///
     /// # Errors
-    /// [`Error::State`] when the bytes are not a whole state of this version.
+    /// [`Error::State`] if the bytes are not a complete state of this version.
     pub fn restore(params: Params, bytes: &[u8]) -> Result<Self> {
         let broken = |reason: &str| Error::State { reason: reason.to_owned() };
         let rest = bytes.strip_prefix(HEAD).ok_or_else(|| broken("it is none, or of another version"))?;

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use crate::pace::Pace;
 use crate::tracked::Relation;
 
-/// Frames are forgotten with this time constant (s).
+/// Earlier frames are forgotten with this time constant (s).
 const VOTES_S: f64 = 0.32;
 
-/// What holds a thing: a track, or nothing that is followed.
+/// What holds a thing: a track, or something that is not followed.
 pub(crate) type Parent = Option<u32>;
 
 /// Votes of frames for what holds a thing.
@@ -34,12 +34,12 @@ impl Votes {
         self.candidates.clear();
     }
 
-    /// Whether any frame that still counts said so.
+    /// Whether any frame that still counts voted for it.
     pub(crate) fn says(&self, parent: Parent, relation: Relation) -> bool {
         self.candidates.iter().any(|candidate| (candidate.0, candidate.1) == (parent, relation))
     }
 
-    /// The one with most votes; of equals the first that got one.
+    /// The one with the most votes; of equals the one that got a vote first.
     pub(crate) fn winner(&self) -> Option<(Parent, Relation)> {
         let mut best: Option<&(Parent, Relation, f32)> = None;
         for candidate in &self.candidates {
@@ -51,7 +51,7 @@ impl Votes {
     }
 }
 
-/// What holds an object in a frame: another of its objects, or structure, and how. The surest edge counts.
+/// What holds an object in a frame, and how: another of its objects, or structure. The surest edge counts.
 pub(crate) fn carrier(found: &Discovery, object: usize) -> Option<(Option<ObjectId>, Relation)> {
     let node = found.objects[object].node;
     let below = found.support.edges.iter().filter(|edge| edge.upper == node);

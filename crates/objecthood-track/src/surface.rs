@@ -1,6 +1,8 @@
-//! The surface of a known thing while it is moved: points that stay until they are seen through (ours).
+//! The surface of a known thing while it is moved: points that stay until something is seen through them
+//! (ours).
 //!
-//! What a frame shows of a thing in a hand is less from frame to frame, and what a frame missed once would never be expected again.
+//! A frame shows less and less of a thing in a hand. Without this memory, what one frame missed would never
+//! be expected again.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -15,14 +17,15 @@ use crate::segment::is_looked_at;
 use crate::track::Track;
 use crate::view::{View, block};
 
-/// The oldest points beyond these are forgotten: a thing as large as an image of VGA size has as many.
+/// Older points beyond this number are forgotten: a thing as large as an image of VGA size has as many.
 const MOST_POINTS: usize = 80_000;
-/// A point is there when the image shows a surface so close to it, in standard deviations of depth: what lies farther off by noise is rare;
+/// A point is there if the image shows a surface this close to it, in standard deviations of depth (by noise
+/// it is rarely farther off),
 const NOISES: f64 = 4.0;
-/// at least this (m), because motions are found to a few millimetres; at most [`THERE_M`].
+/// or this close (m), because motions are found to a few millimetres; but at most [`THERE_M`].
 const NEAREST_M: f32 = 0.006;
-/// A thing is expected where its surface is when this share of its points is there: about half of a thing turns away from the camera, or is in the
-/// hand.
+/// A thing is predicted where its surface is if at least this share of its points is there: about half of a
+/// thing turns away from the camera, or is in the hand.
 const EXPECTED_SHARE: f64 = 0.3;
 
 /// Points (m) in the camera of the last frame; the newest last.
@@ -34,23 +37,23 @@ pub(crate) struct Surface {
 /// What the image shows where a point should be.
 #[derive(Clone, Copy)]
 enum Shown {
-    /// A surface there, at this pixel.
+    /// A surface at the place of the point, at this pixel.
     There(usize),
-    /// Something nearer, nothing that could be measured, or what is not far enough behind to tell.
+    /// Something nearer, nothing that could be measured, or something not far enough behind to decide.
     Unclear,
     /// Something farther.
     Through,
 }
 
 impl Surface {
-    /// Moves it. O(points).
+    /// Moves the surface. O(points).
     pub(crate) fn carry(&mut self, motion: &Rigid) {
         for point in &mut self.points {
             *point = motion.point(point.as_dvec3()).as_vec3();
         }
     }
 
-    /// The pixels that show something where points should be.
+    /// The pixels at which the image shows a surface where a point should be.
     fn there(&self, view: &View) -> impl Iterator<Item = usize> {
         self.points.iter().filter_map(|point| match shown(point.as_dvec3(), view) {
             Shown::There(pixel) => Some(pixel),
@@ -58,7 +61,8 @@ impl Surface {
         })
     }
 
-    /// Takes in what is seen of it. Of what was known before, what the image hides stays, and what it shows at a pixel that `stays`. O(points).
+    /// Adds what is seen of the thing. Points known before stay if the image hides them, or if it shows them
+    /// at a pixel for which `stays` holds. O(points).
     fn learn(&mut self, seen: &[DVec3], view: &View, stays: impl Fn(usize) -> bool) {
         self.points.retain(|point| match shown(point.as_dvec3(), view) {
             Shown::There(pixel) => stays(pixel),
@@ -84,8 +88,9 @@ fn shown(point: DVec3, view: &View) -> Shown {
     }
 }
 
-/// Known things that do not rest are also expected where their surfaces are, unless another thing, or what rested there before, is. Of a thing
-/// that went another way, hidden, little seems to be there: it is not expected. O(points).
+/// Known things that do not rest are also predicted where their surfaces are, unless another thing is there,
+/// or what rested there before. If a thing went another way while hidden, few of its points seem to be there,
+/// and it is not predicted. O(points).
 pub(crate) fn expect(predicted: &mut [Key], scene: &Scene, view: &View, tracks: &BTreeMap<Key, Track>) {
     let is_thing = |key: Key| tracks.get(&key).is_some_and(|track| !track.is_agent_part());
     let does_not_rest = |track: &Track| {
@@ -112,8 +117,9 @@ pub(crate) fn expect(predicted: &mut [Key], scene: &Scene, view: &View, tracks: 
 }
 
 impl Memory {
-    /// Every known thing takes in what is seen of it, and loses what is seen through. It does not take in what may be the hand's by its colour:
-    /// a finger that was taken in would go along with the thing for as long as it is held. O(n + points).
+    /// Every known thing adds what is seen of it, and loses points that are seen through. It does not add
+    /// pixels that may be the hand's by their colour: a finger that was added would move along with the thing
+    /// for as long as it is held. O(n + points).
     pub(crate) fn learn_surfaces(&mut self, view: &View, hand: &HandColors<'_>) {
         let mut seen: BTreeMap<Key, Vec<DVec3>> = BTreeMap::new();
         for (pixel, &key) in self.scene.seen.iter().enumerate().filter(|&(_, &key)| key > 0) {

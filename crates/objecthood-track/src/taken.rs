@@ -1,4 +1,4 @@
-//! When a thing was taken that a hand hid, and what is told of it.
+//! When a thing was taken that a hand hid, and what is reported about it.
 
 use crate::happening::{Happening, Other};
 use crate::scene::Key;
@@ -6,11 +6,11 @@ use crate::support::Parent;
 use crate::track::{AS_WHOLE, Rest, Sample, Track};
 use crate::tracked::{EventKind, Relation};
 
-/// What a hand hid for so long (s), and which then rests so far away (m), was carried.
+/// A thing that a hand hid for this long (s), and that then rests this far away (m), was carried.
 pub(crate) const UNSEEN_S: f64 = 0.2;
 pub(crate) const CARRIED_M: f64 = 0.05;
 
-/// The lift of a thing by an agent in a frame, at a time (s), out of the vessel that held it.
+/// The event of a thing lifted by an agent in a frame, at a time (s), out of the vessel that held it.
 pub(crate) fn picked_up(
     key: Key,
     at: (u64, f64),
@@ -28,23 +28,25 @@ pub(crate) fn picked_up(
     lift
 }
 
-/// Frame and time (s) at which a thing that was hidden, and is far away now, was taken: midway between when it was seen last and when its place
-/// was bare; if nobody saw its place bare, when it was seen last. `None` if it was not taken.
+/// Frame and time (s) at which a thing was taken that was hidden and is far away now: midway between when it
+/// was last seen and when its place was bare. If nobody saw its place bare: when it was last seen. `None` if
+/// it was not taken.
 pub(crate) fn taken_unseen(track: &Track, before: Rest) -> Option<(u64, f64)> {
-    // What the border cuts seems to move when a hand hides part of it.
+    // A thing that the border cuts seems to move when a hand hides part of it.
     let is_far = (track.last.center - before.center).length() > CARRIED_M && !track.last.at_border;
     let seen: Vec<&Sample> = track.since(before.frame).collect();
     let hidden_s = |pair: &&[&Sample]| pair[1].stamp_s - pair[0].stamp_s;
     let longest = seen.windows(2).max_by(|a, b| hidden_s(a).total_cmp(&hidden_s(b)))?;
     let hidden = longest[0].frame..longest[1].frame;
     let gone = track.gone_since.filter(|(frame, _)| hidden.contains(frame));
-    // What lies farther away or on another face than before shows fewer pixels.
+    // A thing that lies farther away, or on another face than before, shows fewer pixels.
     let is_whole = gone.is_some() || track.last.px as f64 > AS_WHOLE * before.px as f64;
     let taken = gone.map_or(longest[0].when(), |gone| taken_at(longest[0], gone));
     (is_far && is_whole && hidden_s(&longest) > UNSEEN_S).then_some(taken)
 }
 
-/// Frame and time (s) at which a thing was taken that nobody saw taken: in the middle between when it was seen last and when its place was bare.
+/// Frame and time (s) at which a thing was taken while nobody saw it: midway between when it was last seen
+/// and when its place was bare.
 pub(crate) fn taken_at(last_seen: &Sample, (bare, bare_s): (u64, f64)) -> (u64, f64) {
     (u64::midpoint(last_seen.frame, bare), f64::midpoint(last_seen.stamp_s, bare_s))
 }

@@ -1,4 +1,4 @@
-//! A thing that is followed.
+//! A track: a thing that is followed.
 
 use std::collections::VecDeque;
 
@@ -17,34 +17,36 @@ use crate::tracked::TrackId;
 use crate::vessel::Lay;
 use crate::whole::Sight;
 
-/// So many samples are kept: 3 s at 60 frames a second.
+/// This many samples are kept: 3 s at 60 frames a second.
 const MOST_SAMPLES: usize = 180;
-/// Hits that confirm a track.
+/// This many hits confirm a track.
 pub(crate) const CONFIRMING_HITS: u32 = 2;
-/// A thing rests when so little of it changes,
+/// A thing rests if less than this share of it changes,
 pub(crate) const RESTING_CHANGE: f64 = 0.10;
-/// and so little of it belongs to an agent's region,
+/// if less than this share of it belongs to an agent's region,
 const RESTING_OF_AGENT: f64 = 0.3;
-/// and it moves by less than this (m) from frame to frame.
+/// and if it moves by less than this (m) from frame to frame.
 const RESTING_STEP_M: f64 = 0.005;
-/// It moves when it is displaced against where it was within this time (s), by so many standard deviations of depth.
+/// A thing moves if it is displaced against where it was within this time (s), by this many standard
+/// deviations of depth.
 const DISPLACED_S: f64 = 0.15;
 const DISPLACED_NOISES: f64 = 3.5;
-/// It is still while its mean visible point stays within this (m), or within this share of its size: outlines flicker.
+/// A thing is still while its mean visible point stays within this (m), or within this share of its size,
+/// because outlines flicker.
 const STILL_M: f64 = 0.01;
 const STILL_SHARE: f64 = 0.05;
-/// It is elsewhere when its mean visible point is so far (m) from where it rested.
+/// A thing is elsewhere if its mean visible point is this far (m) from where it rested.
 const AWAY_M: f64 = 0.02;
-/// A thing is free of an agent when less than this share of it lies in the agent's region.
+/// A thing is free of an agent if less than this share of it lies in the agent's region.
 const FREE_OF_AGENT: f64 = 0.15;
-/// It was free of the border once it was seen away from it, and from agents, for so long (s).
+/// A thing was free of the border once it was seen away from the border, and from agents, for this long (s).
 const FREE_S: f64 = 0.2;
-/// It is known once it rested so long (s).
+/// A thing is known once it has rested for this long (s).
 pub(crate) const KNOWN_S: f64 = 0.2;
-/// Compared are positions of things seen nearly as whole (share of pixels).
+/// Positions are compared only if at least this share of the pixels of the thing is seen.
 pub(crate) const AS_WHOLE: f64 = 0.75;
 
-/// What was seen of a thing that makes it an object.
+/// Evidence that a track is an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Deed {
     Lifted,
@@ -66,14 +68,14 @@ impl Deed {
     }
 }
 
-/// A frame of a track.
+/// A track in one frame.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Sample {
     pub(crate) frame: u64,
     pub(crate) stamp_s: f64,
     /// Mean visible point (m), in the world.
     pub(crate) center: DVec3,
-    /// Heights (m).
+    /// Heights (m) of its mean visible point and of its ends.
     pub(crate) height_m: f64,
     pub(crate) bottom_m: f64,
     pub(crate) top_m: f64,
@@ -98,7 +100,7 @@ impl Sample {
     }
 }
 
-/// How a thing was when it last rested.
+/// The state of a thing when it last rested.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Rest {
     pub(crate) frame: u64,
@@ -109,7 +111,7 @@ pub(crate) struct Rest {
     pub(crate) px: usize,
 }
 
-/// A thing that is followed.
+/// A track: a thing that is followed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Track {
     pub(crate) id: Option<TrackId>,
@@ -124,26 +126,26 @@ pub(crate) struct Track {
     pub(crate) center_in_camera: DVec3,
     /// Velocity (m/s), in the world.
     pub(crate) velocity: DVec3,
-    /// Motion of the last frame, in the camera.
+    /// Its motion in the last frame, in the camera.
     pub(crate) motion: Option<Motion>,
     pub(crate) is_moving: bool,
-    /// So long it has rested (s).
+    /// For how long it has rested (s).
     pub(crate) rest_s: f64,
     pub(crate) rest: Option<Rest>,
     pub(crate) first_rest: Option<Rest>,
-    /// Where it lay when it last rested for long.
+    /// Where it lay when it last rested for a while.
     pub(crate) lay: Option<Lay>,
-    /// How it is turned against how it was first seen, as far as its motions were found, in the world.
+    /// How it is turned against its first orientation, as far as its motions were found, in the world.
     pub(crate) turn: DQuat,
-    /// Path since it was last at rest, and in all (m).
+    /// Length of its path since it was last at rest, and in all (m).
     pub(crate) path_m: f64,
     /// The sum of its motions since it last rested (m), in the world.
     pub(crate) drift: DVec3,
-    /// Part of an agent when above 3.
+    /// A part of an agent if this is above 3.
     pub(crate) agent_score: i32,
-    /// Whether it is an arm that was there from the first frame on.
+    /// Whether it is an arm that was in the image from the first frame on.
     pub(crate) is_arm: bool,
-    /// Frames in which a part of an agent was outside of its region.
+    /// The number of frames in which, as a part of an agent, it was outside of the agent's region.
     pub(crate) free_frames: u32,
     pub(crate) votes: Votes,
     /// Whether frames show it as one while it rests.
@@ -152,44 +154,48 @@ pub(crate) struct Track {
     pub(crate) part_of: Option<u32>,
     /// The numbers of tracks that turned out to be parts of it.
     pub(crate) parts: Vec<TrackId>,
-    /// What was seen of it that makes it an object.
+    /// Evidence that it is an object.
     pub(crate) seen_to: Vec<Deed>,
     /// Why it is not seen, if it is not.
     pub(crate) is_covered: bool,
     pub(crate) hidden_since: Option<u64>,
-    /// Frame and time (s) since when something hides where it rested.
+    /// Frame and time (s) since which something has hidden where it rested.
     pub(crate) covered_since: Option<(u64, f64)>,
     pub(crate) told_hidden: bool,
-    /// Frame and time (s) when its place was first found bare while it was not seen. Kept until it rests again.
+    /// Frame and time (s) when its place was first found bare while it was not seen. Kept until it rests
+    /// again.
     pub(crate) gone_since: Option<(u64, f64)>,
-    /// Frame and time (s) since when its inside is seen.
+    /// Frame and time (s) since which its inside has been seen.
     pub(crate) ajar_since: Option<(u64, f64)>,
     pub(crate) told_opened: bool,
     pub(crate) was_there_first: bool,
-    /// In the first frame nothing but structure joined it to the border of the image.
+    /// Whether, in the first frame, nothing but structure joined it to the border of the image.
     pub(crate) was_apart: bool,
     pub(crate) told_appeared: bool,
     pub(crate) told_left: bool,
     pub(crate) analysed_to: u64,
-    /// Whether it was in view before as no thing, and is one only since an agent hides what is beside it.
+    /// Whether it was in view before but was no thing, and is one only since an agent hides what is beside
+    /// it.
     pub(crate) is_doubted: bool,
-    /// Whether it was first seen as what was in view before as no thing, while an agent, or what may be one, was in view.
+    /// Whether it was first seen as something that was in view before but was no thing, while an agent, or a
+    /// possible agent, was in view.
     pub(crate) was_doubted: bool,
     /// The track with which it was one until it was first seen.
     pub(crate) came_off: Option<u32>,
-    /// Whether most of it belonged to a known thing when it was first seen, in an agent's region: then it is no part of the agent that pushes it.
+    /// Whether most of it belonged to a known thing when it was first seen, in an agent's region: then it is
+    /// no part of the agent that pushes it.
     pub(crate) is_off_thing: bool,
     /// Whether it has been seen whole.
     pub(crate) sight: Sight,
     /// Whether a part of it was moved.
     pub(crate) lost_part: bool,
-    /// The thing of which it is a part that was moved.
+    /// The thing from which it is a part that was moved.
     pub(crate) moved_off: Option<u32>,
     /// The open thing in which it came into view.
     pub(crate) inside_of: Option<u32>,
     /// Objectness in the last frame that found it (1).
     pub(crate) objectness: f32,
-    /// Frames for which it has been held where no segment shows it.
+    /// The number of frames for which it has been held where no segment shows it.
     pub(crate) held_frames: usize,
 }
 
@@ -248,7 +254,7 @@ impl Track {
         }
     }
 
-    /// Takes in a frame in which it is seen.
+    /// Updates the track from a frame in which it is seen.
     pub(crate) fn see(&mut self, segment: &Segment, sample: Sample, frame_s: f64, noise_m: f64) {
         self.is_moving &= self.is_displaced(&sample, noise_m);
         self.hits += 1;
@@ -283,8 +289,9 @@ impl Track {
         self.judge_agent(segment);
     }
 
-    /// Whether it was elsewhere a short while ago. Noise alone turns and shifts small things from frame to frame, back and forth.
-    /// Of what is hidden in part nobody can tell: then its motion is believed.
+    /// Whether it was elsewhere a short while ago. Noise alone turns and shifts small things from frame to
+    /// frame, back and forth. If a part of the thing is hidden, this cannot be decided; then its estimated
+    /// motion counts.
     fn is_displaced(&self, sample: &Sample, noise_m: f64) -> bool {
         let recent = self.samples.iter().rev();
         let mut recent = recent.take_while(|earlier| sample.stamp_s - earlier.stamp_s <= DISPLACED_S);
@@ -294,7 +301,8 @@ impl Track {
         })
     }
 
-    /// What comes with an agent and never rested is part of it, until it is let go.
+    /// Decides whether it is a part of an agent: what comes with an agent and never rested is, until it is
+    /// let go.
     fn judge_agent(&mut self, segment: &Segment) {
         let is_part = self.is_agent_part();
         if segment.of_agent > 0.5 && !self.was_thing() {
@@ -327,7 +335,8 @@ impl Track {
         self.rest_s > 0.0 && self.last.reached_by.is_none()
     }
 
-    /// Whether its surface was in view before it was a track, and nothing was seen to happen to it: it is likely part of the room.
+    /// Whether its surface was in view before it was a track, and nothing was seen to happen to it. Then it
+    /// is probably a part of the room.
     pub(crate) fn is_scenery(&self) -> bool {
         self.was_doubted && self.seen_to.is_empty()
     }
@@ -342,14 +351,14 @@ impl Track {
         self.rest.is_some_and(|rest| (self.last.center - rest.center).length() > AWAY_M)
     }
 
-    /// Whether it was moved by more than this (m) against another since both first rested.
+    /// Whether it was moved by more than this (m) against another track since both first rested.
     pub(crate) fn was_moved_against(&self, other: &Self, least_m: f64) -> bool {
         let moved = |track: &Self| Some(track.rest?.center - track.first_rest?.center);
         moved(self).zip(moved(other)).is_some_and(|(own, others)| (own - others).length() > least_m)
     }
 
-    /// Whether it was seen for some time (s), no motion was found, and it is where it was: of what slides along its own plain face no motion
-    /// is found.
+    /// Whether it was seen for some time (s), no motion was found, and it is where it was. (If a thing slides
+    /// along its own plain face, no motion is found.)
     pub(crate) fn is_still_for(&self, seconds: f64, frame_s: f64) -> bool {
         let since_s = self.last.stamp_s - seconds;
         let mut recent = self.samples.iter().rev().take_while(|sample| sample.stamp_s > since_s);
@@ -362,7 +371,7 @@ impl Track {
             && self.samples.iter().filter(|sample| sample.stamp_s > since_s).count() >= least
     }
 
-    /// Whether it was seen by itself away from the border, and never in an agent's region: an arm is not.
+    /// Whether it was seen by itself, away from the border, and never in an agent's region. An arm is not.
     pub(crate) fn was_free(&self, pace: Pace) -> bool {
         let is_free = |sample: &&Sample| !sample.at_border && sample.of_agent < FREE_OF_AGENT;
         let was_agents = self.samples.iter().any(|sample| sample.of_agent > 0.5);
@@ -375,14 +384,15 @@ impl Track {
         self.was_there_first && self.seen_to.iter().all(|&deed| deed == Deed::PartsMovedAsOne)
     }
 
-    /// The agent that reached it last, in this time (s).
+    /// The agent that reached it last, within this time (s).
     pub(crate) fn reached_within(&self, seconds: f64) -> Option<u32> {
         let since_s = self.last.stamp_s - seconds;
         let recent = self.samples.iter().rev().take_while(|sample| sample.stamp_s >= since_s);
         recent.filter_map(|sample| sample.reached_by).next()
     }
 
-    /// The agent that took it, if its place was found bare: the one that reached it in this time (s) before it was seen there last.
+    /// The agent that took it, if its place was found bare: the one that reached it within this time (s)
+    /// before it was last seen there.
     pub(crate) fn taken_by(&self, seconds: f64) -> Option<u32> {
         let (gone, _) = self.gone_since?;
         let mut before = self.samples.iter().rev().skip_while(|sample| sample.frame >= gone).peekable();
@@ -390,7 +400,8 @@ impl Track {
         before.take_while(|sample| sample.stamp_s >= since_s).find_map(|sample| sample.reached_by)
     }
 
-    /// Whether samples that were not analysed will soon be dropped, and the last ones are not amid a flight.
+    /// Whether samples that were not analysed will soon be dropped, and the last ones are not in the middle
+    /// of a flight.
     pub(crate) fn forgets_soon(&self) -> bool {
         let is_amid_flight = || {
             let last: Vec<Sample> = self.samples.iter().rev().take(FLIGHT_FRAMES).rev().copied().collect();
@@ -399,7 +410,7 @@ impl Track {
         self.since(self.analysed_to).count() > MOST_SAMPLES / 2 && !is_amid_flight()
     }
 
-    /// Whether it was in flight since a frame, as far as was analysed.
+    /// Whether it has been in flight since a frame, as far as it was analysed.
     pub(crate) fn flew_since(&self, frame: u64) -> bool {
         !self.flights_since(frame).is_empty()
     }
@@ -415,17 +426,18 @@ impl Track {
         self.samples.iter().filter(move |sample| sample.frame >= frame)
     }
 
-    /// The thing of which it may be a part: that was moved, or that is its inside.
+    /// The thing of which it may be a part: a moved part, or the inside.
     pub(crate) fn part_from(&self) -> Option<u32> {
         self.moved_off.or(self.inside_of)
     }
 
-    /// Whether it rested as a thing or was one before any agent could bring it, or is a part of what did.
+    /// Whether it rested as a thing, or was one, before any agent could bring it; or is a part of such a
+    /// thing.
     fn was_thing(&self) -> bool {
         self.rest.is_some() || self.was_apart || self.part_from().is_some() || self.is_off_thing
     }
 
-    /// Whether it is known to be a thing, or a part of one, and not part of an agent.
+    /// Whether it is known to be a thing, or a part of one, and not a part of an agent.
     pub(crate) fn is_known(&self) -> bool {
         self.was_thing() && !self.is_agent_part()
     }
@@ -435,8 +447,8 @@ impl Track {
         self.lost_part || self.told_opened
     }
 
-    /// It is a part of a known thing that was moved, so it is no part of an agent, and did not appear. Other faces of it
-    /// look like the rest.
+    /// Marks it as a part of a known thing that was moved. So it is no part of an agent, and it did not
+    /// appear. Its other faces look like the rest of the thing.
     pub(crate) fn move_off(&mut self, whole: u32, known: &mut Self) {
         known.lost_part = true;
         self.look = known.look.clone();
@@ -451,14 +463,14 @@ impl Track {
         self.surface = Surface::default();
     }
 
-    /// It is an agent's, and never was a thing.
+    /// It belongs to an agent, and never was a thing.
     pub(crate) fn become_arm(&mut self) {
         self.is_arm = true;
         (self.rest, self.first_rest, self.lay, self.agent_score) = (None, None, None, 6);
         (self.came_off, self.is_off_thing) = (None, false);
     }
 
-    /// It rests as it was just seen.
+    /// Notes that it rests as it was just seen.
     pub(crate) fn settle(&mut self) {
         let Sample { frame, center, height_m, bottom_m, top_m, px, .. } = self.last;
         self.gone_since = None;
@@ -473,12 +485,12 @@ impl Track {
     }
 }
 
-/// Whether two sizes are those of a thing that is seen about as whole.
+/// Whether two sizes are those of a thing that both times is seen nearly as a whole.
 pub(crate) fn are_alike(a: usize, b: usize) -> bool {
     is_as_whole(a, b) && is_as_whole(b, a)
 }
 
-/// Whether a thing of this size is seen about as whole as when it had that of `before`.
+/// Whether a thing of this size is seen nearly as much as when it had the size `before`.
 pub(crate) fn is_as_whole(px: usize, before: usize) -> bool {
     px as f64 >= AS_WHOLE * before as f64
 }

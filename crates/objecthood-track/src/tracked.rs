@@ -1,4 +1,4 @@
-//! What the tracker says of a frame.
+//! What the tracker reports about a frame.
 
 use std::fmt;
 
@@ -7,23 +7,23 @@ use serde::{Deserialize, Serialize};
 
 use crate::rigid::Rigid;
 
-/// The number of an object that lasts: its value in label images. Counts from 1 without gaps.
+/// The lasting number of an object: its value in label images. Numbers begin at 1 and have no gaps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct TrackId(pub u16);
 
-/// What is known of a track in a frame.
+/// The state of a track in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum TrackState {
     /// Seen in too few frames to be sure.
     Tentative,
-    /// Seen.
+    /// Seen in this frame.
     Confirmed,
     /// Not seen because something stands before it.
     Occluded,
-    /// Not seen, and nothing says why.
+    /// Not seen, for an unknown reason.
     Lost,
 }
 
@@ -33,41 +33,43 @@ pub enum TrackState {
 pub struct TrackedObject {
     /// Its number; `None` while it is tentative.
     pub track: Option<TrackId>,
-    /// What is known of it.
+    /// Its state.
     pub state: TrackState,
-    /// Index among the objects that the discovery found; `None` when only motion shows it.
+    /// Index among the objects that the discovery found; `None` if only motion shows it.
     pub found: Option<usize>,
     /// Mean visible point (m), in the frame of the camera.
     pub center_m: [f32; 3],
-    /// Where that is in the world, and how the object is turned against how it was first seen, as far as its motions were found.
+    /// Where that point is in the world, and how the object is turned against its first orientation, as far
+    /// as its motions were found.
     pub pose: Rigid,
     /// Velocity of its mean visible point (m/s), in the world.
     pub velocity_m_per_s: [f64; 3],
     /// The numbers of tracks that turned out to be parts of it.
     pub parts: Vec<TrackId>,
-    /// Motion since the last frame, in the frame of the camera, with the camera's own taken out; `None` when it rests, or
-    /// when it could not be found.
+    /// Motion since the last frame, in the frame of the camera, without the camera's own motion. `None` if
+    /// the object rests, or if no motion could be found.
     pub motion: Option<MotionEstimate>,
-    /// Its pixels, in the steadied label image.
+    /// The number of its pixels, in the steadied label image.
     pub size_px: usize,
-    /// Smallest box that holds them.
+    /// The smallest box that holds its pixels.
     pub box_px: PixelBox,
-    /// Box in metres, as the discovery has it, if it found the object.
+    /// Its box in metres, as in the discovery, if the discovery found the object.
     pub box_m: Option<OrientedBox>,
-    /// Objectness (1): that of the last frame that found it, raised by what was seen of it: it moved as one, flew, was put down.
+    /// Objectness (1): that of the last frame that found it, raised by what was seen of it since: it moved as
+    /// one, flew, was put down.
     pub objectness: f32,
-    /// Why it is higher than the frame's.
+    /// Why it is higher than that of the frame.
     pub seen_to: Vec<&'static str>,
 }
 
-/// A rigid motion and how sure it is.
+/// A rigid motion and its uncertainty.
 #[derive(Clone, Copy, Debug)]
 pub struct MotionEstimate {
     /// From the last frame to this one.
     pub rigid: Rigid,
     /// Covariance of shift (m), then turn (rad), about the centre of its visible points.
     pub covariance: [[f64; 6]; 6],
-    /// Share of its points that lie and look as the motion says, in [0, 1].
+    /// Share of its points that lie and look as the motion predicts, in [0, 1].
     pub fit: f64,
 }
 
@@ -79,31 +81,31 @@ pub struct LostTrack {
     pub track: TrackId,
     /// Occluded or lost.
     pub state: TrackState,
-    /// Where its mean visible point should be (m), in the frame of the camera: with what carries it, on along its way for a quarter of a
-    /// second, or where it was last seen.
+    /// Where its mean visible point should be (m), in the frame of the camera: moved with what carries it,
+    /// moved on along its path for a quarter of a second, or where it was last seen.
     pub center_m: [f64; 3],
     /// The same in the world, with its turn as in [`TrackedObject::pose`].
     pub pose: Rigid,
-    /// Since when it is not seen (s).
+    /// For how long it has not been seen (s).
     pub for_s: f64,
 }
 
-/// A hand with its arm, a person.
+/// An agent: a hand with its arm, or a person.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct SeenAgent {
-    /// Its number: from the same sequence as those of objects.
+    /// Its number, from the same sequence as the numbers of objects.
     pub id: TrackId,
-    /// Its pixels, with what it carries.
+    /// The number of its pixels, including what it carries.
     pub size_px: usize,
-    /// Smallest box that holds them.
+    /// The smallest box that holds them.
     pub box_px: PixelBox,
 }
 
-/// What stands on what.
+/// What holds what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct SupportRelation {
-    /// What is held.
+    /// The object that is held.
     pub child: TrackId,
     /// What holds it: an object, or the agent that carries it; `None` = the table, the floor, furniture.
     pub parent: Option<TrackId>,
@@ -115,24 +117,24 @@ pub struct SupportRelation {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Relation {
-    /// It stands on it.
+    /// It stands on the other.
     On,
-    /// It lies in it.
+    /// It lies in the other.
     In,
-    /// It leans on it.
+    /// It leans on the other.
     Leans,
     /// An agent carries it.
     Held,
 }
 
-/// What happened.
+/// The kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum EventKind {
     /// It came into view.
     Appeared,
-    /// It went out of the image.
+    /// It left the image.
     Left,
     /// An agent lifted it.
     PickedUp,
@@ -152,11 +154,11 @@ pub enum EventKind {
     Fell,
     /// It went behind something.
     Occluded,
-    /// It came apart from what it was one with.
+    /// It came apart from something with which it was one.
     Split,
-    /// Two parts turned out to be one, or a thing that was cut in pieces is seen whole.
+    /// Two parts turned out to be one, or a thing that was cut into pieces is seen whole.
     Merged,
-    /// A lid or a drawer came off what it closes.
+    /// A lid or a drawer was moved off what it closes.
     Opened,
 }
 
@@ -191,30 +193,30 @@ impl fmt::Display for EventKind {
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Event {
-    /// The frame it is about, counted from 0; it may be told some frames later.
+    /// The frame that it is about, counted from 0; it may be reported some frames later.
     pub frame: u64,
-    /// When that was (s).
+    /// The time of that frame (s).
     pub time: f64,
-    /// What.
+    /// What happened.
     #[serde(rename = "type")]
     pub kind: EventKind,
-    /// To whom.
+    /// The object that it happened to.
     pub object: TrackId,
-    /// Who or what else had part in it; 0 = the table, the floor, furniture.
+    /// Who or what else took part in it; 0 = the table, the floor, furniture.
     pub other: Option<u16>,
     /// Whether that is an agent.
     pub by_agent: bool,
-    /// First frame of what lasts.
+    /// First frame of an event that lasts.
     pub start: Option<u64>,
-    /// Last frame of what lasts.
+    /// Last frame of an event that lasts.
     pub end: Option<u64>,
     /// How sure it is, in [0, 1].
     pub confidence: f32,
-    /// What speaks for it, in words with figures.
+    /// The evidence for it, in words with figures.
     pub evidence: String,
 }
 
-/// As a person would tell it, in a sentence.
+/// The event as a sentence.
 impl fmt::Display for Event {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let object = self.object.0;
@@ -254,18 +256,18 @@ impl fmt::Display for Event {
     }
 }
 
-/// Something that the user should know of a frame.
+/// Something that the user should know about a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum TrackNotice {
     /// The time between this frame and the last is much longer than usual.
     Gap {
-        /// So long (s).
+        /// The length of that time (s).
         seconds: f64,
     },
-    /// The camera moved so far that its motion could not be found: things are found again by their looks.
+    /// The camera moved so far that its motion could not be found. Things are found again by their looks.
     CameraLost,
-    /// The frame has another size: everything begins anew, and numbers go on.
+    /// The frame has another size: the tracker starts over, and numbers go on.
     OtherSize,
     /// There are more objects than 65535.
     TooMany,
@@ -284,7 +286,7 @@ impl fmt::Display for TrackNotice {
     }
 }
 
-/// What the tracker says of a frame.
+/// What the tracker reports about a frame.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Tracked {
@@ -302,11 +304,13 @@ pub struct Tracked {
     pub agents: Vec<SeenAgent>,
     /// What holds each object.
     pub support: Vec<SupportRelation>,
-    /// What became certain with this frame.
+    /// The events that became certain with this frame.
     pub events: Vec<Event>,
-    /// Takes points of this frame's camera to the world: the first frame's camera, or that of the given poses.
+    /// Maps points of this frame's camera to the world, which is the first frame's camera or that of the
+    /// given poses.
     pub world_from_camera: Rigid,
-    /// Covariance of the camera's last step: shift (m), then turn (rad); 0 when it stands still or its pose is given.
+    /// Covariance of the camera's last step: shift (m), then turn (rad); 0 if the camera stands still or its
+    /// pose is given.
     pub camera_covariance: [[f64; 6]; 6],
     /// What the user should know.
     pub notices: Vec<TrackNotice>,

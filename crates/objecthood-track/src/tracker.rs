@@ -13,9 +13,10 @@ use crate::rigid::Rigid;
 use crate::tracked::{Event, TrackNotice, Tracked};
 use crate::view::View;
 
-/// Follows objects through a video. The only type that remembers earlier frames.
+/// Follows objects through a video. It is the only type that remembers earlier frames.
 ///
-/// Memory: about 40 bytes a pixel, and 20 kB and at most 1 MB of surface a track; tracks that are not seen for 30 s are forgotten.
+/// Memory: about 40 bytes a pixel, and 20 kB and at most 1 MB of surface a track. Confirmed tracks are
+/// forgotten after 30 s if something hides them, and after 5 s if they are not seen for another reason.
 #[derive(Debug)]
 pub struct Tracker {
     params: Params,
@@ -27,14 +28,14 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// A tracker that has seen nothing; `params` are those of the discovery.
+    /// A new tracker. `params`: those of the discovery.
     pub fn new(params: Params) -> Self {
         let (pipeline, without, numbering) = (Pipeline::default(), BTreeSet::new(), Numbering::default());
         Self { params, pipeline, without, estimates: None, memory: None, numbering }
     }
 
-    /// The same tracker without some of its ingredients, to measure what each gains. Without all of them tracks are paired with objects by
-    /// their overlap with the last frame alone.
+    /// The same tracker without some of its ingredients, to measure what each gains. Without all of them,
+    /// tracks are paired with objects by their overlap with the last frame alone.
     #[must_use]
     pub fn without(mut self, ingredients: impl IntoIterator<Item = Ingredient>) -> Self {
         self.without.extend(ingredients);
@@ -46,19 +47,20 @@ impl Tracker {
         (self.memory, self.estimates, self.numbering) = (None, None, Numbering::default());
     }
 
-    /// Passes over a frame that could not be read or shows nothing: it is counted, and nothing is known of it.
+    /// Passes over a frame that could not be read or shows nothing. The frame is counted, but not processed.
     pub fn skip(&mut self) {
         self.numbering.skip();
     }
 
-    /// Takes the next frame: finds its objects and follows them. `stamp_s`: when it was taken, which has to rise. `pose`: takes
-    /// points of the camera to the world, if that is known; else the camera's motion is found. Estimates of noise and up are handed from
-    /// frame to frame.
+    /// Processes the next frame: finds its objects and follows them. `stamp_s`: when it was taken; stamps
+    /// have to rise. `pose`: maps points of the camera to the world, if that is known; otherwise the camera's
+    /// motion is estimated. Estimates of noise and up are handed on from frame to frame.
     ///
     /// # Errors
-    /// As [`Pipeline::discover`]; [`Error::Stamp`](crate::Error::Stamp) when the stamp does not rise. The frame then counts for nothing.
+    /// As [`Pipeline::discover`]; [`Error::Stamp`](crate::Error::Stamp) if the stamp does not rise. The frame
+    /// is then not counted.
     pub fn update(&mut self, frame: &Frame, stamp_s: f64, pose: Option<Rigid>) -> Result<Tracked> {
-        // Before the objects are found, which changes the estimates.
+        // This is done before the objects are found, which changes the estimates.
         crate::error::check_stamp(stamp_s, self.last_stamp_s())?;
         let mut pipeline = std::mem::take(&mut self.pipeline);
         let known = frame.clone().with_estimates(self.estimates);
@@ -73,7 +75,8 @@ impl Tracker {
         tracked
     }
 
-    /// As [`Self::update`], with objects that were found by anyone. Known things are not looked for among hypotheses that are no objects.
+    /// As [`Self::update`], with objects from any source. Known things are not searched among refused
+    /// hypotheses.
     ///
     /// # Errors
     /// [`Error::Stamp`](crate::Error::Stamp) when the stamp does not rise, [`Error::Size`](crate::Error::Size) when the labels have another size than the
@@ -88,7 +91,7 @@ impl Tracker {
         self.follow(frame, (found, &[]), stamp_s, pose)
     }
 
-    /// Follows the objects of a frame, and known things among the hypotheses that are no objects.
+    /// Follows the objects of a frame, and known things among the refused hypotheses.
     fn follow(
         &mut self,
         frame: &Frame,

@@ -1,10 +1,11 @@
-//! How far a camera has turned, roughly: a guess from which the exact motion is found.
+//! Guesses roughly how far a camera has turned; the search for the exact motion starts there.
 //!
-//! A camera in a hand turns by dozens of pixels from frame to frame, too far for an alignment that begins where it was. Small blurred images look
-//! alike over such distances. Depth has no say: a turn moves near and far by the same angle.
+//! A hand-held camera turns by dozens of pixels from frame to frame. That is too far for an alignment that
+//! starts where the camera was. Small blurred images look alike over such distances. Depth is not needed: a
+//! turn moves near and far by the same angle.
 //!
-//! Source: G. Klein, D. Murray, Improving the Agility of Keyframe-Based SLAM, ECCV 2008 (small blurry images); here the turn is sought directly, not by
-//! way of a motion in the image.
+//! Source: G. Klein, D. Murray, Improving the Agility of Keyframe-Based SLAM, ECCV 2008 (small blurry
+//! images). Here the turn is estimated directly, not by way of a motion in the image.
 
 use glam::{DMat3, DVec3};
 use objecthood::Camera;
@@ -13,17 +14,17 @@ use serde::{Deserialize, Serialize};
 use crate::rigid::Rigid;
 use crate::view::View;
 
-/// A pixel of the small image is the mean of a square of so many pixels (px at VGA size).
+/// A pixel of the small image is the mean of a square with this side (px at VGA size).
 const CELL_PX: f64 = 16.0;
-/// Gauss-Newton steps, at most; they end below this turn (rad).
+/// At most this many Gauss-Newton steps; they end below this turn (rad).
 const STEPS: usize = 12;
 const SETTLED_RAD: f64 = 1e-4;
 /// Beyond this difference (levels) a cell counts less: something moves there.
 const HUBER_LEVELS: f64 = 12.0;
-/// A turn is told by at least this share of the cells.
+/// At least this share of the cells is needed to estimate a turn.
 const LEAST_SEEN: f64 = 0.3;
-/// Cells have to differ so much from their neighbours that the turn about every axis is told: the least pivot (levels² a cell and square radian),
-/// which a slope of half a level from cell to cell has.
+/// Cells have to differ from their neighbours by enough to determine the turn about every axis. This is the
+/// least pivot (levels² a cell and square radian); a slope of half a level from cell to cell has it.
 const LEAST_PIVOT: f64 = 100.0;
 
 /// A small blurred image.
@@ -37,7 +38,7 @@ pub(crate) struct SmallImage {
 }
 
 impl SmallImage {
-    /// `None` without colour. O(n).
+    /// Makes the small image; `None` without colour. O(n).
     pub(crate) fn of(view: &View) -> Option<Self> {
         let cell = view.length_px(CELL_PX);
         let (width, height) = (view.size.0 / cell, view.size.1 / cell);
@@ -59,7 +60,7 @@ impl SmallImage {
         Some(image.blurred())
     }
 
-    /// Each cell with half the weight of its neighbours beside it.
+    /// Blurs: each cell with half the weight of its neighbours beside it.
     fn blurred(mut self) -> Self {
         let (width, height) = self.size;
         let at = |u: usize, v: usize| v * width + u;
@@ -93,7 +94,8 @@ impl SmallImage {
         Some([value, (1.0 - b) * (q - p) + b * (s - r), (1.0 - a) * (r - p) + a * (s - q)])
     }
 
-    /// The turn of the camera to a later image: takes directions of this camera to that one's. `None` where the images do not tell. O(cells).
+    /// The turn of the camera to a later image: maps directions of this camera to that one's. `None` if the
+    /// images do not determine it. O(cells).
     pub(crate) fn turn_to(&self, later: &Self) -> Option<Rigid> {
         if self.size != later.size || self.camera != later.camera {
             return None;

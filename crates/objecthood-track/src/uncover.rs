@@ -1,4 +1,4 @@
-//! What comes out from behind a hand beside a known thing, and that a frame takes for one with it.
+//! Things that come out from behind a hand beside a known thing, so that a frame takes both for one.
 
 use std::collections::BTreeMap;
 
@@ -7,12 +7,12 @@ use crate::memory::Memory;
 use crate::scene::Key;
 use crate::segment::{Measure, Segment, is_looked_at};
 
-/// What belongs to no track is this share of the segment or more.
+/// The part that belongs to no track is at least this share of the segment.
 const LEAST_SHARE: f64 = 0.3;
 
 impl Memory {
-    /// Gives a segment of its own to the part of a segment that no track should show, when the segment shows a known thing as well and the part
-    /// fits a known thing that is hidden. O(n).
+    /// Divides a segment that shows a known thing and a part that no track should show, if the part fits a
+    /// known thing that is hidden. The part gets a segment of its own. O(n).
     pub(crate) fn part_uncovered(
         &self,
         labels: &mut [u16],
@@ -58,7 +58,7 @@ impl Memory {
         }
     }
 
-    /// Whether a known thing should be seen nowhere.
+    /// Whether a known thing is predicted nowhere.
     fn is_hidden(&self, key: Key, overlap: &Overlap) -> bool {
         let track = &self.tracks[&key];
         track.rest.is_some()

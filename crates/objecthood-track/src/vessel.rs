@@ -1,4 +1,4 @@
-//! What goes into a vessel, or out of it, by itself: poured, or let fall (ours).
+//! Things that go into a vessel, or out of it, without being handled: poured, or dropped (ours).
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -9,16 +9,18 @@ use crate::scene::Key;
 use crate::track::{Deed, Sample, Track, are_alike};
 use crate::tracked::{EventKind, Relation};
 
-/// A thing lies where it lies once it has rested so long (s): until then the votes of earlier frames may win.
+/// The place of a thing counts once the thing has rested for this long (s): until then the votes of earlier
+/// frames may win.
 const LIES_S: f64 = 0.6;
-/// It lies elsewhere than before when it has moved by more than this (m).
+/// A thing lies elsewhere than before if it has moved by more than this (m).
 const MOVED_M: f64 = 0.05;
-/// It is down when its mean point is this close (m) to where it comes to rest.
+/// A thing is down if its mean point is this close (m) to where it comes to rest.
 const DOWN_M: f64 = 0.015;
-/// It is outside when it is farther from the vessel's mean point than this share of the vessel's size (the root of its area).
+/// A thing is outside if it is farther from the vessel's mean point than this share of the vessel's size (the
+/// root of its area).
 const OUTSIDE_SHARE: f64 = 0.6;
 
-/// Where a thing lay when it last rested for long.
+/// Where a thing lay when it last rested for a while.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lay {
     frame: u64,
@@ -36,7 +38,8 @@ impl Lay {
         Self { frame: track.last.frame, center: track.last.center, vessel }
     }
 
-    /// After an agent lifted it: what was put down lies where it is, and what was let fall lay in nothing.
+    /// Resets the place after an agent lifted the thing: a thing that was put down lies where it is, and a
+    /// thing that was dropped lay in nothing.
     pub(crate) fn after_handling(track: &Track, flew: bool) -> Self {
         let lay = Self::of(track);
         if flew { Self { center: DVec3::INFINITY, vessel: None, ..lay } } else { lay }
@@ -44,7 +47,8 @@ impl Lay {
 }
 
 impl Memory {
-    /// Tells of things that came to rest in a vessel, or out of one, and that no agent handled. `is_last_word`: the video ends.
+    /// Reports things that came to rest in a vessel, or out of one, and that no agent handled.
+    /// `is_last_word`: the video ends.
     pub(crate) fn tell_vessels(&mut self, is_last_word: bool) {
         let least_s = if is_last_word { f64::MIN_POSITIVE } else { LIES_S };
         let is_thing =
@@ -59,7 +63,7 @@ impl Memory {
         for key in keys {
             let track = &self.tracks[&key];
             let now = Lay::of(track);
-            // What was handled was told with that.
+            // A handled thing was reported with its handling.
             let told =
                 if self.happenings.is_handled(key) { Vec::new() } else { self.passages(key, track, now) };
             told.into_iter().for_each(|happening| self.happenings.tell(happening));
@@ -67,13 +71,13 @@ impl Memory {
         }
     }
 
-    /// What happened between where a thing lay and where it lies now.
+    /// What happened between where a thing lay before and where it lies now.
     fn passages(&self, key: Key, track: &Track, now: Lay) -> Vec<Happening> {
-        // What flew into the image lay in nothing.
+        // A thing that flew into the image lay in nothing.
         let before = track.lay.or(track.seen_to.contains(&Deed::Flew).then_some(Lay { vessel: None, ..now }));
         let is_elsewhere =
             track.lay.is_none_or(|lay| (lay.center - now.center).length() > MOVED_M) && are_whole(track);
-        // A frame may have said of what lies in a vessel that it lies on it.
+        // A frame may have reported that a thing in a vessel lies on it.
         let goes_along =
             |before: &Lay| now.vessel.is_some_and(|vessel| self.went_along(vessel, *before, now));
         let Some(before) =
@@ -119,13 +123,13 @@ impl Memory {
     }
 }
 
-/// The first sample of those in which a thing lay where it lies now.
+/// The first sample from which on a thing lay where it lies now.
 fn down(track: &Track) -> Sample {
     let is_down = |sample: &&Sample| (sample.center - track.last.center).length() < DOWN_M;
     track.samples.iter().rev().take_while(is_down).last().copied().unwrap_or(track.last)
 }
 
-/// Whether a thing is seen as whole as when it last rested.
+/// Whether a thing is seen as much as when it last rested.
 fn are_whole(track: &Track) -> bool {
     track.rest.is_some_and(|rest| are_alike(rest.px, track.last.px))
 }

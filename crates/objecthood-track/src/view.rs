@@ -1,11 +1,11 @@
-//! A frame as the tracker looks at it.
+//! A frame as the tracker sees it.
 
 use glam::DVec3;
 use objecthood::{Camera, Frame};
 
 use crate::field::Field;
 
-/// Normals are differences over so many pixels to each side.
+/// Normals are computed from differences over this many pixels to each side.
 const NORMAL_REACH_PX: usize = 4;
 /// Neighbours whose depth differs by more than this share belong to another surface.
 const SAME_SURFACE: f32 = 0.02;
@@ -21,21 +21,21 @@ pub(crate) struct View {
     pub(crate) grey: Vec<u8>,
     /// sRGB; empty without colour.
     pub(crate) color: Vec<[u8; 3]>,
-    /// Where depth is measured.
+    /// The part of the image in which depth is measured.
     pub(crate) field: Field,
-    /// How much noisier than a Kinect the sensor is, at least as noisy as that.
+    /// How much noisier than a Kinect the sensor is; at least 1.
     pub(crate) noise: f32,
 }
 
-/// The pixel in a column and row, if it is in the image, then those to its right and below it: pixels that move apart leave gaps, and these four
-/// close them.
+/// The pixel in a column and row, if it is in the image, then those to its right and below it. Pixels that
+/// move apart leave gaps, which these four close.
 pub(crate) fn block((u, v): (usize, usize), (width, height): (usize, usize)) -> impl Iterator<Item = usize> {
     let at = [(u, v), (u + 1, v), (u, v + 1), (u + 1, v + 1)].into_iter();
     at.filter(move |&(u, v)| u < width && v < height).map(move |(u, v)| v * width + u)
 }
 
 impl View {
-    /// Whether a pixel lies on the border of what the sensor measures.
+    /// Whether a pixel lies on the border of the region that the sensor measures.
     pub(crate) fn is_border(&self, pixel: usize) -> bool {
         self.field.is_border(pixel % self.size.0, pixel / self.size.0, 0)
     }
@@ -130,12 +130,12 @@ impl View {
         Some((blend(&at), blend(&along), blend(&down)))
     }
 
-    /// Pixels that an image of VGA size would have `px` of.
+    /// Converts an area: the pixels that correspond to `px` pixels of an image of VGA size.
     pub(crate) fn px(&self, px_at_vga: f64) -> usize {
         ((px_at_vga * (self.size.0 * self.size.1) as f64 / (640.0 * 480.0)) as usize).max(1)
     }
 
-    /// Lengths that an image of VGA size would have of `px` (px).
+    /// Converts a length: the pixels that correspond to `px` pixels of an image of VGA size (px).
     pub(crate) fn length_px(&self, px_at_vga: f64) -> usize {
         ((px_at_vga * self.size.0 as f64 / 640.0 + 0.5) as usize).max(1)
     }

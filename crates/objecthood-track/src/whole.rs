@@ -1,4 +1,4 @@
-//! Things that were cut in pieces by what stood before them, and are seen whole at last (ours).
+//! Things that were cut into pieces by what stood before them, and are finally seen whole (ours).
 
 use std::collections::BTreeMap;
 
@@ -13,21 +13,23 @@ use crate::tracked::EventKind;
 
 /// A piece is at least this share of what is seen of a thing.
 const LEAST_PIECE: f64 = 0.1;
-/// A thing is cut when it was seen in pieces for so long (s) in its first time (s).
+/// A thing is cut if it was seen in pieces for this long (s) within its first time (s).
 const CUT_S: f64 = 0.1;
 const FIRST_S: f64 = 0.5;
-/// It is whole once it has been seen in one for so long (s), and so many times as large as ever before.
+/// It is whole once it has been seen in one piece for this long (s), and is this many times as large as ever
+/// before.
 const WHOLE_S: f64 = 0.3;
 const LARGER: f64 = 1.1;
 
 /// Whether a thing has been seen whole.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Sight {
-    /// It was cut in pieces in so many frames; so much of it was seen at most (m², as if it faced the camera).
+    /// It was cut into pieces in this many frames; the most of it that was seen (m², as if it faced the
+    /// camera).
     Cut { frames: usize, most_m2: f64 },
-    /// It was cut, and is in one since this frame and time (s).
+    /// It was cut, and has been in one piece since this frame and time (s).
     InOne { most_m2: f64, frame: u64, time_s: f64 },
-    /// It was seen whole, or moves.
+    /// It was seen whole, or it moves.
     Whole,
 }
 
@@ -35,15 +37,16 @@ impl Sight {
     /// Before anything is seen.
     pub(crate) const NEW: Self = Self::Cut { frames: 0, most_m2: 0.0 };
 
-    /// What is known after a frame that shows a thing in so many pieces. `cut_frames`: in so many frames it has to be cut.
+    /// The state after a frame that shows a thing in this many pieces. `cut_frames`: the number of frames in
+    /// which it has to be cut.
     fn after(self, pieces: usize, seen_m2: f64, (frame, time_s): (u64, f64), cut_frames: usize) -> Self {
         let is_larger = |most_m2: f64| seen_m2 > LARGER * most_m2;
         match self {
-            // A thing of which a hand hides a piece is in one too, but less of it is seen.
+            // A thing of which a hand hides a piece is also in one piece, but less of it is seen.
             Self::Cut { frames, most_m2 } if pieces == 1 && frames >= cut_frames && is_larger(most_m2) => {
                 Self::InOne { most_m2, frame, time_s }
             }
-            // What cuts it may go to its end, and show more and more of it.
+            // What cuts it may move to its end, and show more and more of it.
             Self::Cut { frames, most_m2 } if pieces > 1 || frames < cut_frames => {
                 Self::Cut { frames: frames + usize::from(pieces > 1), most_m2: most_m2.max(seen_m2) }
             }
@@ -65,7 +68,7 @@ impl Sight {
 }
 
 impl Memory {
-    /// Tells of things that were cut from the first and are seen whole. O(n).
+    /// Reports things that were cut from the first frame on and are seen whole. O(n).
     pub(crate) fn tell_wholes(&mut self, look: &Look<'_>) {
         let now = (self.frame, self.stamp_s);
         let (cut_frames, whole_frames) = (self.pace.frames(CUT_S), self.pace.frames(WHOLE_S) as u64);
@@ -105,7 +108,7 @@ impl Memory {
         }
     }
 
-    /// Where each thing is seen of which it is open whether it was seen whole, on every second column and row. O(n).
+    /// Where each thing is seen that is still waiting to be seen whole, on every second column and row. O(n).
     fn shown_of_open(&self, size: (usize, usize)) -> BTreeMap<Key, Bits> {
         let is_open = |key: Key| {
             self.tracks.get(&key).is_some_and(|track| {
@@ -138,7 +141,7 @@ impl Memory {
 mod tests {
     use super::*;
 
-    /// What is known after frames with so many pieces and areas (m²).
+    /// The state after frames with these numbers of pieces and areas (m²).
     fn after(frames: &[(usize, f64)]) -> Sight {
         (0..).zip(frames).fold(Sight::NEW, |sight, (frame, &(pieces, seen_m2))| {
             sight.after(pieces, seen_m2, (frame, 0.0), 3)

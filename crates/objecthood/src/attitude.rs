@@ -1,11 +1,11 @@
-//! What is known of the direction up before a frame is looked at (docs/CONTEXT.md 1.1).
+//! What is known about the direction up before a frame is processed (docs/CONTEXT.md 1.1).
 
 use glam::{DVec3, Vec3};
 
 use crate::frame::Frame;
 use crate::params;
 
-/// What is known of the direction up before a frame is looked at.
+/// What is known about the direction up before a frame is processed.
 #[derive(Clone, Copy, Debug)]
 pub struct Attitude {
     /// The camera's own up: a unit vector in the camera frame.

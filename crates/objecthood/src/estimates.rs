@@ -1,4 +1,4 @@
-//! What a frame tells of its sensor and of gravity, for the next frame.
+//! What a frame shows about its sensor and about gravity, for the next frame.
 
 use crate::noise::{MeasuredNoise, Noise};
 

@@ -32,7 +32,7 @@ pub struct Frame {
     measured_px: usize,
     /// The measured direction against gravity: a unit vector in the camera frame.
     up: Option<[f32; 3]>,
-    /// What frames before it told.
+    /// Estimates from earlier frames.
     estimates: Option<Estimates>,
 }
 
@@ -70,10 +70,11 @@ impl Frame {
         }
     }
 
-    /// The same frame with a measured direction against gravity, as an accelerometer at rest or the camera's pose tells it. It is a
-    /// vector of any length in the camera frame (x right, y down, z forward).
+    /// The same frame with a measured direction against gravity, from an accelerometer at rest or from the
+    /// camera's pose. It is a vector of any length in the camera frame (x right, y down, z forward).
     ///
-    /// It decides what up is, and only surfaces that face it can be the ground. Tilt and roll of the parameters have no effect then.
+    /// It decides what up is, and only surfaces that face it can be the ground. The tilt and roll of the
+    /// parameters then have no effect.
     ///
     /// # Errors
     /// [`Error::BadUp`] when it has no length, or is not finite.
@@ -101,8 +102,9 @@ impl Frame {
         Self { depth_m: Arc::new(depth_m), ..self.clone() }
     }
 
-    /// The same frame, to be looked at with what frames before it told: the noise of the sensor is a mean over all of them, and
-    /// where this frame does not show clearly which surface is its ground, their direction up decides (`context`).
+    /// The same frame with estimates from earlier frames. The noise of the sensor is then a mean over all of
+    /// them. If this frame does not clearly show which surface is its ground, their direction up decides
+    /// (`context`).
     ///
     /// Without this call the result depends on the frame alone.
     ///
@@ -122,7 +124,7 @@ impl Frame {
         Self { estimates: estimates.into(), ..self }
     }
 
-    /// What frames before it told, if that was handed on.
+    /// The estimates from earlier frames, if they were handed on.
     pub fn estimates(&self) -> Option<&Estimates> {
         self.estimates.as_ref()
     }
@@ -152,7 +154,7 @@ impl Frame {
         self.measured_px
     }
 
-    /// Whether both frames share their images in memory, as clones do, and all else of them is equal.
+    /// Whether both frames share their images in memory, as clones do, and are equal in everything else.
     pub(crate) fn is_clone_of(&self, other: &Self) -> bool {
         let shares_color = match (&self.color, &other.color) {
             (Some(own), Some(other)) => Arc::ptr_eq(own, other),

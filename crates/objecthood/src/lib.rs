@@ -1,11 +1,12 @@
 //! Unsupervised object discovery from one RGB-D image: finds the things in it that can be grasped and moved.
 //!
-//! No training, no known classes. The method `paper` is published in "Unsupervised Object Exploration Using Context"
-//! (RO-MAN 2014). It over-segments a frame on colour, depth and curvature, groups superpixels to facets, and joins facets
-//! across convex edges to shapes. A shape is an object when it has a graspable size and something carries it.
+//! It needs no training and no known classes. The method `paper` is published in "Unsupervised Object
+//! Exploration Using Context" (RO-MAN 2014). It over-segments a frame on colour, depth and curvature, groups
+//! superpixels into facets, and joins facets across convex edges into shapes. A shape is an object if it has
+//! a graspable size and something carries it.
 //!
-//! The method `context`, the default, has the same four stages. It fits surfaces in disparity, lets whole borders vote, and
-//! uses the surroundings: vessels, bottoms, parts behind an occluder.
+//! The method `context`, the default, has the same four stages. It fits surfaces in disparity, lets whole
+//! borders vote, and uses the surroundings: vessels, bottoms, parts behind an occluder.
 //!
 //! ```
 //! use objecthood::{Camera, Frame, Params, Raster, discover};
@@ -18,16 +19,18 @@
 //! # Ok::<(), objecthood::Error>(())
 //! ```
 //!
-//! [`discover`] is the one call most users need. Every stage is a public function that can be called alone: see the examples of the
-//! rooms below. Superpixels, structure, facets and shapes may also be your own, as in `examples/02_own_superpixels.rs`; the outputs
-//! of later stages ([`Clustering`](clusters::clustering::Clustering), [`Standing`](support::standing::Standing)) are made by their
-//! functions only. A [`Pipeline`] keeps the outputs of the stages and runs only
-//! those again that a change of parameters reaches. The file `method.rs` shows the order of the stages, one screen a method:
+//! [`discover`] is the one call that most users need. Every stage is a public function that can be called
+//! alone: see the examples of the modules below. You may also supply your own superpixels, structure, facets
+//! or shapes, as in `examples/02_own_superpixels.rs`. The outputs of later stages
+//! ([`Clustering`](clusters::clustering::Clustering), [`Standing`](support::standing::Standing)) are made by
+//! their functions only. A [`Pipeline`] keeps the outputs of the stages, and repeats only the stages that a
+//! change of parameters affects. The file `method.rs` shows the order of the stages, one screen for each
+//! method. The modules:
 //!
 //! | module | task | paper |
 //! |---|---|---|
 //! | [`frame`], [`camera`], [`raster`] | the input: units, missing depth, the camera frame | |
-//! | [`noise`], [`estimates`], [`attitude`] | what is known before a frame is looked at: the sensor's noise, what earlier frames told, up (`context`) | |
+//! | [`noise`], [`estimates`], [`attitude`] | what is known before a frame is processed: the sensor's noise, estimates of earlier frames, up (`context`) | |
 //! | [`color`] | colours as they are compared | |
 //! | [`surface`] | normals and curvature of single pixels | III-A, eq. 2 |
 //! | [`oversegment`] | superpixels | III-A, eq. 1 |
@@ -40,9 +43,9 @@
 //! | [`regions`] | label maps and region graphs, passed from stage to stage | |
 //! | [`planes`], [`oriented_box`] | planes and boxes fitted to points | |
 //! | [`params`] | every parameter with unit, default and source | |
-//! | [`plausibility`] | what of a frame cannot be: units, cameras, images that do not belong together | |
+//! | [`plausibility`] | what cannot be right in a frame: units, cameras, images that do not belong together | |
 //! | [`observe`] | the hook that shows intermediate results | |
-//! | [`check`] | what was measured against which limit: rules decide by it, explanations show it | |
+//! | [`check`] | a measured value against its limit: rules decide by checks, explanations show them | |
 //! | [`error`] | why a call failed, and how to fix the input | |
 //! | [`explain`] | the decisions behind a pixel's label, and the parameter changes that turn them | |
 //!

@@ -1,4 +1,4 @@
-//! Label maps and region graphs: the data that the stages pass on.
+//! Label maps and region graphs: the data that stages pass to each other.
 
 use std::ops::Range;
 use std::sync::OnceLock;

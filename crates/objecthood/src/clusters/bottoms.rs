@@ -1,4 +1,5 @@
-//! Bottoms: background that a plate or a bowl encloses is a part of it (ours, because a plate came out as a ring).
+//! Bottoms: background that a plate or a bowl encloses is a part of it (ours, because otherwise a plate is
+//! left as a ring).
 //!
 //! The bottom of a plate lies as low as the table. Its border distinguishes it from the table: the plate encloses it without a step
 //! in depth. The table continues behind the things on it, with a step at every near side. It is also seen through a handle or a

@@ -9,12 +9,13 @@ use crate::surface::disparity::position;
 
 /// The rise of a cluster is this quantile of its distances from a surface.
 const RISE_SHARE: f64 = 0.9;
-/// Waves of a surface reach this many quanta for each time that the sensor's waves exceed a Kinect's: the tolerance of structure on a Kinect.
+/// A wall has bumps of at most this many quanta, for each time that the sensor's waves exceed a Kinect's: the
+/// tolerance of structure on a Kinect.
 const RISE_QUANTA: f64 = 2.5;
 
-/// Gives clusters that rise no higher above a wall than the waves of the sensor to the background. Does nothing for a sensor with a
-/// Kinect's waves: for it the tolerance of structure is wide enough. Supports are left to [`drop_low`](super::height::drop_low).
-/// O(clusters · walls).
+/// Gives to the background the clusters that rise no higher above a wall than the waves of the sensor. Does
+/// nothing for a sensor with a Kinect's waves: for it the tolerance of structure is wide enough. Supports are
+/// left to [`drop_low`](super::height::drop_low). O(clusters · walls).
 pub(crate) fn drop_bumps(clusters: &mut Clusters<'_>) {
     let noise = *clusters.scene.space.noise();
     if !noise.is_wavy() {

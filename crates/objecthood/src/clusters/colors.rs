@@ -1,4 +1,4 @@
-//! How alike the colours of two parts are, as they are seen and in the same light (docs/CONTEXT.md 4.4 and 4.7).
+//! How alike the colours of two parts are, as measured and in the same light (docs/CONTEXT.md 4.4 and 4.7).
 
 use glam::Vec3;
 
@@ -6,7 +6,8 @@ use crate::clusters::scene::{Scene, sampled};
 use crate::color::histogram::ColorHistogram;
 use crate::color::{LIGHT_OFFSET, mean};
 
-/// A face in the shade of its own body has this share of the light of another, to the third root, at least: a third of the light.
+/// Least share of the light of another face that a face in the shade of its own body has, to the third root:
+/// a third of the light.
 const SHADE: f32 = 0.7;
 
 /// Some colours of a part; none without colour.
@@ -30,8 +31,8 @@ impl Colors {
         self.histogram.overlap(&other.histogram)
     }
 
-    /// The same, or if it is more, that with the darker of the two in the light of the other: light that falls scales L\* + 16, a\* and b\* alike.
-    /// O(sampled pixels + bins).
+    /// As [`Self::overlap`], or the overlap with the darker of the two brought to the light of the other, if
+    /// that is larger. Light scales L\* + 16, a\* and b\* alike. O(sampled pixels + bins).
     pub(super) fn overlap_in_light(&self, other: &Self) -> f64 {
         let (darker, lighter) = if other.light() < self.light() { (other, self) } else { (self, other) };
         let gain = (lighter.light() / darker.light()).min(1.0 / SHADE);

@@ -1,7 +1,9 @@
-//! Deep bottoms: what an object encloses in the image, and what looks unlike the support around it, is its bottom (ours).
+//! Deep bottoms: background that an object encloses in the image, and that looks unlike the support around
+//! the object, is its bottom (ours).
 //!
-//! The near wall of a deep vessel hides a part of the bottom, across a step, as what stands before the table does. And where the near wall is as thin as
-//! noise, the bottom seems to go on into the table. Colour tells them apart.
+//! The near wall of a deep vessel hides a part of the bottom, with a step, just as a thing in front of a
+//! table hides a part of the table. And where the near wall is as thin as noise, the bottom seems to go on
+//! into the table. Colour tells the two apart.
 
 use std::ops::Range;
 
@@ -23,24 +25,30 @@ use crate::quantile::range;
 use crate::raster::PixelBox;
 use crate::regions::{SegmentId, connect};
 
-/// A smaller piece (px at a focal length of 525 px) is a hole, or too small to compare its colours; so is the support around.
+/// A smaller piece (px at a focal length of 525 px) is a hole, or too small to compare its colours. The same
+/// limit holds for the support around the vessel.
 const LEAST_PX: usize = 100;
-/// No support goes on along this share of its border, which is that of three sides of a square: a gap in a thin wall is shorter.
+/// Along at least this share of the border no support goes on: the share of three sides of a square. A gap in
+/// a thin wall is shorter.
 const LEAST_ENCLOSED: f64 = 0.75;
-/// The vessel itself is beyond this share of its border: the rest may be what stands on the bottom.
+/// Along at least this share of the border the vessel itself begins. The rest may be things on the bottom.
 const LEAST_OF_VESSEL: f64 = 0.3;
-/// Its colours overlap those of the support around the vessel at most so much, as those of flat things do (`flat.color_overlap`).
+/// The colours overlap those of the support around the vessel by at most this, as for flat things
+/// (`flat.color_overlap`).
 const MOST_ALIKE: f64 = 0.35;
-/// It is at most this share as high as the top of the vessel, which is this quantile of its heights.
+/// The bottom is at most this share as high as the top of the vessel. The top is this quantile of the
+/// vessel's heights.
 const MOST_OF_TOP: f64 = 0.5;
 const TOP_SHARE: f64 = 0.95;
-/// The vessel reaches from the first of these quantiles of its depths to the second.
+/// The depths of the vessel reach from the first of these quantiles to the second.
 const ENDS: [f64; 2] = [0.05, 0.95];
-/// Around the vessel is what is this close to the rectangle around it (px at a focal length of 525 px), as the ring of flat things.
+/// The support around the vessel is what lies this close to the rectangle around it (px at a focal length of
+/// 525 px), as in the ring of flat things.
 const AROUND_PX: usize = 20;
 
-/// Gives pieces of support within the convex hull of a cluster in the image to that cluster, if they are enclosed, and their colours are neither those of the
-/// support around it nor those in less light. Does nothing without colour, nor where bottoms are switched off. O(pixels of the clusters and of their hulls).
+/// Gives to a cluster the pieces of support within its convex hull in the image that it encloses, if their
+/// colours are neither those of the support around it nor those in less light. Does nothing without colour,
+/// nor if bottoms are switched off. O(pixels of the clusters and of their hulls).
 pub(crate) fn join_deep_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels) {
     let is_on = params.bottom_contact_share <= 1.0;
     let Some(lab) = clusters.scene.lab.filter(|_| is_on) else { return };
@@ -136,7 +144,7 @@ fn hull(clusters: &Clusters<'_>, id: SegmentId) -> Vec<RowSpan> {
     fill_hull(&find_row_spans(pixels, clusters.scene.disparity.width()))
 }
 
-/// Counts the sides of a piece. Pixels without a facet end it, as the things on it do.
+/// Counts the sides of a piece. A pixel without a facet ends it, as do the things on it.
 fn measure(clusters: &Clusters<'_>, id: SegmentId, runs: Vec<Range<usize>>) -> Piece {
     let (width, height) = clusters.scene.disparity.size();
     let vessel = &clusters.get(id).pixels;
@@ -167,8 +175,8 @@ fn measure(clusters: &Clusters<'_>, id: SegmentId, runs: Vec<Range<usize>>) -> P
     piece
 }
 
-/// The checks of a bottom, beside the support `around` the vessel. `None` where the vessel does not enclose it, as most pieces of background in a hull, or too
-/// little of the support is seen.
+/// The checks of a bottom, against the support `around` the vessel. `None` if the vessel does not enclose it,
+/// as with most pieces of background in a hull, or if too little of the support is seen.
 fn check(
     clusters: &Clusters<'_>,
     id: SegmentId,
@@ -202,8 +210,8 @@ fn check(
     Some(checks)
 }
 
-/// Checks that a piece lies as far away as the vessel, to the height of that, and low in it: what is seen behind a thing does not. `None` without a support
-/// below it.
+/// Checks that a piece lies as far away as the vessel, give or take the height of the vessel, and low in it.
+/// What is seen behind a thing does not. `None` without a support below it.
 fn check_place(clusters: &Clusters<'_>, id: SegmentId, piece: &Piece) -> Option<[Check; 3]> {
     let (scene, vessel) = (clusters.scene, &clusters.get(id).pixels);
     let depths_m = |pixels: &mut dyn Iterator<Item = usize>, shares| {

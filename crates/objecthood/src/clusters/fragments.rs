@@ -12,7 +12,7 @@ use crate::params;
 use crate::regions::SegmentId;
 use crate::surface::disparity::DisparitySpace;
 
-/// Rounds of absorption: a fragment may lie on a fragment on a fragment.
+/// Rounds of absorption: fragments may lie on fragments.
 const ROUNDS: usize = 3;
 /// Touching pixel pairs that a fragment needs to be absorbed by a neighbour (px at a focal length of 525 px).
 const LEAST_TOUCH_PX: usize = 4;
@@ -21,8 +21,10 @@ const LEAST_THING_PX: usize = 200;
 /// ... if at this share of its border it is in front by a step: an upright thing touches its support only with its foot.
 const IN_FRONT_SHARE: f64 = 0.6;
 
-/// Merges clusters of fewer than `max_size_px` pixels, except flat things, into the neighbour that they touch most. The neighbour may be the background,
-/// but not a smaller cluster. A fragment that is large enough for a thing and mostly in front of what is around it does not go to the background. O(rounds · clusters · neighbours).
+/// Merges clusters of fewer than `max_size_px` pixels, except flat things, into the neighbour that they touch
+/// most. The neighbour may be the background, but not a smaller cluster. A fragment does not go to the
+/// background if it is large enough for a thing and mostly in front of its surroundings. O(rounds · clusters
+/// · neighbours).
 pub(crate) fn absorb_fragments(clusters: &mut Clusters<'_>, params: &params::Fragments) {
     for round in 1..=ROUNDS {
         let (moves, stays) = find_moves(clusters, params);

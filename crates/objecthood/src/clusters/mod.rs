@@ -1,4 +1,4 @@
-//! Clusters: shapes are joined to things by their surroundings (`context`, the beginning of stage 4).
+//! Clusters: shapes are joined into things by their surroundings (`context`, the beginning of stage 4).
 //!
 //! Every shape begins as a cluster. The [`rules`] join clusters or give them to the background: fragments, height, vessels, bottoms,
 //! necks, occlusion. A rule decides by [checks](crate::check). The [`history`] records its joins and its refusals. The clusters that remain and are

@@ -31,23 +31,26 @@ use crate::params;
 use crate::regions::SegmentId;
 use crate::union_find::UnionFind;
 
-/// Joins two clusters that touch when the upper one has no foot of its own: it stands neither on a support nor on a level face of the lower
-/// one, as stacked things do. They also share their colours, or the upper one is small and sits on a slope, from which a thing of its own
-/// would slide off. Pairs that share most colours are joined first.
+/// Joins two clusters that touch if the upper one has no foot of its own: it stands neither on a support nor
+/// on a level face of the lower one, as stacked things do. In addition, the two share their colours, or the
+/// upper one is small and sits on a slope from which a separate thing would slide off. Pairs that share most
+/// colours are joined first.
 ///
-/// Of two that share their colours one may also be a handle: slim, and joined to the other with all of its end.
+/// Six further rules join pairs that this one leaves apart:
 ///
-/// A small part that is seen to hang in the air is joined with what it hangs on, whether or not they touch.
+/// - Handles: two parts share their colours, and one is slim and joined to the other along its whole end.
+/// - Hanging parts: a small part that is seen to hang in the air is joined to what holds it, whether or not
+///   they touch.
+/// - Symmetry: the axis of a slim part is an axis of symmetry of the part at its end, as with a handle.
+///   Colours do not matter.
+/// - Tops: a level part is the top of another part of its width, which begins as a side at its edge. Colours
+///   do not matter.
+/// - Balls: a ball lies on a slope or a neck of one other part alone, so a separate ball would roll off.
+///   Colours do not matter.
+/// - Waists: a narrow part between two wider ones of its colours is joined to each of them where it begins as
+///   a neck, whether or not they touch.
 ///
-/// The axis of a slim part may be an axis of symmetry of what it ends at, as that of a handle is: they are joined, whatever their colours.
-///
-/// A level part is the top of another of its width that begins as a side at its edge, whatever their colours.
-///
-/// A ball that lies on a slope or a neck of one other part alone would roll off: it is joined with that, whatever their colours.
-///
-/// What is narrow between two wider things of its colours is joined with each of them where it begins as a neck, whether or not they touch.
-///
-/// What has grown is compared again, until nothing is joined any more.
+/// Parts that have grown are compared again, until no more are joined.
 ///
 /// Source: ours, because a neck or fold is a valley between convex parts (paper, future work: concavity). O(rounds · pairs side by side ·
 /// pixels of both); parallel over pairs. Does nothing without a support; without colour the rules that compare colours join nothing.
@@ -59,7 +62,8 @@ pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
     }
 }
 
-/// Compares each pair of clusters of which one has grown, and joins those that are one body. Returns the clusters that have grown.
+/// Compares each pair of clusters of which at least one has grown, and joins those that are one body. Returns
+/// the clusters that have grown.
 fn join_once(
     clusters: &mut Clusters<'_>,
     up: DVec3,
@@ -92,7 +96,7 @@ fn join_once(
     grown
 }
 
-/// Two clusters: first the upper one, or the one that hangs, or the ball, the slim part or the neck.
+/// Two clusters. The first is the upper one, the one that hangs, the ball, the slim part or the neck.
 struct Pair {
     parts: [SegmentId; 2],
     overlap: f64,
@@ -129,7 +133,7 @@ struct Compare<'a> {
 }
 
 impl Compare<'_> {
-    /// Compares two clusters; `None` if they do not touch, and nothing else speaks for one body.
+    /// Compares two clusters; `None` if they do not touch and no other rule joins them.
     fn pair(&self, pair: [SegmentId; 2]) -> Option<Pair> {
         let (clusters, up) = (self.clusters, self.up);
         let part = |id: SegmentId| &self.parts[&id];

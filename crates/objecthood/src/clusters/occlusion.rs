@@ -28,7 +28,8 @@ use crate::params;
 use crate::regions::SegmentId;
 use crate::union_find::UnionFind;
 
-/// Clusters that touch along more pairs (px at 525 px) are neighbours, not parts behind an occluder.
+/// Clusters that touch along more pairs than this (px at 525 px) are neighbours, not parts behind an
+/// occluder.
 const TOUCH_PX: usize = 6;
 /// A facet is level when the cosine between its normal and the support's exceeds this. Tops of equal height are common, so two level
 /// facets need more evidence.
@@ -38,8 +39,8 @@ const HORIZONTAL_DISTANCE: f64 = 0.8;
 /// Least colour overlap of two level facets.
 const HORIZONTAL_COLOR: f64 = 0.15;
 
-/// Joins two clusters when a facet of one continues a facet of the other behind something nearer. Both facets lie on one surface and
-/// have one direction, and in the gap most pixels are nearer and hardly any are farther.
+/// Joins two clusters if a facet of one continues a facet of the other behind something nearer. Both facets
+/// lie on one surface and have one direction. In the gap most pixels are nearer, and hardly any are farther.
 ///
 /// O(F^2 · (samples + pixels of the lines + all facets)) for F facets that are large and partly hidden; parallel over pairs.
 pub(crate) fn join_behind_occluders(clusters: &mut Clusters<'_>, params: &params::Occlusion) {

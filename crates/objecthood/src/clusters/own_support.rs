@@ -1,4 +1,4 @@
-//! The support below a cluster, over which its height is measured (docs/CONTEXT.md 4.1).
+//! The support below a cluster, above which its height is measured (docs/CONTEXT.md 4.1).
 
 use crate::clusters::scene::{Scene, sampled};
 use crate::quantile::element_at;
@@ -50,8 +50,8 @@ impl<'a> Scene<'a> {
         self.planes[support].height_m(self.point_at(i))
     }
 
-    /// Whether a support goes on below most of some pixels: dropped onto it, they lie on it, behind something nearer, on a hole or
-    /// outside the image.
+    /// Whether a support goes on below most of some pixels. Dropped onto it, they lie on it, behind something
+    /// nearer, in a hole or outside the image.
     fn goes_on_below(&self, sample: &[usize], support: usize) -> bool {
         let (surface, camera) = (&self.surfaces[support], self.space.camera());
         let is_over = |&&i: &&usize| {

@@ -31,12 +31,13 @@ pub(super) enum Owner {
 /// Adjacent background pixels of a row.
 type Run = Range<usize>;
 
-/// The sides of a patch's border beyond which one cluster is seen.
+/// The sides of a patch's border beyond which a cluster is seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Shared {
     /// Those without a step in depth.
     pub touch: u32,
-    /// Those where the cluster is in front, across a step, or across pixels without a facet that are not too many to be neighbours.
+    /// Those where the cluster is in front, across a step, or across few enough pixels without a facet to be
+    /// neighbours.
     pub hidden: u32,
 }
 

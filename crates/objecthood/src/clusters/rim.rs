@@ -35,7 +35,7 @@ const POINTS_PER_HOLD: usize = 200;
 const BULGE_M: f64 = 0.012;
 const BULGE_SHARE: f64 = 0.12;
 
-/// The foot of a point on the support plane: its coordinates (m) along the plane's tangents.
+/// The foot of a point: its projection onto the support plane, as coordinates (m) along the plane's tangents.
 fn foot_m(scene: &Scene<'_>, i: u32, support: &StructureSurface) -> [f64; 2] {
     let point = Vec3::from(scene.points_m[i as usize]).as_dvec3();
     tangents(support.normal).map(|t| t.dot(point))
@@ -165,7 +165,7 @@ pub(crate) fn check_covered(covered: f64) -> Check {
     Check::new("share of the circle that is seen", "", covered, Bound::AtLeast, least)
 }
 
-/// The share of a cluster's pixels that stand within the circle or hardly outside, from every third pixel.
+/// The share of a cluster's pixels that stand within the circle or hardly outside it, from every third pixel.
 pub(crate) fn measure_share_within(
     clusters: &Clusters<'_>,
     id: SegmentId,

@@ -15,7 +15,7 @@ use crate::shapes::seams::{Cuts, Seams};
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::surfaces::Surfaces;
 
-/// About this many pixels of a cluster are looked at, where quantiles of them are wanted.
+/// About this many pixels of a cluster are sampled for quantiles.
 const SAMPLED_PX: usize = 200;
 
 /// A pixel within this angle of level can carry a foot (degrees): what stands on more slides off.
@@ -32,9 +32,9 @@ pub struct Scene<'a> {
     pub normals: &'a Raster<[f32; 3]>,
     /// Points (m); `NaN` without depth.
     pub points_m: &'a Raster<[f32; 3]>,
-    /// Colour, if the frame has any and the rules ask it.
+    /// Colour, if the frame has any and the rules use it.
     pub color: Option<&'a Raster<[u8; 3]>>,
-    /// The same as it is compared.
+    /// The colours as they are compared.
     pub lab: Option<&'a LabImage>,
     /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
@@ -48,7 +48,7 @@ pub struct Scene<'a> {
     pub steps: StepLimits,
     /// Whether the sensor smears edges over several pixels (docs/CONTEXT.md 0.7).
     pub is_smeared: bool,
-    /// The seams that cut facets; `None` if there is none.
+    /// The seams that cut facets; `None` without seams.
     pub cuts: Option<&'a Cuts>,
 }
 

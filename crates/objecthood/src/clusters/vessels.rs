@@ -1,4 +1,4 @@
-//! Vessels: joins the inside and the wall of a cup or bowl to one cluster (docs/CONTEXT.md 4.4).
+//! Vessels: joins the inside and the wall of a cup or bowl into one cluster (docs/CONTEXT.md 4.4).
 //!
 //! A camera sees the far part of a vessel's inside and the near part of its wall. Between them is a step in depth at the rim, so no
 //! convex border joins the two. Six rules join them. They have the numbers of their sections, and run in the order 1, 2, 3, 6, 5, 4:
@@ -8,7 +8,7 @@
 //! 3. [`remainders`]: a small cluster that touches hardly anything but a vessel belongs to it.
 //! 4. [`boxes`]: upright walls of equal height around a patch of the support are an open box.
 //! 5. [`panels`]: thin upright panels of equal height that meet or face each other are the walls of a box.
-//! 6. [`turned`]: pieces of one surface of revolution that things in it part are one vessel.
+//! 6. [`turned`]: pieces of one surface of revolution, which things in the vessel separate, are one vessel.
 
 mod boxes;
 mod insides;

@@ -1,21 +1,21 @@
-//! What one pixel or two belong to: the question of a repair, and its answers.
+//! What one or two pixels belong to: the question of a repair, and its answers.
 
 use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::raster::Raster;
 
-/// One pixel, of which is asked whether it is in an object, or two, whether they are in one object.
+/// The question: whether one pixel is in an object, or whether two pixels are in one object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Pixels {
     /// The pixel: column and row.
     pub pixel: [usize; 2],
-    /// The other one, if there are two.
+    /// The other pixel, if there are two.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with: Option<[usize; 2]>,
 }
 
-/// What they belong to, by the numbers in the label image.
+/// The answer: what they belong to, by the numbers in the label image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Belonging {
@@ -36,7 +36,7 @@ pub enum Belonging {
         /// The objects, in the order of the pixels.
         objects: [u16; 2],
     },
-    /// Of the two pixels one at least is in no object.
+    /// At least one of the two pixels is in no object.
     NotBoth {
         /// The objects, in the order of the pixels; 0 = none.
         objects: [u16; 2],
@@ -66,7 +66,8 @@ impl Pixels {
 }
 
 impl Belonging {
-    /// Whether another answer repairs this one. Two objects become one, and one becomes two: to lose one of them is no repair.
+    /// Whether another answer repairs this one. Two objects have to become one, or one has to become two;
+    /// losing one of them is no repair.
     pub(super) fn is_turned_by(self, then: Self) -> bool {
         match self {
             Self::NoObject => matches!(then, Self::Object { .. }),

@@ -52,7 +52,7 @@ impl Explanation {
 pub enum Outcome {
     /// The pixel has no depth.
     NoDepth,
-    /// The pixel has depth, but lies on no surface that is large enough.
+    /// The pixel has depth, but lies on no large enough surface.
     NoFacet,
     /// The pixel belongs to a large plane: table, floor, wall.
     Structure {
@@ -181,7 +181,7 @@ pub enum Reason {
     Objectness,
     /// It lies on a large plane that carries or encloses things.
     Structure,
-    /// It looks like the large plane beside it, nearer to its border than depth can tell.
+    /// It looks like the large plane beside it, and is nearer to its border than depth can resolve.
     Skirt,
     /// It lies flat on a support, and rises above it or has other colours.
     Flat,
@@ -216,7 +216,8 @@ pub enum Flip {
         /// `to` may turn the decision too.
         is_tight: bool,
     },
-    /// A run of the whole method with this switch off decides otherwise. It is named when no number was found: a rule has limits that no parameter
+    /// A run of the whole method with this switch off decides otherwise. It is reported if no number was
+    /// found, because a rule has limits that no parameter sets.
     /// sets.
     Off {
         /// The parameter of the switch, which is on.

@@ -89,7 +89,8 @@ impl<'a> Search<'a> {
         Flip::Nowhere { tried }
     }
 
-    /// Tries a guess. If it turns the answer, halves the distance to the present value as long as that does too.
+    /// Tries a guess. If it turns the answer, halves the distance to the present value as long as the answer
+    /// still turns.
     fn confirm(&mut self, question: Question, yes: bool, guess: &Guess) -> Confirmed {
         let &Guess { parameter, from, mut to, .. } = guess;
         match self.ask_at(question, parameter, to) {
@@ -122,13 +123,13 @@ impl<'a> Search<'a> {
         self.ask(question, self.asked.params.with_number(parameter, number))
     }
 
-    /// The answer to a question with other parameters; `None` are such as are not allowed.
+    /// The answer to a question with other parameters; `None` if they are not allowed.
     fn ask(&mut self, question: Question, params: Option<Params>) -> Asked {
         let Some(params) = params else { return Asked::Refused };
         if self.spend(RUN_LOOKS).is_none() {
             return Asked::NotRun;
         }
-        // Only the stages that the parameter reaches run again.
+        // Only the stages that the parameter affects run again.
         let mut trial = self.asked.pipeline.clone();
         if trial.discover(&self.asked.frame, &params).is_err() {
             return Asked::Refused;

@@ -3,8 +3,9 @@
 //! An [`Explainer`] runs the method `context` on a frame, as [`discover`](crate::discover) does, and keeps the outputs of the stages.
 //! [`Explainer::explain`] returns an [`Explanation`] of one pixel, which is plain data.
 //!
-//! The algorithms do not depend on this module. Rules are explained by the [`Check`]s with which they decided. The influence of
-//! parameters is found by deciding again with other values: see [`Flip`]. A [`RepairSearch`] tries all of them, whichever decided.
+//! The algorithms do not depend on this module. Rules are explained by the [`Check`]s with which they
+//! decided. The influence of parameters is found by deciding again with other values: see [`Flip`]. A
+//! [`RepairSearch`] tries all parameters, whichever of them decided.
 
 mod belonging;
 mod borders;

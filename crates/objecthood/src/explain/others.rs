@@ -7,19 +7,19 @@ use serde::Serialize;
 use crate::explain::belonging::Pixels;
 use crate::raster::Raster;
 
-/// An object stays when it and another one share this part of their union,
+/// An object stays if it and another one overlap with at least this IoU,
 const SAME: f64 = 0.5;
-/// and is as it was when they share this part of it: the flicker of a border is no change.
+/// and it is unchanged if the IoU is at least this: the flicker of a border is no change.
 const UNALTERED: f64 = 0.9;
 
-/// How many objects come, go and change, besides those at the pixels that were asked about.
+/// How many objects come, go and change, not counting those at the pixels of the question.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Others {
     /// Objects that were not there before.
     pub came: usize,
     /// Objects that are there no longer.
     pub went: usize,
-    /// Objects that stay, but share less than nine tenths of the union with what they were.
+    /// Objects that stay, but with an IoU below nine tenths.
     pub altered: usize,
 }
 
@@ -30,14 +30,15 @@ impl Others {
     }
 }
 
-/// Compares two label images of one size. An object stays when it and one of the other image share at least half of their union, as on the
-/// live page; it is altered when they share less than nine tenths. O(pixels · log objects).
+/// Compares two label images of one size. An object stays if it and one of the other image have an IoU of at
+/// least one half, as on the live page. It is changed if the IoU is below nine tenths. O(pixels · log
+/// objects).
 pub(super) fn changes(before: &Raster<u16>, after: &Raster<u16>, pixels: Pixels) -> Others {
     let mut sizes: [BTreeMap<u16, usize>; 2] = Default::default();
     let mut common: BTreeMap<[u16; 2], usize> = BTreeMap::new();
     let pairs: Vec<[u16; 2]> =
         before.as_slice().iter().zip(after.as_slice()).map(|(&a, &b)| [a, b]).collect();
-    // Labels come in runs.
+    // Labels come in runs of pixels.
     for run in pairs.chunk_by(|a, b| a == b) {
         let pair = run[0];
         for (sizes, label) in sizes.iter_mut().zip(pair).filter(|(_, label)| *label > 0) {

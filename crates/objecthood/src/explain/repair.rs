@@ -1,4 +1,5 @@
-//! The search for a repair: tries every single parameter, whether it turns the answer for a pixel, or for two.
+//! The search for a repair: tries, for every single parameter, whether it turns the answer for a pixel, or
+//! for two.
 //!
 //! A [`Flip`](crate::explain::Flip) turns one decision that the method made. A repair turns the result, whichever decision led to it.
 
@@ -19,7 +20,7 @@ use crate::params::{Method, ParameterInfo, Params, Sensor};
 
 /// Most halvings of the interval between a value that turns the answer and one that does not.
 const HALVINGS: usize = 6;
-/// A value is mild enough when this share of the change, taken back, is too much.
+/// A value is mild enough if undoing this share of the change is too much.
 const EXACT: f64 = 0.05;
 
 /// A value of a parameter.
@@ -44,14 +45,15 @@ impl fmt::Display for Value {
     }
 }
 
-/// A change of one parameter that turns the answer: a run of the whole method says so.
+/// A change of one parameter that turns the answer, confirmed by a run of the whole method.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Repair {
     /// The parameter.
     pub parameter: String,
     /// Its present value.
     pub from: Value,
-    /// The value that turns the answer: of the first found below and above the present one, each as mild as halving makes it, the one that ranks better.
+    /// The value that turns the answer. The first values found below and above the present one are made as
+    /// mild as halving allows; this is the one that ranks better.
     pub to: Value,
     /// The size of the change: as a share of the present value; of the range, when that is 0; 1 for a choice.
     pub change: f64,
@@ -60,7 +62,8 @@ pub struct Repair {
 }
 
 impl Repair {
-    /// The better one first: it changes fewer other objects, then the parameter by less, then its name decides.
+    /// The better one comes first: it changes fewer other objects; then the parameter changes by less; then
+    /// the name decides.
     pub fn rank(&self, other: &Self) -> Ordering {
         let others = self.others.count().cmp(&other.others.count());
         others
@@ -69,10 +72,10 @@ impl Repair {
     }
 }
 
-/// A search that goes on for as long as it is asked to, a few parameters a step.
+/// A search that the caller continues for as long as it likes, a few parameters at a time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RepairSearch {
-    /// What is asked about.
+    /// The question.
     #[serde(flatten)]
     pub pixels: Pixels,
     /// The present answer.
@@ -100,8 +103,9 @@ impl RepairSearch {
         Ok(Self { pixels, now, tried: 0, left, found: Vec::new() })
     }
 
-    /// Tries the next parameters, one on each thread of the pool; false when none is left. A parameter costs up to 22 runs of
-    /// the stages from the first one on that reads it: five values and six halvings on either side.
+    /// Tries the next parameters, one on each thread of the pool; false if none is left. A parameter costs up
+    /// to 22 runs of the stages from the first one that reads it: five values and six halvings on either
+    /// side.
     pub fn step(&mut self, explainer: &Explainer) -> bool {
         let count = rayon::current_num_threads().min(self.left.len());
         let next: Vec<String> = self.left.drain(..count).collect();
@@ -135,7 +139,8 @@ struct Trials<'a> {
 }
 
 impl Trials<'_> {
-    /// Of a number, the mildest value below and above the present one. The nearest value that turns the answer on either side ends both.
+    /// For a number: the mildest value below and above the present one. The nearest value that turns the
+    /// answer on either side ends both searches.
     fn number(&self, from: f64) -> Vec<Repair> {
         let Some((least, greatest)) = info(self.parameter).and_then(|info| info.limits()) else {
             return Vec::new();
@@ -188,7 +193,7 @@ impl Trials<'_> {
         (far, others)
     }
 
-    /// Of a switch or a choice, every other one that turns the answer.
+    /// For a switch or a choice: every other value that turns the answer.
     fn choice(&self) -> Vec<Repair> {
         let params = &self.explainer.subject.params;
         let (Some(info), Some(from)) = (info(self.parameter), params.choice(self.parameter)) else {
@@ -212,13 +217,14 @@ impl Trials<'_> {
         self.explainer.subject.params.with_number(self.parameter, value)
     }
 
-    /// The other objects that come and go with these parameters; `None` when they do not turn the answer, or the method fails with them.
+    /// The other objects that come and go with these parameters; `None` if they do not turn the answer, or if
+    /// the method fails with them.
     fn others(&self, params: &Params) -> Option<Others> {
         let subject = &self.explainer.subject;
-        // Only the stages that the parameter reaches run again.
+        // Only the stages that the parameter affects run again.
         let mut trial = subject.pipeline.clone();
         let then = &trial.discover(&subject.frame, params).ok()?.labels;
-        // Objects have other numbers in every run: only the pixels say which are meant.
+        // Objects have other numbers in every run; only the pixels identify them.
         let is_turned = self.pixels.belonging(then).is_ok_and(|then| self.now.is_turned_by(then));
         is_turned.then(|| changes(&self.explainer.discovery().labels, then, self.pixels))
     }

@@ -14,25 +14,28 @@ use crate::surface::moments::Moments;
 
 /// A smaller facet is not cut (px at a focal length of 525 px): each half has the pixels of the smallest object.
 const LEAST_PX: usize = 400;
-/// Each side of a fold has at least this share of the facet, and so many pixels as the smallest object (px at a focal length of 525 px).
+/// Each side of a fold has at least this share of the facet, and at least as many pixels as the smallest
+/// object (px at a focal length of 525 px).
 const LEAST_SHARE: f64 = 0.15;
 const LEAST_SIDE_PX: usize = 200;
 /// The planes meet at this angle or more (degrees): half that of two sides of a box.
 const LEAST_FOLD_DEG: f64 = 40.0;
-/// Two planes leave at most this share of the squared error of the curved surface, which has as many free numbers.
+/// Two planes leave at most this share of the squared error of the curved surface, which has as many
+/// parameters.
 const MOST_ERROR: f64 = 0.8;
-/// Places along the steepest bend that are tried as fold: limits of so many stripes.
+/// The number of stripes along the direction of the steepest bend; their limits are tried as folds.
 const STRIPES: usize = 16;
-/// The planes and the line in which they meet are fitted so often in turns.
+/// The planes, and the line in which they meet, are fitted in turns this many times.
 const ROUNDS: usize = 4;
-/// A facet is cut at most so often: three sides of a box are seen.
+/// A facet is cut at most this many times: at most three sides of a box are seen.
 const MOST_CUTS: usize = 2;
 
-/// Cuts facets that bend into planes that meet in a fold, if these explain them better than a curved surface does.
+/// Cuts a facet along a fold if two planes explain it better than a curved surface.
 ///
-/// Noise raises the tolerance of merging, so that two sides of a box become one curved facet. Both surfaces have six numbers, so the one of less error is
-/// the likelier one. Where noise does not raise the tolerance for regions of the facet's size, nothing is done.
-/// Source: ours, because the paper's sensor has no such noise. O(n log n) for the n pixels of the other facets; parallel over facets.
+/// Noise raises the tolerance of merging, so that two sides of a box may become one curved facet. Both models
+/// have six parameters, so the one with the smaller error is the likelier. Where noise does not raise the
+/// tolerance for regions of the facet's size, nothing is done. Source: ours, because the paper's sensor has
+/// no such noise. O(n log n) for the n pixels of the other facets; parallel over facets.
 pub(super) fn cut_folds(facets: Facets, disparity: &Raster<f32>, space: &DisparitySpace) -> Facets {
     let Facets { segments, mut models, structure, flats } = facets;
     let least_px = space.area_px(LEAST_PX);
@@ -95,7 +98,7 @@ impl Search<'_> {
         Moments::of(pixels, self.disparity)
     }
 
-    /// Both sides of the fold of a facet.
+    /// The two sides of the fold of a facet.
     fn halves(&self, pixels: &[u32]) -> Option<[Vec<u32>; 2]> {
         if pixels.len() < self.least_px {
             return None;

@@ -1,4 +1,4 @@
-//! Groups superpixels of similar appearance to facets (paper, III-B).
+//! Groups superpixels of similar appearance into facets (paper, III-B).
 
 use crate::facets::appearance::Appearance;
 use crate::oversegment::Superpixels;

@@ -1,7 +1,8 @@
-//! Stage 2: superpixels grouped to facets, each one face of a convex shape (paper, III-B).
+//! Stage 2: superpixels grouped into facets, each one face of a convex shape (paper, III-B).
 //!
-//! `paper` groups superpixels of similar appearance ([`appearance`], [`grouping`]). `context` merges superpixels on one surface
-//! ([`merging`]), cuts what is one only because of noise (`folds`) and straightens borders ([`refinement`]).
+//! `paper` groups superpixels of similar appearance ([`appearance`], [`grouping`]). `context` merges
+//! superpixels on one surface ([`merging`]), cuts facets that noise merged across a fold (`folds`) and
+//! straightens borders ([`refinement`]).
 //!
 //! On a box of 10 cm, seen from above:
 //!

@@ -1,4 +1,4 @@
-//! The noise that a frame shows, and what becomes of it beside what was known before (docs/CONTEXT.md 0.5).
+//! The noise that a frame shows, and how it is combined with what was known before (docs/CONTEXT.md 0.5).
 
 use super::{KINECT_QUANTA, Noise};
 

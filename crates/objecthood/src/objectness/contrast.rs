@@ -1,4 +1,4 @@
-//! Contrast: where the colours on both sides of an outline differ (docs/CONTEXT.md 6.4).
+//! Contrast: how clearly the colours on both sides of an outline differ (docs/CONTEXT.md 6.4).
 
 use std::collections::BTreeMap;
 
@@ -8,28 +8,30 @@ use crate::color::image::LabImage;
 use crate::color::{CLEAR_CONTRAST, CONTRAST, difference, unlike_in_light};
 use crate::regions::SegmentId;
 
-/// Sides of a region in a block of so many columns and rows (px of the image) are compared together, because pixels of a carpet differ as much as things
-/// do.
+/// Sides of a region in a block of this many columns and rows (px of the image) are compared together,
+/// because single pixels of a carpet differ as much as things do.
 pub(super) const BLOCK_PX: usize = 16;
 
 /// A side of an outline whose colours are compared.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Across {
-    /// The pixel at the side, and the distance to the next one beyond it in scan order: it tells the four sides of a pixel apart.
+    /// The pixel at the side, and the distance to the pixel beyond it in scan order, which distinguishes the
+    /// four sides of a pixel.
     pub side: usize,
     pub step: isize,
     /// A pixel inside the region and one beyond, both a little away from the outline.
     pub colors_at: [usize; 2],
 }
 
-/// How clearly the colours on the two sides of an outline differ, for each side of a pixel, in [0, 1]; 0 where there is nothing to compare. `width`: columns
-/// of the image.
+/// How clearly the colours on the two sides of an outline differ, for each side of a pixel, in [0, 1]; 0 if
+/// there is nothing to compare. `width`: columns of the image.
 ///
-/// All sides of a region in a block that face the same way share one value: the mean colour inside is compared with the mean colour beyond, as it is and with the darker one in
-/// less light, so a shadow does not count. The value is 0 below [`CONTRAST`], else the difference over [`CLEAR_CONTRAST`], at most 1.
-/// O(sides · log(blocks)).
+/// All sides of a region in a block that face the same way share one value. The mean colour inside is
+/// compared with the mean colour beyond, as measured and with the darker one in less light; the smaller
+/// difference counts, so a shadow does not. The value is 0 below [`CONTRAST`], else the difference over
+/// [`CLEAR_CONTRAST`], at most 1. O(sides · log(blocks)).
 ///
-/// Source: ours, because depth shows no step of small things far away, nor where it is smeared.
+/// Source: ours, because depth shows no step at small things far away, nor where it is smeared.
 pub(super) fn measure_clearness(
     lab: &LabImage,
     width: usize,

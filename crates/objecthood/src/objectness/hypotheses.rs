@@ -21,7 +21,8 @@ use crate::regions::{SegmentId, Segments};
 use crate::support::standing::Standing;
 use crate::surface::disparity::DisparitySpace;
 
-/// A thing lies alone if this share of its border is with the background: slivers lie beside what they are slivers of.
+/// A thing lies alone if at least this share of its border is with the background: slivers lie beside the
+/// surface that they are slivers of.
 const ALONE_SHARE: f32 = 0.98;
 
 /// A region that may be an object, with its objectness.
@@ -65,7 +66,7 @@ pub struct Evidence<'a> {
     pub up: &'a Up,
     /// The camera and the sensor's noise.
     pub space: &'a DisparitySpace,
-    /// What colour shows of borders: nothing in `paper`.
+    /// What colour shows about borders; nothing in `paper`.
     pub color: ColorEvidence<'a>,
 }
 
@@ -186,7 +187,7 @@ pub fn find_cluster_hypotheses(
             parts.size = parts.size.min(rise).min(rate_height(rise_m));
         }
         if scene.supports.is_empty() {
-            // No level surface is seen, so nothing can be said of what carries it.
+            // No level surface is seen, so it is unknown what carries the thing.
             hypothesis.parts.support = 1.0;
         }
         hypothesis.top_m = candidates.top_m(hypothesis.region, clusters);

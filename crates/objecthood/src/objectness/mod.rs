@@ -1,7 +1,9 @@
 //! Objectness: decides which regions are objects, by their size, support and borders (paper, III-D).
 //!
-//! [`hypotheses`] rates every region in six parts: [`size`], support, footing (`context` only), [`compactness`], and from the
-//! [`outline`], and the contrast across it, separation and visibility. [`decision`] keeps the hypotheses that are objects, [`objects`] numbers and describes them.
+//! [`hypotheses`] rates every region in six parts: [`size`], support, footing (`context` only),
+//! [`compactness`], separation and visibility. The last two follow from the [`outline`], and separation also
+//! from the contrast across it. [`decision`] keeps the hypotheses that are objects. [`objects`] numbers and
+//! describes them.
 //!
 //! On a box of 10 cm, seen from above:
 //!

@@ -33,7 +33,8 @@ pub struct Outline {
     pub clear_m: f64,
     /// Length at which the border can be judged: steps in depth, and folds with a normal on both sides.
     pub judged_m: f64,
-    /// Length at which its colours differ from those of the background beside it, times how clearly (docs/CONTEXT.md 6.4).
+    /// Length at which its colours differ from those of the background beside it, weighted by how clearly
+    /// they differ (docs/CONTEXT.md 6.4).
     pub contrast_m: f64,
 }
 
@@ -55,9 +56,11 @@ enum End {
     Cut,
 }
 
-/// What rises this much (m) above the structure beside it is clear too: the rim of a plate is too low for a step ...
+/// A thing that rises by at least this (m) above the structure beside it is clear too, because the rim of a
+/// plate is too low for a step, ...
 const RISE_M: f64 = 0.01;
-/// ... if this is more than so many quanta, for each time that the sensor's waves exceed a Kinect's: as a step is.
+/// ... if it also rises by more than this many quanta, for each time that the sensor's waves exceed a
+/// Kinect's: as much as a step.
 const RISE_QUANTA: f64 = STEP_QUANTA;
 /// The rise is read this far from the outline (px at 525 px): nearer, a pixel may show both surfaces.
 const RISE_ASIDE_PX: usize = 2;
@@ -82,7 +85,7 @@ struct View<'a> {
     structure: usize,
 }
 
-/// What colour shows of borders.
+/// What colour shows about borders.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ColorEvidence<'a> {
     /// The colours, if there are any.
@@ -110,11 +113,12 @@ impl SeamsAt<'_> {
 
 /// Measures the outline of every region from number `first` on; the other outlines stay empty.
 ///
-/// A step in depth is clear, whichever side is in front. The deeper the valley of a fold, the clearer it is: not clear at all where it
-/// votes fully for one shape, wholly clear where it votes fully against (docs/CONTEXT.md 3.2). A seam is clear. Beside the background a fold
-/// that can be judged is at least as clear as the colours on both sides differ. Across a hole in the depth the search
-/// reaches up to 24 px (at 525 px); a side without a measured pixel in reach does not count. O(pixels + outline · 24); parallel over
-/// bands of rows.
+/// A step in depth is clear, whichever side is in front. The deeper the valley of a fold, the clearer it is:
+/// not clear at all where it votes fully for one shape, wholly clear where it votes fully against
+/// (docs/CONTEXT.md 3.2). A seam is clear. Beside the background, a rise is clear, and a fold that can be
+/// judged is at least as clear as the colours on both sides differ. Across a hole in the depth the search
+/// reaches up to 24 px (at 525 px). A side without a measured pixel in reach does not count. O(pixels +
+/// outline · 24); parallel over bands of rows.
 pub fn measure_outlines(
     regions: &Segments,
     first: usize,
@@ -257,7 +261,8 @@ impl View<'_> {
         normal.dot(own - point) > self.space.step_m(quanta, own.z).max(RISE_M)
     }
 
-    /// Where the colours of the region of `i` and of the background at `j` beside it are compared. Parts of one printed thing differ in colour too.
+    /// Where the colours of the region of `i` are compared with those of the background at `j` beside it.
+    /// Other neighbours are not compared: parts of one printed thing differ in colour too.
     fn across(&self, i: usize, j: usize, step: isize) -> Option<Across> {
         if self.color.lab.is_none()
             || self.regions.at(j).is_some_and(|beyond| beyond.index() >= self.structure)
@@ -296,8 +301,8 @@ impl Outline {
         if self.judged_m > 0.0 { (self.clear_m / self.judged_m) as f32 } else { 1.0 }
     }
 
-    /// Contrast: how clearly colours differ from the background's, on average over the outline where the region ends by itself, in [0, 1]. Beside other
-    /// things it counts as 0. 0 for an empty outline.
+    /// Contrast: how clearly colours differ from the background's, in [0, 1], on average over the outline
+    /// where the region ends by itself. Beside other things it counts as 0. 0 for an empty outline.
     pub fn contrast(&self) -> f32 {
         if self.own_m > 0.0 { (self.contrast_m / self.own_m) as f32 } else { 0.0 }
     }

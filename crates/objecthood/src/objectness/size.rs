@@ -5,19 +5,21 @@ use crate::discovery::object::OrientedBox;
 use crate::params;
 use crate::surface::disparity::DisparitySpace;
 
-/// What lies alone may be as thin as the window of a plane fit is wide (px at 525 px): of what is narrower no pixel has a slope of its own.
+/// A thing that lies alone may be as thin as the window of a plane fit (px at 525 px): on a narrower one, no
+/// pixel has a slope of its own.
 const WINDOW_PX: usize = 7;
-/// It is longer than so many of these windows: a wave of noise on a table is no longer than a few.
+/// Such a thing is longer than this many windows: a wave of noise on a table is shorter.
 const LONG_WINDOWS: f32 = 4.0;
-/// Nothing to grasp is thinner in two directions than a thin pen (m).
+/// Nothing graspable is thinner in two directions than a thin pen (m).
 const LEAST_SIDE_M: f32 = 0.008;
-/// The top of a thing to grasp is no higher than this above the plane that it stands on, unseen (m): people and cupboards are.
+/// The top of a graspable thing is at most this high above the plane that it stands on out of sight (m);
+/// people and cupboards are higher.
 const HIGHEST_M: f32 = 2.0;
 /// Where a sensor smears edges, its waves are up to 40 px long (at 525 px). A thing of this area (px) is surely more than one of them ...
 const RESOLVED_PX: usize = 1600;
-/// ... and one that is this many octaves smaller, the smallest hypothesis, may be one ...
+/// ... and one that is this many octaves smaller (the smallest hypothesis) may be a wave, ...
 const WAVE_OCTAVES: f32 = 3.0;
-/// ... which takes this share of the rating.
+/// ... which lowers the rating by this share.
 const WAVE_DOUBT: f32 = 0.35;
 
 /// The longest side of the box (m).
@@ -25,8 +27,9 @@ pub fn longest_side_m(box_m: &OrientedBox) -> f32 {
     box_m.sides_m()[2]
 }
 
-/// Rates how well a thing with this box can be grasped and moved, in [0, 1] (ours, because the hard limits of the paper leave no
-/// doubt to weigh, and a thing that is thin in two directions is a sliver of another, however long).
+/// Rates how well a thing with this box can be grasped and moved, in [0, 1] (ours, because the hard limits of
+/// the paper leave no doubt to weigh, and because a thing that is thin in two directions is a sliver of
+/// another, however long it is).
 ///
 /// The longest side has the upper limit `max_side_m`, the second-longest the limits `min_second_side_m` and `max_second_side_m`. Limits
 /// are soft: the rating is 1/2 at the limit, 1 an octave inside, 0 an octave outside, and linear in the logarithm between. A thing may
@@ -52,8 +55,9 @@ fn within_largest(box_m: &OrientedBox, params: &params::Objectness) -> f32 {
     within(longest_m / params.max_side_m).min(within(second_m / params.max_second_side_m))
 }
 
-/// The least second-longest side (m) of a thing that lies alone in this box: what the sensor resolves at its depth if it is long, but neither
-/// more than `min_second_side_m` nor less than anything to grasp has.
+/// The least second-longest side (m) of a thing that lies alone in this box. If the thing is long, it is what
+/// the sensor resolves at its depth, but at most `min_second_side_m` and at least what anything graspable
+/// has.
 pub(crate) fn resolved_side_m(
     box_m: &OrientedBox,
     space: &DisparitySpace,
@@ -74,30 +78,33 @@ fn within(excess: f32) -> f32 {
     0.5 - 0.5 * libm::log2f(excess).clamp(-1.0, 1.0)
 }
 
-/// Rates the size of a thing that goes down, hidden, to the surface that carries it, as the upper limits of [`rate_size`] do: `rise_m` is how
-/// high its top is above that surface. The doubt counts by the share of it that is `cut`: that goes on behind the edge of another surface
-/// or of the image.
+/// Rates the size of a thing whose foot is hidden, as if it reached down to the surface that carries it, by
+/// the upper limits of [`rate_size`]. `rise_m`: the height of its top above that surface. `cut`: the share of
+/// the thing that goes on behind the edge of another surface or of the image; the doubt is weighted by it.
 ///
-/// Source: ours, because trunks and chairs behind a table come in pieces of a graspable size, and stand on the floor all the same.
+/// Source: ours, because trunks and chairs behind a table come in pieces of a graspable size, but stand on
+/// the floor.
 pub(crate) fn rate_rise(box_m: &OrientedBox, rise_m: f32, cut: f32, params: &params::Objectness) -> f32 {
     let [width_m, depth_m, height_m] = box_m.extents_m;
     let whole = OrientedBox { extents_m: [width_m, depth_m, height_m.max(rise_m)], ..*box_m };
     1.0 - cut * (1.0 - within_largest(&whole, params))
 }
 
-/// Rates the height of a thing whose foot is hidden above the plane that carries it, whether it is cut or not: 1 up to 2 m, 0 from 4 m on,
-/// linear in the logarithm between.
+/// Rates the height of a thing with a hidden foot above the plane that carries it, whether it is cut or not:
+/// 1 up to 2 m, 0 from 4 m on, linear in the logarithm between.
 ///
-/// Source: ours, because what hangs from a ceiling or a wall is as far above the floor as nothing to grasp that stands on it.
+/// Source: ours, because things that hang from a ceiling or a wall are higher above the floor than any
+/// graspable thing that stands on it.
 pub(crate) fn rate_height(rise_m: f32) -> f32 {
     1.0 - libm::log2f((rise_m / HIGHEST_M).max(1.0)).min(1.0)
 }
 
-/// Rates whether a thing is larger in the image than the waves of a sensor that smears edges (docs/CONTEXT.md 6.1): from 0.65 for a thing as
-/// small as the smallest hypothesis to 1 from 40 x 40 px on, linear in the logarithm. The contrast of the thing (6.4) takes its share of the doubt away.
+/// Rates whether a thing is larger in the image than the waves of a sensor that smears edges (docs/CONTEXT.md
+/// 6.1): from 0.65 for a thing as small as the smallest hypothesis to 1 from 40 x 40 px on, linear in the
+/// logarithm. The contrast of the thing (6.4) reduces this doubt.
 ///
-/// Source: ours, because crumbs that such a sensor makes of tables, floors and edges are of this size, and what they are in metres depends
-/// on their distance. But they have the colour of what they are a piece of.
+/// Source: ours, because such a sensor makes crumbs of this size from tables, floors and edges. Their size in
+/// metres depends on their distance, but they have the colour of the surface that they are a piece of.
 pub(crate) fn rate_resolution(size_px: usize, contrast: f32, space: &DisparitySpace) -> f32 {
     let octaves = libm::log2f(space.area_px(RESOLVED_PX) as f32 / size_px as f32);
     1.0 - (1.0 - contrast) * WAVE_DOUBT * (octaves / WAVE_OCTAVES).clamp(0.0, 1.0)

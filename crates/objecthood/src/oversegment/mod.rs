@@ -1,8 +1,8 @@
 //! Stage 1: over-segmentation of the image into superpixels.
 //!
 //! `paper`: on colour, depth and curvature (III-A): [`smoothing`], [`graph`], [`felzenszwalb`], [`absorb`].
-//! `context`: large planes are taken out ([`structure`]); a watershed of the fit residual ([`watershed`]) grows superpixels over
-//! [`links`].
+//! `context`: large planes are removed first ([`structure`]); a watershed of the fit residual ([`watershed`])
+//! grows superpixels over [`links`].
 //!
 //! On a box of 10 cm, seen from above:
 //!

@@ -1,7 +1,7 @@
 //! Structure planes: large surfaces that carry or enclose the objects (docs/CONTEXT.md 1.1).
 //!
-//! They are taken out first: objects stand on them or in front of them, "up" and "height" follow from them, and every later
-//! stage is cheaper without their pixels.
+//! They are found and removed first: objects stand on them or in front of them, "up" and "height" follow from
+//! them, and every later stage is cheaper without their pixels.
 
 mod candidates;
 mod choice;
@@ -47,7 +47,7 @@ pub struct Structure {
     pub surfaces: Vec<StructureSurface>,
     /// The surface of every pixel; -1 = none.
     pub labels: Raster<i32>,
-    /// The pixels, in scan order, that belong to a surface because they look like it, not by their depth.
+    /// The pixels, in scan order, that belong to a surface by their colour, not by their depth.
     pub skirts: Vec<u32>,
     /// The surfaces on which things stand.
     pub supports: Supports,
@@ -55,18 +55,20 @@ pub struct Structure {
     pub planes: Vec<StructurePlane>,
 }
 
-/// The first surface is structure also when it holds more than this share of the samples ...
+/// The first surface is also structure if it holds more than this share of the samples ...
 const DOMINANT_SHARE: f64 = 0.2;
 /// ... and has a larger area than this.
 const DOMINANT_M2: f64 = 0.03;
-/// Where depth is smeared (docs/CONTEXT.md 0.7) a skirt reaches farther by this factor: such depth comes of large matching windows.
+/// Where depth is smeared (docs/CONTEXT.md 0.7) a skirt reaches farther by this factor: such depth comes from
+/// large matching windows.
 const SMEARED_REACH: usize = 2;
 
 /// Finds the structure of a scene.
 ///
-/// RANSAC (Fischler and Bolles 1981) with fixed random numbers over a grid of pixels. The best plane is fitted again as a
-/// quadratic, to its largest piece and what lies near that, and kept when it is large. Last, islands are taken away. `attitude`: how the
-/// camera is held. O(rounds · trials · pixels / 36 + surfaces · pixels · log(pixels)).
+/// RANSAC (Fischler and Bolles 1981) with fixed random numbers over a grid of pixels. The best plane is
+/// fitted again as a quadratic, to its largest piece and the samples near that. It is kept if it is large.
+/// Finally, islands are removed. `attitude`: how the camera is held. O(rounds · trials · pixels / 36 +
+/// surfaces · pixels · log(pixels)).
 pub fn find_structure(
     depth_m: &Raster<f32>,
     surfaces_at: &Surfaces,
@@ -107,7 +109,7 @@ struct Found {
     large: usize,
 }
 
-/// Finds the surfaces that are large enough to be structure, or long enough to be the board of a shelf.
+/// Finds the surfaces that are large enough to be structure, or large enough to be the board of a shelf.
 fn find_surfaces(view: &View<'_>, fits: &PlaneFits) -> Found {
     let samples = view.sample(fits);
     let all = samples.len() as f64;

@@ -1,4 +1,4 @@
-//! What the parameters say of the camera's attitude.
+//! What the parameters say about the camera's attitude.
 
 use crate::params::Gravity;
 

@@ -1,4 +1,4 @@
-//! What publications say of kinds of sensors (docs/CONTEXT.md 0.6 names them).
+//! Published figures of kinds of sensors (docs/CONTEXT.md 0.6 names the publications).
 
 use crate::params::{Profile, Sensor};
 

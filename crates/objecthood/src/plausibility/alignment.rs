@@ -7,35 +7,35 @@ use crate::raster::Raster;
 /// Neighbours whose depths differ by more than this share are an edge.
 const EDGE: f32 = 0.04;
 
-/// Edges are looked for in so many rows of each row of the grid.
+/// Edges are searched in this many rows for each row of the grid.
 const ROWS_A_GRID: usize = 2;
 
 /// Neighbours may have this much between them without depth, as a share of the width: the shadow beside an edge.
 const SHADOW: f64 = 0.025;
 
-/// A change of colour is looked for within this distance of an edge (px).
+/// A change of colour is searched within this distance of an edge (px).
 const NEAR_PX: usize = 2;
 
 /// Changes of colour (sum of three channels) count up to this.
 const MOST_CHANGE: f64 = 60.0;
 
-/// With fewer edges nothing is said.
+/// With fewer edges nothing is reported.
 const FEWEST: usize = 50;
 
-/// Mirrored, the change of colour at edges must be larger by this ..
+/// If one image is mirrored, the change of colour at edges must be larger by this ..
 const GAIN: f64 = 4.0;
 
 /// .. and by this many standard errors of its mean.
 const SURE: f64 = 4.0;
 
-/// Edges that are counted for one of them is seen: those of one contour go together.
+/// This many counted edges are one independent edge, because those of one contour go together.
 const TOGETHER: f64 = 4.0;
 
-/// Ways of seeing the colour, the first as it is.
+/// The ways in which the colour image may lie, the first unchanged.
 const WAYS: [Option<Mirrored>; 4] =
     [None, Some(Mirrored::Sideways), Some(Mirrored::UpsideDown), Some(Mirrored::Turned)];
 
-/// Whether edges of depth fit those of the colour better if one is mirrored.
+/// Whether edges of depth match those of the colour better if one image is mirrored.
 pub(super) fn doubt(depth_m: &Raster<f32>, color: &Raster<[u8; 3]>) -> Option<Doubt> {
     let edges = edges(depth_m);
     if edges.len() < FEWEST {
@@ -68,7 +68,7 @@ fn edges(depth_m: &Raster<f32>) -> Vec<[usize; 2]> {
     for (v, row) in rows.step_by((grid_px(width) / ROWS_A_GRID).max(1)) {
         let (mut before, mut z_before) = (0, f32::NAN);
         for (u, &z) in row.iter().enumerate().filter(|(_, z)| !z.is_nan()) {
-            // Nothing is more than a depth that is missing.
+            // Missing depth counts as nothing nearer.
             if (z - z_before).abs() > EDGE * z.max(z_before) && u - before <= shadow {
                 edges.push([if z < z_before { u } else { before }, v]);
             }

@@ -1,17 +1,17 @@
-//! What may be wrong with a frame, in words.
+//! What may be wrong with a frame, as data and in words.
 
 use std::fmt;
 
 use crate::camera::Camera;
 
-/// Noise below this (m) is not told: no depth camera measures so well.
+/// Noise below this (m) is not reported: no depth camera measures so well.
 const LEAST_TOLD_M: f64 = 1e-5;
 
-/// Something about a frame that is implausible, with what is more likely. Nothing was changed.
+/// Something about a frame that is implausible, with what is more likely. The frame is not changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Doubt {
-    /// The intrinsics are shares of the image, not pixels.
+    /// The intrinsics are fractions of the image, not pixels.
     CameraNormalized {
         /// The same in pixels of this image.
         likely: Camera,
@@ -20,7 +20,8 @@ pub enum Doubt {
     CameraNotInPixels {
         /// The focal lengths as they were given.
         focal: [f64; 2],
-        /// The same in pixels, if the principal point is a length too and the middle of the image. `None` where it is not.
+        /// The same in pixels, if the principal point is a length too and lies in the middle of the image;
+        /// otherwise `None`.
         likely: Option<Camera>,
     },
     /// The camera is that of an image of another size.
@@ -74,7 +75,7 @@ pub enum Doubt {
         /// Share of the measured pixels that have it.
         share: f64,
     },
-    /// Surfaces are even in depth where they have to be even in inverse depth.
+    /// Surfaces are flat in depth, but should be flat in inverse depth.
     DisparityAsDepth {
         /// Share of the places at which it is so.
         share: f64,
@@ -95,7 +96,7 @@ pub enum Doubt {
         /// How many times too small they are, most likely.
         times: f64,
     },
-    /// The edges of the colour image fit to the depth when one of them is mirrored.
+    /// The edges of the colour image match the depth if one of the two is mirrored.
     ColorMirrored(Mirrored),
 }
 
@@ -162,7 +163,7 @@ impl fmt::Display for Doubt {
 }
 
 impl Doubt {
-    /// What is said of depth and colour.
+    /// The words for depth and colour.
     fn fmt_images(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::BytesSwapped { ratio } => write!(
@@ -197,7 +198,8 @@ impl Doubt {
             ),
             Self::TooNear { median_m, noise_m, times } => {
                 write!(f, "half of the depths are below {} m, ", Rounded(median_m))?;
-                // A usual noise of depths in kilometres is a micrometre in metres, which tells nobody anything.
+                // A usual noise of depths in kilometres is a micrometre in metres, which means nothing to a
+                // reader.
                 if noise_m >= LEAST_TOLD_M {
                     write!(f, "with noise and steps of {} mm, ", Rounded(1000.0 * noise_m))?;
                 }

@@ -1,11 +1,13 @@
-//! What of a frame cannot be: a camera that is not that of the image, depth in another unit, images that do not belong together.
+//! What cannot be right in a frame: a camera of another image, depth in another unit, images that do not
+//! belong together.
 //!
-//! The numbers of a frame say much of where they came from: cameras look into the middle of their image; depth cameras reach some
-//! metres; their noise grows as the square of depth; planes are affine in inverse depth; where depth jumps, colour
-//! often changes. A frame against which one of these speaks is processed as it is, with a [`Doubt`].
+//! The numbers of a frame show much of their origin: the principal point lies near the middle of the image;
+//! depth cameras reach some metres; their noise grows with the square of depth; planes are affine in inverse
+//! depth; where depth jumps, colour often changes. A frame that contradicts one of these is processed as it
+//! is, with a [`Doubt`].
 //!
-//! Only a grid of pixels is looked at, so the cost is 1 to 2 % of that of a method. Ours: the limits leave room around all frames at
-//! hand (docs/INPUTS.md says how that was measured).
+//! Only a grid of pixels is examined, so the cost is 1 to 2 % of that of a method. Source: ours; the limits
+//! leave a margin around all frames at hand (docs/INPUTS.md says how that was measured).
 
 mod alignment;
 mod doubt;
@@ -22,13 +24,15 @@ use crate::camera::Camera;
 use crate::frame::Frame;
 use crate::raster::Raster;
 
-/// Neighbouring pixels tell of the sensor at focal lengths from this on (px). At shorter ones, as a virtual camera has that looks at few
-/// points, they lie so far apart that things themselves look like noise.
+/// Neighbouring pixels tell something about the sensor from this focal length on (px). At a shorter one, such
+/// as that of a virtual camera that looks at few points, they lie so far apart that the things themselves
+/// look like noise.
 const LEAST_FOCAL_PX: f64 = 120.0;
 
-/// What of a frame is implausible, the camera first. Of several doubts about depth only the first is told: the others may follow from it.
+/// Finds what is implausible about a frame. Doubts about the camera come first. Of several doubts about depth
+/// only the first is reported, because the others may follow from it.
 ///
-/// O(n) for n pixels, of which a few thousand are looked at.
+/// O(n) for n pixels, of which a few thousand are examined.
 ///
 /// ```
 /// use objecthood::plausibility::{Doubt, find_doubts};
@@ -47,7 +51,7 @@ pub fn find_doubts(frame: &Frame) -> Vec<Doubt> {
     view::doubt(frame.camera(), frame.size()).into_iter().chain(depth).chain(color).collect()
 }
 
-/// The first doubt about depth: whether numbers are depth at all, then their unit.
+/// The first doubt about depth: first whether the numbers are depth at all, then their unit.
 fn depth_doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
     values::doubt(depth_m, sample)
         .or_else(|| values::disparity_doubt(depth_m, sample))
@@ -120,7 +124,7 @@ mod tests {
         find_doubts(&Frame::new(depths, None, Camera::new(525.0, 525.0, 319.5, 239.5).unwrap()).unwrap())
     }
 
-    /// A regression: a good sensor that looks at something near was told that its depth is twice too small.
+    /// A regression: for a good sensor and a near scene, depth was reported as twice too small.
     #[test]
     fn a_near_sensor_may_have_steps_of_a_millimetre_and_noise() {
         assert_eq!(seen_from_near(0.33, 0.3, 1000.0), []);

@@ -1,24 +1,25 @@
-//! Depths at a grid of pixels, with what their neighbours say.
+//! Depths at a grid of pixels, with measurements of their neighbours.
 
 use crate::quantile::element_at;
 use crate::raster::Raster;
 
-/// Each pixel of a grid of this distance (px) in images of 640 columns is looked at; in proportion in others.
+/// Distance (px) of the sampled pixels in images of 640 columns; in proportion in others.
 const GRID_PX: usize = 8;
 
 /// That width.
 const GRID_OF_PX: usize = 640;
 
-/// With fewer depths on the grid nothing is said of depth.
+/// With fewer depths on the grid nothing is reported about depth.
 const FEWEST: usize = 100;
 
 /// Neighbours whose depths differ by more than this share are a jump.
 const JUMP: f32 = 0.05;
 
-/// Noise is this quantile of how far triples of neighbours miss a line: half of them may lie on pixels that rounding made equal.
+/// Noise is this quantile of the deviations of triples of neighbours from a line: half of the triples may lie
+/// on pixels that rounding made equal.
 const NOISE_SHARE: f64 = 0.75;
 
-/// Units a metre in which integer depth is stored.
+/// Units per metre in which integer depth is stored.
 const UNITS_PER_M: [f64; 6] = [1.0, 100.0, 1000.0, 4000.0, 5000.0, 10_000.0];
 
 /// Depths are whole numbers of a unit when they are as near to them as 32 bits allow.
@@ -33,22 +34,24 @@ pub(super) fn whole(z: f32, per_m: f64) -> Option<u16> {
 
 /// What a grid of pixels shows of a depth image.
 pub(super) struct Sample {
-    /// The grid: each so many columns and rows.
+    /// Distance of the columns and rows of the grid.
     pub(super) grid_px: usize,
     /// Depths (m) of the grid, ascending.
     pub(super) depths_m: Vec<f32>,
-    /// Whether neighbours are so near to each other that they tell of the sensor.
+    /// Whether neighbours are near enough to each other to tell something about the sensor.
     pub(super) is_fine: bool,
-    /// Share of the neighbours in rows, and in columns, whose depth jumps; 0 if there are none, or they do not tell.
+    /// Share of the neighbours in rows, and in columns, whose depth jumps; 0 if there are none, or if they
+    /// are too far apart.
     pub(super) jumps: [f64; 2],
-    /// Units a metre of which all depths of the grid are whole numbers, if these are usual.
+    /// Units per metre of which all depths of the grid are whole numbers, if these are usual units.
     pub(super) units_per_m: Option<f64>,
-    /// [`NOISE_SHARE`] of all triples of neighbours miss a line by less than this beyond one unit, over depth squared (1/m); 0 if there are none, or they do not tell.
+    /// [`NOISE_SHARE`] of all triples of neighbours deviate from a line by less than this beyond one unit,
+    /// over depth squared (1/m); 0 if there are none, or if they are too far apart.
     pub(super) noise_per_m: f64,
 }
 
 impl Sample {
-    /// Looks at a depth image. O(n) for n pixels, of which one of 64 is looked at.
+    /// Samples a depth image. O(n) for n pixels, of which one in 64 is read.
     pub(super) fn of(depth_m: &Raster<f32>, is_fine: bool) -> Self {
         let (width, height) = depth_m.size();
         let grid_px = grid_px(width);
@@ -97,7 +100,7 @@ impl Sample {
         sample
     }
 
-    /// Whether there is enough depth to say something of it.
+    /// Whether there is enough depth to judge it.
     pub(super) fn is_enough(&self) -> bool {
         self.depths_m.len() >= FEWEST
     }

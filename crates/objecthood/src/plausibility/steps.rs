@@ -3,13 +3,13 @@
 use crate::quantile::element_at;
 use crate::raster::Raster;
 
-/// Pixels are looked at in each so many rows and columns.
+/// Rows and columns are sampled at this distance.
 const GRID_PX: [usize; 2] = [4, 3];
 
 /// Steps of depth that are less than this many times the smallest may be those of the number's unit.
 const COARSE: f64 = 2.5;
 
-/// Depths that differ by a smaller share are equal, but for the rounding to 32 bits.
+/// Depths that differ by a smaller share are equal, except for rounding to 32 bits.
 const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
 /// Steps begin to be coarse at this quantile of the coarse ones; nearer ones are strays.
@@ -18,17 +18,17 @@ const FIRST: f64 = 0.1;
 /// The quartiles of the steps.
 const QUARTILES: [f64; 3] = [0.25, 0.5, 0.75];
 
-/// As many steps make a comb.
+/// At least this many steps are needed.
 const FEWEST: usize = 40;
 
-/// Steps are even when the upper quartile is at most this many times the lower one.
+/// Steps are even if the upper quartile is at most this many times the lower one.
 const EVEN: f64 = 1.4;
 
-/// Of the steps beyond those that are coarse, this share has to be coarse too.
+/// Of the steps beyond where they begin to be coarse, at least this share is coarse too.
 const MOST: f64 = 0.8;
 
-/// The even step of inverse depth (1/m) that the depths of an image have; `None` without one. O(m log m) for m pixels that
-/// are looked at.
+/// The even step of inverse depth (1/m) that the depths of an image have; `None` without one. O(m log m) for
+/// m sampled pixels.
 pub(super) fn disparity_step_per_m(depth_m: &Raster<f32>) -> Option<f64> {
     let rows = depth_m.as_slice().chunks_exact(depth_m.width()).step_by(GRID_PX[0]);
     let mut depths: Vec<f32> = rows.flat_map(|row| row.iter().step_by(GRID_PX[1])).copied().collect();

@@ -1,11 +1,11 @@
-//! The unit of depth: what depth cameras reach, and how noise and steps grow with distance.
+//! The unit of depth: how far depth cameras reach, and how noise and steps grow with distance.
 
 use super::doubt::Doubt;
 use super::sample::Sample;
 use super::steps::disparity_step_per_m;
 use crate::raster::Raster;
 
-/// "Hardly anything": this share of the depths.
+/// "Hardly anything" means this share of the depths.
 const FEW: f64 = 0.05;
 
 /// With hardly anything nearer (m) there is nothing to grasp.
@@ -17,31 +17,31 @@ const FAR_M: f64 = 10.0;
 /// Most depth cameras see nothing nearer (m).
 const NEAREST_M: f64 = 0.2;
 
-/// Noise of second differences, over depth squared (1/m), that no sensor exceeds.
+/// No sensor has more noise of second differences over depth squared (1/m) than this ..
 const MOST_NOISE_PER_M: f64 = 0.009;
 
 /// .. or over depth, where that allows more: time of flight has such noise at half a metre.
 const MOST_NOISE_SHARE: f64 = 0.005;
 
-/// Steps of inverse depth (1/m) that no sensor exceeds. Kinect v1 and Xtion, the coarsest, have 0.0029.
+/// No sensor has larger steps of inverse depth (1/m). Kinect v1 and Xtion, the coarsest, have 0.0029.
 const COARSEST_STEP_PER_M: f64 = 0.0045;
 
-/// Ratios of units that are in use: 1, 100, 1000, 5000 and 10000 units a metre.
+/// Ratios of usual units: 1, 100, 1000, 5000 and 10000 units a metre.
 const RATIOS: [f64; 9] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 1000.0, 5000.0, 10_000.0];
 
-/// The median depth that scenes have most often (m).
+/// The most frequent median depth of scenes (m).
 const USUAL_M: f64 = 0.85;
 
-/// Noise over depth squared (1/m) that is usual; many sensors have less, few have more.
+/// The usual noise over depth squared (1/m); many sensors have less, few have more.
 const USUAL_NOISE_PER_M: f64 = 0.0028;
 
-/// How much noise tells of the unit, compared with the median depth.
+/// Weight of noise in the choice of the unit, compared with the median depth.
 const NOISE_WEIGHT: f64 = 0.5;
 
 /// Whether depths are in another unit.
 ///
-/// A sensor that sees by disparity has noise and steps that grow as the square of depth. Taken k times too small, depths have noise and
-/// steps that are k times too large for where they are.
+/// A sensor that measures disparity has noise and steps that grow with the square of depth. If depths are
+/// taken k times too small, their noise and steps are k times too large for their distance.
 pub(super) fn doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
     let [near_m, median_m, far_m] = [FEW, 0.5, 1.0 - FEW].map(|share| sample.quantile_m(share));
     let noise_per_m = sample.noise_per_m;
@@ -62,8 +62,8 @@ pub(super) fn doubt(depth_m: &Raster<f32>, sample: &Sample) -> Option<Doubt> {
     None
 }
 
-/// The ratio with which median depth comes nearest to what is usual and noise is not above it; `factor` makes of a ratio what depths are
-/// multiplied with.
+/// The ratio with which the median depth comes nearest to the usual one while noise is not too high. `factor`
+/// converts a ratio to what depths are multiplied by.
 fn likely(median_m: f64, noise_per_m: f64, factor: impl Fn(f64) -> f64) -> f64 {
     let miss = |times: &f64| {
         let factor = factor(*times);

@@ -1,4 +1,4 @@
-//! The camera against the size of the image.
+//! Checks the camera against the size of the image.
 
 use super::doubt::Doubt;
 use crate::camera::Camera;
@@ -6,10 +6,10 @@ use crate::camera::Camera;
 /// Angles that depth cameras see (degrees).
 const SEEN_DEG: std::ops::RangeInclusive<f64> = 8.0..=140.0;
 
-/// A principal point may be off the middle by this share of the image.
+/// A principal point may be away from the middle by this share of the image.
 const OFF_CENTER: f64 = 0.2;
 
-/// A principal point is in the middle when it is off by less than this share.
+/// A principal point is in the middle if it is away by less than this share.
 const CENTERED: f64 = 0.06;
 
 /// Exchanged, its coordinates have to be nearer to the middle by this factor.
@@ -18,10 +18,10 @@ const NEARER_EXCHANGED: f64 = 2.0;
 /// Focal lengths differ by this factor at most.
 const FOCAL_RATIO: f64 = 1.3;
 
-/// Nothing is said of images with a shorter side (px).
+/// Images with a shorter side than this (px) are not judged.
 const SMALLEST_PX: f64 = 48.0;
 
-/// Below this focal length (px) numbers are no pixels.
+/// Below this focal length (px) the numbers are not in pixels.
 const SHORTEST_PX: f64 = 30.0;
 
 /// Both coordinates of the center imply the size of an image. They agree when they differ by less than this share.
@@ -62,14 +62,14 @@ fn angle_deg(extent_px: f64, focal_px: f64) -> f64 {
     2.0 * libm::atan(extent_px / (2.0 * focal_px)).to_degrees()
 }
 
-/// What intrinsics are that are too short for pixels.
+/// What the intrinsics are if they are too short for pixels.
 fn not_in_pixels(camera: Camera, [w, h]: [f64; 2], [u, v]: [f64; 2]) -> Doubt {
     let Camera { fx_px, fy_px, cx_px, cy_px } = camera;
     if [cx_px, cy_px].iter().all(|c| (c - 0.5).abs() < OFF_CENTER) {
         let likely = Camera { fx_px: fx_px * w, fy_px: fy_px * h, cx_px: cx_px * w, cy_px: cy_px * h };
         return Doubt::CameraNormalized { likely };
     }
-    // A principal point that is a length tells how long a pixel is. One that is 0, or in pixels, does not.
+    // A principal point that is a length gives the size of a pixel. One that is 0, or in pixels, does not.
     let pixels = u / cx_px;
     let likely = Camera { fx_px: fx_px * pixels, fy_px: fy_px * pixels, cx_px: u, cy_px: v };
     let is_camera = cx_px > 0.0 && SEEN_DEG.contains(&angle_deg(w, likely.fx_px));

@@ -1,4 +1,4 @@
-//! Joins facets that meet in a convex edge to shapes (paper, eq. 5).
+//! Joins facets that meet in a convex edge into shapes (paper, eq. 5).
 
 use glam::DVec3;
 

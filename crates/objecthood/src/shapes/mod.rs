@@ -1,4 +1,4 @@
-//! Stage 3: facets joined across convex edges to shapes (paper, III-C).
+//! Stage 3: facets joined across convex edges into shapes (paper, III-C).
 //!
 //! `paper` compares centres and mean normals: [`contact`], [`descriptor`], [`convexity`]. `context` collects evidence along the
 //! whole common border ([`border`]), and the votes of borders decide ([`contraction`]).

@@ -1,9 +1,10 @@
 //! Seams: joints of flush things, which only colour shows (docs/CONTEXT.md 3.4).
 //!
-//! Two boxes that stand flush share faces: no fold and no step parts them. They are joined along a plane, and its trace runs across
-//! every face of the joint body. On the whole trace the colour changes, and what lies on one side looks unlike what lies on the other.
-//! Print does not do both: it ends within a face, or comes back on the other side. Where two things share one face only, its outline
-//! shows the joint (`face.rs`).
+//! Two boxes that stand flush share faces: no fold and no step separates them. They meet in a plane, whose
+//! trace runs across every face of the joint body. Along the whole trace the colour changes, and the colours
+//! on one side do not occur on the other. Print does not do both: it ends within a face, or its colours come
+//! back on the other side. Where two things share one face only, the outline of this face shows the joint
+//! (`face.rs`).
 
 mod axes;
 mod body;
@@ -36,35 +37,41 @@ use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::surfaces::Surfaces;
 
-/// A body is parted at most so often.
+/// A body is divided by at most this many seams.
 const MOST_SEAMS: usize = 8;
-/// A seam of this clearness parts nothing, whatever the colours beside it: print and shading are as clear.
+/// A trace of this clearness is no seam, whatever the colours beside it: print and shading are as clear.
 const FAINT: f64 = 0.25;
-/// Where less than this share of the stripes of the best measured place is seen, both sides of a body share at most half as many colours.
+/// Where less than this share of the stripes of the best measured place is seen, both sides of a body share
+/// at most half as many colours.
 const WELL_MEASURED: f64 = 0.5;
-/// Sides whose colours are taken for each other at most so often (shares of both added up) are even things of their own colours.
+/// The two sides are even, like things of one colour each, if their colours are confused at most this often
+/// (shares of both sides added up).
 const MOST_CONFUSED: f64 = 0.05;
-/// Colour changes at a joint by at least this share of what its sides differ: a gradient changes beside it as well.
+/// The change of colour at a joint is at least this share of the difference of its sides: a gradient also
+/// changes beside it.
 const LEAST_STEP: f64 = 0.3;
-/// From this share on the darker side follows the light from face to face as paint does; a shadow does not.
+/// The darker side follows the light from face to face, as paint does, if the share is at least this; a
+/// shadow does not.
 const LEAST_FOLLOWED: f64 = 0.75;
-/// A narrow side that shares so many colours with what lies beyond it, twice what two things share, is no thing.
+/// A narrow side that shares more colours than this with what lies beyond it, twice as many as two things
+/// share, is no thing.
 const GOES_ON: f64 = 0.25;
 
-/// The plane along which a body of facets was parted.
+/// The plane along which a body of facets was divided.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seam {
     /// The checks that it passed: measured values with their limits.
     pub checks: Vec<Check>,
 }
 
-/// The seams of a body that lead to one of its pieces: their numbers, and whether the piece lies above them.
+/// The seams of a body that lead to one of its pieces: their numbers, and whether the piece lies above each.
 type Sides = Vec<(usize, bool)>;
 
-/// The facets after seams parted them, with their borders and shapes.
+/// The facets after seams divided them, with their borders and shapes.
 #[derive(Clone, Debug)]
 pub struct Seams {
-    /// The facets. One that a seam crosses is cut: the first piece keeps its number, the others come last.
+    /// The facets. A facet that a seam crosses is cut: the first piece keeps its number, the others come
+    /// last.
     pub facets: Facets,
     /// Their borders; those that run along seams are marked.
     pub borders: RegionGraph<BorderEvidence>,
@@ -78,7 +85,7 @@ pub struct Seams {
 #[derive(Clone, Debug)]
 pub struct Cuts {
     seams: Vec<Seam>,
-    /// For each facet the seams that its body was parted along, and its side.
+    /// For each facet the seams along which its body was divided, and its side of each.
     sides: Vec<Sides>,
 }
 
@@ -142,13 +149,14 @@ impl Cuts {
     }
 }
 
-/// Finds seams in the bodies that borders have made, the `shapes` of the `facets`, cuts the facets that they cross, and joins what is
-/// left to shapes.
+/// Finds seams in the bodies that borders have made (the `shapes` of the `facets`), cuts the facets that they
+/// cross, and joins the resulting pieces into shapes.
 ///
-/// Planes across the body are compared, perpendicular to its edges. The clearest is a seam if colour changes along `cross_share` of its
-/// trace, and the colours of its two sides overlap little; then both sides are searched, and last each face by itself. `None` if there
-/// is no seam, or no colour.
-/// Source: ours, because the paper has no colour in this stage. O(pixels of bodies · edges of a body); parallel over bodies.
+/// Planes across the body are compared, perpendicular to its axes. The clearest is a seam if colour changes
+/// along at least `cross_share` of its trace, and the colours of its two sides overlap little. Then both
+/// sides are searched, and finally each face by itself. `None` if there is no seam, or no colour. Source:
+/// ours, because the paper has no colour in this stage. O(pixels of bodies · axes of a body); parallel over
+/// bodies.
 pub fn find_seams(
     (facets, shapes): (&Facets, &Shapes),
     structure: &Structure,
@@ -176,7 +184,7 @@ struct Parting {
 }
 
 impl Parting {
-    /// Notes a seam; what lies below and above it.
+    /// Records a seam, with what lies below and above it.
     fn cut(&mut self, body: &Body, sides: &Sides, trace: &Trace, seam: Seam) -> [Piece; 2] {
         let number = self.seams.len();
         self.seams.push(seam);
@@ -208,14 +216,14 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The partings of the bodies that have seams, in the order of the shapes.
+    /// The divisions of the bodies that have seams, in the order of the shapes.
     fn part_all(&self) -> Vec<Parting> {
         let bodies = Body::of_shapes(self.facets, self.shapes, self.lab, self.space);
         let bodies = bodies.into_par_iter().with_max_len(1);
         bodies.map(|body| self.part(body)).filter(|parting| !parting.seams.is_empty()).collect()
     }
 
-    /// Parts a body along its seams, the clearest first.
+    /// Divides a body along its seams, the clearest first.
     fn part(&self, body: Body) -> Parting {
         let mut parting = Parting { seams: Vec::new(), pieces: Vec::new() };
         let mut open = vec![Piece { body, sides: Vec::new() }];
@@ -245,8 +253,8 @@ impl Search<'_> {
         Some(self.shapes.of_facet[free])
     }
 
-    /// The checks of a seam that passes them. The clearer it is, the more colours its sides may share; where their colours are hardly ever
-    /// taken for each other, as many as at the clearest.
+    /// The checks of a seam that passes them. The clearer it is, the more colours its sides may share. If
+    /// their colours are hardly ever confused, they may share as many as at the clearest.
     fn passed(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
         let clear = (trace.clearness - FAINT) / (1.0 - FAINT);
         // No overlap is below 0.
@@ -257,7 +265,7 @@ impl Search<'_> {
         let overlap = colors.overlap();
         // Where little of the section is seen, the colours have to say more.
         let most = self.params.color_overlap * if trace.measured < WELL_MEASURED { 0.5 } else { 1.0 };
-        // Most traces end here, before all pixels of their sides are looked at.
+        // Most traces fail here, before all pixels of their sides are examined.
         if overlap > most {
             return None;
         }
@@ -279,7 +287,7 @@ impl Search<'_> {
         checks.iter().all(Check::holds).then_some(checks)
     }
 
-    /// Checks that colour changes along a trace, and that its two sides share at most so many colours.
+    /// Checks that colour changes along a trace, and that its two sides share at most this many colours.
     fn check_colors(&self, trace: &Trace, overlap: f64, most: f64) -> Vec<Check> {
         let (share, least) = (trace.share, self.params.cross_share);
         vec![
@@ -290,7 +298,8 @@ impl Search<'_> {
         ]
     }
 
-    /// Checks that a trace is no edge of a shadow, and that a narrow side of it shares at most so many colours with what lies beyond.
+    /// Checks that a trace is no edge of a shadow, and that a narrow side of it shares at most this many
+    /// colours with what lies beyond.
     fn check_light(&self, body: &Body, trace: &Trace, colors: &SideColors, most: f64) -> [Check; 2] {
         let own = body.faces.first().and_then(|face| self.shape_of(face.pixels[0].facet as i32));
         let beyond = body.overlap_beyond(trace, self.space, |point| {

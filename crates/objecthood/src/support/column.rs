@@ -10,7 +10,7 @@ use crate::surface::disparity::DisparitySpace;
 pub(super) const STEP_M: f64 = 0.01;
 /// Air that is at least this high (m) is no overhang of a vessel or a rounded edge.
 pub(super) const LEAST_AIR_M: f64 = 0.04;
-/// What is seen lies behind a column when it is farther by this much (m) ...
+/// The image shows something behind a place of a column if it is farther by at least this (m) ...
 const BEHIND_M: f64 = 0.02;
 /// ... and by this many quanta.
 const BEHIND_QUANTA: f64 = 4.0;
@@ -19,9 +19,9 @@ const BEHIND_QUANTA: f64 = 4.0;
 pub(super) struct Place {
     /// The region that is seen there.
     pub region: Option<SegmentId>,
-    /// How much farther (m) than the place that is; `NaN` in a hole.
+    /// How much farther (m) than the place that region is; `NaN` in a hole.
     pub farther_m: f64,
-    /// From this on (m) it lies behind the place.
+    /// If it is at least this much farther (m), it lies behind the place.
     pub behind_m: f64,
 }
 

@@ -1,5 +1,5 @@
-//! Footing: whether a thing goes down to the structure, is seen to hang in the air, lies below all that could carry it, or goes on behind
-//! the edge of a surface (docs/CONTEXT.md 6.7).
+//! Footing: whether a thing goes down to the structure, hangs in the air, lies below everything that could
+//! carry it, or goes on out of sight behind the edge of a surface (docs/CONTEXT.md 6.7).
 
 use std::ops::Range;
 
@@ -21,19 +21,21 @@ use crate::support::scene::SupportScene;
 const COLUMNS: usize = 300;
 /// A column is followed for at most this length (m) below a pixel: what hangs higher is no graspable thing's foot.
 const DEEPEST_M: f64 = 0.6;
-/// This share of the columns is enough: of those that go down to the structure for footing 1, of those that stay in the image for full doubt, of those
-/// above a post for a load.
+/// This share of the columns is enough: going down to the structure for footing 1, ending in the image for
+/// full doubt, and ending on a load above a post for a full load.
 const ENOUGH: f32 = 0.25;
-/// Level surfaces twice so far (m) apart are two boards. The foot of a thing lies at most so far below what carries it, by noise.
+/// Level surfaces at least twice this far apart (m) are two boards. By noise, the foot of a thing lies at
+/// most this far (m) below its carrier.
 const LOWER_M: f64 = 0.1;
-/// From this share on of its own columns that are cut, the foot of a thing is out of sight.
+/// If at least this share of the columns below a thing is cut, not counting shares that it inherits, its foot
+/// is out of sight.
 const FOOTLESS_CUT: f32 = 0.5;
 
-/// A board is at least so long (m), and so many times as long as high.
+/// A board is at least this long (m), and this many times as long as high.
 const BOARD_M: f32 = 0.3;
 const BOARD_SLIM: f32 = 8.0;
 
-/// An end of a thing is hidden if something nearer follows in this share of its columns.
+/// An end of a post is hidden if the first other thing in this share of its columns is nearer to the camera.
 const HIDDEN_END: f32 = 0.75;
 /// How a column below a pixel ends.
 enum End {
@@ -57,13 +59,22 @@ pub(crate) struct Footing {
     pub cut: Vec<f32>,
 }
 
-/// Measures the footing of every region: 1 for the structure; for a thing, the share of its columns that go down to the structure, by
-/// themselves or through the footing of what they end on.
+/// Measures the footing of every region. It is 1 for the structure. For a thing it grows with the share of
+/// its columns that go down to the structure, by themselves or through the footing of what they end on.
 ///
-/// A column goes down from a pixel along gravity. While the image shows the thing itself there, the column is hidden in it. It then ends in
-/// air if what is seen lies behind it for 4 cm. Columns that cannot be followed do not count. Things are rated from the lowest to the
-/// highest; something higher than a thing counts as structure for it, but leaves the image with it. Doubt that is not handed on comes last: a thing that
-/// seems to carry furniture, a post of which neither end is seen, what nothing carries in `graph` and lies below every level surface that is seen, and that a board hangs. Without structure every footing is 1.
+/// A column goes down from a pixel along gravity. While the image shows the thing itself there, the column is
+/// hidden in it. Then it ends in air if what is seen lies behind it for 4 cm. Otherwise it ends on a region.
+/// Columns that end in a hole, or not within [`DEEPEST_M`], do not count. Without structure every footing
+/// is 1.
+///
+/// Things are rated from the lowest to the highest. A column that ends on a thing not rated yet, because that
+/// thing is higher, counts as if it ended on structure; it adds the share of that thing's own columns that
+/// are cut.
+///
+/// Some doubts about a thing are not handed on to what rests on it. They are applied last: that it seems to
+/// carry furniture; that it is a post of which neither end is seen; that nothing carries it in `graph` and it
+/// lies below every level surface that is seen; and that it hangs, if it is a board.
+///
 /// O(regions · columns · steps).
 ///
 /// Source: ours, because people, arms and furniture come in pieces, most of which hang in the air or go on below a table's edge.
@@ -167,7 +178,8 @@ impl<'a> Things<'a> {
         self.pixels[thing].iter().map(|&i| follow(self.scene, self.up, i, thing)).collect()
     }
 
-    /// What the columns below a thing tell; `found`: the same of what is lower.
+    /// What the columns below a thing tell. `found`: footing and cut of the regions, as far as they are
+    /// rated.
     fn judge(&self, ends: &[End], carriers: &[NodeId], found: &Footing) -> Below {
         let (mut held, mut own_cut, mut inherited, mut followed, mut known) =
             (0.0, 0.0, 0.0, 0.0_f32, 0.0_f32);
@@ -239,15 +251,16 @@ impl<'a> Things<'a> {
     }
 }
 
-/// The footing by sums over columns. `on_structure`: the footing of what they end on. `followed`: those that end on a region or in air, of `all`. If more than three
-/// quarters leave the image or end in a hole, the others count less.
+/// The footing by sums over columns. `on_structure`: the sum of the footing of what they end on. `followed`:
+/// the number that end on a region or in air, of `all` that do not end in a hole. If more than three quarters
+/// leave the image, the others count less.
 fn rate_columns(on_structure: f32, followed: f32, all: f32) -> f32 {
     let share = |part: f32, of: f32| (part / of.max(1.0) / ENOUGH).min(1.0);
     1.0 - share(followed, all) * (1.0 - share(on_structure, followed))
 }
 
-/// Whether a level surface is seen below the pixels, and no other much below it: things on the boards of a shelf are as slim as the legs of a table, and
-/// hidden above.
+/// Whether a level surface is seen below the pixels, and no other far below that one. Otherwise the pixels
+/// may be a thing on the board of a shelf, which is as slim as the leg of a table and as hidden above.
 fn stands_lowest(scene: &SupportScene<'_>, up: DVec3, pixels: &[usize]) -> bool {
     let foot = pixels.iter().map(|&i| scene.point_at(i)).min_by(|a, b| a.dot(up).total_cmp(&b.dot(up)));
     let Some(foot) = foot else { return false };
@@ -267,7 +280,8 @@ fn measured<'a>(
     runs.iter().cloned().flatten().filter(|&i| !points_m[i][2].is_nan())
 }
 
-/// Whether a box is that of a board: level, long and thin. A camera below a board of a shelf sees its front edge, and nothing that carries it.
+/// Whether a box is that of a board: level, long and thin. A camera below a board of a shelf sees its front
+/// edge, but not what carries it.
 fn is_board(around: &OrientedBox) -> bool {
     let [long_m, _, high_m] = around.extents_m;
     long_m >= BOARD_M.max(BOARD_SLIM * high_m)

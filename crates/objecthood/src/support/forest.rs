@@ -1,7 +1,8 @@
-//! The support forest of `context`: which thing stands on, lies in or leans on which, also where the contact is hidden.
+//! The support forest of `context`: which thing stands on, lies in or leans on which other, even if the
+//! contact is hidden.
 //!
 //! In the paper, the lower of two shapes in contact is the carrier (eq. 6). Here the place of the contact and the direction of
-//! gravity decide: a thing stands on another if it touches it with its foot, from above.
+//! gravity decide: a thing stands on another if its foot touches the other from above.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -30,31 +31,37 @@ const TOWARD: f64 = 0.5;
 /// Confidence of a hidden contact, relative to a visible one.
 const HIDDEN: f64 = 0.5;
 
-/// Finds the support relations among the regions of any label map: our own, or the true one. Node k of the graph is region k.
+/// Finds the support relations among the regions of any label map: our own, or the true one. Node k of the
+/// graph is region k.
 ///
-/// Two regions meet where points are in contact (`contact`). The foot of a thing is its lowest visible 10 mm; beyond 1.9 m, where
-/// the sensor resolves less, it is one quantum. A thing
+/// Two regions meet where points are in contact (`contact`). The foot of a thing is its lowest visible 10 mm.
+/// Beyond 1.9 m, where the sensor resolves less, it is the lowest visible quantum. A thing
 ///
-/// * stands *on* another if its foot touches it from above, level with a top. A thing behind another that hides its lower part does
-///   not stand on it. So the lower must be a plane, or go on 3 cm behind the contact, or hold the middle of the upper, or the foot of
-///   the upper must hang over an edge. `confidence`: the share of the foot's contacts;
-/// * lies *in* another whose rim surrounds it. The outer one is graspable (`objectness.max_side_m`). It rises above the floor seen
-///   under the middle, or above the foot where no floor is seen, by 1 cm or by the resolution of the sensor, in two thirds of the
-///   directions around the middle. `confidence`: the share of directions; half of it if the two are not seen to touch (`hidden`);
+/// * stands *on* another if its foot touches the other from above, level with a top of the other. But a thing
+///   does not stand on another that merely stands before it and hides its lower part. So one of these must
+///   hold: the lower is a plane, or goes on 3 cm behind the contact, or holds the middle of the upper; or the
+///   foot of the upper hangs over an edge. `confidence`: the share of the foot's contacts;
+/// * lies *in* another whose rim surrounds it. The outer one is graspable (`objectness.max_side_m`). In at
+///   least two thirds of the directions around the middle of the inner one, it rises by 1 cm or by the
+///   resolution of the sensor. The rise is measured from the floor seen under the middle, or from the foot if
+///   no floor is seen. `confidence`: the share of directions; half of it if the two are not seen to touch
+///   (`hidden`);
 /// * *leans* on another if its side touches it in the direction of the lean, and the other is no plane that faces up. The leaning
 ///   thing must be flat, tilted by 8 degrees or more, 7 cm long up its slope and 40 cm² large: thin or small things lean by noise.
 ///   `confidence`: the share of its tilted pixels that are tilted alike;
-/// * else merely touches the other side by side, which gives no edge.
+/// * otherwise merely touches the other side by side, which gives no edge.
 ///
-/// A thing that then neither stands on nor lies in anything has a hidden contact. It is extended along gravity behind its occluder:
-/// to the highest thing below that holds its middle, or over which it hangs level with its top; else to the plane there; else to the
-/// highest plane below. Or it lies in the thing around it. `confidence`: a half if it is level with its carrier or lies in it; else
-/// half the share of its foot below which it is not seen to end, 0 if it floats.
+/// A thing that then neither stands on nor lies in anything has a hidden contact; it may lean. It is extended
+/// along gravity behind its occluder: to the highest thing below that holds its middle, or over which it
+/// hangs level with its top; else to the plane there; else to the highest plane below. Or it lies in the
+/// thing around it. `confidence`: a half if it is level with its carrier or lies in it; else half the share
+/// of its foot below which it is not seen to end, 0 if it floats.
 ///
-/// Edges are added in this order: *on* and *in*, *leans*, hidden contacts; the surest first. An edge is left out if its upper already
-/// carries its lower, directly or through others, so there are no cycles. P(S) is eq. 7; a plane has the P(S) of its own normal.
-/// P(O) is eq. 8 over the edges. Their confidence does not enter: it measures the choice of the carrier, eq. 8 its ability to carry.
-/// `contact.reach_px` holds at a focal length of 525 px.
+/// Edges are added in this order: *on* and *in*, *leans*, hidden contacts. Within each, the surest come
+/// first. An edge is left out if its upper already carries its lower, directly or through others, so there
+/// are no cycles. P(S) is eq. 7; a plane has the P(S) of its own normal. P(O) is eq. 8 over the edges,
+/// without their confidence: the confidence measures the choice of the carrier, and eq. 8 the ability of the
+/// carrier to carry. `contact.reach_px` holds at a focal length of 525 px.
 ///
 /// Source: ours, because it replaces eq. 6. O(pixels · `reach_px` + n log n + pairs · cells + edges · (regions + edges)) for n pixels
 /// of things, pairs of things, and cells of 1 cm² of the outer thing of a pair; the last term is the search for cycles.

@@ -1,4 +1,5 @@
-//! Gravity: the direction up, from the dominant plane or from the camera (PARITY.md 5, docs/CONTEXT.md 5.1).
+//! Gravity: the direction up, from measured gravity, a plane, earlier frames or the camera (PARITY.md 5,
+//! docs/CONTEXT.md 5.1).
 
 use glam::{DVec3, Vec3};
 

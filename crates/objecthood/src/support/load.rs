@@ -1,4 +1,5 @@
-//! Load: whether a thing is seen to carry a surface of the structure, as the leg of a table does (docs/CONTEXT.md 6.7).
+//! Load: whether a thing is seen to carry a surface of the structure, as the leg of a table does
+//! (docs/CONTEXT.md 6.7).
 
 use glam::DVec3;
 
@@ -6,22 +7,24 @@ use crate::planes::StructurePlane;
 use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places};
 use crate::support::scene::SupportScene;
 
-/// A surface whose normal has this component along up, within 26 degrees, can be carried.
+/// A surface can be carried if the component of its normal along up is at least this (within 26 degrees).
 const LEVEL: f64 = 0.9;
-/// Most height (m) of what lies between a thing and the surface that it carries: the thickness of a table-top.
+/// Greatest thickness (m) of what lies between a thing and the surface that it carries: that of a table-top.
 const THICKEST_M: f64 = 0.08;
-/// A surface that hides the upper end of a thing is carried by it if it is this high (m) above the place: boards of a shelf are closer.
+/// A surface that hides the upper end of a thing is carried by it if it is at least this high (m) above the
+/// place: the boards of a shelf are closer together.
 const HIDDEN_M: f64 = 0.4;
 
-/// A surface that the image shows at its border goes on this far (m) beyond it.
+/// A surface that the image shows at its border is assumed to go on this far (m) beyond it.
 const BEYOND_M: f64 = 0.15;
-/// A band along the border without depth is at most this wide (px at 525 px), as where clusters touch.
+/// A band along the border without depth is at most this wide (px at 525 px), as between neighbouring
+/// clusters.
 const BAND_PX: usize = 24;
 
-/// A column is followed up for at most this length (m): higher surfaces are carried by no thing that might be grasped.
+/// A column goes up at most this far (m): no graspable thing carries a higher surface.
 const HIGHEST_M: f64 = 2.0;
 
-/// Whether a plane of the structure is level, so that it can be carried, or carry.
+/// Whether a plane of the structure is level, so that it can carry or be carried.
 pub(super) fn is_level(plane: &StructurePlane, up: DVec3) -> bool {
     plane.normal().dot(up) > LEVEL
 }
@@ -42,20 +45,27 @@ pub(super) enum Load {
     Nothing,
     /// A level surface of the structure.
     Structure,
-    /// A thing that is too large to be grasped, or whatever a post goes on to: what rests on the carrier does not share the doubt.
+    /// A thing that is too large to be grasped, or whatever a post goes on to. What rests on the carrier does
+    /// not share this doubt.
     Furniture,
 }
 
 /// What the column above pixel `i` of a thing ends on. `None` when the image does not show it.
 ///
-/// The column goes up along gravity. It may pass through the thing itself, through up to 8 cm of other things, and behind whatever is
-/// nearer to the camera. It ends in air if the image shows 4 cm of something farther. A surface less than 4 cm above the pixel, or 40 cm
-/// where a part of the column is hidden, does not count. A column that leaves the image less than 8 cm below the surface that hides it ends on
-/// that surface. One that leaves it through the thing itself ends on the level surface that it meets outside, if the border of the image shows that
-/// surface within 15 cm of the place. It also ends on a region that `is_furniture`, 4 cm above the pixel or more.
+/// The column goes up along gravity. It may pass through the thing itself, through up to 8 cm of other
+/// things, and behind whatever is nearer to the camera.
 ///
-/// Unless the thing `shows_foot`, both of its ends are out of sight, which is rare in a shelf: 4 cm are then enough for a hidden column too, and
-/// one that leaves the image anywhere below the surface that hides it ends on that surface. O(steps).
+/// - It ends in air if the image shows 4 cm of something farther.
+/// - It ends on a level surface of the structure, if that is at least 4 cm above the pixel. If a part of the
+///   column is hidden, 40 cm are needed.
+/// - A column that leaves the image less than 8 cm below the surface that hides it ends on that surface.
+/// - A column that leaves the image through the thing itself ends on the level surface that it meets outside,
+///   if the border of the image shows that surface within 15 cm of the place.
+/// - It also ends on a region that `is_furniture`, 4 cm above the pixel or more.
+///
+/// Unless the thing `shows_foot`, both of its ends are out of sight, which is rare in a shelf. Then 4 cm are
+/// enough for a hidden column too, and a column that leaves the image anywhere below the surface that hides
+/// it ends on that surface. O(steps).
 pub(super) fn what_is_carried(
     scene: &SupportScene<'_>,
     up: DVec3,
@@ -124,8 +134,8 @@ fn meets_outside(scene: &SupportScene<'_>, up: DVec3, point: DVec3, end_m: DVec3
     scene.planes.iter().enumerate().any(is_met)
 }
 
-/// The pixel nearest to a place outside the image, along a row, a column or a diagonal, that shows a region; `None` if the border shows none
-/// within [`BAND_PX`].
+/// The pixel nearest to a place outside the image, along a row, a column or a diagonal, that shows a region.
+/// `None` if the border shows none within [`BAND_PX`].
 fn nearest_region(scene: &SupportScene<'_>, place: [f64; 2]) -> Option<usize> {
     let (width, height) = scene.points_m.size();
     let inside = |at: f64, size: usize| at.round().clamp(0.0, size as f64 - 1.0);

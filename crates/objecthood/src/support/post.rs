@@ -1,4 +1,5 @@
-//! Posts: upright things much longer than wide, as the legs of tables and chairs; whether they go on out of sight (docs/CONTEXT.md 6.7).
+//! Posts: upright things much longer than wide, such as the legs of tables and chairs, and whether they go on
+//! out of sight (docs/CONTEXT.md 6.7).
 
 use glam::{DVec3, Quat};
 
@@ -7,11 +8,12 @@ use crate::support::column::{LEAST_AIR_M, Place, STEP_M, places, steps_in};
 use crate::support::load::level_plane;
 use crate::support::scene::SupportScene;
 
-/// A post is at least this many times as long as wide. Bottles are up to four times, seen whole.
+/// A post is at least this many times as long as wide. Whole bottles reach four times.
 const SLIM: f32 = 4.0;
-/// What is seen of a post is at least this long (m), longer than a pen.
+/// The visible part of a post is at least this long (m), longer than a pen.
 const LONG_M: f32 = 0.15;
-/// Of a post that something hides at both ends less is seen: at least so much (m), and so many times as long as wide.
+/// Less is seen of a post that something hides at both ends: at least this length (m), and this many times as
+/// long as wide.
 const GLIMPSE_M: f32 = 0.1;
 const SLIM_BETWEEN: f32 = 2.5;
 /// A post that leaves the image is at least this many times as long as wide: only a part of it is seen.
@@ -26,15 +28,15 @@ const HIGHEST_M: f64 = 0.8;
 /// An upright thing at least [`SLIM_BETWEEN`] times as long as wide.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Post {
-    /// What is seen of its length, over its width.
+    /// The length of its visible part, over its width.
     slimness: f32,
-    /// Whether it is long and slim enough for a post, of which an end may be seen.
+    /// Whether it is long and slim enough for a post even if one of its ends is seen.
     pub(super) is_slim: bool,
 }
 
 impl Post {
-    /// The post of which these points are seen; `None` if they are none. Length and width are those in the upright plane across the line of sight, because depth
-    /// is noisy along it. O(points).
+    /// The post that these points show; `None` if they show none. Length and width are measured in the
+    /// upright plane across the line of sight, because depth is noisy along it. O(points).
     pub(super) fn of(points_m: &[[f32; 3]], up: DVec3) -> Option<Self> {
         let sum: DVec3 = points_m.iter().map(|&point| DVec3::from(point.map(f64::from))).sum();
         let ahead = sum - up * sum.dot(up);
@@ -50,11 +52,19 @@ impl Post {
         is_post.then_some(Self { slimness: long_m / wide_m, is_slim: is_slim(LONG_M, SLIM) })
     }
 
-    /// Whether the post goes on, out of sight, above its pixel `i`. A region, the first that does so, hides 4 cm of the column above, and the column then meets
-    /// this region. Or this region is a level surface of the structure, and the column passes its height without 4 cm of air, as where something stands on it.
-    /// Or the column leaves the image through the post, or behind something, and the post is at least [`SLIM_OUTSIDE`] times as long as wide. Places without depth count as air.
+    /// Whether the post goes on, out of sight, above its pixel `i`. It does in three cases:
     ///
-    /// O(steps). Source: ours, because a thing as slim as a leg seldom stands by itself, and what hides only its upper end overhangs it.
+    /// - A region, the first that does so, hides 4 cm of the column above, and the column then meets this
+    ///   region.
+    /// - This region is a level surface of the structure, and the column passes its height without 4 cm of
+    ///   air, for example where something stands on it.
+    /// - The column leaves the image through the post, or behind something, and the post is at least
+    ///   [`SLIM_OUTSIDE`] times as long as wide.
+    ///
+    /// Places without depth count as air.
+    ///
+    /// O(steps). Source: ours, because a thing as slim as a leg seldom stands by itself, and a thing that
+    /// hides only its upper end overhangs it.
     pub(super) fn goes_on(self, scene: &SupportScene<'_>, up: DVec3, i: usize, thing: usize) -> bool {
         let point = scene.point_at(i);
         let (mut steps, mut air_m, mut ends_in_sight) = (0, 0.0, false);
@@ -92,7 +102,8 @@ impl Post {
     }
 }
 
-/// Whether something nearer hides a thing next to it in a direction from its pixel `i`; `None` where the image ends. Holes are passed. O(steps).
+/// Whether the first other thing in a direction from pixel `i` of a thing is nearer, and so hides it; `None`
+/// where the image ends. Holes are skipped. O(steps).
 pub(super) fn is_hidden_beyond(scene: &SupportScene<'_>, way: DVec3, i: usize, thing: usize) -> Option<bool> {
     let is_other = |place: &Place| {
         place.region.is_none_or(|region| region.index() != thing) && !place.farther_m.is_nan()

@@ -6,9 +6,10 @@ use crate::raster::Raster;
 
 /// A column or row belongs to a band without depth when less than this share of it has depth.
 const LEAST_MEASURED: f64 = 0.02;
-/// A band is at most this share of the image: where more is without depth, such as before the sky, nothing is in reach.
+/// A band is at most this share of the image. If more is without depth, as with the sky, nothing there is in
+/// reach.
 const WIDEST: f64 = 0.15;
-/// Narrower bands, as most registered depth has them, are not told: this share of the image.
+/// Narrower bands, which most registered depth has, are not reported: this share of the image.
 const LEAST_TOLD: f64 = 0.03;
 
 /// How wide the bands without depth are (px); 0 where there is none.
@@ -25,7 +26,8 @@ pub struct Bands {
 }
 
 impl Bands {
-    /// The bands of a depth image; without depth is what is not above 0. O(pixels of the bands), and no memory.
+    /// The bands of a depth image. A pixel that is not above 0 has no depth. O(pixels of the bands), and no
+    /// memory.
     pub fn of(depth: &Raster<f32>) -> Self {
         let (width, height) = depth.size();
         let measured = |u: usize, v: usize| depth[v * width + u] > 0.0;
@@ -39,7 +41,7 @@ impl Bands {
         }
     }
 
-    /// The bands, if one of them is wide enough to be told.
+    /// The bands, if one of them is wide enough to be reported.
     pub(crate) fn told(self, (width, height): (usize, usize)) -> Option<Self> {
         let is_wide = |band: usize, length: usize| band as f64 >= LEAST_TOLD * length as f64;
         let Self { left, right, top, bottom } = self;

@@ -1,7 +1,8 @@
 //! Measures the sensor's noise in one frame: how much neighbouring blocks of a surface disagree (docs/CONTEXT.md 0.5).
 //!
-//! Noise of single pixels averages out in fits; waves of 16 to 40 px do not. So the residual of a small window does not tell whether
-//! a surface will come to pieces. The disagreement of neighbouring blocks does, and it needs no plane.
+//! Noise of single pixels averages out in fits; waves of 16 to 40 px do not. So the residual of a small
+//! window does not show whether a surface will fall apart into pieces. The disagreement of neighbouring
+//! blocks does, and it needs no plane.
 
 use rayon::prelude::*;
 
@@ -15,7 +16,7 @@ use crate::surface::disparity::DisparitySpace;
 const LEAST_SIDE_PX: usize = 4;
 /// The share of the pairs of blocks below which the disagreement is read: blocks across edges disagree most.
 const QUARTILE: f64 = 0.25;
-/// Fewer pairs of blocks than this tell nothing.
+/// With fewer pairs of blocks nothing is estimated.
 const LEAST_PAIRS: usize = 40;
 /// Every this many pixels along rows and columns a residual is read for the white noise.
 const RESIDUAL_STEP_PX: usize = 8;

@@ -7,16 +7,19 @@ use crate::raster::Raster;
 
 /// Holes of at most this many pixels in a row or column are bridged.
 const WIDEST_PX: usize = 2;
-/// Holes are a grid when they are at least this share of the pixels: one pixel in a square of ten by ten.
+/// Holes form a grid if they are at least this share of the pixels: one pixel in a square of ten by ten.
 const LEAST_SHARE: f32 = 0.01;
-/// Holes that are small along their row or their column are everywhere when they are at least this share of the pixels.
+/// Lines of holes run in all directions if holes that are small along their row or their column are at least
+/// this share of the pixels.
 const SCATTERED_SHARE: f32 = 0.05;
-/// Single holes are looked for so many times: of an image that is twice as large and turned, some lie between holes.
+/// Single holes are filled in this many rounds: in an image that was enlarged to twice its size and turned,
+/// some lie between other holes.
 const ROUNDS: usize = 3;
 /// Both sides of a hole agree when they differ by at most this (quanta): rounding, and a slope of one quantum a pixel.
 const AGREE_QUANTA: f32 = 2.0;
 
-/// Bridges empty lines of the image, then single holes, then holes between pixels that were bridged. Returns the share of the pixels that was bridged. O(pixels).
+/// Fills empty lines of the image, then single holes, then holes between pixels that were filled. Returns the
+/// share of the pixels that was filled. O(pixels).
 pub(super) fn bridge_holes(disparity: &mut Raster<f32>) -> f32 {
     let mut share = bridge_lines(disparity);
     for _ in 0..ROUNDS {
@@ -28,9 +31,10 @@ pub(super) fn bridge_holes(disparity: &mut Raster<f32>) -> f32 {
     share
 }
 
-/// Fills rows and columns without any measurement, at most two side by side, by the mean of the values on both sides if they agree. Depth
-/// that was mapped forward into a larger image has such lines; a sensor's own holes never are as long as the image. They stay when
-/// what is filled is no [`LEAST_SHARE`] of the image. O(pixels).
+/// Fills rows and columns without any measurement, at most two side by side, with the mean of the values on
+/// both sides if these agree. Depth that was mapped forward into a larger image has such lines; a sensor's
+/// own holes are never as long as the image. Nothing is filled if that would be less than [`LEAST_SHARE`] of
+/// the image. O(pixels).
 fn bridge_lines(disparity: &mut Raster<f32>) -> f32 {
     let (width, height) = disparity.size();
     let is_empty_column = |u: usize| (0..height).all(|v| disparity[v * width + u].is_nan());
@@ -68,7 +72,8 @@ fn bridge_lines(disparity: &mut Raster<f32>) -> f32 {
     share
 }
 
-/// The empty lines with a line that is not empty on both sides, at most two being side by side. Bands and borders are no such lines.
+/// The empty lines, at most two side by side, that have lines with depth on both sides. Bands and borders
+/// have none.
 fn find_narrow(lines: usize, is_empty: impl Fn(usize) -> bool) -> Vec<usize> {
     let is_narrow = |&k: &usize| {
         let before = (1..=WIDEST_PX.min(k)).find(|j| !is_empty(k - j));
@@ -80,10 +85,12 @@ fn find_narrow(lines: usize, is_empty: impl Fn(usize) -> bool) -> Vec<usize> {
 
 /// Fills holes of one or two pixels whose sides agree, by the mean of the values between them.
 ///
-/// Along their row and along their column: a line of missing pixels that ends within the image stays, because it is the border of a
-/// thing. So do holes at the border of the image. When such holes are no [`LEAST_SHARE`] of the image they are the sensor's own, often at
-/// borders, and stay too. But when holes that are small along one of both are a [`SCATTERED_SHARE`], lines are everywhere, as in depth that
-/// was mapped forward and turned: then one is enough. Returns the share that was bridged. O(pixels).
+/// A hole has to be small along its row and along its column. A line of missing pixels that ends within the
+/// image stays, because it is the border of a thing. So do holes at the border of the image. If such holes
+/// are less than [`LEAST_SHARE`] of the image, they are the sensor's own, often at borders, and stay too. But
+/// if holes that are small along one of the two directions are a [`SCATTERED_SHARE`], lines of holes are
+/// everywhere, as in depth that was mapped forward and turned. Then one direction is enough. Returns the
+/// share that was filled. O(pixels).
 fn bridge_dots(disparity: &mut Raster<f32>) -> f32 {
     let share = |count: usize| count as f32 / disparity.len() as f32;
     let (mut all, mut dots) = (0, 0);
@@ -105,7 +112,7 @@ fn bridge_dots(disparity: &mut Raster<f32>) -> f32 {
     built
 }
 
-/// Visits what may fill missing pixels, in scan order.
+/// Visits the missing pixels that can be filled, with their values, in scan order.
 fn visit_holes(measured: &Raster<f32>, mut visit: impl FnMut(Bridge)) {
     let (width, height) = measured.size();
     for (v, row) in measured.as_slice().chunks(width).enumerate() {
@@ -122,7 +129,7 @@ fn visit_holes(measured: &Raster<f32>, mut visit: impl FnMut(Bridge)) {
     }
 }
 
-/// What may fill a missing pixel.
+/// A value for a missing pixel.
 struct Bridge {
     /// The pixel.
     i: usize,
@@ -134,7 +141,8 @@ struct Bridge {
 
 /// The value at a place of a line between the nearest measured places on both sides, if the hole is small and they agree.
 fn between(place: usize, length: usize, value: impl Fn(usize) -> f32) -> Option<f32> {
-    // Most holes are large, and end here: of a small one a side is next to each of its places.
+    // Most holes are large, and end here: every place of a small hole has a measured place near it on either
+    // side.
     let is_measured = |place: usize| place < length && !value(place).is_nan();
     if !is_measured(place.wrapping_sub(1)) && !is_measured(place + 1) {
         return None;

@@ -1,4 +1,5 @@
-//! The noise by which tolerances are set: what a frame shows, beside what is known of its sensor (docs/CONTEXT.md 0.5, 0.6).
+//! The noise by which tolerances are set: from the frame, and from what is known about its sensor
+//! (docs/CONTEXT.md 0.5, 0.6).
 
 use crate::buffers::Buffer;
 use crate::estimates::Estimates;
@@ -10,12 +11,12 @@ use crate::surface::disparity::DisparitySpace;
 
 /// A profile weighs as much as this many samples of a frame.
 const PROFILE_SAMPLES: f64 = 100.0;
-/// Every this many pixels one is read for the depth at which a profile holds.
+/// One pixel in this many is read for the median depth, at which a profile is evaluated.
 const DEPTH_STEP_PX: usize = 64;
 /// Depth at which a profile holds for a frame without any (m).
 const USUAL_M: f64 = 1.0;
 
-/// What is known of the noise beside what a frame shows.
+/// What is known about the noise apart from the frame.
 pub(super) struct KnownNoise<'a> {
     source: NoiseFrom,
     earlier: Option<&'a Estimates>,
@@ -23,7 +24,7 @@ pub(super) struct KnownNoise<'a> {
 }
 
 impl<'a> KnownNoise<'a> {
-    /// What the parameters say, and what frames before told. O(pixels / 64).
+    /// Collects what the parameters say and what earlier frames showed. O(pixels / 64).
     pub(super) fn of(
         sensor: &Sensor,
         earlier: Option<&'a Estimates>,
@@ -34,7 +35,8 @@ impl<'a> KnownNoise<'a> {
         Self { source: sensor.noise, earlier, profile: profile_noise(sensor, disparity, space) }
     }
 
-    /// Chooses the noise: given, or that of the frame in the mean with earlier frames, or that of the frame beside its sensor's profile.
+    /// Chooses the noise: the given one, or that of the frame averaged with earlier frames, or that of the
+    /// frame averaged with its sensor's profile.
     pub(super) fn with(&self, measured: &MeasuredNoise) -> Estimates {
         match (self.source, self.earlier) {
             (NoiseFrom::Given, _) => Estimates::of_noise(self.profile.unwrap_or(Noise::KINECT), 0),
@@ -46,7 +48,8 @@ impl<'a> KnownNoise<'a> {
     }
 }
 
-/// The noise by one frame and the profile of its sensor, which the frame overrules the more, the more it shows.
+/// The noise by one frame and the profile of its sensor. The more the frame shows, the more it overrules the
+/// profile.
 fn by_one_frame(measured: &MeasuredNoise, profile: Option<Noise>) -> Noise {
     let share = |samples: f64| samples / (samples + PROFILE_SAMPLES);
     profile.map_or_else(
@@ -55,7 +58,7 @@ fn by_one_frame(measured: &MeasuredNoise, profile: Option<Noise>) -> Noise {
     )
 }
 
-/// The noise that the profile tells for the median depth of a frame.
+/// The noise of the profile at the median depth of a frame.
 fn profile_noise(sensor: &Sensor, disparity: &Raster<f32>, space: &DisparitySpace) -> Option<Noise> {
     let figures = sensor.profile.figures()?;
     let sampled = disparity.as_slice().iter().step_by(DEPTH_STEP_PX).copied().map(f64::from);

@@ -12,17 +12,18 @@ const LEAST_SLOPE: f64 = 1.5;
 const REACH_PX: usize = 10;
 /// ... and ends where its slope falls below this share of the steepest, or rises again.
 const END_SHARE: f32 = 0.1;
-/// Rise of the slope, as a share and in quanta/px, that is rounding.
+/// A rise of the slope, as a share and in quanta/px, that counts as rounding.
 const RISE: (f32, f32) = (0.05, 0.1);
 /// Pixels at either end from which the surface there is continued (px at a focal length of 525 px).
 const END_PX: usize = 4;
 /// A surface that goes on beyond the end with more than this share of the ramp's mean slope is a steep face, and no ramp.
 const FACE_SHARE: f32 = 0.67;
-/// A slope beyond the end that is more than this share of the ramp's mean slope belongs to the ramp, and is not continued.
+/// A slope beyond the end that exceeds this share of the ramp's mean slope belongs to the ramp, and is not
+/// continued.
 const CONTINUED_SHARE: f32 = 0.33;
 /// Colours at both ends that differ by less than this (sum over the three channels, of 765) do not tell where the edge is.
 const LEAST_CONTRAST: f32 = 120.0;
-/// What the edge costs for every pixel away from half of the depth; a pixel of the wrong colour costs 1.
+/// The cost of each pixel between the edge and the middle of the depth; a pixel of the wrong colour costs 1.
 const AWAY_COST: f32 = 0.2;
 
 /// A row or column of an image.
@@ -40,7 +41,7 @@ pub(super) struct Limits {
     end_px: usize,
 }
 
-/// What a pixel on a ramp becomes.
+/// The value that a pixel on a ramp gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Restored {
     /// Disparity (quanta) of the surface at one end of the ramp; `NaN` for a pixel on no ramp.
@@ -139,7 +140,8 @@ impl Line<'_> {
         (!is_face).then(|| [before, after].map(continued))
     }
 
-    /// The first pixel of a ramp that shows the surface behind it: where colour changes, or else half of the depth.
+    /// The first pixel of a ramp that shows the surface behind the edge: where colour changes, or else at the
+    /// middle of the depth.
     fn edge(&self, first: usize, end: usize, limits: &Limits) -> usize {
         let half = self.half(first, end);
         let Some(color) = self.color else { return half };

@@ -1,7 +1,7 @@
 //! Restores edges that were smeared (docs/CONTEXT.md 0.7, ours, because every stage looks for steps).
 //!
-//! Phones and filled depth have no steps: over 6 to 14 px depth goes smoothly from a thing to what is behind it. Stereo smears edges over
-//! the window that it matches. Such a ramp looks like a steep face of the thing.
+//! Phones and filled depth show no steps: over 6 to 14 px, depth goes smoothly from a thing to what is behind
+//! it. Stereo smears edges over its matching window. Such a ramp looks like a steep face of the thing.
 
 use rayon::prelude::*;
 
@@ -21,14 +21,15 @@ const STEP_SHARE: f32 = 0.6;
 /// Edges are smeared when a smaller share of them is sharp. Smoothed depth has 0.01; raw depth has 0.6 and more, by flying pixels and narrow
 /// side faces.
 const LEAST_SHARP: f32 = 0.5;
-/// Edges below this number tell nothing.
+/// With fewer edges nothing is decided.
 const LEAST_EDGES: usize = 20;
-/// Every this many rows and columns are looked at.
+/// Rows and columns are sampled at this distance.
 const STRIDE_PX: usize = 4;
 
-/// Restores the edges of a disparity image (quanta) if they were smeared: every pixel on a ramp takes the disparity of the surface before or
-/// behind the edge. `None` when its edges are sharp. `is_matched`: whether the sensor matches windows. `color`, of the same size, tells
-/// where in a ramp the edge is. O(pixels), parallel over rows and columns.
+/// Restores the edges of a disparity image (quanta) if they were smeared: every pixel on a ramp takes the
+/// disparity of the surface before or behind the edge. `None` if its edges are sharp. `is_matched`: whether
+/// the sensor matches windows. `color`, of the same size, shows where in a ramp the edge is. O(pixels),
+/// parallel over rows and columns.
 pub(super) fn sharpen(
     disparity: &Raster<f32>,
     color: Option<&Raster<[u8; 3]>>,
@@ -54,7 +55,7 @@ pub(super) fn sharpen(
     Some(sharp)
 }
 
-/// Whether most edges go over several pixels.
+/// Whether most edges extend over several pixels.
 fn is_smeared(disparity: &Raster<f32>, space: &DisparitySpace) -> bool {
     let (width, height) = disparity.size();
     let span = space.length_px(PAIR_PX).max(LEAST_PAIR_PX);
@@ -65,7 +66,8 @@ fn is_smeared(disparity: &Raster<f32>, space: &DisparitySpace) -> bool {
     edges >= LEAST_EDGES && (sharp as f32) < LEAST_SHARP * edges as f32
 }
 
-/// The edges of a line, and how many of them are sharp. A hole at an edge leaves nothing smeared: the edge is sharp.
+/// Counts the edges of a line, and how many of them are sharp. An edge with a hole is sharp, because a hole
+/// leaves nothing smeared.
 fn count_edges(disparity: impl Fn(usize) -> f32, length: usize, span: usize) -> (usize, usize) {
     let (mut edges, mut sharp) = (0, 0);
     for start in (0..length.saturating_sub(span)).step_by(span) {

@@ -11,7 +11,7 @@ pub(super) fn check_alike(overlap: f64, least: f64) -> Check {
     Check::new("overlap of their colours", "", overlap, Bound::Above, least).set_by(COLOR_OVERLAP)
 }
 
-/// The same of two parts in the same light. O(sampled pixels).
+/// The same for two parts in the same light. O(sampled pixels).
 pub(super) fn check_alike_in_light([a, b]: [&Colors; 2], least: f64) -> Check {
     let overlap = a.overlap_in_light(b);
     Check::new("overlap of their colours in the same light", "", overlap, Bound::Above, least)

@@ -1,4 +1,5 @@
-//! Whether a part is a ball that would roll off the other, as a head on a body would (docs/CONTEXT.md 4.7).
+//! Whether a part is a ball that would roll off the other part, as a head would off a body (docs/CONTEXT.md
+//! 4.7).
 
 use glam::DVec3;
 
@@ -11,29 +12,29 @@ use crate::linear::solve;
 use crate::quantile::{element_at, reach_m};
 use crate::regions::SegmentId;
 
-/// A part is a ball when this share of it faces away from one centre, to so many degrees.
+/// A part is a ball if at least this share of it faces away from one centre, to within this many degrees.
 const ROUND_SHARE: f64 = 0.7;
 const ROUND_DEG: f64 = 25.0;
-/// What is larger (m) is not grasped: it is no head.
+/// A larger ball (m) cannot be grasped, so it is no head.
 const RADIUS_M: f64 = 0.15;
-/// As much of its width is seen: any bent face is a small piece of a large ball.
+/// At least this share of its width is seen: any bent face is a small piece of some large ball.
 const SEEN_SHARE: f64 = 0.7;
-/// The centre is found from all points, then so many times from those that face away from it.
+/// The centre is found from all points, then this many times more from those that face away from it.
 const REFITS: usize = 3;
-/// It touches what is this near (m).
+/// The ball touches what is this near (m).
 const TOUCH_M: f64 = 0.015;
-/// It lies on what touches it so far below its centre, over the radius.
+/// The ball lies on a part that touches it at least this far below its centre, over the radius.
 const BELOW: f64 = 0.3;
-/// From this share of pixels on that are neither level nor steep, a ball rolls off.
+/// If at least this share of the pixels there is neither level nor steep, the ball would roll off.
 const SLIDING_SHARE: f64 = 0.2;
-/// Else it lies on a neck: the joint is what is this near (m) to the ball, ...
+/// Otherwise it may lie on a neck. The joint is what is this near (m) to the ball, ...
 const JOINT_M: f64 = 0.012;
-/// ... its width lies between these, over that of the ball: what is narrower is hidden in part, ...
+/// ... its width over that of the ball lies between these (a narrower joint is hidden in part), ...
 const NECK_WIDTHS: [f64; 2] = [0.25, 0.55];
-/// ... and is at most this share of the width of the other.
+/// ... and it is at most this share of the width of the other part.
 const JOINT_SHARE: f64 = 0.6;
 
-/// A part that is round like a ball.
+/// A part that is a ball.
 pub(super) struct Ball {
     centre: DVec3,
     radius_m: f64,
@@ -86,7 +87,7 @@ impl Ball {
         Some(scene.height_over_m(seen, support) + normal.dot(below))
     }
 
-    /// Whether another cluster than its body touches it, but for small ones: that may hold it, or lie on it.
+    /// Whether a third cluster touches it. A cluster that is not small may hold the ball, or lie on it.
     fn touches_others(&self, clusters: &Clusters<'_>, [part, body]: [SegmentId; 2]) -> bool {
         let ball = clusters.get(part);
         let least_px = SMALLER_SHARE * ball.pixels.len() as f64;
@@ -120,8 +121,8 @@ fn common_point<'a>(lines: impl Iterator<Item = &'a (DVec3, DVec3)>) -> DVec3 {
     DVec3::from(solve(matrix, right))
 }
 
-/// The checks by which a ball lies on the other part alone, and would roll off it: it lies on a slope, or on a neck. `None` when one fails.
-/// O(pixels of the other and of all that is beside the ball).
+/// The checks by which a ball lies on the other part alone and would roll off it, because it lies on a slope
+/// or on a neck. `None` if one fails. O(pixels of the other part and of everything beside the ball).
 pub(super) fn checks(
     clusters: &Clusters<'_>,
     up: DVec3,
@@ -165,7 +166,7 @@ struct Place {
     below: f64,
     /// The share of the part around the ball that is neither level nor steep.
     sliding_share: f64,
-    /// The width (m) of what is nearest to the ball, and of the part.
+    /// The width (m) of the joint, and of the other part.
     joint_m: f64,
     width_m: f64,
 }

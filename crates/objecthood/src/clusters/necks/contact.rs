@@ -14,7 +14,7 @@ pub(super) fn is_part(clusters: &Clusters<'_>, id: SegmentId) -> bool {
     clusters.get(id).pixels.len() >= clusters.scene.space.area_px(PART_PX)
 }
 
-/// The clusters large enough to be compared that lie beside another, touching or not.
+/// The clusters that lie beside a cluster, touching or not, and are large enough to be compared.
 pub(super) fn beside<'a>(clusters: &'a Clusters<'_>, id: SegmentId) -> impl Iterator<Item = SegmentId> + 'a {
     let neighbours = clusters.get(id).neighbours.iter();
     let near = neighbours.filter(|(_, borders)| is_long(clusters, borders.all()));
@@ -30,8 +30,8 @@ fn is_long(clusters: &Clusters<'_>, pairs: u32) -> bool {
     pairs as usize >= clusters.scene.space.length_px(BESIDE_PX)
 }
 
-/// The pairs of neighbouring pixels of which the first is of one part and the second of the other, in the order of the first. O(pixels of the
-/// part).
+/// The pairs of neighbouring pixels, the first in one part and the second in the other, in the order of the
+/// first. O(pixels of the part).
 pub(super) fn pixel_pairs<'a>(
     clusters: &'a Clusters<'_>,
     [of, with]: [SegmentId; 2],

@@ -1,4 +1,4 @@
-//! Whether a part is a handle: slim, and joined to the body with all of its end (docs/CONTEXT.md 4.7).
+//! Whether a part is a handle: slim, and joined to the body along its whole end (docs/CONTEXT.md 4.7).
 
 use glam::DVec3;
 
@@ -9,20 +9,21 @@ use crate::clusters::necks::limits::{FOOT_M, SIDES, WIDTH_QUANTA};
 use crate::quantile::reach_m;
 use crate::regions::SegmentId;
 
-/// A part stands on the one below if that touches it within this (m) of the height of its foot.
+/// A part stands on the lower one if it touches it within this (m) of the height of its own foot.
 const STANDS_M: f64 = 0.005;
-/// A handle touches its body along this share of their border: what is merely pushed against another leaves gaps,
+/// A handle touches its body along at least this share of their border (a thing that is merely pushed against
+/// another leaves gaps),
 const CLOSED_SHARE: f64 = 0.7;
-/// with all of its end: the width of the joint over that of the end,
+/// with its whole end (the width of the joint over that of the end),
 const END_WIDTHS: [f64; 2] = [0.7, 1.5];
-/// and is so many times as long as wide. Handles of synthetic tools and hammers measure 3 to 9.
+/// and is at least this many times as long as wide. Handles of synthetic tools and hammers measure 3 to 9.
 const SLIMNESS: f64 = 2.5;
 /// The end of a part is what lies this near (m) to its joint.
 const END_M: f64 = 0.03;
 
-/// The checks by which one of two parts is a handle of the other; `None` when one fails, or the upper one, with its foot at `foot_m`, stands on
-/// the lower. `carrying`: the pixels of the lower one that touch the upper.
-/// O(pixels of both).
+/// The checks by which one of two parts is a handle of the other. `None` if one fails, or if the upper one,
+/// whose foot is at `foot_m`, stands on the lower. `carrying`: the pixels of the lower one that touch the
+/// upper. O(pixels of both).
 pub(super) fn checks(
     clusters: &Clusters<'_>,
     up: DVec3,
@@ -56,12 +57,12 @@ struct Joint {
     closed_share: f64,
     /// The width of the joint, over that of the end of the part.
     width_share: f64,
-    /// How far the part goes away from the joint, over the width of its end.
+    /// How far the part extends away from the joint, over the width of its end.
     slimness: f64,
 }
 
-/// Measures the joint of a part with a body; `contacts`: the pixels of the part that touch it. `None` when there are none, or the part is seen
-/// from its narrow side only. O(sampled pixels · log(sampled pixels)).
+/// Measures the joint of a part with a body. `contacts`: the pixels of the part that touch the body. `None`
+/// without contacts, or if only the narrow side of the part is seen. O(sampled pixels · log(sampled pixels)).
 fn joint(
     clusters: &Clusters<'_>,
     up: DVec3,

@@ -5,11 +5,11 @@ use crate::clusters::cluster::Clusters;
 use crate::clusters::necks::limits::{FOOT_M, HIDDEN_M, SMALLER_SHARE};
 use crate::clusters::necks::part::Part;
 
-/// A part hangs when at least the first of these shares of its pixels hangs, and less than the second stands. What it hangs on stands with at
-/// least the second.
+/// A part hangs if at least the first of these shares of its pixels hangs, and less than the second stands.
+/// At least the second share of the part that holds it stands.
 const HANGING_SHARE: f64 = 0.5;
 const STANDING_SHARE: f64 = 0.3;
-/// The foot of a hanging part is at least this share as high as its top: what leans stands on an end.
+/// The foot of a hanging part is at least this share as high as its top: a leaning part stands on one end.
 const FOOT_OF_TOP: f64 = 0.35;
 /// The top of a part is this quantile of its heights.
 const TOP_SHARE: f64 = 0.98;

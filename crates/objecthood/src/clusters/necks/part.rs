@@ -1,4 +1,4 @@
-//! What the kinds of evidence ask of a part alone (docs/CONTEXT.md 4.7).
+//! What the kinds of evidence need to know about a part alone (docs/CONTEXT.md 4.7).
 
 use std::sync::OnceLock;
 
@@ -12,7 +12,7 @@ use crate::clusters::necks::symmetry::Shaft;
 use crate::clusters::necks::underside::Underside;
 use crate::regions::SegmentId;
 
-/// A part, and what is measured of it: once a round, when the first of its pairs asks.
+/// A part and its measurements. Each is made once in a round, when the first of its pairs needs it.
 pub(super) struct Part<'a> {
     pub(super) id: SegmentId,
     clusters: &'a Clusters<'a>,

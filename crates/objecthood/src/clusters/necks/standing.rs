@@ -13,15 +13,17 @@ use crate::clusters::vessels::walls::FLAT;
 use crate::regions::SegmentId;
 use crate::surface::disparity::position;
 
-/// With a larger share of level pixels around the contact the lower part carries the upper one.
+/// The lower part carries the upper one if a larger share of pixels around the contact is level.
 const LEVEL_SHARE: f64 = 0.3;
-/// From this share of pixels on that are neither level nor steep, a thing of its own would slide off the lower part.
+/// A separate thing would slide off the lower part if at least this share of pixels is neither level nor
+/// steep.
 const SLIDING_SHARE: f64 = 0.33;
-/// Contacts around which the lower part is looked at, at most: evenly spread, their surroundings overlap.
+/// At most this many contacts are examined, evenly spread, because their surroundings overlap.
 const CONTACTS: usize = 16;
 
-/// The checks by which the upper part, with its foot at `foot_m`, does not stand by itself, and is one with the lower: by their colours (`alike`), or
-/// because it would slide off. `carrying`: the pixels of the lower one that touch the upper. O(pixels of the lower).
+/// The checks by which the upper part, whose foot is at `foot_m`, does not stand by itself and is one body
+/// with the lower: by their colours (`alike`), or because a separate thing would slide off. `carrying`: the
+/// pixels of the lower one that touch the upper. O(pixels of the lower).
 pub(super) fn checks(
     clusters: &Clusters<'_>,
     up: DVec3,
@@ -46,8 +48,8 @@ pub(super) fn checks(
     checks
 }
 
-/// Checks that of two hollow parts one goes on in the other: else it is a bowl that stands in it. `None` when one is not
-/// hollow, or where they lie cannot be told.
+/// Checks that one of two hollow parts continues the other; otherwise it is a bowl that stands in the other.
+/// `None` if one of them is not hollow, or if their places cannot be compared.
 fn check_hollow(clusters: &Clusters<'_>, mut parts: [SegmentId; 2]) -> Option<Check> {
     parts.sort_by_key(|&id| clusters.get(id).pixels.len());
     let [smaller, larger] = parts;
@@ -56,8 +58,8 @@ fn check_hollow(clusters: &Clusters<'_>, mut parts: [SegmentId; 2]) -> Option<Ch
     check_on(clusters, support, larger, smaller)
 }
 
-/// The checks that the upper part would slide off the lower: by the share of the lower one that slopes around their contact, by their sizes, and because
-/// the lower one is not hollow.
+/// The checks by which the upper part would slide off the lower: the share of the lower one that slopes
+/// around their contact, their sizes, and that the lower one is not hollow.
 fn slides(clusters: &Clusters<'_>, [upper, lower]: [SegmentId; 2], sliding_share: f64) -> [Check; 3] {
     let convexity = clusters.convexity(lower);
     let [upper_px, lower_px] = [upper, lower].map(|id| clusters.get(id).pixels.len() as f64);

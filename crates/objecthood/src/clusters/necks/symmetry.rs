@@ -1,4 +1,5 @@
-//! Whether the axis of a slim part is an axis of symmetry of the other, as that of a handle is of the head of a hammer (docs/CONTEXT.md 4.7).
+//! Whether the axis of a slim part is an axis of symmetry of the other part, as the axis of a handle is for
+//! the head of a hammer (docs/CONTEXT.md 4.7).
 
 use glam::DVec3;
 
@@ -9,31 +10,34 @@ use crate::linear::principal_angle;
 use crate::quantile::{range, reach_m};
 use crate::regions::SegmentId;
 
-/// A part is slim when it is so many times as long as wide and as thick.
+/// A part is slim if its length is at least this many times its width and its thickness.
 const SLIMNESS: f64 = 3.0;
 /// Lengths reach from the first to the second of these quantiles: outlines are noisy.
 const ENDS: [f64; 2] = [0.03, 0.97];
-/// Sine of the greatest slope of an axis, 45 degrees: what is upright carries others in its axis.
+/// Sine of the greatest slope of an axis, 45 degrees: an upright thing carries others in its axis.
 const STEEP: f64 = 0.707;
-/// The end of the slim part is so near to the other along the axis (m): fattened edges and shadows hide as much.
+/// The end of the slim part is this near to the other along the axis (m): widened edges and shadows hide as
+/// much.
 const GAP_M: [f64; 2] = [-0.015, 0.02];
 /// The end is what lies this near (m) to it.
 const END_M: f64 = 0.03;
-/// The end shares so much of its heights with the other: what lies below or above it is no part of it.
+/// At least this share of the heights of the end is shared with the other: a thing below or above the end is
+/// no part of it.
 const LEVEL_SHARE: f64 = 0.3;
-/// The other is symmetric about the axis to this share.
+/// The other is symmetric about the axis to at least this degree.
 const SYMMETRY: f64 = 0.7;
-/// Both sides of the axis are compared in stripes across it, so many or fewer, of at least this width (m), ...
+/// Both sides of the axis are compared in at most this many stripes across it, each at least this wide (m),
+/// ...
 const STRIPES: f64 = 12.0;
 const STRIPE_M: f64 = 0.01;
-/// ... if they hold so many points.
+/// ... if a stripe holds this many points.
 const LEAST_POINTS: usize = 8;
-/// Between the end and the other a support is seen at less than this share of the places that are looked at, ...
+/// Between the end and the other, a support is seen at less than this share of the examined places, ...
 const SEEN_SHARE: f64 = 0.5;
 /// ... which are this far apart (m).
 const STEP_M: f64 = 0.002;
 
-/// A slim part: a direction with two across it, and where it begins and ends along each (m).
+/// A slim part: its direction and the two across it, with the range of the part along each (m).
 pub(super) struct Shaft {
     points: Vec<DVec3>,
     /// Its length runs along the first direction, the second is level.
@@ -80,8 +84,9 @@ impl Shaft {
         f64::midpoint(self.ranges_m[direction][0], self.ranges_m[direction][1])
     }
 
-    /// How symmetric points are about its axis, in [0, 1]: how far they reach to the side where they reach less, over how far to the other,
-    /// summed over stripes across the axis. `begins_m`: where the points begin and end along it.
+    /// How symmetric points are about its axis, in [0, 1]: how far they reach to the shorter side, over how
+    /// far to the longer, summed over stripes across the axis. `begins_m`: the range of the points along the
+    /// axis.
     fn symmetry(&self, points: &[DVec3], begins_m: [f64; 2]) -> f64 {
         let [along, aside, _] = self.directions;
         let axis_m = self.middle_m(1);
@@ -101,7 +106,8 @@ impl Shaft {
         if more_m > 0.0 { less_m / more_m } else { 0.0 }
     }
 
-    /// The share of the places on its axis between two places (m) at which a support is seen: there is nothing between.
+    /// The share of the places on its axis between two places (m) at which a support is seen, so that nothing
+    /// lies between.
     fn bare_share(&self, clusters: &Clusters<'_>, [from_m, to_m]: [f64; 2]) -> f64 {
         let scene = clusters.scene;
         let count = ((to_m - from_m).abs() / STEP_M) as usize;
@@ -121,8 +127,9 @@ fn points(clusters: &Clusters<'_>, id: SegmentId) -> Vec<DVec3> {
     clusters.scene.sampled_points(&clusters.get(id).pixels).collect()
 }
 
-/// The checks by which a slim part ends at another, and its axis is an axis of symmetry of that; `None` when one fails. What lies against another by
-/// chance seldom points to its middle, and seldom along one of its own axes. O(sampled pixels · log(sampled pixels)).
+/// The checks by which a slim part ends at another, and its axis is an axis of symmetry of the other. `None`
+/// if one fails. A thing that lies against another by chance seldom points to the middle of the other, and
+/// seldom along an axis of symmetry. O(sampled pixels · log(sampled pixels)).
 pub(super) fn checks(clusters: &Clusters<'_>, shaft: &Shaft, body: SegmentId) -> Option<Vec<Check>> {
     let check = |name, unit, value, bound, limit| Check::new(name, unit, value, bound, limit);
     let others = points(clusters, body);

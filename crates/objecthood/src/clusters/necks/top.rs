@@ -9,20 +9,20 @@ use crate::neighbours::four_neighbours;
 use crate::quantile::{element_at, reach_m};
 use crate::regions::SegmentId;
 
-/// Level pixels make up a top face to this share.
+/// At least this share of a top face is level.
 const LEVEL_SHARE: f64 = 0.75;
-/// The edge of a top is this far below its level at most (m): what is thicker shows a side of its own.
+/// The edge of a top is at most this far below its level (m): a thicker thing shows a side of its own.
 const RIM_M: f64 = 0.008;
-/// The side is set back from the edge by this much at most (m): light that comes by way of the table lengthens a time of flight by as much, and
-/// lids overhang.
+/// The side is set back from the edge by at most this (m): with time of flight, light that comes by way of
+/// the table lengthens distances by as much, and lids overhang.
 const SET_BACK_M: f64 = 0.035;
 /// Distances of fewer quanta than this are noise.
 const NOISE_QUANTA: f64 = 2.0;
-/// The width of the top is looked at in so many stripes ...
+/// The width of the top is divided into this many stripes ...
 const STRIPES: usize = 10;
-/// ... and the side begins in this share of them.
+/// ... and the side begins in at least this share of them.
 const STRIPE_SHARE: f64 = 0.8;
-/// The width of the side, over that of the top: a thing of its own that lies on another has another width.
+/// The width of the side over that of the top: a separate thing on another has another width.
 const WIDTHS: [f64; 2] = [0.85, 1.18];
 /// Widths reach from the first to the second of these quantiles: outlines are noisy.
 const QUANTILES: [f64; 2] = [0.005, 0.995];
@@ -107,7 +107,8 @@ impl Limits {
         begins.iter().filter(|&&begins| begins).count() as f64 / STRIPES as f64
     }
 
-    /// Whether a pixel of the body shows a side that begins at a pixel of the top's edge, set back a little. Where it is not, the fold has voted.
+    /// Whether a pixel of the body shows a side that begins at a pixel of the top's edge, set back a little.
+    /// If it is not set back, the fold has voted already.
     fn is_below(&self, scene: &Scene<'_>, edge: usize, side: usize) -> bool {
         let [edge, at] = [edge, side].map(|i| scene.point_at(i));
         let noise_m = scene.space.step_m(NOISE_QUANTA, at.z);

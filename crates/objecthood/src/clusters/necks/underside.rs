@@ -6,10 +6,10 @@ use crate::clusters::cluster::Clusters;
 use crate::clusters::scene::sampled;
 use crate::regions::SegmentId;
 
-/// A part is followed down in steps of this (m), for at most so many.
+/// Lines go down in steps of this (m), at most this many.
 const STEP_M: f64 = 0.002;
 const MOST_STEPS: usize = 150;
-/// What ends higher than this above its support (m), and than so many quanta, hangs there.
+/// A line that ends higher than this above the support (m), and than this many quanta, hangs there.
 const UNDERSIDE_M: f64 = 0.006;
 const UNDERSIDE_QUANTA: f64 = 2.5;
 
@@ -23,8 +23,9 @@ pub(super) struct Underside {
 }
 
 impl Underside {
-    /// Follows pixels of a part down along gravity, across holes, to the first that is not its own. The line below a thing that stands leaves its
-    /// outline where it meets the support, or lower. O(sampled pixels · steps).
+    /// Follows pixels of a part down along gravity, across holes, to the first pixel that is not its own.
+    /// Below a standing thing the line leaves the outline of the thing where the thing meets the support, or
+    /// lower. O(sampled pixels · steps).
     pub(super) fn of(clusters: &Clusters<'_>, part: SegmentId) -> Self {
         let scene = clusters.scene;
         let pixels = &clusters.get(part).pixels;
@@ -47,7 +48,7 @@ impl Underside {
             let from = scene.point_at(i);
             let Some((step, seen)) = ends(from) else { continue };
             let least_m = UNDERSIDE_M.max(scene.space.step_m(UNDERSIDE_QUANTA, from.z));
-            // What lies flat on the support may count as part of it.
+            // A thing that lies flat on the support may count as a part of it.
             if scene.height_over_m(seen, support) > least_m {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Whether a part begins at another as a neck: the joint is narrower than both (docs/CONTEXT.md 4.7).
+//! Whether a part begins at another as a neck: the joint is narrower than both parts (docs/CONTEXT.md 4.7).
 
 use std::collections::BTreeMap;
 
@@ -14,28 +14,31 @@ use crate::linear::length;
 use crate::quantile::{range, reach_m};
 use crate::regions::SegmentId;
 
-/// A neck is at most this share as wide as the widest place of its part, and of the other.
+/// A neck is at most this share of the width of the widest place of its part, and of the other part.
 const NECK_SHARE: f64 = 0.6;
-/// It is at most this wide (m): what is wider, and hidden in part, is often a corner.
+/// A neck is at most this wide (m): a wider one that is hidden in part is often a corner.
 const WIDEST_M: f64 = 0.04;
-/// It is at least this share as wide as the other: what looks narrower is hidden in part.
+/// A neck is at least this share of the width of the other: one that looks narrower is hidden in part.
 const SLIVER_SHARE: f64 = 0.2;
-/// The joint is from the first to the second of these as long as the neck is wide: what something hides in part meets it along more, or
-/// across a shadow.
+/// The length of the joint over the width of the neck lies between these. A part that something hides meets
+/// the other along more, or across a shadow.
 const JOINT_LENGTHS: [f64; 2] = [0.65, 1.5];
-/// A neck is at the joint at least this share as wide as anywhere: the corner of what is hidden in part widens steadily.
+/// The width at the joint is at least this share of the neck's greatest width: the corner of a partly hidden
+/// thing widens steadily.
 const EVENNESS: f64 = 0.55;
-/// It is at least as long as this share of that widest place: where round things touch, they widen at once.
+/// A neck is at least as long as this share of its part's greatest width: where round things touch, they
+/// widen at once.
 const NECK_LENGTH: f64 = 0.25;
-/// What is at its other end lies within 60 degrees of its direction: the cosine.
+/// The part at the other end lies within 60 degrees of the direction of the neck: the cosine.
 const OPPOSITE: f64 = 0.5;
-/// The part is looked at in so many slices from the joint on, ...
+/// The part is divided into this many slices from the joint on, ...
 const SLICES: usize = 16;
 /// ... and a slice of fewer pixels has no width (px at 525 px).
 const LEAST_PX: usize = 6;
 
-/// The checks by which the first part begins as a neck at the second, whose colours the caller has compared; `None` when one fails. A part that
-/// is narrow all along counts with a third one of its colours at its other end. O(pixels of all three).
+/// The checks by which the first part begins as a neck at the second; the caller has compared their colours.
+/// `None` if one fails. A part that is narrow along its whole length counts only with a third part of its
+/// colours at its other end. O(pixels of all three).
 pub(super) fn checks(
     clusters: &Clusters<'_>,
     parts: &BTreeMap<SegmentId, Part<'_>>,
@@ -67,18 +70,19 @@ pub(super) fn checks(
 
 /// The beginning of a part at another.
 struct Neck {
-    /// How near the two are (m), and how long their joint.
+    /// How near the two parts are (m), and how long their joint is (m).
     gap_m: f64,
     joint_m: f64,
-    /// The middle of the part (m), the direction from the joint to it, and that across it and the line of sight.
+    /// The middle of the part (m), the direction from the joint to it, and the direction across that and the
+    /// line of sight.
     mean: DVec3,
     away: DVec3,
     aside: DVec3,
-    /// The greatest width of the beginning, that at the joint, and that of the whole part (m).
+    /// The greatest width of the neck, its width at the joint, and the greatest width of the whole part (m).
     width_m: f64,
     at_joint_m: f64,
     widest_m: f64,
-    /// What is narrower is noise (m).
+    /// A narrower width is noise (m).
     noise_m: f64,
 }
 

@@ -1,6 +1,7 @@
 //! Rule 4: upright walls around a patch of background are an open box, and the patch is its bottom (docs/CONTEXT.md 4.4.4).
 //!
-//! Where the camera looks down over a wall into a box, it would see the top of anything solid that is as high. So walls show no tops.
+//! Where the camera looks down over a wall into a box, it would see the top of anything solid of the same
+//! height. So walls show no tops.
 
 use glam::DVec3;
 
@@ -31,9 +32,10 @@ const SEEN_SHARE: f64 = 0.1;
 const UP_SHARE: f64 = 1.0 / 3.0;
 /// Least share of the bottom within the convex hull of the walls in the image.
 const WITHIN_SHARE: f64 = 0.9;
-/// The walls are at most so long (m): the boards and sides of a shelf are furniture, whatever stands between them.
+/// The walls are at most this long (m): the boards and sides of a shelf are furniture, whatever stands
+/// between them.
 const LONGEST_M: f64 = 0.8;
-/// What faces up has at least this cosine with up: 45 degrees.
+/// A pixel faces up if its normal has at least this cosine with up: 45 degrees.
 const UP_COSINE: f64 = 0.7;
 
 /// What stands around a patch of background: the walls of a box, and what lies in it.
@@ -49,8 +51,8 @@ struct Around {
 }
 
 impl Around {
-    /// `None` if the patch is not enclosed (most patches, so this is tested first), or nothing beside it is upright. The wall with the
-    /// longest border sets the height of all.
+    /// `None` if the patch is not enclosed (most patches are not, so this is tested first), or if nothing
+    /// beside it is upright. The wall with the longest border sets the height of all.
     fn of(clusters: &Clusters<'_>, patch: &Patch, limits: Limits<'_>) -> Option<Self> {
         let is_beside = |shared: Shared| patch.share_of_border(shared.sides()) >= WALL_SHARE;
         let all = patch.shared.iter().map(|(&id, &shared)| (id, shared));
@@ -103,7 +105,8 @@ impl Around {
         others.map(move |&wall| check_walls_color(clusters.scene, [&own, &colors(wall)]))
     }
 
-    /// The checks on heights and shares. That of the heights holds: what is not as high is no wall.
+    /// The checks on heights and shares. The check on heights always holds: a cluster of another height is no
+    /// wall.
     fn checks(&self, limits: Limits<'_>) -> [Check; 4] {
         let (apart_m, limit_m) = (self.apart_m, limits.params.rim_height_m);
         let at_least = |what, share, least| Check::new(what, "", share, Bound::AtLeast, least);
@@ -154,7 +157,7 @@ fn join_all(clusters: &mut Clusters<'_>, patch: &Patch, around: &Around, into: S
     clusters.extend(into, &pixels);
 }
 
-/// Checks that the walls surround the patch: beside them, what they stand on continues.
+/// Checks that the walls surround the patch. Beside standing walls, the surface that they stand on continues.
 fn check_within(patch: &Patch, walls: &[u32], width: usize) -> Check {
     let outline = Hull::of(walls, width);
     let within = patch.runs.iter().cloned().flatten().filter(|&i| outline.contains(i)).count();
@@ -169,7 +172,7 @@ fn check_length(clusters: &Clusters<'_>, limits: Limits<'_>, walls: &[u32]) -> C
     Check::new("longest side of the walls", "m", longest_m.into(), Bound::AtMost, LONGEST_M)
 }
 
-/// The share of a cluster that faces up, but for a bottom that it was given.
+/// The share of a cluster that faces up, not counting a bottom that it was given.
 fn up_share(clusters: &Clusters<'_>, limits: Limits<'_>, id: SegmentId) -> f64 {
     let is_own = |&i: &usize| clusters.at_pixel(i) == Some(id);
     let (up, all) = sampled(&clusters.get(id).pixels).filter(is_own).fold((0, 0), |(up, all), i| {

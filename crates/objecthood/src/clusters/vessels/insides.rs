@@ -13,8 +13,9 @@ const INSIDE_PX: usize = 60;
 /// The smaller piece needs this share of the concavity that the larger one needs.
 const SMALLER_SHARE: f64 = 0.5;
 
-/// Joins the first two pieces of one inside that it finds, and returns whether it found any. Both are concave. The smaller one is not
-/// higher than the larger one by more than the tops of a vessel differ. If the larger one is round, the smaller one lies on its surface.
+/// Joins the first two pieces of one inside that it finds, and returns whether it found any. Both are
+/// concave. The smaller one is higher than the larger one by at most the difference of tops within a vessel.
+/// If the larger one is round, the smaller one lies on its surface.
 pub(super) fn join_insides(clusters: &mut Clusters<'_>, limits: Limits<'_>, misses: &mut Vec<Miss>) -> bool {
     let check_concave = |what, convexity, share| {
         Check::new(what, "", convexity, Bound::AtMost, -limits.params.concavity * share).set_by(CONCAVITY)

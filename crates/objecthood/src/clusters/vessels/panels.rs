@@ -1,8 +1,9 @@
-//! Rule 5: thin upright panels that are equally high, and meet at corners or face each other, are the walls of a box
+//! Rule 5: thin upright panels of equal height that meet at corners or face each other are the walls of a box
 //! (docs/CONTEXT.md 4.4.5).
 //!
-//! Rule 4 looks for what surrounds a bottom. This rule needs no bottom: contents may hide it, and it may lie above the support. A solid thing is no
-//! panel, because behind the rim of a panel the camera sees down past it.
+//! Rule 4 examines what surrounds a bottom. This rule needs no bottom: contents may hide it, and it may lie
+//! above the support. A solid thing is no panel, because behind the rim of a panel the camera sees past it,
+//! down into the box.
 
 mod interior;
 mod meeting;
@@ -20,13 +21,15 @@ use crate::clusters::history::{Proposal, Rule, Source};
 use crate::regions::SegmentId;
 use crate::union_find::UnionFind;
 
-/// Walls of other colours are those of one box from so many sides on: two things of one height meet by chance, three seldom do.
+/// From this many sides on, walls of different colours are those of one box: two things of equal height may
+/// meet by chance, three seldom do.
 const SIDES: usize = 3;
 
-/// They make up this share of their clusters at least: a bowl may be a wall in part, and a wall one with what leans on it.
+/// Panels make up at least this share of their clusters: a part of a bowl may look like a wall, and a wall
+/// may be one cluster with a thing that leans on it.
 const WALL_SHARE: f64 = 0.5;
 
-/// Two panels whose places fit two walls of one box.
+/// Two panels that are placed like two walls of one box.
 struct Pair {
     panels: [usize; 2],
     /// The clusters that they belong to.
@@ -40,22 +43,23 @@ struct Pair {
 }
 
 impl Pair {
-    /// Whether they are two walls of one box, or pieces of one wall, but for their colours.
+    /// Whether they are two walls of one box, or pieces of one wall, if colours do not count.
     fn fits(&self) -> bool {
         self.meeting.check.holds() && self.tops.holds()
     }
 
-    /// The same with their colours.
+    /// The same if colours count.
     fn fits_by_color(&self) -> bool {
         self.fits() && self.alike.holds()
     }
 
-    /// The same of clusters that are mostly wall, whatever their colours.
+    /// The same for clusters that are mostly wall, if colours do not count.
     fn fits_by_place(&self) -> bool {
         self.fits() && self.are_walls.holds() && self.meeting.kind != Kind::Outside
     }
 
-    /// Whether they are walls of one box. `sides`: whether there are enough for colours not to count.
+    /// Whether they are walls of one box. `sides`: whether the box has so many sides that colours do not
+    /// count.
     fn is_wall(&self, sides: Check) -> bool {
         self.fits_by_color() || self.fits_by_place() && sides.holds()
     }
@@ -73,7 +77,8 @@ impl Pair {
     }
 }
 
-/// Joins the walls of every box, and what else belongs to it. O(pixels of upright facets + panels² + boxes · clusters).
+/// Joins the walls of every box, and its other pieces. O(pixels of upright facets + panels² + boxes ·
+/// clusters).
 pub(super) fn join_panels(clusters: &mut Clusters<'_>, limits: Limits<'_>) {
     let panels = find_panels(clusters, limits.support);
     let pairs = compare(clusters, limits, &panels);
@@ -110,7 +115,7 @@ pub(super) fn join_panels(clusters: &mut Clusters<'_>, limits: Limits<'_>) {
         let walls: Vec<&Panel> = walls.map(|(panel, _)| panel).collect();
         if let Some(interior) = Interior::of(&walls) {
             let into = SegmentId(joined.find(walls[0].cluster.index()) as u32);
-            // The walls of a box in a box may be a piece of the outer one by now.
+            // The walls of a box within a box may be pieces of the outer one by now.
             if !clusters.get(into).pixels.is_empty() {
                 interior.join(clusters, limits.support, into);
             }
@@ -128,7 +133,7 @@ fn groups<'p>(panels: usize, pairs: impl Iterator<Item = &'p Pair>) -> (Vec<u32>
     sets.groups()
 }
 
-/// For each panel, how many sides has the box to which such pairs link it.
+/// For each panel, the number of sides of the box to which such pairs link it.
 fn count_sides(panels: usize, pairs: &[Pair], fits: impl Fn(&Pair) -> bool) -> Vec<usize> {
     let fitting = || pairs.iter().filter(|pair| fits(pair));
     let (box_of, count) = groups(panels, fitting());
@@ -140,7 +145,7 @@ fn count_sides(panels: usize, pairs: &[Pair], fits: impl Fn(&Pair) -> bool) -> V
     box_of.into_iter().map(|of_box| sides[of_box as usize].len()).collect()
 }
 
-/// The pairs of panels whose places fit two walls of one box, with their checks.
+/// The pairs of panels that are placed like two walls of one box, with their checks.
 fn compare(clusters: &Clusters<'_>, limits: Limits<'_>, panels: &[Panel]) -> Vec<Pair> {
     let mut pairs = Vec::new();
     for (b, other) in panels.iter().enumerate() {

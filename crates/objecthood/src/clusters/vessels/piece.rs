@@ -12,13 +12,14 @@ use crate::quantile::{element_at, range};
 use crate::regions::SegmentId;
 use crate::tangents::tangents;
 
-/// Root mean square distance of a piece from the surface, at most (m): walls are a few millimetres thick,
+/// Greatest root mean square distance of a piece from the surface (m), because walls are a few millimetres
+/// thick,
 const DISTANCE_M: f64 = 0.005;
-/// or this share of the radius, because a profile is no parabola,
+/// or this share of the radius, because a profile is no exact parabola,
 const DISTANCE_SHARE: f64 = 0.06;
-/// or so many quanta, for each time that the sensor's waves exceed a Kinect's,
+/// or this many quanta, for each time that the sensor's waves exceed a Kinect's,
 const NOISE_QUANTA: f64 = 1.0;
-/// but never more than this share of the radius: where noise is as large as a thing, everything is round.
+/// but never more than this share of the radius: where noise is as large as a thing, everything looks round.
 const MOST_SHARE: f64 = 0.12;
 /// The radius of a surface is this quantile of the distances of its points from the axis.
 const RADIUS_SHARE: f64 = 0.95;
@@ -26,23 +27,24 @@ const RADIUS_SHARE: f64 = 0.95;
 const HEIGHT_QUANTILES: [f64; 2] = [0.05, 0.95];
 /// The middles of two pieces of one vessel are at most this far apart in the plan view (m): the diameter of the largest.
 const APART_M: f64 = 0.4;
-/// Fewer points of another cluster that are as high as a piece do not tell where it lies.
+/// If fewer points of another cluster lie in the range of heights of a piece, they do not show where the
+/// other lies.
 const LEAST_COMMON: usize = 30;
 
 /// A cluster that may be a piece of a round vessel: it is a surface of revolution by itself.
 pub(super) struct Piece {
     pub id: SegmentId,
-    /// Some of its points: along the two tangents of the support, and the height above it (m).
+    /// A sample of its points: along the two tangents of the support, and the height above it (m).
     pub points_m: Vec<[f64; 3]>,
     /// The middle of these points in the plan view (m).
     middle_m: [f64; 2],
-    /// Where it begins and ends in height (m).
+    /// The range of its heights (m).
     heights_m: [f64; 2],
     /// The noise of its points (m).
     pub noise_m: f64,
-    /// Its own surface.
+    /// The surface that fits it alone.
     surface: Revolution,
-    /// The radius of that (m).
+    /// The radius of that surface (m).
     radius_m: f64,
 }
 
@@ -67,7 +69,7 @@ impl Piece {
         (is_small.holds() && surface.distance_m(&piece.points_m) < piece.most_m(radius_m)).then_some(piece)
     }
 
-    /// The greatest distance (m) at which it is still of a surface with this radius.
+    /// The greatest distance (m) from a surface of this radius at which it still belongs to the surface.
     pub(super) fn most_m(&self, radius_m: f64) -> f64 {
         (DISTANCE_SHARE * radius_m).max(DISTANCE_M).max(self.noise_m).min(MOST_SHARE * radius_m)
     }
@@ -76,8 +78,9 @@ impl Piece {
         length([0, 1].map(|k| self.middle_m[k] - other.middle_m[k])) < APART_M
     }
 
-    /// How far (m) another cluster lies beyond the surface of this one, seen from the axis, where both are equally high; below 0 within it. Bowls in
-    /// bowls have one axis and bend alike, but lie a rim apart. `None` when too little of the other is as high as this piece.
+    /// How far (m) another cluster lies beyond the surface of this one, seen from the axis, at heights that
+    /// both have; below 0 if it lies within. Nested bowls have one axis and similar convexities, but lie a
+    /// rim apart. `None` if too little of the other lies at these heights.
     pub(super) fn beyond_m(
         &self,
         clusters: &Clusters<'_>,
@@ -91,12 +94,12 @@ impl Piece {
         (beyond_m.len() >= LEAST_COMMON).then(|| element_at(&mut beyond_m, 0.5))
     }
 
-    /// How far (m) another cluster may lie from its surface and still be of the same vessel.
+    /// How far (m) another cluster may lie from its surface and still belong to the same vessel.
     pub(super) fn most_beyond_m(&self) -> f64 {
         self.most_m(self.radius_m)
     }
 
-    /// The share of the heights of the less tall of two pieces that both have.
+    /// The share of the range of heights of the less tall piece that both pieces have.
     pub(super) fn level_share(&self, other: &Self) -> f64 {
         let [[low, high], [other_low, other_high]] = [self.heights_m, other.heights_m];
         let common_m = high.min(other_high) - low.max(other_low);
@@ -104,8 +107,8 @@ impl Piece {
     }
 }
 
-/// Checks that the smaller of two insides lies on the surface of the larger one. `None` when that is no surface of revolution, or the two share no
-/// heights.
+/// Checks that the smaller of two insides lies on the surface of the larger one. `None` if the larger one is
+/// no surface of revolution, or if the two have no heights in common.
 pub(in crate::clusters) fn check_on(
     clusters: &Clusters<'_>,
     support: &StructureSurface,

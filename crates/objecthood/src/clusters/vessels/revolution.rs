@@ -7,8 +7,9 @@ const ROUNDS: usize = 3;
 /// A smaller slope of the equation counts as this (m): at the axis it vanishes.
 const LEAST_SLOPE_M: f64 = 1e-3;
 
-/// A surface of revolution about up: a point at (x, y, h) is on it if its squared distance from the axis is `a + b h + c h²`. This holds
-/// for every upright cylinder, cone, sphere and paraboloid; a bowl or plate is near to one of them.
+/// A surface of revolution about up: a point at (x, y, h) is on it if its squared distance from the axis is
+/// `a + b h + c h²`. This holds exactly for every upright cylinder, cone, sphere and paraboloid, and nearly
+/// for a bowl or a plate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Revolution {
     /// The mean of the points, from which all coordinates below are measured (m).
@@ -44,7 +45,8 @@ impl Revolution {
         [0, 1, 2].map(|k| point[k] - self.origin_m[k])
     }
 
-    /// The slope of the equation at a place (m): what it is off by, over this, is the distance from the surface.
+    /// The slope of the equation at a place (m). The residual of the equation, divided by it, is the distance
+    /// from the surface.
     fn slope_m(&self, [x, y, h]: [f64; 3]) -> f64 {
         let [p, q, _, b, c] = self.terms;
         let slope = [2.0 * x - p, 2.0 * y - q, b + 2.0 * c * h];

@@ -1,7 +1,8 @@
 //! Rule 6: pieces of one surface of revolution are one vessel (docs/CONTEXT.md 4.4.6).
 //!
-//! What lies in a bowl or on a plate hides parts of it. The pieces that are left touch nowhere, so no border joins them, and each is too small to
-//! show a circle. But they have one axis and one profile. The far inside and the near wall are pieces too, as the wall is thin.
+//! Contents of a bowl or a plate hide parts of it. The pieces that remain visible do not touch, so no border
+//! joins them, and each is too small to show a circle. But they share one axis and one profile. Even the far
+//! inside and the near wall do, because the wall is thin.
 
 use super::limits::Limits;
 use super::piece::{Piece, radius_m};
@@ -14,15 +15,17 @@ use crate::discovery::join::JoinEvidence;
 use crate::quantile::element_at;
 use crate::regions::SegmentId;
 
-/// The pieces are farther than noise, and than this (m), from one plane: through flat things a surface of revolution goes everywhere.
+/// The pieces lie farther than noise, and than this (m), from one plane: any flat thing fits some surface of
+/// revolution.
 const BENT_M: f64 = 0.0025;
-/// Two pieces have this share of the heights of the less tall one in common: what stands on another begins where that ends.
+/// Two pieces have at least this share of the heights of the less tall one in common: a thing on another
+/// begins where the other ends.
 const LEVEL_SHARE: f64 = 0.3;
 
 /// Two pieces of one surface.
 struct Fit {
     parts: [SegmentId; 2],
-    /// The distance of the worse one from it, over the limit.
+    /// The distance of the worse piece from it, over the limit.
     off: f64,
     join: Proposal,
     evidence: JoinEvidence,
@@ -58,7 +61,7 @@ pub(super) fn join_turned(clusters: &mut Clusters<'_>, limits: Limits<'_>, times
     clusters.history.note_misses(misses);
 }
 
-/// The fits of a piece with others near it; near misses are noted.
+/// The fits of a piece with others near it. Near misses are recorded.
 fn fit_all(
     clusters: &Clusters<'_>,
     limits: Limits<'_>,
@@ -75,7 +78,8 @@ fn fit_all(
     .collect()
 }
 
-/// Fits one surface to two pieces, the larger one first; `None` when a check fails. A miss is noted if both distances hold.
+/// Fits one surface to two pieces, the larger one first. `None` if a check fails. A miss is recorded if both
+/// distances hold.
 fn fit_both(
     clusters: &Clusters<'_>,
     limits: Limits<'_>,
@@ -122,7 +126,7 @@ fn fit_both(
     Some(Fit { parts, off, join, evidence: JoinEvidence::VesselTurned { radius_m, covered } })
 }
 
-/// Checks that of two insides none lies beyond the other: then one stands in the other.
+/// Checks that neither of two insides lies beyond the other: otherwise one stands in the other.
 fn check_apart(surface: &Revolution, [into, from]: [&Piece; 2]) -> Check {
     let beyond_m = |piece: &Piece| {
         let mut beyond_m: Vec<f64> = piece.points_m.iter().map(|&point| surface.beyond_m(point)).collect();

@@ -18,7 +18,8 @@ use crate::hull::Hull;
 use crate::oversegment::structure::StructureSurface;
 use crate::regions::SegmentId;
 
-/// An inside bends outwards by at most this convexity, a wall inwards by at most this. What bends inwards by more is hollow.
+/// The convexity of an inside is at most this. That of a wall is at least minus this; what bends inwards by
+/// more is hollow.
 pub(in crate::clusters) const FLAT: f64 = 0.1;
 /// A wall is in front of the inside along at least this many pixel pairs (px at 525 px).
 const FRONT_PX: usize = 8;
@@ -26,7 +27,8 @@ const FRONT_PX: usize = 8;
 const FRONT_RATIO: u32 = 4;
 /// Without a circle, the wall is in front of the inside along at least this many pixel pairs (px at 525 px).
 const FRONT_ALONE_PX: usize = 12;
-/// A wall has less than this share of its pixels within the outline of the inside: what lies there is a content.
+/// Less than this share of a wall's pixels lies within the outline of the inside: what lies there is
+/// contents.
 const SURROUNDED_SHARE: f64 = 0.5;
 /// Least share of a part's pixels within the circle of the vessel's rim.
 const WITHIN_SHARE: f64 = 0.8;

@@ -1,4 +1,4 @@
-//! Evidence for a flat thing: what a group of cells shows beside the ring around it (docs/CONTEXT.md 2.3).
+//! Evidence for a flat thing: a group of cells compared with the ring around it (docs/CONTEXT.md 2.3).
 
 use crate::check::{Bound, Check};
 use crate::color::histogram::ColorHistogram;
@@ -19,9 +19,9 @@ const CORE_CELLS: u8 = 3;
 const CORE_SHARE: f64 = 0.25;
 /// Cells of the ring farther than this (quanta) from the first plane do not count in the second: they are things, or edges of things.
 const TRIM_QUANTA: f64 = 1.5;
-/// The outline of a thing: within this many cells across it ...
+/// A narrow band across the outline, in cells: in a flat thing it has most of the contrast ...
 const NARROW_CELLS: [isize; 2] = [-1, 2];
-/// ... lies most of the contrast within that many.
+/// ... of this wide band.
 const WIDE_CELLS: [isize; 2] = [-3, 5];
 
 /// What a group of cells shows.

@@ -1,4 +1,4 @@
-//! The field of the search: what lies on a support or hardly above it, at half the resolution.
+//! The field of the search: cells on a support or hardly above one, at half the resolution.
 
 use rayon::prelude::*;
 
@@ -120,7 +120,7 @@ struct Rise<'a> {
 enum Place {
     /// On this one of the supports, of which the facet is a surface.
     On(u8),
-    /// On a support or hardly above it: which one is told pixel by pixel.
+    /// On a support or hardly above one; which support is decided pixel by pixel.
     Low,
     Elsewhere,
 }

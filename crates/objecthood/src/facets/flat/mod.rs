@@ -1,7 +1,8 @@
-//! Flat things: what is 0.2 to 12 mm thick and lies on a support (docs/CONTEXT.md 2.3).
+//! Flat things: things 0.2 to 12 mm thick that lie on a support (docs/CONTEXT.md 2.3).
 //!
-//! Pixel by pixel they are as near to their support as its noise. But they have many pixels: a mean over a book of 2 mm lies far
-//! outside the noise of such means, and a sheet of paper has another colour than the table, inside a sharp, closed, convex outline.
+//! A single pixel of such a thing is as near to the support as the noise. But many pixels together show it:
+//! the mean over a book of 2 mm lies far outside the noise of such means, and a sheet of paper has another
+//! colour than the table, inside a sharp, closed, convex outline.
 
 mod evidence;
 mod field;
@@ -24,9 +25,10 @@ use crate::surface::surfaces::Surfaces;
 
 /// Finds flat things and makes each a facet of its own: the last facets.
 ///
-/// Proposals come from colour (patches of a graph segmentation that differ from their support, and groups of these) and from depth (cells
-/// that rise above it). Each is judged beside the ring around it. Of accepted groups that overlap, the larger and more solid one is kept.
-/// Source: ours, because the paper cuts at steps and folds, and a thing thinner than the noise of a pixel has neither. O(pixels + cells of
+/// Proposals come from colour (patches of a graph segmentation that differ from their support, and groups of
+/// these) and from depth (cells that rise above the support). Each is compared with the ring around it. Among
+/// accepted groups that overlap, the larger and more solid one is kept. Source: ours, because the paper
+/// divides at steps and folds, and a thing thinner than the noise of a pixel has neither. O(pixels + cells of
 /// the proposals · log), without a support O(1).
 pub fn find_flats(
     facets: Facets,

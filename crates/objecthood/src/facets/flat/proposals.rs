@@ -7,20 +7,23 @@ use crate::facets::flat::field::Field;
 use crate::facets::flat::patches::{LEAST_CELLS, NO_PATCH, Patches};
 use crate::union_find::UnionFind;
 
-/// A patch that ends where the field ends along more than this share of its outline is the support's own: it goes on under things.
+/// A patch belongs to the support itself if the field ends along more than this share of its outline: the
+/// support goes on under things.
 const OPEN_SHARE: f64 = 0.25;
-/// A colour that a support shows up to this many times more seldom than a patch does is the support's colour too.
+/// A colour also counts as the support's if its share in the support is at least its share in the patch,
+/// divided by this.
 pub(super) const RARE: f32 = 10.0;
-/// A patch of which at least this share has colours of the support is a part of it.
+/// A patch belongs to the support if at least this share of it has colours of the support.
 const FAMILIAR_SHARE: f64 = 0.5;
 
-/// The colours of each support: of its own patches.
+/// The colours of each support, from the patches that are its own.
 pub(super) type OwnColors = BTreeMap<u8, ColorHistogram>;
 
 /// Cells that may be a flat thing.
 pub(super) struct Proposal {
     pub cells: Vec<u32>,
-    /// Whether cells of other colours that are not the support's touch it: then colour alone does not say that it ends there.
+    /// Whether cells of other colours, which are not the support's, touch it. Then colour alone does not show
+    /// that it ends there.
     pub is_part: bool,
 }
 
@@ -38,14 +41,15 @@ struct Patch {
 }
 
 impl Patch {
-    /// Whether it has an end of its own.
+    /// Whether it ends by itself.
     fn is_closed(&self) -> bool {
         !self.is_cut && f64::from(self.open) <= OPEN_SHARE * f64::from(self.outline)
     }
 }
 
-/// Finds by colour what differs from its support: patches of other colours, and groups of such patches that touch. Also returns the
-/// supports' own colours. `is_large`: whether so many cells, with these among them, are too many for a thing. O(cells · log patches).
+/// Proposes, by colour, patches that differ from their support, and groups of such patches that touch. Also
+/// returns the supports' own colours. `is_large`: whether these cells are too many, or too far apart, for a
+/// thing. O(cells · log patches).
 pub(super) fn propose_by_color(
     field: &Field,
     patches: &Patches,
@@ -74,7 +78,7 @@ pub(super) fn propose_by_color(
     (with_groups(found, &is_own), own)
 }
 
-/// Finds by depth what rises above its support: pieces of raised cells that hang together. O(cells).
+/// Proposes, by depth, connected pieces of raised cells. O(cells).
 pub(super) fn propose_by_depth(
     field: &Field,
     pieces: &Patches,
@@ -85,7 +89,7 @@ pub(super) fn propose_by_depth(
     closed.map(|piece| Proposal { cells: piece.cells, is_part: true }).collect()
 }
 
-/// The patches that are not their support's own, and the groups of them that touch.
+/// Proposes the patches that are not the support's own, and the groups of such patches that touch.
 fn with_groups(found: Vec<Patch>, is_own: &[bool]) -> Vec<Proposal> {
     let mut sets = UnionFind::new(found.len());
     for (k, patch) in found.iter().enumerate().filter(|(k, _)| !is_own[*k]) {

@@ -1,4 +1,4 @@
-//! Raised cells: those whose surroundings lie before the support, by depth alone.
+//! Raised cells: cells whose surroundings lie before the support, by depth alone.
 
 use crate::facets::flat::field::{Cell, Field, NO_SUPPORT};
 
@@ -14,7 +14,7 @@ pub(super) fn find_raised(field: &Field, disagreement_quanta: f64) -> Vec<bool> 
     let (width, height) = (field.width, field.height);
     let mean = means(field);
     let least = (RAISED_SIGMAS * disagreement_quanta) as f32;
-    // Few cells rise so far that those around them are asked.
+    // Few cells rise so far that their neighbours have to be examined.
     let greatest = |i: usize| {
         let near = |at: usize, all: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(all);
         let rows = near(i / width, height).map(|v| v * width);

@@ -94,7 +94,7 @@ impl<'a> Search<'a> {
         Self { field, surfaces, structure, params, ring: near..=far }
     }
 
-    /// The flat things, by their first cells.
+    /// Finds the flat things, in the order of their first cells.
     pub(super) fn run(&self, has_color: bool) -> Vec<Found> {
         let is_large = |cells: &[u32]| !self.is_graspable(self.sides_m(cells));
         let (mut proposals, own) = if has_color {
@@ -112,7 +112,7 @@ impl<'a> Search<'a> {
         self.choose(found)
     }
 
-    /// Measures a proposal; `None` if its shape is none of a thing.
+    /// Measures a proposal; `None` if its shape is not that of a thing.
     fn look(&self, Proposal { cells, is_part }: &Proposal, own: &OwnColors) -> Option<Group> {
         let around = Surroundings::new(self.field, cells, usize::from(*self.ring.end()) + 1);
         let shown = measure(self.field, &around, self.ring.clone(), own.get(&around.support))?;
@@ -140,7 +140,7 @@ impl<'a> Search<'a> {
             let (alike, parallel) = (count_alike(groups, k), count_parallel(groups, k));
             checks.extend(color.check(alike, parallel, sides_m[1], self.params.flat));
         }
-        // What lies deeper than its ring is no thing, whatever its colour.
+        // A group that lies deeper than its ring is no thing, whatever its colour.
         let is_sunk = shown.offset_quanta < -rises.limit;
         let rank = cells.len() as f64 * shown.solid * shown.solid;
         let is_thing = !is_sunk && checks.iter().all(Check::holds);
@@ -164,8 +164,9 @@ impl<'a> Search<'a> {
         found
     }
 
-    /// The disagreement (quanta) of blocks of an empty surface: a Kinect's, times the most that blocks of any size exceed it, because waves
-    /// of stereo are longer than the blocks. A Kinect's at least: bent tables and stray light do not shrink with the noise.
+    /// The disagreement (quanta) of blocks of an empty surface: a Kinect's, times the largest ratio of the
+    /// frame's to a Kinect's over all sizes of blocks, because waves of stereo are longer than the blocks. At
+    /// least a Kinect's, because bent tables and stray light do not shrink with the noise.
     fn noise_quanta(&self, block: usize) -> f64 {
         let noise = self.surfaces.space.noise().blocks_quanta;
         let ratios = noise.iter().zip(KINECT_QUANTA).map(|(own, kinect)| own / kinect);
@@ -214,7 +215,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The other groups of about the colour and the size of one.
+/// The number of other groups of about the same colour and size.
 fn count_alike(groups: &[Group], k: usize) -> usize {
     let own = &groups[k].shown;
     count_others(groups, k, |other| {
@@ -225,7 +226,8 @@ fn count_alike(groups: &[Group], k: usize) -> usize {
     })
 }
 
-/// The other groups on the support of one that colour alone shows, and whose sides run as its own do.
+/// The number of other groups on the same support that only colour shows, and whose sides are parallel to its
+/// own.
 fn count_parallel(groups: &[Group], k: usize) -> usize {
     let own = &groups[k];
     count_others(groups, k, |other| {
@@ -235,7 +237,8 @@ fn count_parallel(groups: &[Group], k: usize) -> usize {
     })
 }
 
-/// The other groups of some sort. A group and the patches that it consists of are one.
+/// The number of other groups for which a condition holds. A group and the patches that it consists of count
+/// once.
 fn count_others(groups: &[Group], k: usize, is_meant: impl Fn(&Group) -> bool) -> usize {
     let mut counted = vec![&groups[k].cells];
     for other in groups.iter().filter(|other| is_meant(other)) {

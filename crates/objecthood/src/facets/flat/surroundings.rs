@@ -80,7 +80,7 @@ impl Surroundings {
         }
     }
 
-    /// Steps from some cells; farther than `reach` is not looked.
+    /// Steps from some cells, up to `reach`.
     fn spread(&self, from: &[usize], reach: usize, may: impl Fn(usize) -> bool) -> Vec<u8> {
         let mut steps = vec![FAR; self.width * self.height];
         from.iter().for_each(|&k| steps[k] = 0);

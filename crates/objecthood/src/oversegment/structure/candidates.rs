@@ -32,13 +32,14 @@ const LEAST_POOL: usize = 150;
 const REFIT_QUANTA: [f64; 3] = [3.5, 3.0, 3.0];
 /// Least number of samples of such a fit.
 const LEAST_REFIT: usize = 50;
-/// A surface whose largest piece has this share of its samples is that piece: nothing else makes it lean.
+/// If the largest piece has at least this share of a surface's samples, the surface is that piece: nothing
+/// else tilts it.
 const MOST_SHARE: f64 = 0.8;
 /// Samples nearer than this to a surface (quanta) are taken out with it.
 const INLIER_QUANTA: f64 = 3.0;
 /// Refits before this one measure the spread of the surface.
 const LAST_SPREAD: usize = 2;
-/// Samples less than this (quanta) behind a surface tell its spread.
+/// Samples less than this (quanta) behind a surface show its spread.
 const BEHIND_QUANTA: f64 = 12.0;
 /// Least number of such samples.
 const LEAST_BEHIND: usize = 60;
@@ -48,13 +49,14 @@ const LEAST_SPREAD: f64 = 1.3;
 const MOST_SPREAD: f64 = 3.5;
 /// Median distance from the mean of a normal distribution, in standard deviations.
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
-/// Blocks of so many by so many samples tell how a surface lies there: single normals are noise far away ...
+/// Blocks of this many by this many samples show how a surface lies there, because single normals are noise
+/// far away, ...
 const BLOCK: usize = 6;
-/// ... if a quarter of their samples is on it.
+/// ... if at least a quarter of their samples is on it.
 const LEAST_IN_BLOCK: usize = 9;
 /// Least cosine of the angle (20 degrees) between the mean normal of a block and that of its surface.
 const LEAST_ALIGNED: f64 = 0.94;
-/// The spread of a surface is believed if at most this share of it is in blocks that lie otherwise.
+/// The spread of a surface is accepted if at most this share of it is in blocks that lie otherwise.
 const MOST_ASKEW: f64 = 0.25;
 /// Where the random numbers of the trial planes begin: fixed, so the same frame gives the same planes.
 const SEED: u32 = 12345;
@@ -107,8 +109,9 @@ impl View<'_> {
         pixels.filter(|&pixel| fits.at(pixel).is_some()).map(sample).collect()
     }
 
-    /// Finds up to eight surfaces. Each round takes the plane near most samples, fits a surface to the largest piece of it and to what lies
-    /// near that, and removes the samples near this surface from the pool.
+    /// Finds up to eight surfaces. Each round takes the plane near most samples. It fits a surface to the
+    /// largest piece of this plane and the samples near that piece. Then it removes the samples near the
+    /// surface from the pool.
     pub(super) fn find_candidates(&self, mut pool: Vec<Sample>) -> Vec<Candidate> {
         let mut random = Lcg::new(SEED);
         let mut candidates = Vec::new();
@@ -137,7 +140,7 @@ impl View<'_> {
         };
         let found = surface(most_spread)?;
         let is_wide = found.scale > self.space.noise().pixel_scale();
-        // What does not lie as the surface does is of other surfaces, so its spread is no noise.
+        // Samples that do not lie as the surface does belong to other surfaces, so its spread is no noise.
         if is_wide && self.askew_share(pool, &found) > MOST_ASKEW { surface(1.0) } else { Some(found) }
     }
 
@@ -160,7 +163,8 @@ impl View<'_> {
 
     /// The plane a u + b v + c of the largest piece of a surface; `None` if the piece has fewer than fifty samples, or nearly all.
     ///
-    /// The plane near most samples may run through many things by chance. Its largest piece tells which surface is meant.
+    /// The plane with most samples may run through several things by chance. Its largest piece shows which
+    /// surface is meant.
     fn plane_of_largest_piece(&self, pool: &[Sample], surface: &StructureSurface) -> Option<[f64; 3]> {
         let has_tilt = |s: &Sample| {
             let slope = surface.model.slope(s.at);
@@ -216,10 +220,11 @@ impl View<'_> {
         self.alike.are(surface, &Tilt::at(sample.pixel, self.orientation), scale)
     }
 
-    /// How much farther than a Kinect's the samples of a surface scatter about it; 1 on a Kinect.
+    /// The spread of a surface: how much farther than a Kinect's its samples scatter about it; 1 on a Kinect.
     ///
-    /// Only samples behind the surface count, because things stand before it: those that have its tilt and lie beside samples on
-    /// it, so that no other surface close behind it counts. Their spread is the median distance of a normal distribution. O(samples).
+    /// Only samples behind the surface count, because things stand before it. They have its tilt, and lie
+    /// beside samples on it, so that no other surface close behind it counts. The spread is their median
+    /// distance, converted to a standard deviation. O(samples).
     fn measure_spread(&self, pool: &[Sample], model: &Model, tilt: &Tilt, scale: f64, most: f64) -> f64 {
         if most <= LEAST_SPREAD {
             return 1.0;

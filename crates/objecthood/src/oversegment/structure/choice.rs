@@ -1,4 +1,5 @@
-//! The choice of the ground among surfaces, by what stands on them and by what is known of the direction up (docs/CONTEXT.md 1.1).
+//! The choice of the ground among surfaces, by what stands on them and by what is known about the direction
+//! up (docs/CONTEXT.md 1.1).
 
 use glam::DVec3;
 
@@ -8,9 +9,11 @@ use crate::attitude::{Attitude, Knowledge};
 const PARALLEL: f64 = 0.966;
 /// Cosine of the angle between a measured up and the ground (10 degrees).
 const NEAR_GRAVITY: f64 = 0.985;
-/// How plausible a normal is as up falls from this far above the camera's horizon on (sine; 30 degrees) ...
+/// The plausibility of a normal as up falls from this far above the camera's horizon on (sine; 30 degrees)
+/// ...
 const PITCH_FROM: f64 = 0.5;
-/// ... over this much, and with its third power, because a camera that looks straight down sees the ground's normal on its horizon ...
+/// ... over this range, with its third power, because a camera that looks straight down sees the ground's
+/// normal on its horizon, ...
 const PITCH_OVER: f64 = 0.7;
 /// ... but not below this, before the power is taken.
 const LEAST_PITCH: f64 = 0.1;
@@ -26,35 +29,37 @@ pub(super) const FACED: f64 = 0.3;
 const OBLIQUE: f64 = 0.5;
 /// This far (sine; 14 degrees) is enough for a surface on which most things rest.
 const SOMEWHAT_OBLIQUE: f64 = 0.25;
-/// A normal that lies to the side of a turned camera by more than 45 degrees is of another turn: least plausibility.
+/// A normal that lies to the side of a turned camera by more than 45 degrees belongs to another turn: least
+/// plausibility.
 const OWN_TURN: f64 = 0.5;
-/// A camera is taken for turned if at least this many things rest on the ground it then has ...
+/// A camera is taken for turned if at least this many things rest on the ground that it would then have, ...
 const LEAST_RESTING: f64 = 2.0;
-/// ... more than this many times those that rest on the ground of the upright camera ...
+/// ... more than this many times the number on the ground of the upright camera, ...
 const TURNED_TIMES: f64 = 2.0;
-/// ... and its votes, times this, are more than those of the upright ground;
+/// ... and if its votes, times this, exceed those of the upright ground;
 const TURNED_WEIGHT: f64 = 0.4;
-/// or if this share of all things rests on it, and none on the upright ground;
+/// or if at least this share of all things rests on it, and none on the upright ground;
 const HALF_SHARE: f64 = 0.5;
-/// or this share ...
+/// or if at least this share does, ...
 const MOST_SHARE: f64 = 0.6;
-/// ... and more than this many times those on the upright ground.
+/// ... and more than this many times the number on the upright ground.
 const MOST_TIMES: f64 = 2.5;
-/// A ground is in doubt when a surface that is turned otherwise reaches this share of its votes ...
+/// A ground is in doubt if a surface of another direction has more than this share of its votes ...
 const RIVAL_SHARE: f64 = 0.5;
-/// ... or when this share of the things on it rests on a surface that would be the ground of a turned camera.
+/// ... or if at least this share as many things rest on a surface that would be the ground of a turned
+/// camera.
 const TURNED_RIVAL_SHARE: f64 = 0.34;
 
-/// What speaks for a surface as a support.
+/// The evidence for a surface as a support.
 pub(super) struct Evidence {
     pub(super) normal: DVec3,
     /// Things that touch it more than any other surface.
     pub(super) things: f64,
-    /// Those of them that surely are things, and end at the surface.
+    /// Things that surely are things and end at the surface.
     pub(super) resting: f64,
     /// Its share of the image.
     pub(super) share: f64,
-    /// Whether it may be the ground, by what is known besides its votes.
+    /// Whether it may be the ground, apart from its votes.
     pub(super) may_be_ground: bool,
 }
 
@@ -70,14 +75,15 @@ pub(super) struct Choice {
     pub(super) surface: usize,
     /// How far the camera is turned clockwise about its optical axis beyond what was given: 0, 90, 180 or 270 degrees.
     pub(super) turned_deg: u16,
-    /// Whether little speaks for another surface.
+    /// Whether there is little evidence for another surface.
     pub(super) is_clear: bool,
 }
 
-/// Chooses the ground. `things`: all that could rest on a surface. `None` without surfaces, or where none agrees with what is known of up.
+/// Chooses the ground. `things`: the number of things that could rest on a surface. `None` without surfaces,
+/// or if none agrees with what is known about up.
 ///
-/// Surfaces that are parallel vote together. Their votes count the less the farther they turn from the camera's own up to below the
-/// horizon. Where the frame does not decide, what earlier frames told does. O(surfaces²).
+/// Parallel surfaces vote together. Their votes weigh less the farther their normal is from the camera's own
+/// up, down to below the horizon. If the frame does not decide, the up of earlier frames does. O(surfaces²).
 pub(super) fn choose_ground(evidence: &[Evidence], things: f64, attitude: &Attitude) -> Option<Choice> {
     let rate = |leader| Rated::new(evidence, leader, things, attitude);
     let rated: Vec<Rated> = (0..evidence.len()).map(rate).filter(|rated| rated.can_be_ground).collect();
@@ -107,7 +113,8 @@ pub(super) fn choose_ground(evidence: &[Evidence], things: f64, attitude: &Attit
     }
 }
 
-/// The angle (degrees) by which the surface with most votes faces away from a measured up that no surface faces.
+/// The angle (degrees) between a measured up, which no surface faces, and the normal of the surface with most
+/// votes.
 pub(super) fn missed_gravity_deg(evidence: &[Evidence], attitude: &Attitude) -> Option<f32> {
     let rate = |leader| Rated::new(evidence, leader, 0.0, attitude);
     let rated: Vec<Rated> = (0..evidence.len()).map(rate).collect();
@@ -122,14 +129,15 @@ fn most<'a>(rated: impl Iterator<Item = &'a Rated>, number: impl Fn(&Rated) -> f
     rated.reduce(|most, r| if number(r) > number(most) { r } else { most })
 }
 
-/// What speaks for a surface and all that are parallel to it as the ground.
+/// The evidence for a surface, with all parallel ones, as the ground.
 struct Rated {
     surface: usize,
     /// Whether it agrees with a measured up.
     can_be_ground: bool,
     /// How far its normal is above the camera's horizon (sine).
     above: f64,
-    /// The same if the camera is turned by quarters, as far as can be; -1 where that is not open.
+    /// The same for the turn (of a quarter, a half or three quarters) for which it is greatest; -1 if the
+    /// camera cannot be turned.
     above_if_turned: f64,
     /// That turn.
     turned_deg: u16,
@@ -174,13 +182,15 @@ impl Rated {
         }
     }
 
-    /// How far the camera is turned if this is the ground: not at all unless it is seen at this angle (sine) then, and hardly upright.
+    /// How far the camera is turned if this is the ground. 0 unless the ground is then seen at this angle
+    /// (sine), and is hardly plausible upright.
     fn own_turn_deg(&self, least_above: f64) -> u16 {
         let is_turned = self.above_if_turned > least_above && TURNED_WEIGHT * self.turned > self.upright;
         if is_turned { self.turned_deg } else { 0 }
     }
 
-    /// Whether this is the ground of a turned camera rather than another surface that of an upright one.
+    /// Whether this is the ground of a turned camera, rather than another surface the ground of an upright
+    /// one.
     fn is_turned_ground(&self, upright: &Self) -> bool {
         let times = |k: f64| self.resting > k * upright.resting;
         let is_enough = self.resting >= LEAST_RESTING;
@@ -192,10 +202,10 @@ impl Rated {
         is_enough && (is_oblique || (self.above_if_turned > SOMEWHAT_OBLIQUE && bears_most))
     }
 
-    /// Whether little speaks for other surfaces than this ground of an upright camera.
+    /// Whether there is little evidence for other surfaces than this ground of an upright camera.
     fn is_clear<'a>(&self, mut others: impl Iterator<Item = &'a Self>) -> bool {
         let is_empty = self.resting < 1.0;
-        // A wall, or seen from straight above: a camera that faces a shelf sees its back so.
+        // A wall, or a surface seen from straight above: a camera that faces a shelf sees its back like this.
         let is_faced = self.above < FACED;
         // Nothing stands on it, and it does not lie as a ground would.
         let is_guessed = self.votes < 1.0 && (is_faced || self.upright < RIVAL_SHARE * self.votes);

@@ -16,7 +16,7 @@ const LEAST_RISE_M: f64 = 0.02;
 const LEAST_RISE_QUANTA: f64 = 4.0;
 /// Pixels farther apart than this many times their distance in the image lie on both sides of a step.
 const MOST_STRETCH: f64 = 4.0;
-/// Distance (px at a focal length of 525 px) of the cells in which the frame is looked at.
+/// Distance (px at a focal length of 525 px) of the cells in which the frame is sampled.
 const CELL_PX: usize = 3;
 /// A thing touches a surface within this many cells.
 const CONTACT_CELLS: usize = 2;
@@ -24,13 +24,13 @@ const CONTACT_CELLS: usize = 2;
 const LEAST_CONTACTS: u32 = 3;
 /// A thing surely rests on a surface if it rises by this many quanta ...
 const SURE_RISE_QUANTA: f64 = 8.0;
-/// ... has more pixels than this (at a focal length of 525 px) ...
+/// ... has at least this many pixels (at a focal length of 525 px) ...
 const SURE_PX: usize = 540;
-/// ... and touches the surface where it is no higher above it than this (m) ...
+/// ... and touches the surface where it is at most this high above it (m) ...
 const LOW_M: f64 = 0.01;
 /// ... or than this many quanta.
 const LOW_QUANTA: f64 = 4.0;
-/// Pieces of fewer pixels than this (at a focal length of 525 px) are noise, as fragments are.
+/// Pieces that do not have more pixels than this (at a focal length of 525 px) are noise, as fragments are.
 const LEAST_THING_PX: usize = 250;
 /// Pieces longer than this (m) along an axis of the camera are furniture, as for `objectness.max_side_m`.
 const MOST_SIDE_M: f64 = 0.6;
@@ -38,20 +38,22 @@ const MOST_SIDE_M: f64 = 0.6;
 /// The surfaces on which things stand.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Supports {
-    /// Their numbers: the ground first, that is the one on which most stands.
+    /// The numbers of the surfaces. The ground, on which most things stand, comes first.
     pub surfaces: Vec<usize>,
     /// How far the camera is turned clockwise about its optical axis beyond what was given: 0, 90, 180 or 270 degrees.
     pub turned_deg: u16,
-    /// Whether little speaks for another surface as the ground.
+    /// Whether there is little evidence for another surface as the ground.
     pub is_clear: bool,
-    /// The angle (degrees) by which the surface on which most stands faces away from a measured up that no surface faces.
+    /// The angle (degrees) between a measured up, which no surface faces, and the normal of the surface with
+    /// most votes.
     pub missed_gravity_deg: Option<f32>,
 }
 
 /// Finds the ground and all supports that are parallel to it.
 ///
-/// For each surface, the things are counted that touch it more than any other: a wall touches furniture, a board what stands on it.
-/// [`choose_ground`] weighs them. Without surfaces there is no support. O(pixels / 9 + surfaces²).
+/// Counts, for each surface, the things that touch it more than any other: a wall touches furniture, a board
+/// what stands on it. [`choose_ground`] weighs them. Without surfaces there is no support. O(pixels / 9 +
+/// surfaces²).
 pub(super) fn find_supports(
     surfaces: &[StructureSurface],
     large: usize,
@@ -89,7 +91,7 @@ fn is_structure(k: usize, evidence: &[Evidence], large: usize) -> bool {
     k < large || evidence[k].things >= 1.0
 }
 
-/// The structure that is parallel to a surface, with itself.
+/// The structure that is parallel to a surface, including the surface itself.
 fn supports_beside(surface: usize, evidence: &[Evidence], large: usize) -> Vec<usize> {
     let is_support =
         |&k: &usize| evidence[surface].is_parallel_to(&evidence[k]) && is_structure(k, evidence, large);
@@ -108,8 +110,8 @@ impl Supports {
     }
 }
 
-/// Counts the things on each surface: pieces of what lies on no surface that hang together, have a graspable size, and touch this
-/// surface more than the others. Also returns how many could surely rest on one.
+/// Counts the things on each surface. A thing is a connected piece on no surface, has a graspable size, and
+/// touches this surface more than the others. Also returns how many things could surely rest on one.
 fn count_things(scene: &Seen<'_>, surfaces: &[StructureSurface]) -> (Vec<Evidence>, f64) {
     let evidence = |s: &StructureSurface| Evidence {
         normal: s.normal,
@@ -140,7 +142,7 @@ fn count_things(scene: &Seen<'_>, surfaces: &[StructureSurface]) -> (Vec<Evidenc
     (evidence, count)
 }
 
-/// A piece of what lies on no surface.
+/// A connected piece of pixels that are on no surface.
 #[derive(Clone)]
 struct Piece {
     cells: usize,
@@ -192,7 +194,7 @@ impl Piece {
         self.most_touched(surfaces, least_quanta, scene, &self.contacts)
     }
 
-    /// The surface that it touches most among those at which it ends, and from which it surely rises.
+    /// The surface that it touches most among those at which it ends and above which it surely rises.
     fn lowest_support(&self, scene: &Seen<'_>, surfaces: &[StructureSurface]) -> Option<usize> {
         self.most_touched(surfaces, SURE_RISE_QUANTA, scene, &self.low_contacts)
     }
@@ -212,7 +214,7 @@ impl Piece {
     }
 }
 
-/// The frame, looked at in cells: every few pixels along rows and columns.
+/// The frame, sampled in cells: every few pixels along rows and columns.
 struct Seen<'a> {
     space: &'a DisparitySpace,
     /// Distance (px) of the cells.
@@ -267,7 +269,7 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// The cells this many columns to the right and rows below.
+    /// The cell this many columns to the right and rows below.
     fn beside(&self, cell: usize, apart: usize) -> impl Iterator<Item = usize> + use<> {
         let [column, row] = [cell % self.columns, cell / self.columns];
         let right = (column + apart < self.columns).then_some(cell + apart);
@@ -285,7 +287,7 @@ impl<'a> Seen<'a> {
         self.space.area_px(px) / (self.step * self.step)
     }
 
-    /// The pieces of what lies on no surface, and where they touch surfaces. O(cells · surfaces).
+    /// The pieces that are on no surface, and where they touch surfaces. O(cells · surfaces).
     fn measure_pieces(&self, surfaces: &[StructureSurface]) -> Vec<Piece> {
         let (of_cell, count) = self.find_pieces();
         let mut pieces = vec![Piece::new(surfaces.len()); count];
@@ -322,7 +324,7 @@ impl<'a> Seen<'a> {
                 }
             }
         }
-        // Every cell of a surface is a set of its own, but no piece.
+        // Every cell of a surface is a set of its own, but not a piece.
         let (set_of, sets) = sets.groups();
         let (mut piece_of, mut count) = (vec![None; sets], 0);
         let mut piece = |cell: usize| {

@@ -1,7 +1,10 @@
-//! Islands: what lies on a surface of the structure by chance, as the tops of boxes that are as high as a cupboard (docs/CONTEXT.md 1.1).
+//! Islands: pixels that lie on a surface of the structure by chance, such as the tops of boxes that are as
+//! high as a cupboard (docs/CONTEXT.md 1.1).
 //!
-//! A surface may go on behind what is in front of it. It ends where something farther is seen, and where it would leave the room: behind a floor
-//! or wall behind which nothing is seen. So an island is what no way through the image joins to the rest of its surface without such an end.
+//! A surface may go on behind what is in front of it. It ends in two cases: where something farther is seen,
+//! and where it would leave the room. The room ends at its bounds, the floors and walls behind which nothing
+//! is seen. An island is a piece of a surface that no path through the image joins to the rest of the surface
+//! without crossing such an end.
 
 use std::ops::Range;
 
@@ -16,13 +19,14 @@ use crate::regions::{Segments, connect, run_length, runs};
 use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 
-/// A smaller island (px at 525 px) stays: it is half of the least that counts as a thing for the ground, and may be a strip of a wall behind a desk.
+/// A smaller island (px at 525 px) stays with its surface: it has less than half the pixels of a thing in the
+/// choice of the ground, and may be a strip of a wall behind a desk.
 const LEAST_PX: usize = 120;
 /// A surface bounds the room if at most this share of the pixels that are looked at lies behind it: so many are outliers.
 const BEHIND_SHARE: f64 = 0.01;
 /// Least cosine of the angle (30 degrees) between the normals of two surfaces that do not cross in sight.
 const PARALLEL: f64 = 0.87;
-/// Every such row and column is looked at for that.
+/// Rows and columns are sampled at this distance for that.
 const GRID_PX: usize = 4;
 
 /// The surface is seen, or may go on behind what is seen.
@@ -32,8 +36,8 @@ const ENDS: i32 = -1;
 /// Nothing is measured.
 const UNSEEN: i32 = -2;
 
-/// Takes the labels of islands away, unless one is tiny, or as large as the board of a shelf: that is another board of the same height.
-/// O(surfaces · pixels); parallel over surfaces.
+/// Removes the labels of islands. An island stays if it is tiny, or if it is as large as the board of a shelf
+/// and so another board of the same height. O(surfaces · pixels); parallel over surfaces.
 pub(super) fn free_islands(
     labels: &mut Raster<i32>,
     surfaces: &[StructureSurface],
@@ -44,10 +48,10 @@ pub(super) fn free_islands(
 ) {
     let least_px = space.area_px(LEAST_PX);
     let bounds_room = |surface: &&StructureSurface| surface.bounds_room(disparity, tolerance_quanta);
-    let walls: Vec<&StructureSurface> = surfaces.iter().filter(bounds_room).collect();
+    let bounds: Vec<&StructureSurface> = surfaces.iter().filter(bounds_room).collect();
     let of = |(s, surface): (usize, &StructureSurface)| {
         let others =
-            find_lesser_pieces(surface, s as i32, &walls, labels, disparity, stretches, tolerance_quanta);
+            find_lesser_pieces(surface, s as i32, &bounds, labels, disparity, stretches, tolerance_quanta);
         let is_island =
             |pixels: &Vec<usize>| pixels.len() >= least_px && !surface.is_board(pixels, disparity, space);
         let islands = others.into_iter().filter(is_island);
@@ -57,21 +61,21 @@ pub(super) fn free_islands(
     islands.into_iter().flatten().for_each(|i| labels.as_mut_slice()[i] = Segments::NONE);
 }
 
-/// The pixels with the label of a surface, by the pieces of the image in which it may go on, without the piece with most of them.
-/// O(pixels · log(pixels)).
+/// Divides the image into the pieces in which a surface may go on. Returns the pixels with the label of the
+/// surface, piece by piece, without the piece that has most of them. O(pixels · log(pixels)).
 fn find_lesser_pieces(
     surface: &StructureSurface,
     label: i32,
-    walls: &[&StructureSurface],
+    bounds: &[&StructureSurface],
     labels: &Raster<i32>,
     disparity: &Raster<f32>,
     stretches: &Stretches,
     tolerance_quanta: f64,
 ) -> Vec<Vec<usize>> {
     let width = labels.width();
-    // What is parallel to it does not cross it in sight.
-    let crosses = |wall: &&&StructureSurface| wall.normal.dot(surface.normal).abs() < PARALLEL;
-    let walls: Vec<&StructureSurface> = walls.iter().filter(crosses).copied().collect();
+    // A parallel surface does not cross it within sight.
+    let crosses = |bound: &&&StructureSurface| bound.normal.dot(surface.normal).abs() < PARALLEL;
+    let bounds: Vec<&StructureSurface> = bounds.iter().filter(crosses).copied().collect();
     let mut seen = labels.map(|_| ENDS);
     let rows = seen.as_mut_slice().chunks_mut(width).zip(disparity.as_slice().chunks(width));
     for (v, (seen, disparity)) in rows.enumerate() {
@@ -81,8 +85,8 @@ fn find_lesser_pieces(
             || {
                 for ((u, range), (seen, disparity)) in stretches.of_row(v).zip(pixels) {
                     surface.mark_where_it_goes_on(seen, disparity, range, [u, v], tolerance_quanta);
-                    for wall in &walls {
-                        surface.mark_ends(seen, wall, [u, v], tolerance_quanta);
+                    for bound in &bounds {
+                        surface.mark_ends(seen, bound, [u, v], tolerance_quanta);
                     }
                 }
             },
@@ -155,11 +159,11 @@ impl StructureSurface {
 
     /// Marks the end where this surface would leave the room, in a stretch from the pixel (u, v) on.
     #[inline(always)]
-    fn mark_ends(&self, seen: &mut [i32], wall: &Self, [u, v]: [usize; 2], tolerance_quanta: f64) {
+    fn mark_ends(&self, seen: &mut [i32], bound: &Self, [u, v]: [usize; 2], tolerance_quanta: f64) {
         // Where the two meet, both are seen, and there a way would lead along the fold.
-        let limit = -(wall.scale + self.scale) * tolerance_quanta;
-        let behind = |u: f64| wall.model.value([u, v as f64]) - self.model.value([u, v as f64]);
-        let bend = wall.model.bend_in_rows() + self.model.bend_in_rows();
+        let limit = -(bound.scale + self.scale) * tolerance_quanta;
+        let behind = |u: f64| bound.model.value([u, v as f64]) - self.model.value([u, v as f64]);
+        let bend = bound.model.bend_in_rows() + self.model.bend_in_rows();
         let [low, high] = bounds(behind, bend, u, seen.len());
         if low > limit {
             seen.fill(ENDS);

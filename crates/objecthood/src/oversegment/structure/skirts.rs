@@ -1,7 +1,9 @@
-//! Skirts: pixels of a surface that depth draws up to what stands on it (docs/CONTEXT.md 1.1).
+//! Skirts: pixels of a surface whose measured depth rises towards a thing that stands on it (docs/CONTEXT.md
+//! 1.1).
 //!
-//! Depth is measured over windows, and filled depth is smooth: around the foot of a thing the table rises towards it, and at its sides
-//! pixels of the background have its depth. Depth cannot tell them from the thing, but they look like the surface.
+//! Depth is measured over windows, and filled depth is smooth. So around the foot of a thing the measured
+//! table rises towards it, and pixels of the background at its sides have the depth of the thing. Depth
+//! cannot tell them from the thing, but they look like the surface.
 
 mod cells;
 
@@ -16,14 +18,15 @@ use crate::raster::Raster;
 const ALIKE: f32 = 11.0;
 /// Colours on both sides of an edge differ by more than this (Lab, lightness weighted).
 const EDGE: f32 = 16.0;
-/// How much of each step in colour the colour that is looked for follows: a shadow at a foot darkens slowly, a blurred edge fast.
+/// The share of each step in colour by which the reference colour follows: a shadow at a foot darkens slowly,
+/// a blurred edge fast.
 const FOLLOWED: f32 = 0.25;
 /// The colour of a surface is the mean within this distance (cells).
 const AROUND: usize = 4;
 /// The colour beyond the end of a skirt is the mean within this distance (cells): more than the grain of a texture.
 const BEYOND: usize = 2;
-/// Pieces of a surface smaller than this share of it count once the flood comes to them: a plate's bottom lies within the tolerance of the
-/// table, but looks otherwise.
+/// Pieces of a surface smaller than this share of it count only once the flood reaches them: a plate's bottom
+/// lies within the tolerance of the table, but looks different.
 const SPECK_SHARE: f32 = 0.01;
 
 /// Gives skirts back to the surfaces that they belong to.

@@ -1,4 +1,4 @@
-//! The directions along which a body may be joined: its edges.
+//! The directions along which a body may be divided: its axes.
 
 use std::cmp::Reverse;
 
@@ -6,21 +6,22 @@ use glam::DVec3;
 
 use crate::shapes::seams::body::{Body, Face};
 
-/// Edges are taken from this many faces, the largest.
+/// Axes are taken from this many faces, the largest.
 const FACES: usize = 3;
-/// A face with less than this share of the body's pixels gives no edge.
+/// A face with less than this share of the body's pixels gives no axis.
 const LEAST_SHARE: f64 = 0.1;
-/// Two edges within this angle are one direction (degrees): joints are found up to about this turn.
+/// Two axes within this angle are one direction (degrees): joints are found up to about this turn.
 const ALIKE_DEG: f64 = 15.0;
-/// A face within this angle of level gets its edges from its outline (degrees).
+/// A face within this angle of level gets its axes from its outline (degrees).
 const LEVEL_DEG: f64 = 30.0;
 /// The outline is turned in steps of this angle (degrees).
 const TURN_DEG: f64 = 5.0;
 /// Every so-many-th pixel of a face gives its outline: enough for its sides.
 const OUTLINE_STEP: usize = 7;
 
-/// Unit vectors along the edges of a body, at most seven: up, then for each face its level direction and the one across it. A level face,
-/// and every face when up is unknown, has the sides of the smallest rectangle around it. O(pixels of the largest faces).
+/// Unit vectors along the axes of a body, at most seven: up, then for each face its level direction and the
+/// one across it. A level face, and every face if up is unknown, has the sides of the smallest rectangle
+/// around it instead. O(pixels of the largest faces).
 pub(super) fn find_axes(body: &Body, up: Option<DVec3>) -> Vec<DVec3> {
     let least_px = LEAST_SHARE * body.size_px() as f64;
     let mut faces: Vec<&Face> =

@@ -15,9 +15,11 @@ use crate::surface::disparity::{DisparitySpace, position};
 
 /// A smaller body is not searched: one of its sides would be too small for an object (px at 525 px).
 const LEAST_BODY_PX: usize = 500;
-/// A face is flat when its normal turns by less than this on average (degrees): noise turns that of a quadratic by half of it.
+/// A face is flat if its normal turns by less than this on average (degrees); noise turns that of a quadratic
+/// by half of it.
 const FLAT_DEG: f64 = 10.0;
-/// A body with a smaller share of its pixels on flat faces is not searched: a can's label or a bottle's cap is no joint.
+/// A body with a smaller share of its pixels on flat faces is not searched, so that a can's label or a
+/// bottle's cap is no joint.
 const FLAT_SHARE: f64 = 0.7;
 /// About this many pixels of a face show whether it is flat.
 const NORMALS: usize = 32;
@@ -26,7 +28,8 @@ const SAME_PLANE_DEG: f64 = 10.0;
 const SAME_PLANE_M: f64 = 0.005;
 /// What hangs together in fewer pixels is no piece of its own: a border side needs 15 of them for a plane, on every side of it.
 const LEAST_PIECE_PX: usize = 40;
-/// Depth that is measured over windows of an image reaches at most so far over the edge of a near thing (px at 525 px).
+/// Depth that is measured over windows of an image reaches at most this far beyond the edge of a near thing
+/// (px at 525 px).
 const FATTENED_PX: f64 = 16.0;
 
 /// A pixel of a body.
@@ -45,7 +48,7 @@ pub(super) struct BodyPixel {
 /// The facets of a body that lie in one plane, or a part of them.
 #[derive(Clone, Debug)]
 pub(super) struct Face {
-    /// Facet by facet in scan order; at least one.
+    /// Its pixels, facet by facet in scan order; at least one.
     pub(super) pixels: Vec<BodyPixel>,
     /// Unit normal in the middle of the largest facet, towards the camera.
     pub(super) normal: DVec3,
@@ -74,8 +77,8 @@ pub(super) struct Body {
 }
 
 impl Body {
-    /// The bodies that are large enough for a seam, in the order of the shapes. A flat thing was told by its outline; what is on it is
-    /// print. O(pixels).
+    /// The bodies that are large enough for a seam, in the order of the shapes. A flat thing was found by its
+    /// outline, so colours on it are print. O(pixels).
     pub(super) fn of_shapes(
         facets: &Facets,
         shapes: &Shapes,
@@ -161,8 +164,9 @@ impl Body {
         facets.flat_map(|pixels| hanging_together(pixels, width)).collect()
     }
 
-    /// The overlap of the colours of a narrow side of a trace and of `beyond`, what the image shows beyond that side: the colours at points, `None` where the
-    /// whole body is seen. Where they are alike, the side is depth that was measured too far over the edge. 0 where both sides are wider than that can be.
+    /// The overlap of the colours of a narrow side of a trace with those that the image shows beyond that
+    /// side. `beyond` gives the colour that is seen at a point, `None` where the whole body is seen itself. If they are
+    /// alike, the side is depth that was measured too far beyond the edge. 0 if both sides are too wide for that.
     pub(super) fn overlap_beyond(
         &self,
         trace: &Trace,
@@ -177,7 +181,7 @@ impl Body {
             }
             let mean =
                 |of: &dyn Fn(&BodyPixel) -> f64| side.iter().map(|p| of(p)).sum::<f64>() / side.len() as f64;
-            // A band is twice as wide as it is high on the mean.
+            // A band is on average twice as wide as it is high.
             let (width_m, depth_m) = (2.0 * mean(&height_m), mean(&|p| p.point.z));
             let width_px = space.length_at_525_px(space.camera().fx_px * width_m / depth_m);
             if width_px > FATTENED_PX {

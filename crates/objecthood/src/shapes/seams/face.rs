@@ -1,7 +1,8 @@
 //! Joints of a single face: things of different widths share a plane (docs/CONTEXT.md 3.4).
 //!
-//! A box on another may stand flush with it on one side only. Then no plane cuts their whole body where colour changes, but the outline of the face they
-//! share steps at both ends of the joint, or far at one of them, or it has a notch there.
+//! A box on another may stand flush with it on one side only. Then no plane cuts their whole body where
+//! colour changes. But the outline of the face that they share steps at both ends of the joint, or far at one
+//! of them, or it has a notch there.
 
 use glam::DVec3;
 
@@ -12,22 +13,24 @@ use super::trace::Trace;
 use super::{GOES_ON, MOST_SEAMS, Parting, Piece, Search, clearest};
 use crate::check::{Bound, Check};
 
-/// The outline of the face steps by so much (m) at both ends of a joint, as by the thinnest box that is told by its side. Noise steps by up to 1 cm.
+/// The outline of the face steps by at least this (m) at both ends of a joint, as beside the thinnest box
+/// that is recognised by its side. Noise makes steps of up to 1 cm.
 const OUTLINE_STEP_M: f64 = 0.012;
-/// A step at one end alone is so large (m): that of both ends.
+/// A step at one end alone is at least this large (m): the sum of both.
 const LONE_STEP_M: f64 = 2.0 * OUTLINE_STEP_M;
 /// A face ends where what is seen beyond it lies behind its plane by this (quanta).
 const BEHIND_QUANTA: f64 = 2.5;
-/// A lone step is no end of a thing where more than this share of the plane beyond it may go on.
+/// The face does not end at a lone step if it may go on in more than this share of the plane beyond it.
 const MOST_OPEN: f64 = 0.2;
-/// Both sides share at most this multiple of the colours that two sides of a body may share: the outline speaks for a joint too.
+/// The colours of both sides overlap by at most this multiple of what two sides of a body may: the outline is
+/// evidence for a joint too.
 const OVERLAP_FACTOR: f64 = 2.0;
 /// A smaller face is not searched (px at 525 px): each side has the pixels of the smallest object.
 const LEAST_FACE_PX: usize = 400;
 
 impl Search<'_> {
-    /// Parts the faces of a piece, one by one, along joints that end in steps of their outlines; then both sides. `traces`: those of the piece.
-    /// O(pixels · edges of a face · seams).
+    /// Divides the faces of a piece, one by one, along joints that end in steps of their outlines; then both
+    /// sides of each joint. `traces`: those of the piece. O(pixels · axes of a face · seams).
     pub(super) fn part_faces(&self, piece: Piece, traces: Vec<Trace>, parting: &mut Parting) {
         let Piece { body, sides } = piece;
         // A piece of one face was searched as this face.
@@ -53,13 +56,13 @@ impl Search<'_> {
         }
     }
 
-    /// The checks of a joint of one face that passes them. Its outline steps at both ends; or there is one long step, and the colours of both sides share no
-    /// more than those of a whole body may at the clearest.
+    /// The checks of a joint of one face, if it passes them. Its outline steps at both ends. Or there is one long
+    /// step, and the colours of both sides overlap no more than those of a whole body may at the clearest.
     fn passed_in_face(&self, body: &Body, trace: &Trace) -> Option<Vec<Check>> {
         let colors = SideColors::of(body, trace);
         let (overlap, most) = (colors.overlap(), self.params.color_overlap);
         let mut checks = self.check_colors(trace, overlap, OVERLAP_FACTOR * most);
-        // Most traces end here, before the outline is measured.
+        // Most traces fail here, before the outline is measured.
         if !checks.iter().all(Check::holds) {
             return None;
         }

@@ -1,4 +1,4 @@
-//! How clearly colour changes across a body, place by place along one of its edges.
+//! How clearly colour changes across a body, place by place along one of its axes.
 
 use glam::DVec3;
 
@@ -17,33 +17,36 @@ const GAP_PX: f64 = 2.0;
 const WINDOW_M: f64 = 0.008;
 /// As `WINDOW_M` (px at 525 px): a window of 25 pixels has a fifth of the noise of one.
 const WINDOW_PX: f64 = 5.0;
-/// A window with fewer pixels tells nothing.
+/// A window with fewer pixels is not judged.
 const LEAST_PX: f32 = 4.0;
-/// A joint is at least this far from the ends of the body and from its folds (m): the thinnest box that is told by its side.
+/// A joint is at least this far from the ends of the body and from its folds (m), as with the thinnest box
+/// that is recognised by its side.
 const MARGIN_M: f64 = 0.012;
-/// Each side of a joint has at least so many pixels (px at 525 px): the smallest object.
+/// Each side of a joint has at least this many pixels (px at 525 px), as the smallest object.
 const LEAST_SIDE_PX: usize = 200;
-/// A face whose normal is within this cosine of the edge lies across it: it is a fold, and shows no trace.
+/// A face whose normal is within this cosine of the axis lies across it: it shows no trace.
 const ACROSS: f64 = 0.8;
-/// A face across the edge with a smaller share of the body's pixels is no fold.
+/// A face across the axis with a smaller share of the body's pixels is no fold.
 const LEAST_FOLD: f64 = 0.05;
-/// L\* + 16 of middle light: from there up colours differ as they are measured.
+/// L\* + 16 of middle light: from there up, differences of colours are taken as measured.
 const MIDDLE_LIGHTNESS: f32 = 66.0;
-/// Differences grow at most so much, as their noise does too.
+/// Differences grow at most by this factor, because their noise grows too.
 const MOST_GAIN: f32 = 2.0;
-/// Weight of the clearness in middle light in the rank of a place: it decides only where the other is 0.
+/// Weight of the clearness in middle light in the rank of a place: it decides only where the measured
+/// clearness is 0.
 const LEAST_RANK: f64 = 1e-3;
-/// A place needs this share of the stripes that the best measured place has.
+/// A place needs at least this share of the stripes that the best measured place has.
 const LEAST_MEASURED: f64 = 0.3;
-/// Places of this share of the greatest clearness are alike: the joint is in their middle.
+/// Places that have at least this share of the greatest clearness are equally clear: the joint is in their
+/// middle.
 const ALIKE: f64 = 0.95;
-/// Places that are proposed for each edge, the clearest first.
+/// This many places are proposed for each axis, the clearest first.
 const MOST_TRACES: usize = 4;
-/// An edge with more places is no edge of a thing.
+/// An axis with more places is no axis of a thing.
 const MOST_PLACES: usize = 2048;
 
-/// Proposes the clearest places along an edge, the clearest first. At each colour changes in at least this share of the stripes, and both sides are large
-/// enough for an object. O(pixels + stripes · places).
+/// Proposes the clearest places along an axis, the clearest first. At each, colour changes in at least this
+/// share of the stripes, and both sides are large enough for an object. O(pixels + stripes · places).
 pub(super) fn find_traces(body: &Body, axis: DVec3, least_share: f64, space: &DisparitySpace) -> Vec<Trace> {
     let Some(places) = Places::along(body, axis, space) else { return Vec::new() };
     let is_across = |face: &&Face| face.normal.dot(axis).abs() > ACROSS;
@@ -67,27 +70,29 @@ fn mean_along(axis: DVec3, pixels: &[BodyPixel]) -> f64 {
     pixels.iter().map(|p| axis.dot(p.point)).sum::<f64>() / pixels.len() as f64
 }
 
-/// How far the colours on both sides of a place of a stripe lie apart (Lab, lightness weighted), without what a gradient makes of it.
+/// How far apart the colours on both sides of a place of a stripe are (Lab, lightness weighted), without the
+/// part that a gradient makes.
 #[derive(Clone, Copy)]
 struct Contrast {
-    /// As it is measured.
+    /// As measured.
     plain: f32,
     /// In middle light.
     in_middle_light: f32,
 }
 
-/// What the stripes of a place show; 0 where few are seen.
+/// What the stripes of a place show; 0 if few are seen.
 #[derive(Clone, Copy, Default)]
 struct Rating {
-    /// The share of them whose colour changes, and its clearness, in middle light.
+    /// The share of stripes whose colour changes, and the clearness, in middle light.
     share: f64,
     clearness: f64,
-    /// The median contrast, as it is measured.
+    /// The median contrast, as measured.
     contrast: f64,
     /// The stripes, as a share of those of the best measured place.
     measured: f64,
-    /// Clearness as it is measured, by which the place is found: what is added in dim light differs from stripe to stripe and shifts the place. Where no
-    /// colour changes as it is measured, that in middle light decides.
+    /// The measured clearness, by which the place is found. (What dim light adds differs from stripe to
+    /// stripe and would shift the place.) Where no colour changes as measured, the clearness in middle light
+    /// decides.
     rank: f64,
 }
 
@@ -113,14 +118,15 @@ fn rate(contrasts: &mut [Vec<Contrast>]) -> Vec<Rating> {
     contrasts.iter_mut().map(rate).collect()
 }
 
-/// By how much differences of colour grow on a face in dim light: they are those that would be seen in middle light, within what noise allows.
+/// The factor by which differences of colour grow on a face in dim light. They become those that would be
+/// seen in middle light, as far as noise allows.
 fn gain(face: &Face) -> f32 {
     let light =
         face.pixels.iter().map(|pixel| pixel.color[0] + LIGHT_OFFSET).sum::<f32>() / face.pixels.len() as f32;
     (MIDDLE_LIGHTNESS / light).clamp(1.0, MOST_GAIN)
 }
 
-/// Places along an edge of a body.
+/// Places along an axis of a body.
 struct Places {
     axis: DVec3,
     low_m: f64,
@@ -198,11 +204,11 @@ impl Places {
         }
     }
 
-    /// How far the colours on both sides of a place of a stripe lie apart, without what a gradient makes of it; `None` where too little is
-    /// seen.
+    /// How far apart the colours on both sides of a place of a stripe are, without the part that a gradient
+    /// makes. `None` if too little is seen.
     ///
-    /// Paint that runs from one colour into another changes beside the place as it does across it. So the change from one window to the next,
-    /// on average of both sides, is continued across the place and taken off.
+    /// Where one colour fades into another, colour changes beside the place as it does across it. So the mean
+    /// change from one window to the next, on both sides, is continued across the place and subtracted.
     fn contrast_at(&self, sums: &[Sum], place: usize, gain: f32) -> Option<Contrast> {
         let mean = |from: usize, to: usize| {
             let count = sums[to].count - sums[from].count;
@@ -238,7 +244,7 @@ impl Places {
             let clearest = open.iter().rev().max_by(|&&a, &&b| rated[a].rank.total_cmp(&rated[b].rank));
             let Some(&best) = clearest else { break };
             let Rating { share, clearness, contrast, rank, measured } = rated[best];
-            // All places whose gap hides the joint are as clear; the joint is in their middle.
+            // All places whose gap hides the joint are equally clear; the joint is in their middle.
             let is_alike = |k: &&usize| {
                 k.abs_diff(best) <= 2 * self.gap + self.window && rated[**k].rank >= ALIKE * rank
             };

@@ -7,7 +7,7 @@ use crate::color::{LIGHT_OFFSET, mean, unlike_in_light, weighted};
 use crate::shapes::seams::body::{Body, BodyPixel};
 use crate::shapes::seams::trace::Trace;
 
-/// About this many pixels of a body tell its colours.
+/// About this many pixels of a body give its colours.
 const COLORS: usize = 4096;
 /// A face with fewer sampled pixels on one side says nothing about the light on it.
 const LEAST_LIT: usize = 20;
@@ -17,10 +17,11 @@ const LIT_UNLIKE: f32 = 0.1;
 /// Sampled colours (L\*a\*b\*) below a trace and above it, without the pixels that may show both.
 type FaceSides = [Vec<[f32; 3]>; 2];
 
-/// How well the colours of the two sides of a trace are told apart.
+/// How well the colours of the two sides of a trace can be distinguished.
 pub(super) struct ToldApart {
-    /// How often a colour is taken for one of the other side, as shares of both sides added up, if the best place along the way from the mean
-    /// of one to that of the other parts them: 0 if never, 1 if they are alike.
+    /// How often a colour is taken for one of the other side, as shares of both sides added up, with the best
+    /// threshold on the line from the mean of one side to the mean of the other: 0 if never, 1 if the sides
+    /// are alike.
     pub(super) confused: f64,
     /// The difference of the means (Lab, lightness weighted).
     pub(super) difference: f64,
@@ -52,7 +53,7 @@ impl SideColors {
         self.faces.iter().flat_map(move |face| face[side].iter().copied())
     }
 
-    /// The faces that show enough of both sides to say how light falls on them.
+    /// The faces that show enough of both sides to compare the light on them.
     fn lit_faces(&self) -> impl Iterator<Item = &FaceSides> {
         self.faces.iter().filter(|face| face.iter().all(|side| side.len() >= LEAST_LIT))
     }
@@ -69,8 +70,9 @@ impl SideColors {
         unlike_in_light(below, above)
     }
 
-    /// How even and how far apart the colours of both sides are. Light differs from face to face: each face that shows both sides counts as if
-    /// lit like the largest; others do not count. `None` if no face shows both sides. O(pixels · log pixels).
+    /// How even the sides are, and how far apart their colours. Light differs from face to face, so each face
+    /// that shows both sides counts as if lit like the largest; other faces do not count. `None` if no face
+    /// shows both sides. O(pixels · log pixels).
     pub(super) fn tell_apart(&self) -> Option<ToldApart> {
         let light = |face: &FaceSides| face.iter().map(|side| lightness(side)).sum::<f32>();
         let shown = |face: &&FaceSides| face.iter().map(Vec::len).min();
@@ -86,8 +88,9 @@ impl SideColors {
         Some(ToldApart { confused: least_error(&sides, way), difference: way.length().into() })
     }
 
-    /// How far the darker side follows the light from face to face, as a share of how far the other does, or the other way round if it goes farther: near 1
-    /// for paint, which reflects one share of any light, near 0 for a shadow, which has the light of the room alone. 0 if no two faces are lit unlike.
+    /// The change of the darker side from face to face, over that of the lighter side (as logarithms), or the
+    /// inverse if that is smaller. It is near 1 for paint, which reflects one share of any light, and near 0
+    /// for a shadow, which is lit by the room alone. 0 if no two faces are lit differently.
     pub(super) fn follows_light(&self) -> f64 {
         let mut logs: Vec<[f32; 2]> =
             self.lit_faces().map(|face| [0, 1].map(|side| libm::logf(lightness(&face[side])))).collect();
@@ -109,7 +112,8 @@ fn lightness(colors: &[[f32; 3]]) -> f32 {
     mean(colors.iter().map(|color| Vec3::from(*color))).x + LIGHT_OFFSET
 }
 
-/// The least sum of the shares of both sides that lie beyond one place along a direction from the first to the second.
+/// The least error of a threshold along a direction from the first side to the second: the sum of the shares
+/// of both sides beyond it.
 fn least_error(sides: &[Vec<Vec3>; 2], along: Vec3) -> f64 {
     let of_side = |side: usize| sides[side].iter().map(move |color| (color.dot(along), side));
     let mut places: Vec<(f32, usize)> = of_side(0).chain(of_side(1)).collect();

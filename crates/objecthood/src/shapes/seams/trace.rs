@@ -13,7 +13,8 @@ pub(super) struct Trace {
     pub(super) share: f64,
     /// This share times the median contrast, over that of a wholly clear one: 0 to 1.
     pub(super) clearness: f64,
-    /// The median difference of the colours on both sides of it, beside it, without what a gradient makes of it (Lab, lightness weighted).
+    /// The median difference of the colours on both sides, close to the plane, without the part that a
+    /// gradient makes (Lab, lightness weighted).
     pub(super) contrast: f64,
     /// Pixels nearer than this (m) may show both sides.
     pub(super) blur_m: f64,

@@ -1,4 +1,4 @@
-//! What else belongs to a box whose walls were found: the level pieces of its bottom, and what is left of its walls.
+//! Other pieces of a box whose walls were found: the level pieces of its bottom, and the rest of its walls.
 
 use glam::DVec3;
 
@@ -11,15 +11,15 @@ use crate::oversegment::structure::StructureSurface;
 use crate::quantile::element_at;
 use crate::regions::SegmentId;
 
-/// This share of a piece of the bottom lies as low as the feet of the walls, ...
+/// At least this share of a piece of the bottom lies as low as the feet of the walls, ...
 const LOW_SHARE: f64 = 0.75;
-/// ... to this (m).
+/// ... to within this (m).
 const BOTTOM_M: f64 = 0.007;
-/// This share of a piece lies in the box, or at its walls.
+/// At least this share of a piece lies in the box, or at its walls.
 const WITHIN_SHARE: f64 = 0.9;
-/// A piece may lie so far beyond the walls (m): they are as thick, and their ends are noisy.
+/// A piece may lie this far beyond the walls (m): the walls have this thickness, and their ends are noisy.
 const MARGIN_M: f64 = 0.025;
-/// A piece of a wall reaches so far below the rim at most (m).
+/// The top of a piece of a wall lies at most this far below the rim (m).
 const RIM_M: f64 = 0.02;
 /// The top of a piece is this quantile of its heights.
 const TOP_SHARE: f64 = 0.98;
@@ -43,7 +43,8 @@ impl Interior {
             let places = walls.iter().flat_map(|wall| wall.ends()).map(|end| axis.dot(end));
             places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
         };
-        // What lies in the box hides the feet of some walls, and noise lowers those of short pieces: a quarter of all wall stands lower.
+        // Contents of the box hide the feet of some walls, and noise lowers those of short pieces. So the
+        // level is that below which a quarter of all wall has its foot.
         let mut feet: Vec<(f64, f64)> = walls.iter().map(|wall| (wall.foot_m, wall.length_m())).collect();
         feet.sort_by(|a, b| a.0.total_cmp(&b.0));
         let quarter_m = feet.iter().map(|foot| foot.1).sum::<f64>() / 4.0;

@@ -9,13 +9,13 @@ use crate::check::{Bound, Check};
 const PARALLEL_COSINE: f64 = 0.94;
 /// Cosine of the least angle between walls that meet at a corner: 60 degrees.
 const CORNER_COSINE: f64 = 0.5;
-/// A wall ends at the corner to this (m): one that goes on beyond it is another thing.
+/// A wall ends within this distance (m) of the corner: one that goes on beyond it is another thing.
 const CORNER_M: f64 = 0.04;
-/// What lies in the box hides at most this much of a wall at its corner (m).
+/// Contents of the box hide at most this length of a wall at its corner (m).
 const HIDDEN_M: f64 = 0.2;
-/// Walls that face each other do so along this share of the shorter one.
+/// Two walls face each other along at least this share of the shorter one.
 const FACING_SHARE: f64 = 0.5;
-/// Such walls are at most so far apart (m): the sides of a shelf are furniture.
+/// Such walls are at most this far apart (m): the sides of a shelf are furniture.
 const APART_M: f64 = 0.8;
 
 /// What two panels show where they meet.
@@ -31,13 +31,14 @@ pub(super) enum Kind {
 
 /// The meeting of two panels.
 pub(super) struct Meeting {
-    /// The check of the places.
+    /// The check of their places.
     pub check: Check,
     pub kind: Kind,
 }
 
 impl Meeting {
-    /// `None` when the panels are at odds: neither parallel nor at right angles, or one goes on beyond the corner. O(1).
+    /// `None` if the panels fit no box: they are neither parallel nor at right angles, or one goes on beyond
+    /// the corner. O(1).
     pub(super) fn of(one: &Panel, other: &Panel) -> Option<Self> {
         let cosine = one.normal.dot(other.normal);
         let is_before = |one: &Panel, other: &Panel| one.normal.dot(other.middle()) > one.offset_m;

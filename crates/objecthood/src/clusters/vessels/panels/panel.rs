@@ -1,4 +1,4 @@
-//! A panel: a thin, flat, upright piece, as each wall of a box shows one.
+//! A panel: a thin, flat, upright piece, such as each wall of a box shows.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,35 +15,37 @@ use crate::regions::SegmentId;
 
 /// Least number of pixels of a panel (px at a focal length of 525 px).
 const PANEL_PX: usize = 150;
-/// Greatest sine of a panel's slant, 25 degrees: the walls of totes lean by up to 15, so that they stack, and stereo smears their feet.
+/// Greatest sine of a panel's slant, 25 degrees: the walls of totes are slanted by up to 15, so that totes
+/// can be stacked, and stereo smears their feet.
 const SLANT: f64 = 0.42;
-/// A panel is flat to this (m): half of the thickness that a wall may have ...
+/// A panel is flat to within this (m), half of the greatest thickness of a wall, ...
 const FLAT_M: f64 = 0.015;
 /// ... or to this many quanta, for each time that the sensor's waves exceed a Kinect's,
 const NOISE_QUANTA: f64 = 4.0;
 /// between these quantiles of its pixels.
 const FLAT_QUANTILES: [f64; 2] = [0.1, 0.9];
-/// The plane of a panel is fitted to all of its points, then so many times to those near it.
+/// The plane of a panel is fitted to all of its points, then this many times to those near it.
 const REFITS: usize = 2;
 /// The left and the right half of a panel face the same way: the cosine of 20 degrees. The wall of a cup is no panel.
 const STRAIGHT_COSINE: f64 = 0.94;
-/// A panel is at least so long and so high (m): less is the rim of a thing.
+/// A panel is at least this long and this high (m): a smaller one is the rim of a thing.
 const LENGTH_M: f64 = 0.04;
 const HEIGHT_M: f64 = 0.02;
 /// Lengths reach from the first to the second of these quantiles: outlines are noisy.
 const ENDS: [f64; 2] = [0.02, 0.98];
-/// Heights reach from the first to the second of these: what stands before a wall is higher in a few places.
+/// Heights reach from the first to the second of these: a thing that stands before a wall is higher in a few
+/// places.
 const FOOT_AND_TOP: [f64; 2] = [0.02, 0.95];
 /// A wall is thinner than this (m): behind its rim the camera sees past it, down to something farther by `BEHIND_M`.
 const THICKNESS_M: f64 = 0.03;
 const BEHIND_M: f64 = 0.02;
-/// It does so along this share of the rim whose back it sees,
+/// The camera sees past the wall along at least this share of the rim whose back it sees,
 const THIN_SHARE: f64 = 0.7;
-/// and it sees the back of this share of the rim.
+/// and it sees the back of at least this share of the rim.
 const SIGHT_SHARE: f64 = 0.3;
-/// The rim is what lies so close below the top (m).
+/// The rim is the part at most this far below the top (m).
 const RIM_M: f64 = 0.01;
-/// About this many pixels of a rim are looked at.
+/// About this many pixels of a rim are examined.
 const RIM_SAMPLES: usize = 60;
 
 /// Distances (m) below this are noise, for pixels at depth `z_m`.
@@ -52,10 +54,10 @@ pub(super) fn noise_m(scene: &Scene<'_>, z_m: f64) -> f64 {
     scene.space.step_m(quanta, z_m).max(FLAT_M)
 }
 
-/// A thin upright wall in the plan view. Levels and heights are those over the ground.
+/// A thin upright wall in the plan view. Levels and heights are measured above the ground.
 #[derive(Clone, Debug)]
 pub(super) struct Panel {
-    /// The cluster that it is, or that its facet belongs to.
+    /// The cluster that it is, or to which its facet belongs.
     pub cluster: SegmentId,
     /// Level, towards the camera.
     pub normal: DVec3,
@@ -76,8 +78,8 @@ pub(super) struct Panel {
     pub wall_share: f64,
 }
 
-/// The clusters that are panels, and of the others the facets that are, each in the order of their numbers. O(pixels + clusters of
-/// which a part is a panel).
+/// The clusters that are panels, and in the other clusters the facets that are panels, each in the order of
+/// their numbers. O(pixels + clusters of which a part is a panel).
 pub(super) fn find_panels(clusters: &Clusters<'_>, ground: &StructureSurface) -> Vec<Panel> {
     let (scene, facets) = (clusters.scene, clusters.scene.facets);
     let panel = |cluster: SegmentId, pixels: &[u32]| Panel::of(scene, ground, cluster, pixels);
@@ -117,7 +119,7 @@ impl Panel {
         }
         let up = ground.normal;
         let points: Vec<DVec3> = scene.sampled_points(pixels).collect();
-        // At a small focal length not even one pixel is asked for.
+        // At a small focal length the limit may be below one pixel.
         let noise_m = noise_m(scene, points.get(points.len() / 2)?.z);
         let plane = plane_of_most(&points, noise_m)?;
         let facing = plane.normal;
@@ -132,7 +134,8 @@ impl Panel {
         if !is_flat || !is_straight(scene, pixels, up, along) {
             return None;
         }
-        // What stands before a wall, or lies on it, may have become part of its facet. A sample may be in step with the rows of the image.
+        // A thing that stands before a wall, or lies against it, may have become a part of its facet. A
+        // sample may be in step with the rows of the image.
         let is_of_wall = |&i: &usize| plane.distance_m(scene.point_at(i)) < noise_m;
         let of_wall: Vec<usize> = pixels.iter().map(|&i| i as usize).filter(is_of_wall).collect();
         let ends_m = reach_m(of_wall.iter().map(|&i| scene.point_at(i)), along, ENDS);
@@ -198,7 +201,8 @@ impl Panel {
     }
 }
 
-/// The plane of most points: those within half of `noise_m` of it. Where a wall meets the bottom, noise smears the edge. `None` for fewer than three.
+/// The plane of most points: those within half of `noise_m` of it. Noise smears the edge where a wall meets
+/// the bottom. `None` for fewer than three points.
 fn plane_of_most(points: &[DVec3], noise_m: f64) -> Option<Plane> {
     let mut plane = Plane::fit(points.iter().copied())?;
     for _ in 0..REFITS {
@@ -207,7 +211,7 @@ fn plane_of_most(points: &[DVec3], noise_m: f64) -> Option<Plane> {
     Some(plane)
 }
 
-/// Whether the halves of a wall on both sides of its middle face the same way in the plan view.
+/// Whether the two halves of a wall face the same way in the plan view.
 fn is_straight(scene: &Scene<'_>, pixels: &[u32], up: DVec3, along: DVec3) -> bool {
     let [middle_m, _] = reach_m(scene.sampled_points(pixels), along, [0.5; 2]);
     let mut facing = [DVec3::ZERO; 2];
