@@ -5,7 +5,7 @@ mod side;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use self::side::{SidePlane, Surroundings};
+use self::side::{MOST_RADIUS_PX, SidePlane, Surroundings};
 use crate::facets::Facets;
 use crate::linear::length;
 use crate::params;
@@ -83,7 +83,8 @@ pub fn measure_borders(
     params: &params::Border,
 ) -> RegionGraph<BorderEvidence> {
     let (width, height) = disparity.size();
-    let surroundings = Surroundings { facets, disparity, space, radius: space.length_px(params.radius_px) };
+    let radius = space.length_px(params.radius_px).min(MOST_RADIUS_PX);
+    let surroundings = Surroundings { facets, disparity, space, radius };
     let pairs_per_sample = space.length_px(PAIRS_PER_SAMPLE).max(PAIRS_PER_SAMPLE);
     let borders = Borders { surroundings, params, pairs_per_sample };
     let sample_row = |marks: &mut Vec<i32>, v: usize| {

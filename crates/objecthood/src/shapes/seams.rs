@@ -16,6 +16,8 @@ mod side_colors;
 mod tests;
 mod trace;
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -30,8 +32,8 @@ use crate::regions::{RegionGraph, Segments};
 use crate::shapes::border::{BorderEvidence, measure_borders};
 use crate::shapes::contraction::{Shapes, contract, sum_votes};
 use crate::shapes::seams::axes::find_axes;
-use crate::shapes::seams::body::Body;
-use crate::shapes::seams::profile::find_traces;
+use crate::shapes::seams::body::{Body, BodyPixel, LEAST_PIECE_PX, connected_pieces};
+use crate::shapes::seams::profile::{LEAST_MEASURED, find_traces};
 use crate::shapes::seams::side_colors::{SideColors, ToldApart};
 use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::DisparitySpace;
@@ -116,33 +118,30 @@ impl Cuts {
         })
     }
 
-    /// Cuts the facets at the seams of all bodies. What a seam leaves of a facet in places that do not hang together becomes a facet each: a tray's wall
-    /// is one face with two things that stand behind it. O(pixels of the bodies).
-    fn make(partings: Vec<Parting>, facets: &Facets) -> (Self, Facets) {
+    /// Cuts the facets at the seams of all bodies. What seams leave of a facet in several places, of at least
+    /// `least_px` pixels each, becomes several facets: the wall of a tray is one face with two things that
+    /// stand behind it. O(pixels of the bodies).
+    fn make(partings: Vec<Parting>, facets: &Facets, least_px: usize) -> (Self, Facets) {
         let mut labels = facets.segments.labels().clone();
         let width = labels.width();
         let mut models = facets.models.clone();
         let mut cuts = Self { seams: Vec::new(), sides: vec![Sides::new(); models.len()] };
-        for Parting { seams, pieces } in partings {
+        for parting in partings {
             let first = cuts.seams.len();
-            cuts.seams.extend(seams);
-            let mut seen = Vec::new();
-            for Piece { body, sides } in pieces {
-                let sides: Sides =
-                    sides.into_iter().map(|(seam, is_above)| (first + seam, is_above)).collect();
-                for pixels in body.pieces_of_facets(width) {
-                    let facet = pixels[0].facet as usize;
-                    if !seen.contains(&facet) {
-                        seen.push(facet);
-                        cuts.sides[facet].clone_from(&sides);
-                        continue;
-                    }
-                    let number = models.len() as i32;
-                    pixels.iter().for_each(|p| labels.as_mut_slice()[p.i as usize] = number);
-                    models.push(models[facet]);
-                    cuts.sides.push(sides.clone());
+            let mut seen = BTreeSet::new();
+            for (pixels, sides) in parting.parts_of_facets(width, least_px) {
+                let sides: Sides = sides.iter().map(|&(seam, is_above)| (first + seam, is_above)).collect();
+                let facet = pixels[0].facet as usize;
+                if seen.insert(facet) {
+                    cuts.sides[facet] = sides;
+                    continue;
                 }
+                let number = models.len() as i32;
+                pixels.iter().for_each(|p| labels.as_mut_slice()[p.i as usize] = number);
+                models.push(models[facet]);
+                cuts.sides.push(sides);
             }
+            cuts.seams.extend(parting.seams);
         }
         let segments = Segments::from_numbered(labels, models.len());
         (cuts, Facets { segments, models, structure: facets.structure, flats: facets.flats.clone() })
@@ -171,7 +170,7 @@ pub fn find_seams(
     if partings.is_empty() {
         return None;
     }
-    let (cuts, facets) = Cuts::make(partings, facets);
+    let (cuts, facets) = Cuts::make(partings, facets, space.area_px(LEAST_PIECE_PX));
     let borders = cuts.mark(&measure_borders(&facets, &surfaces.disparity, space, &params.border));
     let shapes = contract(&sum_votes(&borders, facets.structure, &params.contraction));
     Some(Seams { facets, borders, shapes, cuts })
@@ -184,6 +183,20 @@ struct Parting {
 }
 
 impl Parting {
+    /// The parts of the facets of all pieces: a facet that no seam crosses is one part.
+    fn parts_of_facets(&self, width: usize, least_px: usize) -> Vec<(Vec<BodyPixel>, &Sides)> {
+        let facets = || self.pieces.iter().flat_map(|piece| piece.body.facets().map(|p| (p, &piece.sides)));
+        let mut pieces_with = BTreeMap::new();
+        facets().for_each(|(pixels, _)| *pieces_with.entry(pixels[0].facet).or_insert(0) += 1);
+        let parts = facets().flat_map(|(pixels, sides)| {
+            let is_cut = pieces_with[&pixels[0].facet] > 1;
+            let parts =
+                if is_cut { connected_pieces(pixels, width, least_px) } else { vec![pixels.to_vec()] };
+            parts.into_iter().map(move |part| (part, sides))
+        });
+        parts.collect()
+    }
+
     /// Records a seam, with what lies below and above it.
     fn cut(&mut self, body: &Body, sides: &Sides, trace: &Trace, seam: Seam) -> [Piece; 2] {
         let number = self.seams.len();
@@ -284,6 +297,10 @@ impl Search<'_> {
             None => return None,
         }
         checks.extend(self.check_light(body, trace, &colors, GOES_ON));
+        if trace.measured < WELL_MEASURED {
+            let what = "stripes that show it, as a share of those of the best place";
+            checks.push(Check::new(what, "", trace.measured, Bound::AtLeast, LEAST_MEASURED));
+        }
         checks.iter().all(Check::holds).then_some(checks)
     }
 

@@ -12,7 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::size::SurfaceSize;
-use super::stretches::{STRETCH, Stretches, bounds};
+use super::stretches::{STRETCH, Stretches, range_in_row};
 use super::surface::StructureSurface;
 use crate::raster::Raster;
 use crate::regions::{Segments, connect, run_length, runs};
@@ -143,7 +143,7 @@ impl StructureSurface {
     ) {
         let limit = self.scale * tolerance_quanta;
         let value = |u: f64| self.model.value([u, v as f64]);
-        let [low, high] = bounds(value, self.model.bend_in_rows(), u, seen.len());
+        let [low, high] = range_in_row(value, self.model.bend_in_rows(), u, seen.len());
         if high - least <= limit || low - greatest > limit {
             let all = if low - greatest > limit { ENDS } else { GOES_ON };
             seen.iter_mut()
@@ -164,7 +164,7 @@ impl StructureSurface {
         let limit = -(bound.scale + self.scale) * tolerance_quanta;
         let behind = |u: f64| bound.model.value([u, v as f64]) - self.model.value([u, v as f64]);
         let bend = bound.model.bend_in_rows() + self.model.bend_in_rows();
-        let [low, high] = bounds(behind, bend, u, seen.len());
+        let [low, high] = range_in_row(behind, bend, u, seen.len());
         if low > limit {
             seen.fill(ENDS);
         } else if high > limit {
@@ -195,5 +195,58 @@ impl StructureSurface {
             |&i: &usize| DVec3::from(space.point_m(position(i, disparity.width()), disparity[i].into()));
         let points_m: Vec<DVec3> = pixels.iter().map(point_m).collect();
         SurfaceSize::measure(&points_m, self.normal, 1, &space.camera()).is_board()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::surface::model::Basis;
+    use crate::surface::moments::Moments;
+
+    /// A surface with this disparity (quanta) at column `u` of row 0.
+    fn surface([c, cx, cxx]: [f64; 3]) -> StructureSurface {
+        let mut moments = Moments::about([0.0; 2]);
+        for [u, v] in [[0.0, 0.0], [50.0, 0.0], [100.0, 0.0], [0.0, 9.0], [50.0, 9.0], [0.0, 18.0]] {
+            moments.add([u, v], c + cx * u + cxx * u * u);
+        }
+        let model = moments.fit(Basis::Quadratic).model;
+        StructureSurface { model, normal: [0.0, 0.0, -1.0].into(), offset_m: 1.0, scale: 1.0 }
+    }
+
+    proptest! {
+        /// Pixel by pixel.
+        #[test]
+        fn stretches_are_marked_as_their_pixels_would_be(
+            coefficients in prop::array::uniform2((90.0_f64..110.0, -0.2_f64..0.2, -0.002_f64..0.002)),
+            // Around the surface, wholly before it or behind it, or unmeasured.
+            (middle, spread) in prop::sample::select(vec![(100.0_f32, 20.0_f32), (400.0, 5.0), (20.0, 5.0), (f32::NAN, 1.0)]),
+            noise in prop::collection::vec((-1.0_f32..1.0, 0.0..1.0_f32), 1..=STRETCH),
+            first in 0_usize..100,
+        ) {
+            let [own, bound] = coefficients.map(|(c, cx, cxx)| surface([c, cx, cxx]));
+            let disparity: Vec<f32> = noise
+                .iter()
+                .map(|(off, hole)| if *hole < 0.1 { f32::NAN } else { middle + spread * off })
+                .collect();
+            let measured = || disparity.iter().copied().filter(|d| !d.is_nan()).map(f64::from);
+            let range = [measured().fold(f64::INFINITY, f64::min), measured().fold(f64::NEG_INFINITY, f64::max)];
+            let mut seen = vec![ENDS; disparity.len()];
+            own.mark_where_it_goes_on(&mut seen, &disparity, range, [first, 3], 2.0);
+            let value = |s: &StructureSurface, k: usize| s.model.value([(first + k) as f64, 3.0]);
+            for (k, d) in disparity.iter().enumerate() {
+                let goes_on = value(&own, k) - f64::from(*d) <= 2.0;
+                let expected = if d.is_nan() { UNSEEN } else if goes_on { GOES_ON } else { ENDS };
+                prop_assert_eq!(seen[k], expected);
+            }
+            let before = seen.clone();
+            own.mark_ends(&mut seen, &bound, [first, 3], 2.0);
+            for (k, before) in before.into_iter().enumerate() {
+                let leaves = value(&bound, k) - value(&own, k) > -4.0;
+                prop_assert_eq!(seen[k], if leaves { ENDS } else { before });
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::stretches::{STRETCH, Stretches, bounds};
+use super::stretches::{STRETCH, Stretches, range_in_row};
 use super::surface::StructureSurface;
 use super::tilt::{Alike, Tilt, squared_between};
 use crate::buffers::Buffer;
@@ -69,7 +69,7 @@ impl StructureSurface {
     #[inline(always)]
     fn is_far(&self, [u, v]: [usize; 2], pixels: usize, [least, greatest]: [f64; 2], quanta: f64) -> bool {
         let value = |u: f64| self.model.value([u, v as f64]);
-        let [low, high] = bounds(value, self.model.bend_in_rows(), u, pixels);
+        let [low, high] = range_in_row(value, self.model.bend_in_rows(), u, pixels);
         low - greatest >= quanta || least - high >= quanta
     }
 
@@ -130,8 +130,12 @@ mod tests {
                 prop::sample::select(vec![[0.0, 0.0, -1.0], [0.0, -0.6, -0.8], [1.0, 0.0, 0.0], [0.0; 3]]),
             ))),
             slope_squared in 0.0_f64..0.2,
+            far_stretch in 0_usize..3,
         ) {
-            let disparity = pixels.map(|p| p.0);
+            let of_stretch = |i: usize| position(i, pixels.width())[0] as usize / STRETCH;
+            let far = |i: usize| if of_stretch(i) == far_stretch { 60.0 } else { 0.0 };
+            let seen = (0..pixels.len()).map(|i| pixels[i].0 + far(i)).collect();
+            let disparity = pixels.with_data(seen);
             let orientation = Orientation { slope: pixels.map(|p| p.1), normal: pixels.map(|p| p.2) };
             let surface = |middle: f64, normal: [f64; 3]| {
                 let mut moments = Moments::about([0.0; 2]);

@@ -1,11 +1,12 @@
-//! Rows in stretches: what is decided for a whole stretch need not be asked of its pixels.
+//! Rows in stretches: a stretch that lies wholly before or behind a surface is decided at once, without its
+//! pixels.
 
 use crate::raster::Raster;
 use crate::simd::vectorized;
 
 /// Pixels of a stretch.
 pub(super) const STRETCH: usize = 64;
-/// Terms of up to 10^9 quanta are rounded by less than this (quanta).
+/// Terms of up to 10^8 quanta are rounded by less than this (quanta).
 const ROUNDING_QUANTA: f64 = 1e-6;
 
 /// The least and the greatest disparity (quanta) of each stretch of each row. Infinite, in the wrong order, where nothing is measured.
@@ -51,7 +52,7 @@ fn range(values: &[f32]) -> [f32; 2] {
 
 /// Bounds of a polynomial over so many pixels of a row, from column `u` on. `bend`: the size of the factor of its square, or more.
 #[inline(always)]
-pub(super) fn bounds(value: impl Fn(f64) -> f64, bend: f64, u: usize, pixels: usize) -> [f64; 2] {
+pub(super) fn range_in_row(value: impl Fn(f64) -> f64, bend: f64, u: usize, pixels: usize) -> [f64; 2] {
     let [one, other] = [u, u + pixels - 1].map(|u| value(u as f64));
     // Half way between two places a parabola is farthest from its chord: by its bend times the square of half their distance.
     let half = 0.5 * pixels as f64;
@@ -91,7 +92,7 @@ mod tests {
             pixels in 1_usize..2 * STRETCH,
         ) {
             let value = |u: f64| c + cx * (u - 320.0) + cxx * (u - 320.0) * (u - 320.0);
-            let [low, high] = bounds(value, cxx.abs(), u, pixels);
+            let [low, high] = range_in_row(value, cxx.abs(), u, pixels);
             prop_assert!((u..u + pixels).all(|u| (low..=high).contains(&value(u as f64))));
         }
     }

@@ -41,6 +41,8 @@ struct SideSums {
     terms: [f64; 8],
 }
 
+/// Windows reach at most so far (px): their sums of squares fit into 32 bits.
+pub(super) const MOST_RADIUS_PX: usize = 1000;
 /// Columns of a window that are summed side by side.
 const LANES: usize = 16;
 
@@ -117,7 +119,7 @@ impl Surroundings<'_> {
 
     /// Sums over the pixels of two facets around `middle`, many columns side by side. The order of the sums does not matter, because
     /// they are exact: positions are whole numbers, disparities have 24 bits and differ by less than a factor of 200, so nothing is
-    /// rounded in windows of up to 100 px to either side.
+    /// rounded in windows of up to [`MOST_RADIUS_PX`] to either side.
     fn sum_sides(&self, facets: [SegmentId; 2], middle: [f64; 2]) -> [SideSums; 2] {
         let (width, height) = self.disparity.size();
         let [u, v] = middle.map(|x| x as usize);

@@ -23,11 +23,13 @@ const FLAT_DEG: f64 = 10.0;
 const FLAT_SHARE: f64 = 0.7;
 /// About this many pixels of a face show whether it is flat.
 const NORMALS: usize = 32;
-/// Two flat faces are one when their normals are this close (degrees) and the middle of one lies this near to the plane of the other (m).
+/// Two flat facets lie in one plane if their normals are this close (degrees), and the middle of the smaller
+/// lies this near (quanta) to the plane of the larger one.
 const SAME_PLANE_DEG: f64 = 10.0;
-const SAME_PLANE_M: f64 = 0.005;
-/// What hangs together in fewer pixels is no piece of its own: a border side needs 15 of them for a plane, on every side of it.
-const LEAST_PIECE_PX: usize = 40;
+const SAME_PLANE_QUANTA: f64 = 2.0;
+/// A smaller connected piece (px at 525 px) is no facet of its own: it is too small for the plane of a border
+/// side.
+pub(super) const LEAST_PIECE_PX: usize = 40;
 /// Depth that is measured over windows of an image reaches at most this far beyond the edge of a near thing
 /// (px at 525 px).
 const FATTENED_PX: f64 = 16.0;
@@ -50,23 +52,20 @@ pub(super) struct BodyPixel {
 pub(super) struct Face {
     /// Its pixels, facet by facet in scan order; at least one.
     pub(super) pixels: Vec<BodyPixel>,
-    /// Unit normal in the middle of the largest facet, towards the camera.
+    /// The mean point (m) of the largest facet, and its unit normal there, towards the camera.
+    middle: DVec3,
     pub(super) normal: DVec3,
     /// Whether its normal is nearly the same everywhere.
     is_flat: bool,
 }
 
 impl Face {
-    /// Whether another face lies in its plane.
-    fn continues(&self, other: &Self) -> bool {
+    /// Whether another, smaller face lies in its plane.
+    fn continues(&self, other: &Self, space: &DisparitySpace) -> bool {
         let is_parallel = self.normal.dot(other.normal) > libm::cos(SAME_PLANE_DEG.to_radians());
-        let apart_m = || (other.middle() - self.middle()).dot(self.normal).abs();
-        self.is_flat && other.is_flat && is_parallel && apart_m() < SAME_PLANE_M
-    }
-
-    /// The mean point (m).
-    fn middle(&self) -> DVec3 {
-        self.pixels.iter().map(|p| p.point).sum::<DVec3>() / self.pixels.len() as f64
+        let apart_m = (other.middle - self.middle).dot(self.normal).abs();
+        let is_near = apart_m < space.step_m(SAME_PLANE_QUANTA, other.middle.z);
+        self.is_flat && other.is_flat && is_parallel && is_near
     }
 }
 
@@ -111,21 +110,23 @@ impl Body {
         let mut bodies = vec![Self { faces: Vec::new() }; shapes.count];
         for (facet, pixels) in pixels.into_iter().enumerate().filter(|(_, pixels)| !pixels.is_empty()) {
             let (normal, is_flat) = direction(&pixels, facet, facets, space);
+            let middle = pixels.iter().map(|p| p.point).sum::<DVec3>() / pixels.len() as f64;
             if let Some(shape) = shape_of(facet) {
-                bodies[shape].faces.push(Face { pixels, normal, is_flat });
+                bodies[shape].faces.push(Face { pixels, middle, normal, is_flat });
             }
         }
-        bodies.iter_mut().for_each(Self::join_faces);
+        bodies.iter_mut().for_each(|body| body.join_faces(space));
         bodies.retain(Self::is_flat);
         bodies
     }
 
-    /// Joins the flat faces that lie in one plane: depth may have cut them anywhere, also at the joint.
-    fn join_faces(&mut self) {
+    /// Joins the flat facets that lie in one plane to one face: depth may end a facet anywhere, also at the
+    /// joint.
+    fn join_faces(&mut self, space: &DisparitySpace) {
         let mut faces = std::mem::take(&mut self.faces);
         faces.sort_by_key(|face| Reverse(face.pixels.len()));
         for face in faces {
-            match self.faces.iter_mut().find(|other| other.continues(&face)) {
+            match self.faces.iter_mut().find(|other| other.continues(&face, space)) {
                 Some(other) => other.pixels.extend(face.pixels),
                 None => self.faces.push(face),
             }
@@ -157,11 +158,9 @@ impl Body {
         Self { faces: self.faces.iter().filter_map(of_face).collect() }
     }
 
-    /// Its pixels, facet by facet, and of each facet what hangs together in an image of this width. What is too small to show anything stays with the
-    /// largest. O(pixels).
-    pub(super) fn pieces_of_facets(&self, width: usize) -> Vec<Vec<BodyPixel>> {
-        let facets = self.faces.iter().flat_map(|face| face.pixels.chunk_by(|a, b| a.facet == b.facet));
-        facets.flat_map(|pixels| hanging_together(pixels, width)).collect()
+    /// The pixels of each facet, in scan order.
+    pub(super) fn facets(&self) -> impl Iterator<Item = &[BodyPixel]> {
+        self.faces.iter().flat_map(|face| face.pixels.chunk_by(|a, b| a.facet == b.facet))
     }
 
     /// The overlap of the colours of a narrow side of a trace with those that the image shows beyond that
@@ -189,28 +188,33 @@ impl Body {
             }
             let outer = || side.iter().filter(|p| height_m(p) > width_m / 2.0);
             let beyond = |p: &&BodyPixel| beyond(p.point + trace.axis * (sign * width_m));
-            let beyond = ColorHistogram::of(outer().filter_map(beyond));
-            ColorHistogram::of(outer().map(|p| p.color)).overlap(&beyond)
+            let beyond: Vec<[f32; 3]> = outer().filter_map(beyond).collect();
+            // Few pixels are those at the edge of the body itself.
+            if 2 * beyond.len() < outer().count() {
+                return 0.0;
+            }
+            ColorHistogram::of(outer().map(|p| p.color)).overlap(&ColorHistogram::of(beyond.into_iter()))
         };
         of_side(-1.0).max(of_side(1.0))
     }
 }
 
-/// The pieces of pixels in scan order that hang together in an image of this width, the largest first.
-fn hanging_together(pixels: &[BodyPixel], width: usize) -> Vec<Vec<BodyPixel>> {
+/// The connected pieces of some pixels of an image of this width, which are in scan order; the largest first.
+/// Those of fewer than `least_px` pixels stay with the largest. O(pixels · log pixels).
+pub(super) fn connected_pieces(pixels: &[BodyPixel], width: usize, least_px: usize) -> Vec<Vec<BodyPixel>> {
     let is_next = |a: &BodyPixel, b: &BodyPixel| a.i + 1 == b.i && b.i as usize % width > 0;
+    let start = |run: &[BodyPixel]| run[0].i as usize;
     let runs: Vec<(Range<usize>, usize)> =
-        pixels.chunk_by(is_next).map(|run| (run[0].i as usize..run[0].i as usize + run.len(), 0)).collect();
+        pixels.chunk_by(is_next).map(|run| (start(run)..start(run) + run.len(), 0)).collect();
     let (piece_of, count) = connect(&runs, width);
     let mut pieces = vec![Vec::new(); count];
     for (run, piece) in pixels.chunk_by(is_next).zip(piece_of) {
         pieces[piece as usize].extend_from_slice(run);
     }
     pieces.sort_by_key(|piece| Reverse(piece.len()));
-    let is_small = |piece: &Vec<BodyPixel>| piece.len() < LEAST_PIECE_PX;
-    let large = pieces.iter().take_while(|piece| !is_small(piece)).count().max(1);
-    let rest = pieces.split_off(large.min(pieces.len()));
-    pieces.iter_mut().take(1).for_each(|largest| largest.extend(rest.iter().flatten()));
+    let large = pieces.iter().take_while(|piece| piece.len() >= least_px).count().max(1);
+    let small = pieces.split_off(large.min(pieces.len()));
+    pieces.iter_mut().take(1).for_each(|largest| largest.extend(small.iter().flatten()));
     pieces
 }
 

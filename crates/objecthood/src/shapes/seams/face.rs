@@ -74,9 +74,11 @@ impl Search<'_> {
         if both.holds() {
             checks.push(both);
         } else {
-            let step = outline.largest_step()?;
             checks = self.check_colors(trace, overlap, most);
-            checks.extend(self.check_lone_step(&step, outline.beyond(&step, face, trace)));
+            let mut of_steps = outline
+                .lone_steps()
+                .map(|step| self.check_lone_step(&step, outline.beyond(&step, face, trace)));
+            checks.extend(of_steps.find(|checks| checks.iter().all(Check::holds))?);
         }
         if !checks.iter().all(Check::holds) {
             return None;
@@ -87,21 +89,23 @@ impl Search<'_> {
 
     /// Checks that a lone step is long, and that the face ends there: the points `beyond` it lie before what is seen.
     fn check_lone_step(&self, step: &Step, beyond: impl Iterator<Item = DVec3>) -> [Check; 2] {
-        let length = "largest step of the outline of the face, at an end or between";
-        let open = "share beyond it where the face may go on";
+        let length = "longest step or notch of the outline of the face";
+        let open = "share beyond this step where the face may go on";
+        let share = self.open_share(beyond, step.is_notch);
         [
             Check::new(length, "m", step.length_m, Bound::AtLeast, LONE_STEP_M),
-            Check::new(open, "", self.open_share(beyond), Bound::AtMost, MOST_OPEN),
+            Check::new(open, "", share, Bound::AtMost, MOST_OPEN),
         ]
     }
 
-    /// The share of points where a face may go on: something hides them, or lies there, or they are outside the image.
-    fn open_share(&self, points: impl Iterator<Item = DVec3>) -> f64 {
+    /// The share of points where a face may go on: something hides them, or lies there, or they are outside the image. `in_notch`: points without depth
+    /// count too. At an end they lie in the shadow of the face itself, but a notch may be a hole in what is measured.
+    fn open_share(&self, points: impl Iterator<Item = DVec3>, in_notch: bool) -> f64 {
         let is_open = |point: DVec3| {
-            let seen = self.space.camera().pixel_at(point, self.size);
-            let depth_m = seen.map(|i| self.space.depth_m(self.disparity[i].into()));
-            // Nothing is measured in the shadow of the face itself, where it does end.
-            depth_m.is_none_or(|depth_m| depth_m <= point.z + self.space.step_m(BEHIND_QUANTA, point.z))
+            let Some(i) = self.space.camera().pixel_at(point, self.size) else { return true };
+            let depth_m = self.space.depth_m(self.disparity[i].into());
+            let behind_m = self.space.step_m(BEHIND_QUANTA, point.z);
+            if depth_m.is_nan() { in_notch } else { depth_m <= point.z + behind_m }
         };
         let (open, all) = points.fold((0, 0), |(open, all), p| (open + u32::from(is_open(p)), all + 1));
         f64::from(open) / f64::from(all.max(1))

@@ -36,7 +36,7 @@ const MOST_GAIN: f32 = 2.0;
 /// clearness is 0.
 const LEAST_RANK: f64 = 1e-3;
 /// A place needs at least this share of the stripes that the best measured place has.
-const LEAST_MEASURED: f64 = 0.3;
+pub(super) const LEAST_MEASURED: f64 = 0.3;
 /// Places that have at least this share of the greatest clearness are equally clear: the joint is in their
 /// middle.
 const ALIKE: f64 = 0.95;
@@ -200,7 +200,11 @@ impl Places {
                 sums[k].count += before.count;
                 (0..3).for_each(|c| sums[k].color[c] += before.color[c]);
             }
-            contrasts.iter_mut().enumerate().for_each(|(k, all)| all.extend(self.contrast_at(sums, k, gain)));
+            // Between facets of one plane that lie apart nothing is seen.
+            if sums[width - 1].count > 0.0 {
+                let all = contrasts.iter_mut().enumerate();
+                all.for_each(|(k, all)| all.extend(self.contrast_at(sums, k, gain)));
+            }
         }
     }
 

@@ -50,7 +50,7 @@ fn seams_of(
     let (shapes, up) = (&Shapes { of_facet: vec![0; facets.segments.count()], count: 1 }, Some(DVec3::NEG_Y));
     let search = Search { facets, shapes, lab, space: &kinect(), disparity, params, up, size: SIZE };
     let partings = search.part_all();
-    (!partings.is_empty()).then(|| Cuts::make(partings, facets))
+    (!partings.is_empty()).then(|| Cuts::make(partings, facets, LEAST_PIECE_PX))
 }
 
 fn count(paint: impl Fn(usize, usize) -> [f32; 3]) -> usize {
@@ -196,6 +196,34 @@ fn a_joint_at_which_the_outline_has_a_notch_may_be_less_clear() {
     assert_eq!(pieces(40..50, far), 1, "20 mm");
     assert_eq!(pieces(40..60, same), 1, "the face goes on there");
     assert_eq!(pieces(40..60, near), 1, "something nearer hides it");
+    assert_eq!(pieces(40..60, f32::NAN), 1, "it may be a hole in what is measured");
+}
+
+/// One pixel that stuck out beyond the narrower side made its end a notch, which needs no height.
+#[test]
+fn a_stray_pixel_makes_no_notch() {
+    let pale = [50.0, 50.0, 2.0];
+    let paint = |u: usize, v: usize| if v >= 40 || (v < 10 && (10..42).contains(&u)) { pale } else { RED };
+    let is_face = |u: usize, v: usize| v >= 40 || v >= 31 && u < 80 || (u, v) == (99, 36);
+    let (facets, disparity) = outlined(&is_face, 200.0);
+    assert!(seams_of(&facets, &disparity, paint, &params::Seams::default()).is_none());
+}
+
+/// What is left of a facet on one side of a seam.
+#[test]
+fn parts_that_do_not_hang_together_are_facets_each() {
+    let pixels = |places: &[usize]| -> Vec<BodyPixel> {
+        let pixel = |&i: &usize| BodyPixel { i: i as u32, facet: 0, color: RED, point: DVec3::Z };
+        places.iter().map(pixel).collect()
+    };
+    let pieces = |places: &[usize], least_px| -> Vec<Vec<u32>> {
+        let pieces = connected_pieces(&pixels(places), 5, least_px);
+        pieces.iter().map(|piece| piece.iter().map(|p| p.i).collect()).collect()
+    };
+    assert_eq!(pieces(&[0, 1, 2, 8], 1), [vec![0, 1, 2], vec![8]], "they touch at a corner only");
+    assert_eq!(pieces(&[3, 4, 5, 6], 1).len(), 2, "a row ends between them");
+    assert_eq!(pieces(&[0, 1, 5, 13], 2), [vec![0, 1, 5, 13]], "a speck stays with the rest");
+    assert_eq!(connected_pieces(&pixels(&[0, 1, 3]), 1, 1).len(), 2, "an image of one column");
 }
 
 /// Depth may end a facet just where two things meet: then no facet showed both sides of their joint.

@@ -18,7 +18,7 @@ pub(super) struct Trace {
     pub(super) contrast: f64,
     /// Pixels nearer than this (m) may show both sides.
     pub(super) blur_m: f64,
-    /// The stripes that show it, as a share of those of the place that most show.
+    /// The number of stripes that show it, as a share of that of the place which most stripes show.
     pub(super) measured: f64,
 }
 
