@@ -24,16 +24,21 @@ const NARROW_CELLS: [isize; 2] = [-1, 2];
 /// ... of this wide band.
 const WIDE_CELLS: [isize; 2] = [-3, 5];
 
-/// What a group of cells shows.
+/// The shape of a group of cells.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shown {
-    pub cells: usize,
-    /// Median distance of the core before the plane of the ring (quanta).
-    pub offset_quanta: f64,
+pub(super) struct Shape {
     /// The share of its convex hull that it fills.
     pub solid: f64,
     /// The share of its outline at which its support goes on.
-    pub closed: f64,
+    closed: f64,
+}
+
+/// What a group of cells shows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shown {
+    pub shape: Shape,
+    /// Median distance of the core before the plane of the ring (quanta).
+    pub offset_quanta: f64,
     pub color: Option<ShownColor>,
 }
 
@@ -52,36 +57,34 @@ pub(super) struct ShownColor {
     pub unlike_shadow: f64,
 }
 
-/// Measures a group of cells; `None` if its shape is none of a thing, as that of most. `own`: the colours of its support. O(cells of the upright
-/// rectangle around group and ring).
+/// Measures a group of cells, the inside of `around`; `None` if its shape is not that of a thing, as with
+/// most. `own`: the colours of its support. O(cells of the upright rectangle around group and ring).
 pub(super) fn measure(
     field: &Field,
     around: &Surroundings,
+    cells: &[usize],
     ring: std::ops::RangeInclusive<u8>,
     own: Option<&ColorHistogram>,
 ) -> Option<Shown> {
-    let cells: Vec<usize> = around.inside().collect();
     let outline = around.outline();
     let closed = outline.iter().filter(|&&(i, way)| around.cell(field, i, way, 1).is_some()).count();
-    let shown = Shown {
-        cells: cells.len(),
-        offset_quanta: 0.0,
-        solid: solidity(cells.len(), &hull_of(&cells, field.width)),
+    let shape = Shape {
+        solid: solidity(cells.len(), &hull_of(cells, field.width)),
         closed: closed as f64 / outline.len().max(1) as f64,
-        color: None,
     };
-    if !shown.check_shape().iter().all(Check::holds) {
+    if !shape.check().iter().all(Check::holds) {
         return None;
     }
     let ring: Vec<usize> = around.ring(field, ring).collect();
     let mut core: Vec<usize> = around.core(CORE_CELLS).collect();
     if (core.len() as f64) < CORE_SHARE * cells.len() as f64 {
-        core.clone_from(&cells);
+        core = cells.to_vec();
     }
     core.retain(|&i| field.cells[i].support == around.support);
     let plane = fit_ring(field, &ring);
     let mut before: Vec<f64> = core.iter().map(|&i| distance(field, i, &plane)).collect();
     Some(Shown {
+        shape,
         offset_quanta: element_at(&mut before, 0.5),
         color: own.map(|own| {
             let lab = |cells: &[usize]| ColorHistogram::of(cells.iter().map(|&i| field.cells[i].lab));
@@ -94,7 +97,6 @@ pub(super) fn measure(
                 unlike_shadow: unlike_shadow(mean, of_ring),
             }
         }),
-        ..shown
     })
 }
 
@@ -143,15 +145,17 @@ const LEAST_SOLID: f64 = 0.85;
 /// Least share of the outline at which the support goes on: a thing may stand on or before the rest.
 const LEAST_CLOSED: f64 = 0.75;
 
-impl Shown {
-    /// Checks of its shape: all of them must hold.
-    pub(super) fn check_shape(&self) -> [Check; 2] {
+impl Shape {
+    /// All of these must hold.
+    pub(super) fn check(&self) -> [Check; 2] {
         [
             Check::new("its share of its hull", "", self.solid, Bound::AtLeast, LEAST_SOLID),
             Check::new("its outline on the support", "", self.closed, Bound::AtLeast, LEAST_CLOSED),
         ]
     }
+}
 
+impl Shown {
     /// Checks that it rises above its surroundings. `unit_quanta`: what blocks of an empty surface disagree.
     pub(super) fn check_offset(&self, unit_quanta: f64, params: &params::Flat) -> Check {
         let limit = params.offset_sigmas * unit_quanta;

@@ -115,8 +115,8 @@ impl<'a> Search<'a> {
     /// Measures a proposal; `None` if its shape is not that of a thing.
     fn look(&self, Proposal { cells, is_part }: &Proposal, own: &OwnColors) -> Option<Group> {
         let around = Surroundings::new(self.field, cells, usize::from(*self.ring.end()) + 1);
-        let shown = measure(self.field, &around, self.ring.clone(), own.get(&around.support))?;
         let inside: Vec<usize> = around.inside().collect();
+        let shown = measure(self.field, &around, &inside, self.ring.clone(), own.get(&around.support))?;
         Some(Group {
             turn: self.turn(&inside),
             cells: inside,
@@ -131,7 +131,7 @@ impl<'a> Search<'a> {
     /// Decides whether a group is a flat thing.
     fn judge(&self, groups: &[Group], k: usize) -> Option<Found> {
         let Group { cells, is_part, shown, sides_m, rises, .. } = &groups[k];
-        let mut checks = shown.check_shape().to_vec();
+        let mut checks = shown.shape.check().to_vec();
         let is_proven = rises.holds();
         if is_proven {
             checks.push(*rises);
@@ -142,7 +142,7 @@ impl<'a> Search<'a> {
         }
         // A group that lies deeper than its ring is no thing, whatever its colour.
         let is_sunk = shown.offset_quanta < -rises.limit;
-        let rank = cells.len() as f64 * shown.solid * shown.solid;
+        let rank = cells.len() as f64 * shown.shape.solid * shown.shape.solid;
         let is_thing = !is_sunk && checks.iter().all(Check::holds);
         is_thing.then(|| Found { cells: cells.clone(), is_proven, checks, rank })
     }
@@ -217,10 +217,10 @@ impl<'a> Search<'a> {
 
 /// The number of other groups of about the same colour and size.
 fn count_alike(groups: &[Group], k: usize) -> usize {
-    let own = &groups[k].shown;
+    let own = &groups[k];
     count_others(groups, k, |other| {
-        let sizes = [own.cells, other.shown.cells].map(|cells| cells as f64);
-        let colors = own.color.zip(other.shown.color);
+        let sizes = [own.cells.len(), other.cells.len()].map(|cells| cells as f64);
+        let colors = own.shown.color.zip(other.shown.color);
         sizes[0].min(sizes[1]) >= ALIKE_SHARE * sizes[0].max(sizes[1])
             && colors.is_some_and(|(a, b)| difference(a.mean, b.mean) < ALIKE)
     })
