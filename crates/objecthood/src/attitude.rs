@@ -1,4 +1,5 @@
-//! What is known about the direction up before a frame is processed (docs/CONTEXT.md 1.1).
+//! What is known about the direction up before a frame is processed (docs/CONTEXT.md 1.1.4
+//! to 1.1.7).
 
 use glam::{DVec3, Vec3};
 

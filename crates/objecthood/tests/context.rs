@@ -190,7 +190,7 @@ fn colour_decides_about_parts_behind_an_occluder_and_about_outlines() {
     let without_color = |frame: &Frame| Frame::new(frame.depth_m().clone(), None, frame.camera()).unwrap();
     for frame in [two_boxes(), stack(), cut_box()] {
         let (with, without) = (checked(&frame).0, checked(&without_color(&frame)).0);
-        // Skirts (docs/CONTEXT.md 1.1) move outlines by pixels; what is an object stays.
+        // Skirts (docs/CONTEXT.md 1.1.9) move outlines by pixels; what is an object stays.
         let objects = without.labels.as_slice().iter().filter(|&&label| label > 0).count();
         let pairs = with.labels.as_slice().iter().zip(without.labels.as_slice());
         let moved = pairs.filter(|(with, without)| with != without).count();

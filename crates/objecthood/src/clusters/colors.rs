@@ -1,4 +1,5 @@
-//! How alike the colours of two parts are, as measured and in the same light (docs/CONTEXT.md 4.4 and 4.7).
+//! How alike the colours of two parts are, as measured and in the same light (docs/CONTEXT.md 4.4 and
+//! 4.7.5).
 
 use glam::Vec3;
 

@@ -24,9 +24,9 @@ pub enum Rule {
     VesselRim,
     /// A small cluster that touches hardly anything but a vessel is a part of it (docs/CONTEXT.md 4.4.3).
     VesselRemainder,
-    /// Pieces of one surface of revolution about up are one vessel (docs/CONTEXT.md 4.4.6).
+    /// Pieces of one surface of revolution about up are one vessel (docs/CONTEXT.md 4.4.4).
     VesselTurned,
-    /// Upright walls around a patch of background are an open box (docs/CONTEXT.md 4.4.4).
+    /// Upright walls around a patch of background are an open box (docs/CONTEXT.md 4.4.6).
     OpenBox,
     /// Thin upright panels of one height that meet at their ends are the walls of a box (docs/CONTEXT.md 4.4.5).
     BoxWalls,

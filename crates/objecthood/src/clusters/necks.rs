@@ -31,29 +31,32 @@ use crate::params;
 use crate::regions::SegmentId;
 use crate::union_find::UnionFind;
 
-/// Joins two clusters that touch if the upper one has no foot of its own: it stands neither on a support nor
-/// on a level face of the lower one, as stacked things do. In addition, the two share their colours, or the
-/// upper one is small and sits on a slope from which a separate thing would slide off. Pairs that share most
-/// colours are joined first.
+/// Joins two clusters that are parts of one body. Seven rules, which have the numbers of their sections in
+/// docs/CONTEXT.md, are tried for each pair in this order:
 ///
-/// Six further rules join pairs that this one leaves apart:
-///
-/// - Handles: two parts share their colours, and one is slim and joined to the other along its whole end.
-/// - Hanging parts: a small part that is seen to hang in the air is joined to what holds it, whether or not
-///   they touch.
-/// - Symmetry: the axis of a slim part is an axis of symmetry of the part at its end, as with a handle.
+/// - 4.7.1 Hanging parts: a small part that is seen to hang in the air is joined to what holds it, whether or
+///   not they touch.
+/// - 4.7.2 Balls: a ball lies on a slope or a neck of one other part alone, so a separate ball would roll
+///   off. Colours do not matter.
+/// - 4.7.3 Tops: a level part is the top of another part of its width, which begins as a side at its edge.
 ///   Colours do not matter.
-/// - Tops: a level part is the top of another part of its width, which begins as a side at its edge. Colours
-///   do not matter.
-/// - Balls: a ball lies on a slope or a neck of one other part alone, so a separate ball would roll off.
+/// - 4.7.4 Symmetry: the axis of a slim part is an axis of symmetry of the part at its end, as with a handle.
 ///   Colours do not matter.
-/// - Waists: a narrow part between two wider ones of its colours is joined to each of them where it begins as
-///   a neck, whether or not they touch.
+/// - 4.7.5 Waists: a narrow part between two wider ones of its colours is joined to each of them where it
+///   begins as a neck, whether or not they touch.
+/// - 4.7.6 Handles: two parts share their colours, and one is slim and joined to the other along its whole
+///   end.
+/// - 4.7.7 Necks and folds: two clusters touch, and the upper one has no foot of its own: it stands neither
+///   on a support nor on a level face of the lower one, as stacked things do. In addition, the two share
+///   their colours, or the upper one is small and sits on a slope from which a separate thing would slide
+///   off.
 ///
-/// Parts that have grown are compared again, until no more are joined.
+/// Pairs that share most colours are joined first. Parts that have grown are compared again, until no more
+/// are joined.
 ///
-/// Source: ours, because a neck or fold is a valley between convex parts (paper, future work: concavity). O(rounds · pairs side by side ·
-/// pixels of both); parallel over pairs. Does nothing without a support; without colour the rules that compare colours join nothing.
+/// Source: ours, because a neck or fold is a valley between convex parts (paper, future work: concavity).
+/// O(rounds · pairs side by side · pixels of both); parallel over pairs. Does nothing without a support;
+/// without colour the rules that compare colours join nothing.
 pub(crate) fn join_necks(clusters: &mut Clusters<'_>, params: &params::Necks) {
     let Some(ground) = clusters.scene.ground().filter(|_| params.enabled) else { return };
     let mut changed = clusters.alive().into_iter().collect::<BTreeSet<SegmentId>>();

@@ -1,14 +1,15 @@
 //! Vessels: joins the inside and the wall of a cup or bowl into one cluster (docs/CONTEXT.md 4.4).
 //!
-//! A camera sees the far part of a vessel's inside and the near part of its wall. Between them is a step in depth at the rim, so no
-//! convex border joins the two. Six rules join them. They have the numbers of their sections, and run in the order 1, 2, 3, 6, 5, 4:
+//! A camera sees the far part of a vessel's inside and the near part of its wall. Between them is a step in
+//! depth at the rim, so no convex border joins the two. Six rules join them. They have the numbers of their
+//! sections, 4.4.1 to 4.4.6, and run in this order:
 //!
 //! 1. [`insides`]: concave pieces that touch are one inside.
 //! 2. [`walls`]: an inside and the wall in front of it, equally high, are one vessel.
 //! 3. [`remainders`]: a small cluster that touches hardly anything but a vessel belongs to it.
-//! 4. [`boxes`]: upright walls of equal height around a patch of the support are an open box.
+//! 4. [`turned`]: pieces of one surface of revolution, which things in the vessel separate, are one vessel.
 //! 5. [`panels`]: thin upright panels of equal height that meet or face each other are the walls of a box.
-//! 6. [`turned`]: pieces of one surface of revolution, which things in the vessel separate, are one vessel.
+//! 6. [`boxes`]: upright walls of equal height around a patch of the support are an open box.
 
 mod boxes;
 mod insides;

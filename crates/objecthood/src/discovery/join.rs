@@ -47,7 +47,7 @@ pub enum JoinEvidence {
         /// The circle.
         rim: RimCircle,
     },
-    /// Two pieces of one surface of revolution about up (docs/CONTEXT.md 4.4.6).
+    /// Two pieces of one surface of revolution about up (docs/CONTEXT.md 4.4.4).
     VesselTurned {
         /// Radius of the surface (m).
         radius_m: f64,
@@ -59,7 +59,7 @@ pub enum JoinEvidence {
         /// Share of its border that touches the vessel without a step, but for what stands on it.
         contact_share: f64,
     },
-    /// The walls of an open box, or its bottom (docs/CONTEXT.md 4.4.4).
+    /// The walls of an open box, or its bottom (docs/CONTEXT.md 4.4.6).
     OpenBox {
         /// Share of the bottom's border that the walls bound, but for what lies in the box.
         enclosed_share: f64,

@@ -1,7 +1,15 @@
 //! Structure planes: large surfaces that carry or enclose the objects (docs/CONTEXT.md 1.1).
 //!
 //! They are found and removed first: objects stand on them or in front of them, "up" and "height" follow from
-//! them, and every later stage is cheaper without their pixels.
+//! them, and every later stage is cheaper without their pixels. The steps have the numbers of their sections,
+//! and run in this order:
+//!
+//! - 1.1.1: `candidates` are searched for in a grid of pixels; their `size` decides.
+//! - 1.1.2: `labels` of all pixels.
+//! - 1.1.3: `islands` are no part of the surface.
+//! - 1.1.4 to 1.1.7: the `choice` of the `ground`.
+//! - 1.1.8: the supports beside the `ground`.
+//! - 1.1.9: `skirts` are given back to the surface.
 
 mod candidates;
 mod choice;

@@ -1,4 +1,5 @@
-//! Columns: the places above or below a pixel along gravity, looked up in the image (docs/CONTEXT.md 6.7).
+//! Columns: the places above or below a pixel along gravity, looked up in the image (docs/CONTEXT.md
+//! 6.7.1 and 6.7.2).
 
 use glam::DVec3;
 

@@ -1,5 +1,6 @@
 //! Footing: whether a thing goes down to the structure, hangs in the air, lies below everything that could
 //! carry it, or goes on out of sight behind the edge of a surface (docs/CONTEXT.md 6.7).
+//! What lies below a thing is 6.7.1, what lies above it 6.7.2.
 
 use std::ops::Range;
 
@@ -132,11 +133,11 @@ struct Things<'a> {
     pixels: Vec<Vec<usize>>,
     /// The mean height (m) by region; `NaN` for the structure.
     mean_m: Vec<f64>,
-    /// Whether each region is too large to be grasped.
+    /// Whether each region is too large to be grasped (docs/CONTEXT.md 6.7.3).
     is_furniture: Vec<bool>,
-    /// Whether each region looks like a board of furniture.
+    /// Whether each region looks like a board of furniture (docs/CONTEXT.md 6.7.5).
     is_board: Vec<bool>,
-    /// Each region as a post; `None` if it is none.
+    /// Each region as a post (docs/CONTEXT.md 6.7.4); `None` if it is none.
     posts: Vec<Option<Post>>,
     /// The things from the lowest to the highest.
     rising: Vec<usize>,
@@ -210,8 +211,9 @@ impl<'a> Things<'a> {
         }
     }
 
-    /// The shares of the columns above a thing that end on structure and on furniture which it carries, among those that can be followed.
-    /// `shows_foot`: whether its lower end is in sight.
+    /// The shares of the columns above a thing that end on structure (docs/CONTEXT.md 6.7.2) and on furniture
+    /// (6.7.3, 6.7.4) which it carries, among those that can be followed. `shows_foot`: whether its lower end
+    /// is in sight.
     fn follow_up(&self, thing: usize, shows_foot: bool) -> [f32; 2] {
         // Furniture on which it stands is below it.
         let is_above = |region: usize| self.is_furniture[region] && self.mean_m[region] > self.mean_m[thing];
@@ -230,7 +232,8 @@ impl<'a> Things<'a> {
         [Load::Structure, Load::Furniture].map(|load| (count(load) / enough.max(1.0)).min(1.0))
     }
 
-    /// Whether a post is seen between two things that hide its ends, as the leg of a table through the back of a chair.
+    /// Whether a post is seen between two things that hide its ends, as the leg of a table through the back
+    /// of a chair (docs/CONTEXT.md 6.7.4).
     fn is_seen_between(&self, thing: usize) -> bool {
         let is_hidden = |way: DVec3| {
             let hidden = |&i: &usize| is_hidden_beyond(self.scene, way, i, thing) == Some(true);
@@ -240,7 +243,8 @@ impl<'a> Things<'a> {
         self.posts[thing].is_some() && is_hidden(self.up) && is_hidden(-self.up)
     }
 
-    /// Whether level surfaces are seen and a thing lies below each of them, on average.
+    /// Whether level surfaces are seen and a thing lies below each of them, on average
+    /// (docs/CONTEXT.md 6.7.6).
     fn lies_below_every_surface(&self, thing: usize) -> bool {
         let Self { scene, up, pixels, .. } = self;
         let points = pixels[thing].iter().map(|&i| scene.point_at(i));
@@ -281,7 +285,7 @@ fn measured<'a>(
 }
 
 /// Whether a box is that of a board: level, long and thin. A camera below a board of a shelf sees its front
-/// edge, but not what carries it.
+/// edge, but not what carries it (docs/CONTEXT.md 6.7.5).
 fn is_board(around: &OrientedBox) -> bool {
     let [long_m, _, high_m] = around.extents_m;
     long_m >= BOARD_M.max(BOARD_SLIM * high_m)

@@ -1,5 +1,5 @@
 //! Load: whether a thing is seen to carry a surface of the structure, as the leg of a table does
-//! (docs/CONTEXT.md 6.7).
+//! (docs/CONTEXT.md 6.7.2 and 6.7.3).
 
 use glam::DVec3;
 

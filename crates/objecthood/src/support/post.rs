@@ -1,5 +1,5 @@
 //! Posts: upright things much longer than wide, such as the legs of tables and chairs, and whether they go on
-//! out of sight (docs/CONTEXT.md 6.7).
+//! out of sight (docs/CONTEXT.md 6.7.4).
 
 use glam::{DVec3, Quat};
 

@@ -1,4 +1,4 @@
-//! Whether two parts share their colours (docs/CONTEXT.md 4.7).
+//! Whether two parts share their colours (docs/CONTEXT.md 4.7.5 to 4.7.7).
 
 use crate::check::{Bound, Check};
 use crate::clusters::colors::Colors;

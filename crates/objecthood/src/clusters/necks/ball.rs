@@ -1,5 +1,5 @@
 //! Whether a part is a ball that would roll off the other part, as a head would off a body (docs/CONTEXT.md
-//! 4.7).
+//! 4.7.2).
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Whether a part is a handle: slim, and joined to the body along its whole end (docs/CONTEXT.md 4.7).
+//! Whether a part is a handle: slim, and joined to the body along its whole end (docs/CONTEXT.md 4.7.6).
 
 use glam::DVec3;
 

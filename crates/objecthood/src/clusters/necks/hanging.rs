@@ -1,4 +1,4 @@
-//! Whether a part is seen to hang in the air: its support is seen below it (docs/CONTEXT.md 4.7).
+//! Whether a part is seen to hang in the air: its support is seen below it (docs/CONTEXT.md 4.7.1).
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;

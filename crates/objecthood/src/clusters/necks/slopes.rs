@@ -1,4 +1,4 @@
-//! How a part slopes where another may stand on it (docs/CONTEXT.md 4.7).
+//! How a part slopes where another may stand on it (docs/CONTEXT.md 4.7.2 and 4.7.7).
 
 use glam::DVec3;
 

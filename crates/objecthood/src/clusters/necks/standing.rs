@@ -1,4 +1,4 @@
-//! Whether the upper part stands on the lower one, or would slide off it (docs/CONTEXT.md 4.7).
+//! Whether the upper part stands on the lower one, or would slide off it (docs/CONTEXT.md 4.7.7).
 
 use std::ops::Range;
 

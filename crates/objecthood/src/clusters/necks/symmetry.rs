@@ -1,5 +1,5 @@
 //! Whether the axis of a slim part is an axis of symmetry of the other part, as the axis of a handle is for
-//! the head of a hammer (docs/CONTEXT.md 4.7).
+//! the head of a hammer (docs/CONTEXT.md 4.7.4).
 
 use glam::DVec3;
 

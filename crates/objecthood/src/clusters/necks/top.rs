@@ -1,4 +1,4 @@
-//! Whether a part is the level top face of another (docs/CONTEXT.md 4.7).
+//! Whether a part is the level top face of another (docs/CONTEXT.md 4.7.3).
 
 use glam::DVec3;
 

@@ -1,4 +1,5 @@
-//! What is seen below a part: its support where the two meet, or below where the part ends (docs/CONTEXT.md 4.7).
+//! What is seen below a part: its support where the two meet, or below where the part ends
+//! (docs/CONTEXT.md 4.7.1).
 
 use glam::DVec3;
 

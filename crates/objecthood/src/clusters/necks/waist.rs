@@ -1,4 +1,4 @@
-//! Whether a part begins at another as a neck: the joint is narrower than both parts (docs/CONTEXT.md 4.7).
+//! Whether a part begins at another as a neck: the joint is narrower than both parts (docs/CONTEXT.md 4.7.5).
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,5 @@
-//! Rule 4: upright walls around a patch of background are an open box, and the patch is its bottom (docs/CONTEXT.md 4.4.4).
+//! Rule 6: upright walls around a patch of background are an open box, and the patch is its bottom
+//! (docs/CONTEXT.md 4.4.6).
 //!
 //! Where the camera looks down over a wall into a box, it would see the top of anything solid of the same
 //! height. So walls show no tops.

@@ -1,7 +1,7 @@
 //! Rule 5: thin upright panels of equal height that meet at corners or face each other are the walls of a box
 //! (docs/CONTEXT.md 4.4.5).
 //!
-//! Rule 4 examines what surrounds a bottom. This rule needs no bottom: contents may hide it, and it may lie
+//! Rule 6 examines what surrounds a bottom. This rule needs no bottom: contents may hide it, and it may lie
 //! above the support. A solid thing is no panel, because behind the rim of a panel the camera sees past it,
 //! down into the box.
 

@@ -1,4 +1,4 @@
-//! Rule 6: pieces of one surface of revolution are one vessel (docs/CONTEXT.md 4.4.6).
+//! Rule 4: pieces of one surface of revolution are one vessel (docs/CONTEXT.md 4.4.4).
 //!
 //! Contents of a bowl or a plate hide parts of it. The pieces that remain visible do not touch, so no border
 //! joins them, and each is too small to show a circle. But they share one axis and one profile. Even the far

@@ -1,4 +1,4 @@
-//! The search for large surfaces among the samples.
+//! The search for large surfaces among the samples (docs/CONTEXT.md 1.1.1).
 
 use std::collections::BTreeMap;
 

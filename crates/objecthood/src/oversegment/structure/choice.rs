@@ -1,5 +1,5 @@
 //! The choice of the ground among surfaces, by what stands on them and by what is known about the direction
-//! up (docs/CONTEXT.md 1.1).
+//! up (docs/CONTEXT.md 1.1.4 to 1.1.7).
 
 use glam::DVec3;
 
@@ -132,7 +132,7 @@ fn most<'a>(rated: impl Iterator<Item = &'a Rated>, number: impl Fn(&Rated) -> f
 /// The evidence for a surface, with all parallel ones, as the ground.
 struct Rated {
     surface: usize,
-    /// Whether it agrees with a measured up.
+    /// Whether it agrees with a measured up (docs/CONTEXT.md 1.1.6).
     can_be_ground: bool,
     /// How far its normal is above the camera's horizon (sine).
     above: f64,
@@ -190,7 +190,7 @@ impl Rated {
     }
 
     /// Whether this is the ground of a turned camera, rather than another surface the ground of an upright
-    /// one.
+    /// one (docs/CONTEXT.md 1.1.5).
     fn is_turned_ground(&self, upright: &Self) -> bool {
         let times = |k: f64| self.resting > k * upright.resting;
         let is_enough = self.resting >= LEAST_RESTING;
@@ -202,7 +202,8 @@ impl Rated {
         is_enough && (is_oblique || (self.above_if_turned > SOMEWHAT_OBLIQUE && bears_most))
     }
 
-    /// Whether there is little evidence for other surfaces than this ground of an upright camera.
+    /// Whether there is little evidence for other surfaces than this ground of an upright camera
+    /// (docs/CONTEXT.md 1.1.7).
     fn is_clear<'a>(&self, mut others: impl Iterator<Item = &'a Self>) -> bool {
         let is_empty = self.resting < 1.0;
         // A wall, or a surface seen from straight above: a camera that faces a shelf sees its back like this.

@@ -1,5 +1,5 @@
-//! The ground and the other supports: the surfaces on which things stand (docs/CONTEXT.md 1.1, ours, because the largest surface of
-//! a room is often a wall).
+//! The ground and the other supports: the surfaces on which things stand (docs/CONTEXT.md 1.1.4 and 1.1.8;
+//! ours, because the largest surface of a room is often a wall).
 
 use glam::DVec3;
 

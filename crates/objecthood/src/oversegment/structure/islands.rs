@@ -1,5 +1,5 @@
 //! Islands: pixels that lie on a surface of the structure by chance, such as the tops of boxes that are as
-//! high as a cupboard (docs/CONTEXT.md 1.1).
+//! high as a cupboard (docs/CONTEXT.md 1.1.3).
 //!
 //! A surface may go on behind what is in front of it. It ends in two cases: where something farther is seen,
 //! and where it would leave the room. The room ends at its bounds, the floors and walls behind which nothing

@@ -1,4 +1,4 @@
-//! Labels the pixels of each surface.
+//! Labels the pixels of each surface (docs/CONTEXT.md 1.1.2).
 
 use glam::DVec3;
 use rayon::prelude::*;

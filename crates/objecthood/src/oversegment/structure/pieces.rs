@@ -1,4 +1,4 @@
-//! Connected pieces among the samples of a surface.
+//! Connected pieces among the samples of a surface (docs/CONTEXT.md 1.1.1, steps 4 to 6).
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! The pixels on which the search for surfaces works.
+//! The pixels on which the search for surfaces works (docs/CONTEXT.md 1.1.1, step 1).
 
 /// A pixel of the grid.
 pub(super) struct Sample {

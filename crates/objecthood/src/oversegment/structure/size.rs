@@ -1,4 +1,5 @@
-//! The size of a surface, by which structure is distinguished from faces of things.
+//! The size of a surface, by which structure is distinguished from faces of things (docs/CONTEXT.md 1.1.1,
+//! step 6) and boards from smaller ones (1.1.3, 1.1.8).
 
 use glam::DVec3;
 

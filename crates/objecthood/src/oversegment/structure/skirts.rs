@@ -1,5 +1,5 @@
 //! Skirts: pixels of a surface whose measured depth rises towards a thing that stands on it (docs/CONTEXT.md
-//! 1.1).
+//! 1.1.9).
 //!
 //! Depth is measured over windows, and filled depth is smooth. So around the foot of a thing the measured
 //! table rises towards it, and pixels of the background at its sides have the depth of the thing. Depth

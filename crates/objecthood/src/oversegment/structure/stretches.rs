@@ -1,5 +1,5 @@
 //! Rows in stretches: a stretch that lies wholly before or behind a surface is decided at once, without its
-//! pixels.
+//! pixels (docs/CONTEXT.md 1.1.2 and 1.1.3).
 
 use crate::raster::Raster;
 use crate::simd::vectorized;

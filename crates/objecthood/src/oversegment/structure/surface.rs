@@ -1,4 +1,4 @@
-//! A surface of the structure.
+//! A surface of the structure (docs/CONTEXT.md 1.1.1).
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! The tilt of surfaces, and which tilts count as equal.
+//! The tilt of surfaces, and which tilts count as equal (docs/CONTEXT.md 1.1.1 and 1.1.2).
 
 use glam::{DVec3, Vec3};
 

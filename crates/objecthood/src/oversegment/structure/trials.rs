@@ -1,4 +1,5 @@
-//! Random planes through three samples, and their votes: the number of samples near each.
+//! Random planes through three samples, and their votes: the number of samples near each (docs/CONTEXT.md
+//! 1.1.1, step 2).
 
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;

@@ -1,4 +1,5 @@
-//! The image in cells of 2 x 2 pixels, as colour has it, within a frame of one cell that is outside.
+//! The image in cells of 2 x 2 pixels, as colour has it, within a frame of one cell that is outside
+//! (docs/CONTEXT.md 1.1.9).
 
 use std::ops::Range;
 
