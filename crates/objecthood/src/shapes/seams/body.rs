@@ -202,7 +202,7 @@ impl Body {
 /// The connected pieces of some pixels of an image of this width, which are in scan order; the largest first.
 /// Those of fewer than `least_px` pixels stay with the largest. O(pixels · log pixels).
 pub(super) fn connected_pieces(pixels: &[BodyPixel], width: usize, least_px: usize) -> Vec<Vec<BodyPixel>> {
-    let is_next = |a: &BodyPixel, b: &BodyPixel| a.i + 1 == b.i && b.i as usize % width > 0;
+    let is_next = |a: &BodyPixel, b: &BodyPixel| a.i + 1 == b.i && !(b.i as usize).is_multiple_of(width);
     let start = |run: &[BodyPixel]| run[0].i as usize;
     let runs: Vec<(Range<usize>, usize)> =
         pixels.chunk_by(is_next).map(|run| (start(run)..start(run) + run.len(), 0)).collect();
