@@ -165,8 +165,9 @@ pub fn find_seams(
     let (space, up) = (&surfaces.space, structure.ground_normal());
     let lab = surfaces.lab_for_shapes().filter(|_| params.seams.enabled)?;
     let size = facets.segments.labels().size();
-    let (disparity, params_of) = (&surfaces.disparity, &params.seams);
-    let partings = Search { facets, shapes, lab, space, disparity, params: params_of, up, size }.part_all();
+    let disparity = &surfaces.disparity;
+    let search = Search { facets, shapes, lab, space, disparity, params: &params.seams, up, size };
+    let partings = search.part_all();
     if partings.is_empty() {
         return None;
     }

@@ -98,8 +98,9 @@ impl Search<'_> {
         ]
     }
 
-    /// The share of points where a face may go on: something hides them, or lies there, or they are outside the image. `in_notch`: points without depth
-    /// count too. At an end they lie in the shadow of the face itself, but a notch may be a hole in what is measured.
+    /// The share of points where a face may go on: something hides them, or lies there, or they are outside the
+    /// image. `in_notch`: points without depth count too. At an end they lie in the shadow of the face itself,
+    /// but a notch may be a hole in what is measured.
     fn open_share(&self, points: impl Iterator<Item = DVec3>, in_notch: bool) -> f64 {
         let is_open = |point: DVec3| {
             let Some(i) = self.space.camera().pixel_at(point, self.size) else { return true };
