@@ -16,6 +16,7 @@ mod side_colors;
 mod tests;
 mod trace;
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
@@ -185,14 +186,15 @@ struct Parting {
 
 impl Parting {
     /// The parts of the facets of all pieces: a facet that no seam crosses is one part.
-    fn parts_of_facets(&self, width: usize, least_px: usize) -> Vec<(Vec<BodyPixel>, &Sides)> {
+    fn parts_of_facets(&self, width: usize, least_px: usize) -> Vec<(Cow<'_, [BodyPixel]>, &Sides)> {
         let facets = || self.pieces.iter().flat_map(|piece| piece.body.facets().map(|p| (p, &piece.sides)));
         let mut pieces_with = BTreeMap::new();
         facets().for_each(|(pixels, _)| *pieces_with.entry(pixels[0].facet).or_insert(0) += 1);
         let parts = facets().flat_map(|(pixels, sides)| {
-            let is_cut = pieces_with[&pixels[0].facet] > 1;
-            let parts =
-                if is_cut { connected_pieces(pixels, width, least_px) } else { vec![pixels.to_vec()] };
+            let parts = match pieces_with[&pixels[0].facet] {
+                1 => vec![Cow::Borrowed(pixels)],
+                _ => connected_pieces(pixels, width, least_px).into_iter().map(Cow::Owned).collect(),
+            };
             parts.into_iter().map(move |part| (part, sides))
         });
         parts.collect()
