@@ -13,6 +13,8 @@ const LEAST_SPREAD: f64 = 1e-3;
 
 /// Windows of a block, which are fitted side by side.
 const LANES: usize = 16;
+/// Windows of a block whose sums of disparities are formed together: these stay in registers, even in the narrowest vectors.
+const GROUP: usize = LANES / 2;
 /// For each window of a block, a sum of disparities times whole numbers.
 type Sum = [f64; LANES];
 /// For each window of a block, a sum of whole numbers.
@@ -42,6 +44,9 @@ struct WindowSums {
     counts: [Count; 6],
     /// d, dx, dy, dd.
     disparities: [Sum; 4],
+    /// The number of rows, up to the last one, in which all pixels of all windows are measured. When there are as many as a window has,
+    /// the counts of all windows are the same, and remain so.
+    full_rows: usize,
 }
 
 /// Sums over the parts of one row that lie in a block of windows.
@@ -51,6 +56,8 @@ struct RowSums {
     counts: [Count; 3],
     /// d, dx, dd.
     disparities: [Sum; 3],
+    /// Whether all pixels are measured.
+    is_full: bool,
 }
 
 impl SlidingWindows {
@@ -97,10 +104,17 @@ impl SlidingWindows {
     pub(super) fn fit(&self, disparity: &[f32], mut fits: [&mut [f32]; 4]) {
         let side = (2 * self.radius + 1) as f64;
         for (block, (sums, disparity)) in self.sums.iter().zip(disparity.chunks(LANES)).enumerate() {
+            let place = block * LANES..block * LANES + disparity.len();
+            let fits = fits.each_mut().map(|image| &mut image[place.clone()]);
+            // A window of one pixel has no plane.
+            if sums.full_rows > 2 * self.radius && self.radius > 0 {
+                let planes = sums.planes_of_full();
+                fits.into_iter().zip(&planes).for_each(|(fit, plane)| fit.copy_from_slice(&plane[..fit.len()]));
+                continue;
+            }
             let planes = sums.planes(LEAST_FILL * side * side);
-            for ((image, plane), none) in fits.iter_mut().zip(&planes).zip(NO_PLANE) {
-                let image = &mut image[block * LANES..];
-                for ((fit, plane), d) in image.iter_mut().zip(plane).zip(disparity) {
+            for ((fits, plane), none) in fits.into_iter().zip(&planes).zip(NO_PLANE) {
+                for ((fit, plane), d) in fits.iter_mut().zip(plane).zip(disparity) {
                     *fit = if d.is_nan() { none } else { *plane };
                 }
             }
@@ -110,39 +124,85 @@ impl SlidingWindows {
 
 impl RowSums {
     /// Sums over the parts of a row that start at successive pixels.
-    ///
-    /// The pixels are added from the last to the first; then sums of sums are moments about the pixel before the first.
     #[inline(always)]
     fn of(measured: &[i32], disparity: &[f64], radius: usize) -> Self {
-        let mut row = Self::default();
-        let Self { counts: [n, x, xx], disparities: [d, dx, dd] } = &mut row;
-        for (measured, disparity) in measured.windows(LANES).zip(disparity.windows(LANES)).rev() {
-            for lane in 0..LANES {
-                n[lane] += measured[lane];
-                x[lane] += n[lane];
-                xx[lane] += x[lane];
-            }
-            for lane in 0..LANES {
+        let is_full = measured.iter().fold(1, |all, measured| all & measured) == 1;
+        let (side, middle) = (2 * radius as i32 + 1, radius as i32);
+        let of_full = [side, 0, side * middle * (middle + 1) / 3];
+        let counts = if is_full { of_full.map(|count| [count; LANES]) } else { counts(measured, radius) };
+        Self { counts, disparities: sums(disparity, radius), is_full }
+    }
+}
+
+/// 1, x, xx over the parts of a row that start at successive pixels.
+///
+/// The pixels are added from the last to the first; then sums of sums are moments about the pixel before the first.
+#[inline(always)]
+fn counts(measured: &[i32], radius: usize) -> [Count; 3] {
+    let [mut n, mut x, mut xx] = [[0; LANES]; 3];
+    for measured in measured.windows(LANES).rev() {
+        for lane in 0..LANES {
+            n[lane] += measured[lane];
+            x[lane] += n[lane];
+            xx[lane] += x[lane];
+        }
+    }
+    let middle = radius as i32 + 1;
+    for lane in 0..LANES {
+        // Until here a pixel at x adds x (x + 1) / 2 to xx.
+        xx[lane] = 2 * xx[lane] - (2 * middle + 1) * x[lane] + middle * middle * n[lane];
+        x[lane] -= middle * n[lane];
+    }
+    [n, x, xx]
+}
+
+/// d, dx, dd over the same parts, in the same way.
+#[inline(always)]
+fn sums(disparity: &[f64], radius: usize) -> [Sum; 3] {
+    let mut sums = [[0.0; LANES]; 3];
+    for group in (0..LANES).step_by(GROUP) {
+        let [mut d, mut dx, mut dd] = [[0.0; GROUP]; 3];
+        for disparity in disparity[group..][..2 * radius + GROUP].windows(GROUP).rev() {
+            for lane in 0..GROUP {
                 d[lane] += disparity[lane];
                 dx[lane] += d[lane];
                 dd[lane] += disparity[lane] * disparity[lane];
             }
         }
-        let middle = radius as i32 + 1;
-        for lane in 0..LANES {
-            // Until here a pixel at x adds x (x + 1) / 2 to xx.
-            xx[lane] = 2 * xx[lane] - (2 * middle + 1) * x[lane] + middle * middle * n[lane];
-            x[lane] -= middle * n[lane];
-            dx[lane] -= f64::from(middle) * d[lane];
+        let middle = radius as f64 + 1.0;
+        for lane in 0..GROUP {
+            dx[lane] -= middle * d[lane];
         }
-        row
+        for (sums, of_group) in sums.iter_mut().zip([d, dx, dd]) {
+            sums[group..][..GROUP].copy_from_slice(&of_group);
+        }
     }
+    sums
 }
 
 impl WindowSums {
     /// Moves the windows down by one row.
     #[inline(always)]
     fn slide_down(&mut self, leaving: &RowSums, entering: &RowSums, radius: usize) {
+        let were_full = self.full_rows > 2 * radius;
+        self.full_rows = if entering.is_full { self.full_rows + 1 } else { 0 };
+        if !(were_full && entering.is_full) {
+            self.slide_counts(leaving, entering, radius);
+        }
+        let [ds, dxs, dys, dds] = &mut self.disparities;
+        let [[d, dx, dd], [d_in, dx_in, dd_in]] = [&leaving.disparities, &entering.disparities];
+        let (y, y_in) = (-(radius as f64) - 1.0, radius as f64);
+        for lane in 0..LANES {
+            dys[lane] += d_in[lane] * y_in - d[lane] * y - ds[lane];
+            ds[lane] += d_in[lane] - d[lane];
+            dxs[lane] += dx_in[lane] - dx[lane];
+            dds[lane] += dd_in[lane] - dd[lane];
+        }
+    }
+
+    /// Moves the windows down by one row: the counts.
+    #[inline(always)]
+    fn slide_counts(&mut self, leaving: &RowSums, entering: &RowSums, radius: usize) {
         let [ns, xs, ys, xxs, xys, yys] = &mut self.counts;
         let [[n, x, xx], [n_in, x_in, xx_in]] = [&leaving.counts, &entering.counts];
         let (y, y_in) = (-(radius as i32) - 1, radius as i32);
@@ -154,15 +214,6 @@ impl WindowSums {
             ns[lane] += n_in[lane] - n[lane];
             xs[lane] += x_in[lane] - x[lane];
             xxs[lane] += xx_in[lane] - xx[lane];
-        }
-        let [ds, dxs, dys, dds] = &mut self.disparities;
-        let [[d, dx, dd], [d_in, dx_in, dd_in]] = [&leaving.disparities, &entering.disparities];
-        let (y, y_in) = (f64::from(y), f64::from(y_in));
-        for lane in 0..LANES {
-            dys[lane] += d_in[lane] * y_in - d[lane] * y - ds[lane];
-            ds[lane] += d_in[lane] - d[lane];
-            dxs[lane] += dx_in[lane] - dx[lane];
-            dds[lane] += dd_in[lane] - dd[lane];
         }
     }
 
@@ -194,6 +245,32 @@ impl WindowSums {
             planes[1][lane] = or(a, NO_PLANE[1]);
             planes[2][lane] = or(b, NO_PLANE[2]);
             planes[3][lane] = or(variance, NO_PLANE[3]).sqrt();
+        }
+        planes
+    }
+
+    /// The planes of windows in which all pixels are measured: those of [`Self::planes`], to the bit. x, y and xy are 0, so what divides
+    /// is the same for all.
+    #[inline(always)]
+    fn planes_of_full(&self) -> [[f32; LANES]; 4] {
+        let mut planes = [[0.0; LANES]; 4];
+        let [n, _, _, xx, _, yy] = self.counts.map(|count| f64::from(count[0]));
+        let [ds, dxs, dys, dds] = &self.disparities;
+        let [xx, yy] = [n * xx, n * yy];
+        let spread = xx * yy;
+        let freedom = n * (n - 3.0);
+        let inverse = 1.0 / (spread * freedom);
+        let [slope, mean, rest] = [freedom * inverse, spread * (n - 3.0) * inverse, spread * inverse];
+        for lane in 0..LANES {
+            let [d, dx, dy, dd] = [ds[lane], dxs[lane], dys[lane], dds[lane]];
+            let [dx, dy, dd] = [n * dx, n * dy, n * dd - d * d];
+            let a = dx * yy * slope;
+            let b = dy * xx * slope;
+            let variance = (dd - a * dx - b * dy).max(0.0) * rest;
+            planes[0][lane] = (d * mean) as f32;
+            planes[1][lane] = a as f32;
+            planes[2][lane] = b as f32;
+            planes[3][lane] = (variance as f32).sqrt();
         }
         planes
     }
