@@ -119,7 +119,7 @@ impl View<'_> {
             if pool.len() <= LEAST_POOL {
                 break;
             }
-            let Some(plane) = find_best_plane(&pool, &mut random, self.space) else { break };
+            let Some(plane) = find_best_plane(&pool, &mut random, self.space, self.grid) else { break };
             let Some(found) = self.surface_near(&pool, plane) else { continue };
             let of_piece = self.plane_of_largest_piece(&pool, &found);
             let surface = of_piece.and_then(|plane| self.surface_near(&pool, plane)).unwrap_or(found);

@@ -1,8 +1,9 @@
 //! Random planes through three samples, and their votes: the number of samples near each (docs/CONTEXT.md
 //! 1.1.1, step 2).
+//!
+//! Most planes are far from most samples. Bounds tell so for samples that lie side by side, and only the others are looked at.
 
-use std::sync::atomic::AtomicUsize;
-use std::sync::atomic::Ordering::Relaxed;
+use std::cmp::Reverse;
 
 use rayon::prelude::*;
 
@@ -22,9 +23,14 @@ const LEAST_VOTES: usize = 100;
 
 /// Finds the plane a u + b v + c through three random samples with the most votes; `None` when no plane has a hundred.
 ///
-/// All planes are drawn first; their votes are counted in parallel. Among planes with the most votes the first one drawn wins,
-/// whatever the order of counting.
-pub(super) fn find_best_plane(pool: &[Sample], random: &mut Lcg, space: &DisparitySpace) -> Option<[f64; 3]> {
+/// All planes are drawn first. Their votes are counted in the order of the most that each can have, and only as long as that is enough.
+/// Among planes with the most votes the first one drawn wins, whatever the order of counting. `grid`: distance (px) of the samples.
+pub(super) fn find_best_plane(
+    pool: &[Sample],
+    random: &mut Lcg,
+    space: &DisparitySpace,
+    grid: usize,
+) -> Option<[f64; 3]> {
     let tolerance_quanta = space.noise().pixel_scale() * TRIAL_QUANTA;
     let least_triangle = space.area_px(LEAST_TRIANGLE_PX) as f64;
     let mut trial = |_| {
@@ -41,64 +47,130 @@ pub(super) fn find_best_plane(pool: &[Sample], random: &mut Lcg, space: &Dispari
         Some([a, b, c])
     };
     let planes: Vec<[f64; 3]> = (0..TRIALS).filter_map(&mut trial).collect();
-    let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
-    let most = AtomicUsize::new(LEAST_VOTES);
-    let count = |&plane: &[f64; 3]| {
-        let votes = count_votes(&voters, pool.len(), plane, tolerance_quanta, most.load(Relaxed))?;
-        most.fetch_max(votes, Relaxed);
-        Some((votes, plane))
-    };
-    let counted: Vec<Option<(usize, [f64; 3])>> = planes.par_iter().map(count).collect();
-    let first_best = |best: (usize, _), next: (usize, _)| if next.0 > best.0 { next } else { best };
-    counted.into_iter().flatten().reduce(first_best).map(|(_, plane)| plane)
-}
-
-/// Counts the samples near a plane. `None` for fewer than `least`; the count stops as soon as it cannot reach `least`.
-fn count_votes(
-    voters: &[Voters],
-    mut left: usize,
-    plane: [f64; 3],
-    tolerance_quanta: f64,
-    least: usize,
-) -> Option<usize> {
-    let mut votes = 0;
-    for voters in voters {
-        if votes + left < least {
-            return None;
+    let electorate = Electorate::of(pool, grid);
+    let most_votes = |plane: &[f64; 3]| electorate.most_votes(*plane, tolerance_quanta);
+    let mut open: Vec<(usize, usize)> = planes.par_iter().map(most_votes).zip(0..planes.len()).collect();
+    open.sort_unstable_by_key(|&(votes, k)| (Reverse(votes), k));
+    let mut best: Option<(usize, Reverse<usize>)> = None;
+    for (possible, k) in open {
+        let least = best.map_or(LEAST_VOTES, |best| best.0);
+        if possible < least {
+            break;
         }
-        votes += vectorized(
-            #[inline(always)]
-            || voters.count_near(plane, tolerance_quanta),
-        );
-        left = left.saturating_sub(VOTERS);
+        best = best
+            .max(electorate.count_votes(planes[k], tolerance_quanta, least).map(|votes| (votes, Reverse(k))));
     }
-    (votes >= least).then_some(votes)
+    best.map(|(_, Reverse(k))| planes[k])
 }
 
-/// Samples of a block, whose votes are counted together.
-const VOTERS: usize = 256;
+/// Most samples of a group, whose votes are counted together.
+const VOTERS: usize = 16;
+/// Values of a plane are rounded by less than this share of the sum of their terms.
+const ROUNDING: f64 = 1e-12;
 
-/// Column, row and disparity of a block of samples, in separate lists. Unused places never vote.
+/// The samples in groups of neighbours in a row.
+struct Electorate {
+    groups: Vec<Voters>,
+    /// Of each group, the column in the middle of where its samples can lie, ...
+    u: Vec<f64>,
+    /// ... its row, ...
+    v: Vec<f64>,
+    /// ... the middle of the range of its disparities, ...
+    disparity: Vec<f64>,
+    /// ... half of that range, ...
+    half_range: Vec<f64>,
+    /// ... and the number of its samples.
+    size: Vec<i32>,
+    /// Half the width of a group (px).
+    half_width: f64,
+    /// The greatest column and row.
+    last: [f64; 2],
+}
+
+impl Electorate {
+    /// The samples, which are in scan order, in groups. O(samples).
+    fn of(pool: &[Sample], grid: usize) -> Self {
+        let width = (VOTERS * grid) as f64;
+        let place = |s: &Sample| ((s.at[0] / width) as usize, s.at[1]);
+        let groups: Vec<&[Sample]> = pool.chunk_by(|a, b| place(a) == place(b)).collect();
+        let limits = |group: &&[Sample]| {
+            let all = group.iter().map(|s| s.disparity);
+            all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], d| [low.min(d), high.max(d)])
+        };
+        let limits: Vec<[f64; 2]> = groups.iter().map(limits).collect();
+        Self {
+            groups: groups.iter().map(|group| Voters::of(group)).collect(),
+            u: groups.iter().map(|group| (place(&group[0]).0 as f64 + 0.5) * width).collect(),
+            v: groups.iter().map(|group| group[0].at[1]).collect(),
+            disparity: limits.iter().map(|[low, high]| 0.5 * (low + high)).collect(),
+            half_range: limits.iter().map(|[low, high]| 0.5 * (high - low)).collect(),
+            size: groups.iter().map(|group| group.len() as i32).collect(),
+            half_width: 0.5 * width,
+            last: [0, 1].map(|k| pool.iter().map(|s| s.at[k]).fold(0.0, f64::max)),
+        }
+    }
+
+    /// Counts the samples near a plane. `None` for fewer than `least`; the count stops as soon as it cannot reach `least`.
+    fn count_votes(&self, plane: [f64; 3], quanta: f64, least: usize) -> Option<usize> {
+        let mut possible = self.most_votes(plane, quanta);
+        let may_vote = self.may_vote(plane, quanta);
+        for group in (0..self.groups.len()).filter(|&group| may_vote(group)) {
+            if possible < least {
+                return None;
+            }
+            let votes = vectorized(
+                #[inline(always)]
+                || self.groups[group].count_near(self.v[group], plane, quanta),
+            );
+            possible -= self.size[group] as usize - votes;
+        }
+        (possible >= least).then_some(possible)
+    }
+
+    /// The number of samples in groups that may vote for a plane.
+    fn most_votes(&self, plane: [f64; 3], quanta: f64) -> usize {
+        vectorized(
+            #[inline(always)]
+            || {
+                let may_vote = self.may_vote(plane, quanta);
+                let votes = (0..self.size.len()).map(|group| -i32::from(may_vote(group)) & self.size[group]);
+                votes.sum::<i32>() as usize
+            },
+        )
+    }
+
+    /// Whether some samples of a group may lie near a plane.
+    #[inline(always)]
+    fn may_vote(&self, [a, b, c]: [f64; 3], quanta: f64) -> impl Fn(usize) -> bool {
+        let terms = a.abs() * (self.last[0] + self.half_width) + b.abs() * self.last[1] + c.abs();
+        let reach = quanta + a.abs() * self.half_width + ROUNDING * terms;
+        // As slices of one length, so that the loop over them checks no bounds.
+        let [u, v, d, half_range] =
+            [&self.u, &self.v, &self.disparity, &self.half_range].map(|of| &of[..self.size.len()]);
+        move |k| (d[k] - (a * u[k] + b * v[k] + c)).abs() <= half_range[k] + reach
+    }
+}
+
+/// Column and disparity of the samples of a group, in separate lists. Unused places never vote.
 struct Voters {
     u: [f64; VOTERS],
-    v: [f64; VOTERS],
     disparity: [f64; VOTERS],
 }
 
 impl Voters {
-    fn of(pool: &[Sample]) -> Self {
-        let mut voters = Self { u: [0.0; VOTERS], v: [0.0; VOTERS], disparity: [f64::NAN; VOTERS] };
-        for (k, sample) in pool.iter().enumerate() {
-            ([voters.u[k], voters.v[k]], voters.disparity[k]) = (sample.at, sample.disparity);
+    fn of(group: &[Sample]) -> Self {
+        let mut voters = Self { u: [0.0; VOTERS], disparity: [f64::NAN; VOTERS] };
+        for (k, sample) in group.iter().enumerate() {
+            (voters.u[k], voters.disparity[k]) = (sample.at[0], sample.disparity);
         }
         voters
     }
 
-    /// Counts the samples near a plane.
+    /// Counts the samples near a plane. `v`: their row.
     #[inline(always)]
-    fn count_near(&self, [a, b, c]: [f64; 3], quanta: f64) -> usize {
-        let Self { u, v, disparity } = self;
-        (0..VOTERS).map(|k| u64::from((disparity[k] - (a * u[k] + b * v[k] + c)).abs() < quanta)).sum::<u64>()
+    fn count_near(&self, v: f64, [a, b, c]: [f64; 3], quanta: f64) -> usize {
+        let Self { u, disparity } = self;
+        (0..VOTERS).map(|k| u64::from((disparity[k] - (a * u[k] + b * v + c)).abs() < quanta)).sum::<u64>()
             as usize
     }
 }
@@ -111,21 +183,18 @@ mod tests {
     #[test]
     fn votes_are_given_up_only_below_the_least() {
         let sample = |k: usize| Sample { pixel: k, at: position(k, 40), disparity: 300.0 + (k % 7) as f64 };
-        let pool: Vec<Sample> = (0..3 * VOTERS + 17).map(sample).collect();
-        let voters: Vec<Voters> = pool.chunks(VOTERS).map(Voters::of).collect();
-        for plane in [[0.0, 0.0, 303.0], [0.1, -0.05, 300.0], [0.0, 0.0, 500.0]] {
+        let pool: Vec<Sample> = (0..700).filter(|k| k % 11 != 0).map(sample).collect();
+        let electorate = Electorate::of(&pool, 1);
+        for plane in [[0.0, 0.0, 303.0], [0.1, -0.05, 300.0], [1.0, 0.0, 290.0], [0.0, 0.0, 500.0]] {
             let near = |s: &&Sample| {
                 let [u, v] = s.at;
                 (s.disparity - (plane[0] * u + plane[1] * v + plane[2])).abs() < TRIAL_QUANTA
             };
             let all = pool.iter().filter(near).count();
-            assert_eq!(
-                count_votes(&voters, pool.len(), plane, TRIAL_QUANTA, all),
-                Some(all),
-                "as many as the best so far"
-            );
-            assert_eq!(count_votes(&voters, pool.len(), plane, TRIAL_QUANTA, 0), Some(all));
-            assert_eq!(count_votes(&voters, pool.len(), plane, TRIAL_QUANTA, all + 1), None);
+            let count = |least: usize| electorate.count_votes(plane, TRIAL_QUANTA, least);
+            assert_eq!(count(all), Some(all), "as many as the best so far");
+            assert_eq!(count(0), Some(all));
+            assert_eq!(count(all + 1), None);
         }
     }
 }

@@ -109,7 +109,9 @@ impl SlidingWindows {
             // A window of one pixel has no plane.
             if sums.full_rows > 2 * self.radius && self.radius > 0 {
                 let planes = sums.planes_of_full();
-                fits.into_iter().zip(&planes).for_each(|(fit, plane)| fit.copy_from_slice(&plane[..fit.len()]));
+                fits.into_iter()
+                    .zip(&planes)
+                    .for_each(|(fit, plane)| fit.copy_from_slice(&plane[..fit.len()]));
                 continue;
             }
             let planes = sums.planes(LEAST_FILL * side * side);
