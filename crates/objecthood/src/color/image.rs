@@ -53,6 +53,12 @@ impl LabImage {
         self.cells[row * self.cells.width() + column]
     }
 
+    /// The colours of the cells in this row of cells.
+    #[inline]
+    pub(crate) fn row_of_cells(&self, row: usize) -> &[[f32; 3]] {
+        &self.cells.as_slice()[row * self.cells.width()..][..self.cells.width()]
+    }
+
     /// An image of these colours, one for each pixel; a cell has that of its first.
     #[cfg(test)]
     pub(crate) fn drawn((width, height): (usize, usize), color: impl Fn(usize, usize) -> [f32; 3]) -> Self {

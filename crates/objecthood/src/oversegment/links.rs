@@ -20,11 +20,11 @@ pub struct Links {
 /// Bit: the pixel is linked to its right neighbour.
 pub(super) const RIGHT: u8 = 1;
 /// Bit: the pixel is linked to its left neighbour.
-const LEFT: u8 = 2;
+const LEFT: u8 = 2 * RIGHT;
 /// Bit: the pixel is linked to the neighbour below.
 pub(super) const DOWN: u8 = 4;
 /// Bit: the pixel is linked to the neighbour above.
-const UP: u8 = 8;
+const UP: u8 = 2 * DOWN;
 /// Bit: the pixel is free, that is measured and no structure.
 pub(super) const FREE: u8 = 16;
 
@@ -59,9 +59,11 @@ impl Links {
                     for (k, sides) in sides.chunks_mut(STRETCH).enumerate() {
                         rule.link_stretch(v, k * STRETCH, sides);
                     }
+                    link_back(sides);
                 },
             );
         });
+        link_up(&mut sides, disparity.width());
         Self { sides: disparity.with_data(sides) }
     }
 
@@ -72,6 +74,32 @@ impl Links {
         let to = [(RIGHT, 1), (LEFT, 1_usize.wrapping_neg()), (DOWN, width), (UP, width.wrapping_neg())];
         to.into_iter().filter(move |(side, _)| sides & side != 0).map(move |(_, step)| i.wrapping_add(step))
     }
+}
+
+/// Links pixels of a row to those on their left that are linked to them.
+#[inline(always)]
+fn link_back(sides: &mut [u8]) {
+    for left in (1..sides.len()).step_by(STRETCH) {
+        // Copied, so that the loop can be vectorised.
+        let end = sides.len().min(left + STRETCH);
+        let mut before = [0; STRETCH];
+        before[..end - left].copy_from_slice(&sides[left - 1..end - 1]);
+        sides[left..end].iter_mut().zip(before).for_each(|(sides, before)| *sides |= 2 * (before & RIGHT));
+    }
+}
+
+/// Links pixels to those above that are linked to them.
+fn link_up(sides: &mut [u8], width: usize) {
+    vectorized(
+        #[inline(always)]
+        || {
+            for v in 1..sides.len() / width {
+                let (above, below) = sides.split_at_mut(v * width);
+                let above = &above[(v - 1) * width..];
+                below.iter_mut().zip(above).for_each(|(sides, above)| *sides |= 2 * (above & DOWN));
+            }
+        },
+    );
 }
 
 /// The inputs of the decision about links.
@@ -92,7 +120,7 @@ struct Pixels<'a> {
 }
 
 impl<'a> LinkRule<'a> {
-    /// Writes the `sides` of pixels of row `v` from column `left` on.
+    /// Writes the `sides` of pixels of row `v` from column `left` on, without those to the left and above.
     #[inline(always)]
     fn link_stretch(&self, v: usize, left: usize, sides: &mut [u8]) {
         let (width, height) = self.disparity.size();
@@ -102,17 +130,12 @@ impl<'a> LinkRule<'a> {
         if sides.iter().fold(0, |any, sides| any | sides) == 0 {
             return;
         }
-        // The left neighbour lies in the image from column `inner` on, the right neighbour before column `outer`.
-        let (inner, outer) = (left.max(1), right.min(width - 1));
+        // The right neighbour lies in the image before column `outer`.
+        let outer = right.min(width - 1);
         let to_right = [self.pixels(v, left..outer), self.pixels(v, left + 1..outer + 1)];
         self.link(to_right, 0, RIGHT, &mut sides[..outer - left]);
-        let to_left = [self.pixels(v, inner - 1..right - 1), self.pixels(v, inner..right)];
-        self.link(to_left, 0, LEFT, &mut sides[inner - left..]);
         if v + 1 < height {
             self.link([own, self.pixels(v + 1, left..right)], 1, DOWN, sides);
-        }
-        if v > 0 {
-            self.link([self.pixels(v - 1, left..right), own], 1, UP, sides);
         }
     }
 

@@ -116,7 +116,7 @@ fn orient(space: &DisparitySpace, [u, v]: [usize; 2], fit: &PlaneFit) -> ([f32; 
 }
 
 /// Pixels of a row whose windows are compared side by side.
-const STRETCH: usize = 32;
+const STRETCH: usize = 16;
 
 /// The window of least score for each pixel of a stretch; the first one on ties.
 struct BestWindows {

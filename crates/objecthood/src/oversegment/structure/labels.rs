@@ -29,9 +29,10 @@ pub(super) fn label_pixels(
         let (disparity, slopes) =
             (&disparity.as_slice()[row.clone()], &orientation.slope.as_slice()[row.clone()]);
         for (s, surface) in surfaces.iter().enumerate() {
-            vectorized(
+            let is_any_unsure = vectorized(
                 #[inline(always)]
                 || {
+                    let mut is_any_unsure = false;
                     let pixels = labels.chunks_mut(STRETCH).zip(unsure.chunks_mut(STRETCH));
                     let seen = disparity.chunks(STRETCH).zip(slopes.chunks(STRETCH));
                     for ((left, range), ((labels, unsure), (disparity, slopes))) in
@@ -46,11 +47,13 @@ pub(super) fn label_pixels(
                         if unsure.iter().fold(0, |any, near| any | near) != 0 {
                             let slope_squared = alike.slope_squared * surface.scale * surface.scale;
                             surface.claim(s, labels, slopes, [left, v], slope_squared, unsure);
+                            is_any_unsure |= unsure.iter().fold(0, |any, near| any | near) != 0;
                         }
                     }
+                    is_any_unsure
                 },
             );
-            for u in marked(unsure) {
+            for u in marked(if is_any_unsure { unsure } else { &[] }) {
                 let tilt = Tilt::at(row.start + u, orientation);
                 let slope = surface.model.slope([u as f64, v as f64]);
                 let own = Tilt { normal: surface.normal, slope };

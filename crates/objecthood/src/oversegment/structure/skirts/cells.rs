@@ -12,6 +12,8 @@ use crate::regions::{connect, runs};
 pub(super) const BARE: i32 = -1;
 /// A cell without a measured pixel: what colour it has must not count.
 const HOLE: i32 = -2;
+/// A measured pixel of no surface decides, whatever the others of its cell are.
+const DECIDES: i32 = i32::MAX;
 /// A cell beyond the border of the image.
 const OUTSIDE: i32 = -3;
 
@@ -31,17 +33,20 @@ impl Cells {
         let rows = height.div_ceil(2) + 2;
         let mut of = Raster::of_buffer(columns, rows, Buffer::filled(columns * rows, OUTSIDE));
         let row = |v: usize| v * width..(v + 1) * width;
+        // Of each two pixels of a column what decides.
+        let mut most = vec![[HOLE; 2]; width.div_ceil(2)];
         for (cells, top) in of.as_mut_slice().chunks_exact_mut(columns).skip(1).zip((0..height).step_by(2)) {
-            cells[1..columns - 1].fill(HOLE);
+            most.fill([HOLE; 2]);
             for v in top..(top + 2).min(height) {
-                let (labels, disparity) = (&labels.as_slice()[row(v)], &disparity.as_slice()[row(v)]);
-                let pixels = labels.chunks(2).zip(disparity.chunks(2));
-                for (cell, (labels, disparity)) in cells[1..].iter_mut().zip(pixels) {
-                    for (&label, d) in labels.iter().zip(disparity) {
-                        let own = if label >= 0 { label } else { HOLE + i32::from(!d.is_nan()) };
-                        *cell = if own == BARE || *cell == BARE { BARE } else { own.max(*cell) };
-                    }
+                let pixels = labels.as_slice()[row(v)].iter().zip(&disparity.as_slice()[row(v)]);
+                for (most, (label, d)) in most.as_flattened_mut().iter_mut().zip(pixels) {
+                    let free = if d.is_nan() { HOLE } else { DECIDES };
+                    *most = (*most).max(if *label >= 0 { *label } else { free });
                 }
+            }
+            for (cell, [one, other]) in cells[1..].iter_mut().zip(&most) {
+                let most = *one.max(other);
+                *cell = if most == DECIDES { BARE } else { most };
             }
         }
         Self { of, size: (width, height) }
@@ -91,10 +96,12 @@ impl Cells {
         let [columns, rows] = [self.size.0.div_ceil(2), self.size.1.div_ceil(2)];
         let near = |at: usize, all: usize| at.saturating_sub(distance)..(at + distance + 1).min(all);
         let (mut sum, mut count) = ([0.0_f32; 3], 0_u32);
+        let columns = near(column, columns);
         for row in near(row, rows) {
-            for column in near(column, columns) {
-                if counts((row + 1) * self.columns() + column + 1) {
-                    let color = lab.cell(column, row);
+            let first = (row + 1) * self.columns() + 1;
+            let colors = &lab.row_of_cells(row)[columns.clone()];
+            for (cell, color) in (first + columns.start..).zip(colors) {
+                if counts(cell) {
                     sum = std::array::from_fn(|k| sum[k] + color[k]);
                     count += 1;
                 }
