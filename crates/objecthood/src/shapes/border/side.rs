@@ -43,10 +43,12 @@ struct SideSums {
 
 /// Windows reach at most so far (px): their sums of squares fit into 32 bits.
 pub(super) const MOST_RADIUS_PX: usize = 1000;
-/// Columns of a window that are summed side by side.
-const LANES: usize = 16;
+/// Columns of a window that are summed side by side: their sums stay in registers, even in the narrowest vectors.
+const LANES: usize = 8;
 
-/// Number and sums of y, yy, d and yd of each column. Whole numbers of 32 bits take half of the place and no products.
+/// Number and sums of y, yy, d and yd of each column. Whole numbers of 32 bits take half of the place.
+///
+/// Rows are added from the last to the first; then sums of sums are moments about the row before the first.
 #[derive(Clone, Copy, Default)]
 struct Columns {
     n: [i32; LANES],
@@ -57,29 +59,42 @@ struct Columns {
 }
 
 impl Columns {
-    /// Adds the pixels of a row that belong to the facet. `own`: -1, that is all bits, for these and 0 for the others.
+    /// Adds the pixels of a row that belong to the facet: their number, y and yy. `own`: -1, that is all bits, for these and 0 for the others.
     #[inline(always)]
-    fn add_row(&mut self, y: i32, own: &[i32; LANES], disparity: &[f32; LANES]) {
+    fn count(&mut self, own: &[i32; LANES]) {
+        for (k, own) in own.iter().enumerate() {
+            self.n[k] -= own;
+            self.y[k] += self.n[k];
+            self.yy[k] += self.y[k];
+        }
+    }
+
+    /// Adds the same pixels: d and yd.
+    #[inline(always)]
+    fn add(&mut self, own: &[i32; LANES], disparity: &[f32; LANES]) {
         for k in 0..LANES {
-            let d = f64::from(f32::from_bits(disparity[k].to_bits() & own[k] as u32));
-            self.n[k] -= own[k];
-            self.y[k] += own[k] & y;
-            self.yy[k] += own[k] & (y * y);
-            self.d[k] += d;
-            self.yd[k] += f64::from(y) * d;
+            self.d[k] += f64::from(f32::from_bits(disparity[k].to_bits() & own[k] as u32));
+            self.yd[k] += self.d[k];
         }
     }
 }
 
 impl SideSums {
-    /// Adds columns, the first one at x.
+    /// Adds columns, the first one at x. Their first row lies `above` rows above the place.
     #[inline(always)]
-    fn add(&mut self, x: f64, Columns { n, y, yy, d, yd }: &Columns) {
+    fn add(&mut self, x: f64, above: usize, Columns { n, y, yy, d, yd }: &Columns) {
         let x: [f64; LANES] = std::array::from_fn(|k| x + k as f64);
-        let [n, y, yy] = [n, y, yy].map(|sums| sums.map(f64::from));
+        let [n, mut y, mut yy] = [n, y, yy].map(|sums| sums.map(f64::from));
+        let (mut yd, first) = (*yd, above as f64 + 1.0);
+        for k in 0..LANES {
+            y[k] -= first * n[k];
+            // Until here a pixel adds (y + first) (y + first + 1) / 2 to yy.
+            yy[k] = 2.0 * yy[k] - (2.0 * first + 1.0) * y[k] - first * (first + 1.0) * n[k];
+            yd[k] -= first * d[k];
+        }
         let times = |a: &[f64; LANES], b: &[f64; LANES]| std::array::from_fn(|k| a[k] * b[k]);
         let xn = times(&x, &n);
-        let terms = [&xn, &y, d, &times(&x, &xn), &times(&x, &y), &yy, &times(&x, d), yd].map(total);
+        let terms = [&xn, &y, d, &times(&x, &xn), &times(&x, &y), &yy, &times(&x, d), &yd].map(total);
         self.n += total(&n) as usize;
         self.terms.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
     }
@@ -126,24 +141,25 @@ impl Surroundings<'_> {
         let rows = v.saturating_sub(self.radius)..(v + self.radius + 1).min(height);
         let end = (u + self.radius + 1).min(width);
         let (labels, disparity) = (self.facets.segments.labels().as_slice(), self.disparity.as_slice());
+        let above = v - rows.start;
         let mut sums = [SideSums::default(); 2];
         vectorized(
             #[inline(always)]
             || {
                 for start in (u.saturating_sub(self.radius)..end).step_by(LANES) {
                     let inside: [i32; LANES] = std::array::from_fn(|k| -i32::from(start + k < end));
-                    let mut columns = [Columns::default(); 2];
-                    for v_row in rows.clone() {
+                    for (sums, facet) in sums.iter_mut().zip(facets) {
+                        let own = |i: usize| {
+                            let labels = first(&labels[i..]);
+                            std::array::from_fn(|k| inside[k] & -i32::from(labels[k] == facet.0 as i32))
+                        };
                         // May read on into the next row; `inside` excludes those pixels.
-                        let i = v_row * width + start;
-                        let (labels, disparity) = (first(&labels[i..]), first(&disparity[i..]));
-                        for (columns, facet) in columns.iter_mut().zip(facets) {
-                            let own = |k| inside[k] & -i32::from(labels[k] == facet.0 as i32);
-                            columns.add_row(v_row as i32 - v as i32, &std::array::from_fn(own), &disparity);
-                        }
+                        let rows = || rows.clone().rev().map(|v_row| v_row * width + start);
+                        let mut columns = Columns::default();
+                        rows().for_each(|i| columns.count(&own(i)));
+                        rows().for_each(|i| columns.add(&own(i), &first(&disparity[i..])));
+                        sums.add(start as f64 - u as f64, above, &columns);
                     }
-                    let x = start as f64 - u as f64;
-                    sums.iter_mut().zip(&columns).for_each(|(sums, columns)| sums.add(x, columns));
                 }
             },
         );
