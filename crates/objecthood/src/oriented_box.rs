@@ -80,7 +80,8 @@ fn limits_m(points_m: &[[f32; 3]], axis: DVec3) -> [f64; 2] {
 
 /// The places of points along `axis` (m), in two lists: up to `low`, and from `high` on.
 fn tails_m(points_m: &[[f32; 3]], axis: DVec3, [low, high]: [f64; 2]) -> [Vec<f64>; 2] {
-    let mut tails = [Vec::new(), Vec::new()];
+    // Mostly enough, so that they hardly ever grow.
+    let mut tails = [(); 2].map(|()| Vec::with_capacity(points_m.len().div_ceil(16)));
     for points in points_m.chunks(SIDE_BY_SIDE) {
         let mut along = [0.0; SIDE_BY_SIDE];
         let along = &mut along[..points.len()];

@@ -54,8 +54,8 @@ fn outline_direction(face: &Face) -> Option<DVec3> {
         let mut high = [f64::NEG_INFINITY; 2];
         for [px, py] in &points {
             let turned = [cos * px + sin * py, cos * py - sin * px];
-            low = [0, 1].map(|k| low[k].min(turned[k]));
-            high = [0, 1].map(|k| high[k].max(turned[k]));
+            low = [0, 1].map(|k| if turned[k] < low[k] { turned[k] } else { low[k] });
+            high = [0, 1].map(|k| if turned[k] > high[k] { turned[k] } else { high[k] });
         }
         (high[0] - low[0]) * (high[1] - low[1])
     };

@@ -1,5 +1,7 @@
 //! How clearly colour changes across a body, place by place along one of its axes.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::color::{CLEAR_CONTRAST, CONTRAST, LIGHT_OFFSET, weighted};
@@ -152,7 +154,8 @@ impl Places {
         let (mut low_m, mut high_m, mut depth_m) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
         for pixel in body.pixels() {
             let at_m = axis.dot(pixel.point);
-            (low_m, high_m) = (low_m.min(at_m), high_m.max(at_m));
+            low_m = if at_m < low_m { at_m } else { low_m };
+            high_m = if at_m > high_m { at_m } else { high_m };
             depth_m += pixel.point.z;
         }
         let camera = space.camera();
@@ -178,9 +181,11 @@ impl Places {
         let (mut first_m, mut last_m) = (f64::INFINITY, f64::NEG_INFINITY);
         for pixel in &face.pixels {
             let at_m = across.dot(pixel.point);
-            (first_m, last_m) = (first_m.min(at_m), last_m.max(at_m));
+            first_m = if at_m < first_m { at_m } else { first_m };
+            last_m = if at_m > last_m { at_m } else { last_m };
         }
-        let stripe = |at_m: f64| ((at_m - first_m) / self.stripe_m) as usize;
+        // By way of 32 bits, to which a number is converted in fewer steps.
+        let stripe = |at_m: f64| ((at_m - first_m) / self.stripe_m) as u32 as usize;
         let stripes = stripe(last_m) + 1;
         let width = self.count + 1;
         if stripes > MOST_PLACES {
@@ -188,7 +193,7 @@ impl Places {
         }
         let mut sums = vec![Sum::default(); stripes * width];
         for pixel in &face.pixels {
-            let place = ((self.axis.dot(pixel.point) - self.low_m) / self.step_m) as usize;
+            let place = ((self.axis.dot(pixel.point) - self.low_m) / self.step_m) as u32 as usize;
             let cell = &mut sums[stripe(across.dot(pixel.point)) * width + place.min(self.count - 1) + 1];
             cell.count += 1.0;
             (0..3).for_each(|k| cell.color[k] += pixel.color[k]);
@@ -200,12 +205,18 @@ impl Places {
                 sums[k].count += before.count;
                 (0..3).for_each(|c| sums[k].color[c] += before.color[c]);
             }
-            // Between facets of one plane that lie apart nothing is seen.
-            if sums[width - 1].count > 0.0 {
-                let all = contrasts.iter_mut().enumerate();
-                all.for_each(|(k, all)| all.extend(self.contrast_at(sums, k, gain)));
-            }
+            let seen = self.seen_places(sums);
+            let all = seen.clone().zip(&mut contrasts[seen]);
+            all.for_each(|(k, all)| all.extend(self.contrast_at(sums, k, gain)));
         }
+    }
+
+    /// The places of a stripe, up to the last, on both sides of which there are pixels enough; none between facets of one plane that lie apart.
+    fn seen_places(&self, sums: &[Sum]) -> Range<usize> {
+        let enough_below = sums.partition_point(|sum| sum.count < LEAST_PX);
+        let enough_above = sums.partition_point(|sum| sum.count <= sums[self.count].count - LEAST_PX);
+        let end = enough_above.saturating_sub(self.gap).min(self.count);
+        (enough_below + self.gap).min(end)..end
     }
 
     /// How far apart the colours on both sides of a place of a stripe are, without the part that a gradient

@@ -29,7 +29,7 @@ pub(super) struct SlidingWindows {
     radius: usize,
     /// The sums in blocks of windows. x and y are counted from the middle of each window.
     sums: [WindowSums; TILE / LANES],
-    /// The sums over each of the last 2 radius + 1 rows.
+    /// The sums over each of the last 2 radius + 1 rows, and over the one before, which leaves the windows.
     rows: Vec<[RowSums; TILE / LANES]>,
     /// The entering row, from the start of the first window to the end of the last: 1 where it is measured, else 0.
     measured: Vec<i32>,
@@ -67,7 +67,7 @@ impl SlidingWindows {
         self.radius = radius;
         self.sums = Default::default();
         self.rows.clear();
-        self.rows.resize(2 * radius + 1, Default::default());
+        self.rows.resize(2 * radius + 2, Default::default());
         self.measured.resize(TILE + 2 * radius, 0);
         self.disparity.resize(TILE + 2 * radius, 0.0);
     }
@@ -77,11 +77,13 @@ impl SlidingWindows {
     pub(super) fn slide_down(&mut self, v: usize, row: &[f32], left: usize) {
         self.read(row, left);
         let side = 2 * self.radius + 1;
-        for (b, (sums, last)) in self.sums.iter_mut().zip(&mut self.rows[v % side]).enumerate() {
+        let places = [v % (side + 1), (v + 1) % (side + 1)];
+        let Ok([entering, leaving]) = self.rows.get_disjoint_mut(places) else { return };
+        let blocks = self.sums.iter_mut().zip(entering).zip(leaving);
+        for (b, ((sums, entering), leaving)) in blocks.enumerate() {
             let part = b * LANES..b * LANES + LANES - 1 + side;
-            let entering = RowSums::of(&self.measured[part.clone()], &self.disparity[part], self.radius);
-            sums.slide_down(last, &entering, self.radius);
-            *last = entering;
+            entering.sum(&self.measured[part.clone()], &self.disparity[part], self.radius);
+            sums.slide_down(leaving, entering, self.radius);
         }
     }
 
@@ -127,59 +129,60 @@ impl SlidingWindows {
 impl RowSums {
     /// Sums over the parts of a row that start at successive pixels.
     #[inline(always)]
-    fn of(measured: &[i32], disparity: &[f64], radius: usize) -> Self {
-        let is_full = measured.iter().fold(1, |all, measured| all & measured) == 1;
-        let (side, middle) = (2 * radius as i32 + 1, radius as i32);
-        let of_full = [side, 0, side * middle * (middle + 1) / 3];
-        let counts = if is_full { of_full.map(|count| [count; LANES]) } else { counts(measured, radius) };
-        Self { counts, disparities: sums(disparity, radius), is_full }
-    }
-}
-
-/// 1, x, xx over the parts of a row that start at successive pixels.
-///
-/// The pixels are added from the last to the first; then sums of sums are moments about the pixel before the first.
-#[inline(always)]
-fn counts(measured: &[i32], radius: usize) -> [Count; 3] {
-    let [mut n, mut x, mut xx] = [[0; LANES]; 3];
-    for measured in measured.windows(LANES).rev() {
-        for lane in 0..LANES {
-            n[lane] += measured[lane];
-            x[lane] += n[lane];
-            xx[lane] += x[lane];
+    fn sum(&mut self, measured: &[i32], disparity: &[f64], radius: usize) {
+        self.is_full = measured.iter().fold(1, |all, measured| all & measured) == 1;
+        if self.is_full {
+            let (side, middle) = (2 * radius as i32 + 1, radius as i32);
+            let of_full = [side, 0, side * middle * (middle + 1) / 3];
+            self.counts.iter_mut().zip(of_full).for_each(|(count, of_full)| count.fill(of_full));
+        } else {
+            self.count(measured, radius);
         }
+        self.sum_disparities(disparity, radius);
     }
-    let middle = radius as i32 + 1;
-    for lane in 0..LANES {
-        // Until here a pixel at x adds x (x + 1) / 2 to xx.
-        xx[lane] = 2 * xx[lane] - (2 * middle + 1) * x[lane] + middle * middle * n[lane];
-        x[lane] -= middle * n[lane];
-    }
-    [n, x, xx]
-}
 
-/// d, dx, dd over the same parts, in the same way.
-#[inline(always)]
-fn sums(disparity: &[f64], radius: usize) -> [Sum; 3] {
-    let mut sums = [[0.0; LANES]; 3];
-    for group in (0..LANES).step_by(GROUP) {
-        let [mut d, mut dx, mut dd] = [[0.0; GROUP]; 3];
-        for disparity in disparity[group..][..2 * radius + GROUP].windows(GROUP).rev() {
-            for lane in 0..GROUP {
-                d[lane] += disparity[lane];
-                dx[lane] += d[lane];
-                dd[lane] += disparity[lane] * disparity[lane];
+    /// 1, x, xx.
+    ///
+    /// The pixels are added from the last to the first; then sums of sums are moments about the pixel before the first.
+    #[inline(always)]
+    fn count(&mut self, measured: &[i32], radius: usize) {
+        self.counts = [[0; LANES]; 3];
+        let [n, x, xx] = &mut self.counts;
+        for measured in measured.windows(LANES).rev() {
+            for lane in 0..LANES {
+                n[lane] += measured[lane];
+                x[lane] += n[lane];
+                xx[lane] += x[lane];
             }
         }
-        let middle = radius as f64 + 1.0;
-        for lane in 0..GROUP {
-            dx[lane] -= middle * d[lane];
-        }
-        for (sums, of_group) in sums.iter_mut().zip([d, dx, dd]) {
-            sums[group..][..GROUP].copy_from_slice(&of_group);
+        let middle = radius as i32 + 1;
+        for lane in 0..LANES {
+            // Until here a pixel at x adds x (x + 1) / 2 to xx.
+            xx[lane] = 2 * xx[lane] - (2 * middle + 1) * x[lane] + middle * middle * n[lane];
+            x[lane] -= middle * n[lane];
         }
     }
-    sums
+
+    /// d, dx, dd, in the same way.
+    #[inline(always)]
+    fn sum_disparities(&mut self, disparity: &[f64], radius: usize) {
+        let middle = radius as f64 + 1.0;
+        for group in (0..LANES).step_by(GROUP) {
+            let [mut d, mut dx, mut dd] = [[0.0; GROUP]; 3];
+            for disparity in disparity[group..][..2 * radius + GROUP].windows(GROUP).rev() {
+                for lane in 0..GROUP {
+                    d[lane] += disparity[lane];
+                    dx[lane] += d[lane];
+                    dd[lane] += disparity[lane] * disparity[lane];
+                }
+            }
+            for lane in 0..GROUP {
+                dx[lane] -= middle * d[lane];
+            }
+            let sums = self.disparities.iter_mut().zip([d, dx, dd]);
+            sums.for_each(|(sums, of_group)| sums[group..][..GROUP].copy_from_slice(&of_group));
+        }
+    }
 }
 
 impl WindowSums {
