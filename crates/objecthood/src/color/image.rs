@@ -33,10 +33,11 @@ impl LabImage {
             let row = |v: usize| v * width..(v + 1) * width;
             let (depths_m, rows) =
                 (rows.map(|v| &depth_m.as_slice()[row(v)]), rows.map(|v| &color.as_slice()[row(v)]));
-            for (column, cell) in cells.iter_mut().enumerate() {
-                let columns = [2 * column, (2 * column + 1).min(width - 1)];
-                let [[first, second], [third, fourth]] = rows.map(|row| columns.map(|u| row[u]));
-                let has_depth = depths_m.map(|row| columns.map(|u| !row[u].is_nan()));
+            let colors = rows[0].chunks(2).zip(rows[1].chunks(2));
+            let depths_m = depths_m[0].chunks(2).zip(depths_m[1].chunks(2));
+            for (cell, ((above, below), (above_m, below_m))) in cells.iter_mut().zip(colors.zip(depths_m)) {
+                let ([first, second], [third, fourth]) = (pair(above), pair(below));
+                let has_depth = [pair(above_m), pair(below_m)].map(|pair| pair.map(|z_m| !z_m.is_nan()));
                 *cell = mean([first, second, third, fourth], has_depth.as_flattened(), light);
             }
             vectorized(
@@ -66,6 +67,12 @@ impl LabImage {
         let cells = (0..columns * height.div_ceil(2)).map(|i| color(2 * (i % columns), 2 * (i / columns)));
         Self { cells: Raster::from_vec(columns, height.div_ceil(2), cells.collect()).unwrap(), width }
     }
+}
+
+/// Two pixels of a row of a cell. The last one of the image may stand for both.
+#[inline]
+fn pair<T: Copy>(pixels: &[T]) -> [T; 2] {
+    [pixels[0], pixels[pixels.len() - 1]]
 }
 
 /// The mean light of the pixels of a cell that have depth; of all where none has. `light`: that of each value.

@@ -10,6 +10,7 @@ use crate::buffers::Buffer;
 use crate::noise::{KINECT_RESIDUAL_QUANTA, Reading, SIDES_PX};
 use crate::quantile::element_at;
 use crate::raster::Raster;
+use crate::simd::vectorized;
 use crate::surface::disparity::DisparitySpace;
 
 /// Least side of the smallest block (px of this image).
@@ -62,18 +63,11 @@ struct Sums {
 impl Sums {
     const NONE: Self = Self { d: 0.0, dx: 0.0, dy: 0.0 };
 
-    /// Adds pixels of a row y below the middle, the first of them x right of it.
-    #[inline(always)]
-    fn add_row(&mut self, [x, y]: [f64; 2], row: &[f32]) {
-        let (mut d, mut dx) = (0.0, 0.0);
-        for (k, &disparity) in row.iter().enumerate() {
-            let disparity = f64::from(disparity);
-            d += disparity;
-            dx += disparity * (x + k as f64);
-        }
-        self.d += d;
-        self.dx += dx;
-        self.dy += d * y;
+    /// The sums of a block from those of its columns: Σ d and Σ d y. The first column is x right of the middle.
+    fn of_columns(x: f64, d: &[f64], dy: &[f64]) -> Self {
+        let at = (0..).map(|k| x + f64::from(k));
+        let dx = at.zip(d).map(|(x, d)| x * d);
+        Self { d: d.iter().sum(), dx: dx.sum(), dy: dy.iter().sum() }
     }
 
     /// Adds the sums of a block whose middle lies at (x, y).
@@ -81,6 +75,16 @@ impl Sums {
         self.d += block.d;
         self.dx += block.dx + x * block.d;
         self.dy += block.dy + y * block.d;
+    }
+}
+
+/// Adds the pixels of a row y below the middle of blocks to the sums of columns.
+#[inline(always)]
+fn add_row(d: &mut [f64], dy: &mut [f64], row: &[f32], y: f64) {
+    for ((sum, sum_y), disparity) in d.iter_mut().zip(dy).zip(row) {
+        let disparity = f64::from(*disparity);
+        *sum += disparity;
+        *sum_y += disparity * y;
     }
 }
 
@@ -98,14 +102,24 @@ impl Blocks {
         let (columns, rows) = (width / side, height / side);
         let middle = (side as f64 - 1.0) / 2.0;
         let mut sums = Buffer::filled(columns * rows, Sums::NONE);
-        sums.par_chunks_mut(columns.max(1)).enumerate().for_each(|(row, sums)| {
-            for (column, sum) in sums.iter_mut().enumerate() {
-                for y in 0..side {
-                    let line = &disparity.as_slice()[(row * side + y) * width + column * side..][..side];
-                    sum.add_row([-middle, y as f64 - middle], line);
-                }
+        // Nothing is rounded: places are halves of whole numbers, and disparities have 24 bits and differ by less than a factor of 200.
+        // So the order of sums does not matter, and columns are summed side by side.
+        let sum_row = |[d, dy]: &mut [Vec<f64>; 2], (row, sums): (usize, &mut [Sums])| {
+            d.fill(0.0);
+            dy.fill(0.0);
+            for y in 0..side {
+                let line = &disparity.as_slice()[(row * side + y) * width..][..columns * side];
+                vectorized(
+                    #[inline(always)]
+                    || add_row(d, dy, line, y as f64 - middle),
+                );
             }
-        });
+            for (sum, (d, dy)) in sums.iter_mut().zip(d.chunks(side).zip(dy.chunks(side))) {
+                *sum = Sums::of_columns(-middle, d, dy);
+            }
+        };
+        let columns_px = || [(); 2].map(|()| vec![0.0; columns * side]);
+        sums.par_chunks_mut(columns.max(1)).enumerate().for_each_init(columns_px, sum_row);
         Self { side_px: side, columns, sums }
     }
 

@@ -116,7 +116,7 @@ fn bridge_dots(disparity: &mut Raster<f32>) -> f32 {
 fn visit_holes(measured: &Raster<f32>, mut visit: impl FnMut(Bridge)) {
     let (width, height) = measured.size();
     for (v, row) in measured.as_slice().chunks(width).enumerate() {
-        for u in (0..width).filter(|&u| row[u].is_nan()) {
+        for u in holes(row) {
             let i = v * width + u;
             let along = between(u, width, |u| row[u]);
             let down = between(v, height, |v| measured[v * width + u]);
@@ -127,6 +127,15 @@ fn visit_holes(measured: &Raster<f32>, mut visit: impl FnMut(Bridge)) {
             }
         }
     }
+}
+
+/// The missing pixels of a row. Stretches without any are passed at once.
+fn holes(row: &[f32]) -> impl Iterator<Item = usize> + '_ {
+    const STRETCH: usize = 32;
+    let has_hole = |stretch: &[f32]| stretch.iter().fold(false, |any, d| any | d.is_nan());
+    let stretches =
+        (0..).step_by(STRETCH).zip(row.chunks(STRETCH)).filter(move |(_, stretch)| has_hole(stretch));
+    stretches.flat_map(|(from, stretch)| (from..).zip(stretch).filter(|(_, d)| d.is_nan()).map(|(u, _)| u))
 }
 
 /// A value for a missing pixel.

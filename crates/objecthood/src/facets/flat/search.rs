@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::check::Check;
@@ -51,6 +51,8 @@ const PARALLEL: f64 = 0.1;
 const COMMON_SHARE: f64 = 0.2;
 /// The sides of a group are measured on about this many of its cells.
 const SAMPLED_CELLS: usize = 200;
+/// The diagonal of the box around a group grows by this factor, which is more than a side of the group is rounded by.
+const ROUNDED: f64 = 1.001;
 
 /// A group of cells with its evidence.
 struct Group {
@@ -96,7 +98,7 @@ impl<'a> Search<'a> {
 
     /// Finds the flat things, in the order of their first cells.
     pub(super) fn run(&self, has_color: bool) -> Vec<Found> {
-        let is_large = |cells: &[u32]| !self.is_graspable(self.sides_m(cells));
+        let is_large = |cells: &[u32]| !self.is_small(cells) && !self.is_graspable(self.sides_m(cells));
         let (mut proposals, own) = if has_color {
             propose_by_color(self.field, &find_patches(self.field), is_large)
         } else {
@@ -201,17 +203,35 @@ impl<'a> Search<'a> {
         turn(&hull_of(cells, self.field.width).into_iter().map(corner).collect::<Vec<_>>())
     }
 
+    /// Whether the upright box around some cells on their support tells that they are graspable: no side is longer than its diagonal.
+    fn is_small(&self, cells: &[u32]) -> bool {
+        let points_m = self.sample_m(cells);
+        let ends = |k: usize| {
+            let along = points_m.iter().map(|point| point[k]);
+            along.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+        };
+        let sides = Vec3::from([0, 1, 2].map(ends).map(|[low, high]| high - low));
+        let diagonal_m = f64::from(sides.length()) * ROUNDED;
+        self.is_graspable([diagonal_m; 2])
+    }
+
     /// The longest and the second-longest side (m) of some cells on their support.
     fn sides_m(&self, cells: &[u32]) -> [f64; 2] {
         let surface = self.support_of(cells[0] as usize);
+        let up = surface.normal().map(|x| x as f32);
+        let [x, y, _] = fit_oriented_box(&self.sample_m(cells), up).extents_m;
+        [x.max(y), x.min(y)].map(f64::from)
+    }
+
+    /// Some cells as points (m) on their support.
+    fn sample_m(&self, cells: &[u32]) -> Vec<[f32; 3]> {
+        let surface = self.support_of(cells[0] as usize);
         let step = cells.len().div_ceil(SAMPLED_CELLS);
-        let points = cells.iter().step_by(step).map(|&i| {
+        let points_m = cells.iter().step_by(step).map(|&i| {
             let at = self.field.middle_px(i as usize);
             self.surfaces.space.point_m(at, surface.model.value(at)).map(|x| x as f32)
         });
-        let points: Vec<[f32; 3]> = points.collect();
-        let [x, y, _] = fit_oriented_box(&points, surface.normal().map(|x| x as f32)).extents_m;
-        [x.max(y), x.min(y)].map(f64::from)
+        points_m.collect()
     }
 }
 
