@@ -32,12 +32,16 @@ impl Hull {
 /// The span of the pixels in each row. `pixels`: in scan order. O(pixels).
 pub(crate) fn find_row_spans(pixels: impl Iterator<Item = usize>, width: usize) -> Vec<RowSpan> {
     let mut spans: Vec<RowSpan> = Vec::new();
+    let mut row = 0..0;
     for i in pixels {
-        let (v, u) = (i / width, i % width);
-        match spans.last_mut().filter(|span| span.v == v) {
-            Some(span) => span.last = u,
-            None => spans.push(RowSpan { v, first: u, last: u }),
+        // Most pixels lie in the row of the previous one, so a division is rare.
+        if let Some(span) = spans.last_mut().filter(|_| row.contains(&i)) {
+            span.last = i - row.start;
+            continue;
         }
+        let (v, u) = (i / width, i % width);
+        row = v * width..(v + 1) * width;
+        spans.push(RowSpan { v, first: u, last: u });
     }
     spans
 }

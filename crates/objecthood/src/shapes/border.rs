@@ -87,8 +87,9 @@ pub fn measure_borders(
     let surroundings = Surroundings { facets, disparity, space, radius };
     let pairs_per_sample = space.length_px(PAIRS_PER_SAMPLE).max(PAIRS_PER_SAMPLE);
     let borders = Borders { surroundings, params, pairs_per_sample };
+    let sampled = sampled_columns(width, pairs_per_sample);
     let sample_row = |marks: &mut Vec<i32>, v: usize| {
-        mark_borders(facets.segments.labels(), v, pairs_per_sample, marks);
+        mark_borders(facets.segments.labels(), v, pairs_per_sample, &sampled, marks);
         let mut samples = Vec::new();
         for u in marked(marks) {
             let i = v * width + u;
@@ -105,18 +106,23 @@ pub fn measure_borders(
     RegionGraph::gather(facets.segments.count(), rows.into_iter().flatten(), BorderEvidence::add)
 }
 
-/// Marks the samples of row `v`: horizontal pairs in every `step`-th row, vertical pairs in every `step`-th column, from the second.
-fn mark_borders(labels: &Raster<i32>, v: usize, step: usize, marks: &mut [i32]) {
+/// [`BELOW`] in every `step`-th column, from the second, and 0 in the others.
+fn sampled_columns(width: usize, step: usize) -> Vec<i32> {
+    (0..width).map(|u| if u % step == 1 { BELOW } else { 0 }).collect()
+}
+
+/// Marks the samples of row `v`: horizontal pairs in every `step`-th row, from the second, vertical pairs in the `sampled` columns.
+fn mark_borders(labels: &Raster<i32>, v: usize, step: usize, sampled: &[i32], marks: &mut [i32]) {
     let (width, height) = labels.size();
     let row = |v: usize| &labels.as_slice()[v * width..(v + 1) * width];
-    let is_border = |a: i32, b: i32| i32::from((a != b) & (a >= 0) & (b >= 0));
+    // All bits or none.
+    let is_border = |a: i32, b: i32| -i32::from((a != b) & (a >= 0) & (b >= 0));
     let (own, below) = (row(v), row((v + 1).min(height - 1)));
-    marks.fill(0);
-    let columns = marks.iter_mut().zip(own.iter().zip(below)).skip(1).step_by(step);
-    columns.for_each(|(mark, (own, below))| *mark = BELOW * is_border(*own, *below));
+    let columns = marks.iter_mut().zip(sampled).zip(own.iter().zip(below));
+    columns.for_each(|((mark, sampled), (own, below))| *mark = sampled & is_border(*own, *below));
     if v % step == 1 {
         for (mark, (own, right)) in marks.iter_mut().zip(own.iter().zip(&own[1..])) {
-            *mark |= RIGHT * is_border(*own, *right);
+            *mark |= RIGHT & is_border(*own, *right);
         }
     }
 }

@@ -15,15 +15,13 @@ pub(super) fn find_raised(field: &Field, disagreement_quanta: f64) -> Vec<bool> 
     let mean = means(field);
     let least = (RAISED_SIGMAS * disagreement_quanta) as f32;
     // Few cells rise so far that their neighbours have to be examined.
-    let greatest = |i: usize| {
+    let is_on_top = |i: usize| {
         let near = |at: usize, all: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(all);
-        let rows = near(i / width, height).map(|v| v * width);
         let columns = near(i % width, width);
-        rows.flat_map(|row| &mean[row + columns.start..row + columns.end]).copied().fold(mean[i], f32::max)
+        let mut rows = near(i / width, height).map(|v| &mean[v * width..][columns.clone()]);
+        rows.all(|row| row.iter().all(|near| mean[i] > EDGE_SHARE * near))
     };
-    let is_raised = |i: usize| {
-        field.cells[i].support != NO_SUPPORT && mean[i] > least && mean[i] > EDGE_SHARE * greatest(i)
-    };
+    let is_raised = |i: usize| field.cells[i].support != NO_SUPPORT && mean[i] > least && is_on_top(i);
     (0..mean.len()).map(is_raised).collect()
 }
 
