@@ -57,8 +57,8 @@ pub(super) fn find_best_plane(
         if possible < least {
             break;
         }
-        best = best
-            .max(electorate.count_votes(planes[k], tolerance_quanta, least).map(|votes| (votes, Reverse(k))));
+        let votes = electorate.count_votes(planes[k], tolerance_quanta, possible, least);
+        best = best.max(votes.map(|votes| (votes, Reverse(k))));
     }
     best.map(|(_, Reverse(k))| planes[k])
 }
@@ -110,9 +110,15 @@ impl Electorate {
         }
     }
 
-    /// Counts the samples near a plane. `None` for fewer than `least`; the count stops as soon as it cannot reach `least`.
-    fn count_votes(&self, plane: [f64; 3], quanta: f64, least: usize) -> Option<usize> {
-        let mut possible = self.most_votes(plane, quanta);
+    /// Counts the samples near a plane, which has at most so many `possible` votes. `None` for fewer than `least`; the count stops as soon
+    /// as it cannot reach `least`.
+    fn count_votes(
+        &self,
+        plane: [f64; 3],
+        quanta: f64,
+        mut possible: usize,
+        least: usize,
+    ) -> Option<usize> {
         let may_vote = self.may_vote(plane, quanta);
         for group in (0..self.groups.len()).filter(|&group| may_vote(group)) {
             if possible < least {
@@ -191,7 +197,9 @@ mod tests {
                 (s.disparity - (plane[0] * u + plane[1] * v + plane[2])).abs() < TRIAL_QUANTA
             };
             let all = pool.iter().filter(near).count();
-            let count = |least: usize| electorate.count_votes(plane, TRIAL_QUANTA, least);
+            let possible = electorate.most_votes(plane, TRIAL_QUANTA);
+            assert!(possible >= all);
+            let count = |least: usize| electorate.count_votes(plane, TRIAL_QUANTA, possible, least);
             assert_eq!(count(all), Some(all), "as many as the best so far");
             assert_eq!(count(0), Some(all));
             assert_eq!(count(all + 1), None);

@@ -110,10 +110,9 @@ impl SlidingWindows {
             let fits = fits.each_mut().map(|image| &mut image[place.clone()]);
             // A window of one pixel has no plane.
             if sums.full_rows > 2 * self.radius && self.radius > 0 {
-                let planes = sums.planes_of_full();
-                fits.into_iter()
-                    .zip(&planes)
-                    .for_each(|(fit, plane)| fit.copy_from_slice(&plane[..fit.len()]));
+                // Beyond the image nothing is measured, so these are as many as a block has.
+                let fits = fits.into_iter().filter_map(|fits| fits.first_chunk_mut());
+                fits.zip(sums.planes_of_full()).for_each(|(fits, planes)| *fits = planes);
                 continue;
             }
             let planes = sums.planes(LEAST_FILL * side * side);
