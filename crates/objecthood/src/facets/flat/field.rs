@@ -6,6 +6,7 @@ use crate::facets::Facets;
 use crate::oversegment::structure::Structure;
 use crate::oversegment::structure::StructureSurface;
 use crate::raster::Raster;
+use crate::simd::vectorized;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::surfaces::Surfaces;
 
@@ -51,30 +52,19 @@ impl Field {
         let mut support = vec![NO_SUPPORT; full_width * full_height];
         let mut cells = vec![Cell { support: NO_SUPPORT, rise: 0.0, lab: [0.0; 3] }; width * height];
         let rows = cells.par_chunks_mut(width).zip(support.par_chunks_mut(2 * full_width));
-        rows.enumerate().for_each(|(v, (cells, support))| {
+        let rises = || vec![0.0; 2 * full_width];
+        rows.enumerate().for_each_init(rises, |rises, (v, (cells, support))| {
             for (run, facet) in facets.segments.runs_in(2 * v..2 * v + 2) {
-                let first = 2 * v * full_width;
-                let support = &mut support[run.start - first..run.end - first];
-                let seen = surfaces.disparity.as_slice()[run.clone()].iter().zip(support);
-                match place_of_facet[facet] {
-                    Place::On(place) => {
-                        seen.for_each(|(d, support)| *support = if d.is_nan() { NO_SUPPORT } else { place });
-                    }
-                    Place::Low => run.zip(seen).for_each(|(i, (&d, support))| {
-                        *support = rise.nearest(position(i, full_width), d);
-                    }),
-                    Place::Elsewhere => {}
-                }
+                let own = run.start - 2 * v * full_width..run.end - 2 * v * full_width;
+                let (at, seen) = (position(run.start, full_width), &surfaces.disparity.as_slice()[run]);
+                rise.measure(place_of_facet[facet], at, seen, &mut support[own.clone()], &mut rises[own]);
             }
             for (u, cell) in cells.iter_mut().enumerate() {
                 let mut sum = (0, 0.0);
-                for [du, dv] in [[0, 0], [1, 0], [0, 1], [1, 1]] {
-                    let (column, row) = (2 * u + du, 2 * v + dv);
-                    let place = support[dv * full_width + column];
-                    if place != NO_SUPPORT {
-                        let d = surfaces.disparity[row * full_width + column];
-                        cell.support = place;
-                        sum = (sum.0 + 1, sum.1 + rise.quanta([column as f64, row as f64], d, place));
+                for k in [0, 1, full_width, full_width + 1].map(|k| 2 * u + k) {
+                    if support[k] != NO_SUPPORT {
+                        cell.support = support[k];
+                        sum = (sum.0 + 1, sum.1 + rises[k]);
                     }
                 }
                 if sum.0 < LEAST_PIXELS {
@@ -129,6 +119,35 @@ impl<'a> Rise<'a> {
     fn new(surfaces: &'a Surfaces, structure: &'a Structure) -> Self {
         let supports = structure.supports.surfaces.iter().map(|&surface| &structure.surfaces[surface]);
         Self { space: &surfaces.space, supports: supports.collect() }
+    }
+
+    /// The support of each pixel of a facet in a row, the first of them at (u, v), and how far (quanta) the pixel lies before it.
+    fn measure(&self, facet: Place, [u, v]: [f64; 2], seen: &[f32], support: &mut [u8], rises: &mut [f64]) {
+        match facet {
+            Place::On(place) => {
+                let model = self.supports[usize::from(place)].model;
+                vectorized(
+                    #[inline(always)]
+                    || {
+                        let own = |d: &f32| if d.is_nan() { NO_SUPPORT } else { place };
+                        support.iter_mut().zip(seen).for_each(|(support, d)| *support = own(d));
+                        for (k, (rise, d)) in (0_i32..).zip(rises.iter_mut().zip(seen)) {
+                            *rise = f64::from(*d) - model.value([u + f64::from(k), v]);
+                        }
+                    },
+                );
+            }
+            Place::Low => {
+                for (k, ((support, rise), d)) in (0_i32..).zip(support.iter_mut().zip(rises).zip(seen)) {
+                    let at = [u + f64::from(k), v];
+                    *support = self.nearest(at, *d);
+                    if *support != NO_SUPPORT {
+                        *rise = self.quanta(at, *d, *support);
+                    }
+                }
+            }
+            Place::Elsewhere => {}
+        }
     }
 
     /// How far (quanta) a disparity lies before a support.

@@ -112,13 +112,7 @@ impl Electorate {
 
     /// Counts the samples near a plane, which has at most so many `possible` votes. `None` for fewer than `least`; the count stops as soon
     /// as it cannot reach `least`.
-    fn count_votes(
-        &self,
-        plane: [f64; 3],
-        quanta: f64,
-        mut possible: usize,
-        least: usize,
-    ) -> Option<usize> {
+    fn count_votes(&self, plane: [f64; 3], quanta: f64, mut possible: usize, least: usize) -> Option<usize> {
         let may_vote = self.may_vote(plane, quanta);
         for group in (0..self.groups.len()).filter(|&group| may_vote(group)) {
             if possible < least {
