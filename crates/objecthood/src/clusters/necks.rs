@@ -154,7 +154,9 @@ impl Compare<'_> {
         let [upper, lower] = if feet_m[0] >= feet_m[1] { one_way } else { other_way };
         let rolls = |parts: [SegmentId; 2]| ball::checks(clusters, up, part(parts[0]).ball()?, parts);
         let covers = || Some(([upper, lower], top::checks(clusters, up, [upper, lower])?));
-        let symmetric = |parts: [SegmentId; 2]| symmetry::checks(clusters, part(parts[0]).shaft()?, parts[1]);
+        let symmetric = |parts: [SegmentId; 2]| {
+            symmetry::checks(clusters, part(parts[0]).shaft()?, parts[1], parts.map(|id| part(id).foot_m()))
+        };
         if let Some((parts, checks)) = either(&rolls).or_else(covers).or_else(|| either(&symmetric)) {
             return Some(Pair { parts, overlap: 1.0, checks });
         }

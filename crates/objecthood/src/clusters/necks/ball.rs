@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::necks::limits::{AROUND_M, FOOT_M, SIDES, SMALLER_SHARE};
-use crate::clusters::necks::slopes::SlopeCounts;
+use crate::clusters::necks::slopes::{check_level, sliding_share};
 use crate::clusters::scene::sampled;
 use crate::linear::solve;
 use crate::quantile::{element_at, reach_m};
@@ -146,7 +146,10 @@ pub(super) fn checks(
         check("how far below the centre it is, over the radius", "", place.below, Bound::Above, BELOW),
     ]);
     let sliding = "share of the other around the ball from which it would roll off";
-    let slope = vec![check(sliding, "", place.sliding_share, Bound::AtLeast, SLIDING_SHARE)];
+    let slope = vec![
+        check(sliding, "", sliding_share(clusters.scene, up, &place.around), Bound::AtLeast, SLIDING_SHARE),
+        check_level(clusters, up, &place.around, true),
+    ];
     let (over_ball, over_body) =
         ("width of the joint, over that of the ball", "width of the joint, over that of the other");
     let neck = vec![
@@ -164,8 +167,8 @@ struct Place {
     distance_m: f64,
     /// How far the nearest point lies below the centre, over the radius.
     below: f64,
-    /// The share of the part around the ball that is neither level nor steep.
-    sliding_share: f64,
+    /// The pixels of the part around the ball.
+    around: Vec<u32>,
     /// The width (m) of the joint, and of the other part.
     joint_m: f64,
     width_m: f64,
@@ -177,16 +180,15 @@ impl Place {
         let scene = clusters.scene;
         let aside = across(up, ball.centre);
         let (mut nearest, mut distance_m) = (DVec3::ZERO, f64::INFINITY);
-        let (mut all, mut joint) = (Vec::new(), Vec::new());
-        let mut slopes = SlopeCounts::new();
-        for i in clusters.get(body).pixels.iter().map(|&i| i as usize) {
-            let point = scene.point_at(i);
+        let (mut all, mut joint, mut around) = (Vec::new(), Vec::new(), Vec::new());
+        for &i in &clusters.get(body).pixels {
+            let point = scene.point_at(i as usize);
             let away_m = ball.distance_m(point);
             if away_m < distance_m {
                 (nearest, distance_m) = (point, away_m);
             }
             if away_m < AROUND_M {
-                slopes.add(scene, up, i);
+                around.push(i);
             }
             if away_m < JOINT_M {
                 joint.push(point);
@@ -200,7 +202,7 @@ impl Place {
         Self {
             distance_m,
             below: up.dot(ball.centre - nearest) / ball.radius_m,
-            sliding_share: slopes.shares().sliding,
+            around,
             joint_m: width_m(joint),
             width_m: width_m(all),
         }

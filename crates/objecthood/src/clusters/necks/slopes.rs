@@ -2,48 +2,43 @@
 
 use glam::DVec3;
 
+use crate::check::{Bound, Check};
+use crate::clusters::cluster::Clusters;
+use crate::clusters::convexity::measure_convexity;
 use crate::clusters::scene::{LEVEL_DEG, Scene};
+use crate::clusters::vessels::walls::FLAT;
 
 /// A pixel steeper than this is a side (degrees): it says nothing of what stands above it.
 const STEEP_DEG: f64 = 65.0;
+/// The lower part carries the upper one if a larger share of pixels around the contact is level.
+const LEVEL_SHARE: f64 = 0.3;
 
-/// Numbers of pixels, and the cosines that tell them apart.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SlopeCounts {
-    level_cosine: f64,
-    steep_cosine: f64,
-    all: u32,
-    level: u32,
-    sliding: u32,
+/// The share of these pixels that is neither level nor steep: a thing slides off them. 0 without pixels. O(n).
+pub(super) fn sliding_share(scene: &Scene<'_>, up: DVec3, pixels: &[u32]) -> f64 {
+    let [level_cosine, steep_cosine] = [LEVEL_DEG, STEEP_DEG].map(|degrees| libm::cos(degrees.to_radians()));
+    let slides = |&&i: &&u32| {
+        let cosine = up.dot(DVec3::from(scene.normals[i as usize].map(f64::from)));
+        cosine > steep_cosine && cosine <= level_cosine
+    };
+    share(pixels.iter().filter(slides).count(), pixels)
 }
 
-/// Shares of pixels, in [0, 1].
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Slopes {
-    /// A thing can stand on them.
-    pub(super) level: f64,
-    /// They are neither level nor steep: a thing slides off them.
-    pub(super) sliding: f64,
+/// Checks that these pixels of the lower part, around its contact with the upper one, are no level face on
+/// which a thing could stand. `may_be_round`: they may also be the top of something round, from which a thing
+/// would roll. O(n).
+pub(super) fn check_level(clusters: &Clusters<'_>, up: DVec3, around: &[u32], may_be_round: bool) -> Check {
+    let is_level = |&i: &u32| clusters.scene.is_level(up, i as usize);
+    let level: Vec<u32> = around.iter().copied().filter(is_level).collect();
+    let what = "share of the lower part around it that is level";
+    let check = Check::new(what, "", share(level.len(), around), Bound::Below, LEVEL_SHARE);
+    if check.holds() || !may_be_round {
+        return check;
+    }
+    let bends = measure_convexity(clusters.scene, &level);
+    let round = Check::new("how far the level part around it bends outwards", "", bends, Bound::Above, FLAT);
+    if round.holds() { round } else { check }
 }
 
-impl SlopeCounts {
-    pub(super) fn new() -> Self {
-        let [level_cosine, steep_cosine] =
-            [LEVEL_DEG, STEEP_DEG].map(|degrees| libm::cos(degrees.to_radians()));
-        Self { level_cosine, steep_cosine, all: 0, level: 0, sliding: 0 }
-    }
-
-    /// Adds a pixel.
-    pub(super) fn add(&mut self, scene: &Scene<'_>, up: DVec3, i: usize) {
-        let cosine = up.dot(DVec3::from(scene.normals[i].map(f64::from)));
-        self.all += 1;
-        self.level += u32::from(cosine > self.level_cosine);
-        self.sliding += u32::from(cosine > self.steep_cosine && cosine <= self.level_cosine);
-    }
-
-    /// The shares; 0 without pixels.
-    pub(super) fn shares(self) -> Slopes {
-        let share = |count| f64::from(count) / f64::from(self.all.max(1));
-        Slopes { level: share(self.level), sliding: share(self.sliding) }
-    }
+fn share(count: usize, pixels: &[u32]) -> f64 {
+    count as f64 / pixels.len().max(1) as f64
 }

@@ -7,14 +7,12 @@ use glam::DVec3;
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::necks::limits::{AROUND_M, FOOT_M, SMALLER_SHARE};
-use crate::clusters::necks::slopes::{SlopeCounts, Slopes};
+use crate::clusters::necks::slopes::{check_level, sliding_share};
 use crate::clusters::vessels::piece::check_on;
 use crate::clusters::vessels::walls::FLAT;
 use crate::regions::SegmentId;
 use crate::surface::disparity::position;
 
-/// The lower part carries the upper one if a larger share of pixels around the contact is level.
-const LEVEL_SHARE: f64 = 0.3;
 /// A separate thing would slide off the lower part if at least this share of pixels is neither level nor
 /// steep.
 const SLIDING_SHARE: f64 = 0.33;
@@ -32,12 +30,11 @@ pub(super) fn checks(
     foot_m: f64,
     alike: Check,
 ) -> Vec<Check> {
-    let slopes = slopes_around(clusters, up, lower, carrying);
-    let slides = slides(clusters, [upper, lower], slopes.sliding);
-    let level = "share of the lower part around it that is level";
+    let around = around(clusters, lower, carrying);
+    let slides = slides(clusters, [upper, lower], sliding_share(clusters.scene, up, &around));
     let mut checks = vec![
         Check::new("foot of the upper part above its support", "m", foot_m, Bound::Above, FOOT_M),
-        Check::new(level, "", slopes.level, Bound::Below, LEVEL_SHARE),
+        check_level(clusters, up, &around, alike.holds()),
     ];
     checks.extend(check_hollow(clusters, [upper, lower]));
     if alike.holds() || !slides.iter().all(Check::holds) {
@@ -82,8 +79,8 @@ fn slides(clusters: &Clusters<'_>, [upper, lower]: [SegmentId; 2], sliding_share
     ]
 }
 
-/// How the lower part slopes around its contacts with the upper one.
-fn slopes_around(clusters: &Clusters<'_>, up: DVec3, lower: SegmentId, contacts: &[usize]) -> Slopes {
+/// The pixels of the lower part around its contacts with the upper one.
+fn around(clusters: &Clusters<'_>, lower: SegmentId, contacts: &[usize]) -> Vec<u32> {
     let scene = clusters.scene;
     let width = scene.disparity.width();
     let pixels = &clusters.get(lower).pixels;
@@ -100,9 +97,5 @@ fn slopes_around(clusters: &Clusters<'_>, up: DVec3, lower: SegmentId, contacts:
         let mut near = around.iter().filter(|(_, places)| (0..2).all(|k| places[k].contains(&at[k])));
         near.any(|(point, _)| scene.point_at(i).distance(*point) < AROUND_M)
     };
-    let mut counts = SlopeCounts::new();
-    for i in pixels.iter().map(|&i| i as usize).filter(is_near) {
-        counts.add(scene, up, i);
-    }
-    counts.shares()
+    pixels.iter().copied().filter(|&i| is_near(&(i as usize))).collect()
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
-use crate::clusters::necks::limits::SIDES;
+use crate::clusters::necks::limits::{FOOT_M, SIDES};
 use crate::linear::principal_angle;
 use crate::quantile::{range, reach_m};
 use crate::regions::SegmentId;
@@ -26,6 +26,8 @@ const END_M: f64 = 0.03;
 const LEVEL_SHARE: f64 = 0.3;
 /// The other is symmetric about the axis to at least this degree.
 const SYMMETRY: f64 = 0.7;
+/// The outlines of both parts are uncertain by a pixel each, so that much more to one side is no asymmetry (px).
+const OUTLINE_PX: f64 = 2.0;
 /// Both sides of the axis are compared in at most this many stripes across it, each at least this wide (m),
 /// ...
 const STRIPES: f64 = 12.0;
@@ -42,6 +44,8 @@ pub(super) struct Shaft {
     points: Vec<DVec3>,
     /// Its length runs along the first direction, the second is level.
     directions: [DVec3; 3],
+    /// The width of a pixel at its distance (m).
+    pixel_m: f64,
     ranges_m: [[f64; 2]; 3],
 }
 
@@ -63,7 +67,8 @@ impl Shaft {
         let directions = [along, aside, along.cross(aside)];
         let ranges_m = [0, 1, 2]
             .map(|k| reach_m(points.iter().copied(), directions[k], if k == 0 { ENDS } else { SIDES }));
-        let shaft = Self { points, directions, ranges_m };
+        let pixel_m = mean.z / clusters.scene.space.camera().fx_px;
+        let shaft = Self { points, directions, pixel_m, ranges_m };
         (shaft.slimness() >= SLIMNESS).then_some(shaft)
     }
 
@@ -100,8 +105,9 @@ impl Shaft {
             let mut across: Vec<f64> = stripe.iter().map(|place| place.1).collect();
             let [left_m, right_m] = range(&mut across, SIDES);
             let reaches_m = [-left_m, right_m].map(|reach_m| reach_m.max(0.0));
-            less_m += reaches_m[0].min(reaches_m[1]);
-            more_m += reaches_m[0].max(reaches_m[1]);
+            let [less, more] = [reaches_m[0].min(reaches_m[1]), reaches_m[0].max(reaches_m[1])];
+            less_m += less;
+            more_m += less.max(more - OUTLINE_PX * self.pixel_m);
         }
         if more_m > 0.0 { less_m / more_m } else { 0.0 }
     }
@@ -130,7 +136,12 @@ fn points(clusters: &Clusters<'_>, id: SegmentId) -> Vec<DVec3> {
 /// The checks by which a slim part ends at another, and its axis is an axis of symmetry of the other. `None`
 /// if one fails. A thing that lies against another by chance seldom points to the middle of the other, and
 /// seldom along an axis of symmetry. O(sampled pixels · log(sampled pixels)).
-pub(super) fn checks(clusters: &Clusters<'_>, shaft: &Shaft, body: SegmentId) -> Option<Vec<Check>> {
+pub(super) fn checks(
+    clusters: &Clusters<'_>,
+    shaft: &Shaft,
+    body: SegmentId,
+    feet_m: [f64; 2],
+) -> Option<Vec<Check>> {
     let check = |name, unit, value, bound, limit| Check::new(name, unit, value, bound, limit);
     let others = points(clusters, body);
     let [along, _, over] = shaft.directions;
@@ -138,10 +149,18 @@ pub(super) fn checks(clusters: &Clusters<'_>, shaft: &Shaft, body: SegmentId) ->
     let begins_m = reach_m(others.iter().copied(), along, SIDES);
     let is_beyond = begins_m[0] + begins_m[1] > low_m + high_m;
     let [end_m, begin_m] = if is_beyond { [high_m, begins_m[0]] } else { [low_m, begins_m[1]] };
-    let gap_m = if is_beyond { begin_m - end_m } else { end_m - begin_m };
+    // The quantiles leave out a part of its length at each end.
+    let left_out_m = (high_m - low_m) * ENDS[0] / (ENDS[1] - ENDS[0]);
+    let gap_m = if is_beyond { begin_m - end_m } else { end_m - begin_m } - left_out_m;
     let gap = "distance of its end from the other, along its axis";
     let at_end = shaft.points.iter().copied().filter(|point| (along.dot(*point) - end_m).abs() < END_M);
-    let (of_end, of_other) = (reach_m(at_end, over, SIDES), reach_m(others.iter().copied(), over, SIDES));
+    let (mut of_end, mut of_other) =
+        (reach_m(at_end, over, SIDES), reach_m(others.iter().copied(), over, SIDES));
+    // Parts that stand on the support reach down to it, also where that is not seen.
+    if feet_m.iter().all(|&foot_m| foot_m <= FOOT_M) {
+        of_end[0] -= feet_m[0].max(0.0);
+        of_other[0] -= feet_m[1].max(0.0);
+    }
     let common_m = of_end[1].min(of_other[1]) - of_end[0].max(of_other[0]);
     let level_share = common_m / (of_end[1] - of_end[0]).max(f64::MIN_POSITIVE);
     let slim = "length of the slim part, over its width";
