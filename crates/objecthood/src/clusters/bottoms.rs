@@ -57,13 +57,13 @@ pub(crate) fn join_bottoms(clusters: &mut Clusters<'_>, params: &params::Vessels
     clusters.history.note_misses(misses);
 }
 
-fn check_contact(contact_share: f64, params: &params::Vessels) -> Check {
+pub(super) fn check_contact(contact_share: f64, params: &params::Vessels) -> Check {
     let what = "share of its border without a step, but for what stands on it";
     Check::new(what, "", contact_share, Bound::AtLeast, params.bottom_contact_share)
         .set_by("vessels.bottom_contact_share")
 }
 
-fn check_majority(share: f64) -> Check {
+pub(super) fn check_majority(share: f64) -> Check {
     Check::new("share of its border with the vessel", "", share, Bound::Above, MAJORITY)
 }
 

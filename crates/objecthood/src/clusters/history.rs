@@ -30,7 +30,7 @@ pub enum Rule {
     OpenBox,
     /// Thin upright panels of one height that meet at their ends are the walls of a box (docs/CONTEXT.md 4.4.5).
     BoxWalls,
-    /// Background that a vessel encloses is its bottom (ours).
+    /// Background, or a flat cluster, that a vessel encloses is its bottom (docs/CONTEXT.md 4.5, 4.4.1).
     VesselBottom,
     /// A surface goes on behind something nearer (docs/CONTEXT.md 4.6).
     Occlusion,

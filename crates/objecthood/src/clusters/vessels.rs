@@ -4,7 +4,8 @@
 //! depth at the rim, so no convex border joins the two. Six rules join them. They have the numbers of their
 //! sections, 4.4.1 to 4.4.6, and run in this order:
 //!
-//! 1. [`insides`]: concave pieces that touch are one inside.
+//! 1. [`insides`]: concave pieces that touch are one inside. [`flat_bottoms`]: what it surrounds without a step is
+//!    its bottom.
 //! 2. [`walls`]: an inside and the wall in front of it, equally high, are one vessel.
 //! 3. [`remainders`]: a small cluster that touches hardly anything but a vessel belongs to it.
 //! 4. [`turned`]: pieces of one surface of revolution, which things in the vessel separate, are one vessel.
@@ -12,6 +13,7 @@
 //! 6. [`boxes`]: upright walls of equal height around a patch of the support are an open box.
 
 mod boxes;
+mod flat_bottoms;
 mod insides;
 mod limits;
 mod panels;
@@ -24,6 +26,7 @@ pub(super) mod walls;
 use std::collections::BTreeSet;
 
 use self::boxes::join_box;
+use self::flat_bottoms::join_flat_bottom;
 use self::insides::join_insides;
 use self::limits::Limits;
 use self::panels::join_panels;
@@ -34,9 +37,9 @@ use crate::clusters::cluster::Clusters;
 use crate::clusters::history::Miss;
 use crate::params;
 
-/// Most joins of the first rule in one frame.
+/// Most joins of pieces of insides in one frame.
 const INSIDE_MERGES: usize = 6;
-/// Most joins of each of the rules 2, 3, 4 and 6 in one frame.
+/// Most joins of flat bottoms, and of each of the rules 2, 3, 4 and 6, in one frame.
 const MERGES: usize = 12;
 
 /// Joins the parts of vessels. Does nothing without a support surface or with `concavity` 0.
@@ -46,6 +49,7 @@ pub(crate) fn join_vessels(clusters: &mut Clusters<'_>, params: &params::Vessels
     let limits = Limits { support, params };
     let mut vessels = BTreeSet::new();
     repeat(clusters, INSIDE_MERGES, |clusters, misses| join_insides(clusters, limits, misses));
+    repeat(clusters, MERGES, |clusters, misses| join_flat_bottom(clusters, limits, misses));
     repeat(clusters, MERGES, |clusters, misses| join_wall(clusters, limits, &mut vessels, misses));
     repeat(clusters, MERGES, |clusters, misses| join_remainder(clusters, limits, &vessels, misses));
     join_turned(clusters, limits, MERGES);

@@ -44,7 +44,7 @@ pub(super) fn join_insides(clusters: &mut Clusters<'_>, limits: Limits<'_>, miss
 
 /// The pairs of large clusters that touch, ordered by ascending numbers. In each pair the larger cluster comes first, on ties the one
 /// with the smaller number.
-fn touching_pairs(clusters: &Clusters<'_>) -> Vec<[SegmentId; 2]> {
+pub(super) fn touching_pairs(clusters: &Clusters<'_>) -> Vec<[SegmentId; 2]> {
     let space = clusters.scene.space;
     let (least_px, least_touch) = (space.area_px(INSIDE_PX), space.length_px(INSIDE_TOUCH_PX) as u32);
     let size = |id: SegmentId| clusters.get(id).pixels.len();
