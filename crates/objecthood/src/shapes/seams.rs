@@ -47,6 +47,9 @@ const FAINT: f64 = 0.25;
 /// Where less than this share of the stripes of the best measured place is seen, both sides of a body share
 /// at most half as many colours.
 const WELL_MEASURED: f64 = 0.5;
+/// If two faces or more show both sides, the colours may overlap by this multiple: print seldom goes on around
+/// an edge, at the same place and with the same change.
+const AROUND_FACTOR: f64 = 5.0 / 3.0;
 /// The two sides are even, like things of one colour each, if their colours are confused at most this often
 /// (shares of both sides added up).
 const MOST_CONFUSED: f64 = 0.05;
@@ -279,8 +282,7 @@ impl Search<'_> {
         }
         let colors = SideColors::of(body, trace);
         let overlap = colors.overlap();
-        // Where little of the section is seen, the colours have to say more.
-        let most = self.params.color_overlap * if trace.measured < WELL_MEASURED { 0.5 } else { 1.0 };
+        let most = self.params.color_overlap * self.overlap_factor(trace, &colors);
         // Most traces fail here, before all pixels of their sides are examined.
         if overlap > most {
             return None;
@@ -305,6 +307,15 @@ impl Search<'_> {
             checks.push(Check::new(what, "", trace.measured, Bound::AtLeast, LEAST_MEASURED));
         }
         checks.iter().all(Check::holds).then_some(checks)
+    }
+
+    /// How many times as much the colours of both sides may overlap: where little of the section is seen, they
+    /// have to say more, and where the change goes around an edge, less.
+    fn overlap_factor(&self, trace: &Trace, colors: &SideColors) -> f64 {
+        if trace.measured < WELL_MEASURED {
+            return 0.5;
+        }
+        if colors.faces_with_both() > 1 { AROUND_FACTOR } else { 1.0 }
     }
 
     /// Checks that colour changes along a trace, and that its two sides share at most this many colours.

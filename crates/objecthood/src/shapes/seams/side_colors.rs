@@ -11,6 +11,9 @@ use crate::shapes::seams::trace::Trace;
 const COLORS: usize = 4096;
 /// A face with fewer sampled pixels on one side says nothing about the light on it.
 const LEAST_LIT: usize = 20;
+/// The colours of fewer pixels on one side of a face are no sample of a thing's colours. A count of samples,
+/// so it does not depend on the camera.
+const LEAST_COLORED: usize = 160;
 /// Two faces whose lightness (L\* + 16) differs by less than this share are lit alike.
 const LIT_UNLIKE: f32 = 0.1;
 
@@ -30,6 +33,8 @@ pub(super) struct ToldApart {
 /// The colours of each face of a body on the two sides of a trace.
 pub(super) struct SideColors {
     faces: Vec<FaceSides>,
+    /// Every so-many-th pixel is sampled.
+    step: usize,
 }
 
 impl SideColors {
@@ -46,7 +51,7 @@ impl SideColors {
             }
             sides
         };
-        Self { faces: body.faces.iter().map(|face| of_face(&face.pixels)).collect() }
+        Self { faces: body.faces.iter().map(|face| of_face(&face.pixels)).collect(), step }
     }
 
     fn side(&self, side: usize) -> impl Iterator<Item = [f32; 3]> {
@@ -56,6 +61,12 @@ impl SideColors {
     /// The faces that show enough of both sides to compare the light on them.
     fn lit_faces(&self) -> impl Iterator<Item = &FaceSides> {
         self.faces.iter().filter(|face| face.iter().all(|side| side.len() >= LEAST_LIT))
+    }
+
+    /// The number of faces that show enough of both sides to compare their colours.
+    pub(super) fn faces_with_both(&self) -> usize {
+        let has_both = |face: &&FaceSides| face.iter().all(|side| side.len() * self.step >= LEAST_COLORED);
+        self.faces.iter().filter(has_both).count()
     }
 
     /// The overlap of the colours of both sides.
@@ -133,7 +144,10 @@ mod tests {
 
     /// Faces with one colour below the trace and one above it.
     fn faces(colors: &[[[f32; 3]; 2]]) -> SideColors {
-        SideColors { faces: colors.iter().map(|sides| sides.map(|color| vec![color; LEAST_LIT])).collect() }
+        SideColors {
+            faces: colors.iter().map(|sides| sides.map(|color| vec![color; LEAST_LIT])).collect(),
+            step: 1,
+        }
     }
 
     /// A colour in this share of the light, to the third root.
@@ -166,7 +180,7 @@ mod tests {
         let told = sides.tell_apart().unwrap();
         assert!(told.confused < 1e-9 && told.difference > 10.0);
         assert_eq!(faces(&[[GREY, GREY]]).tell_apart().unwrap().confused, 1.0);
-        assert!(SideColors { faces: Vec::new() }.tell_apart().is_none());
+        assert!(SideColors { faces: Vec::new(), step: 1 }.tell_apart().is_none());
         let mut mixed = faces(&[[GREY, WHITE]]);
         mixed.faces[0][0][..LEAST_LIT / 4].fill(WHITE);
         assert!((mixed.tell_apart().unwrap().confused - 0.25).abs() < 1e-9);

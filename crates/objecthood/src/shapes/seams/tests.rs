@@ -104,6 +104,42 @@ fn even_colors_may_be_as_near_as_they_like_if_none_is_taken_for_the_other() {
     assert_eq!(count(spotted), 1, "a sixteenth of one side has the colour of the other");
 }
 
+/// Whether a seam is found in two faces that meet at row 40, of which the lower one leans back. The joint is the plane
+/// that the upper one shows at column 50. One of `spots` cells beyond it has the colour of the other side.
+fn is_joint_around_an_edge(spots: usize) -> bool {
+    let (Facets { segments, mut models, .. }, mut disparity) = board();
+    let is_lower = |i: usize| i >= 40 * SIZE.0;
+    let quanta = |v: usize| 351.0 - 0.5 * v.saturating_sub(40) as f32;
+    let lower: Vec<u32> = (0..SIZE.0 * SIZE.1).filter(|&i| is_lower(i)).map(|i| i as u32).collect();
+    lower.iter().for_each(|&i| disparity.as_mut_slice()[i as usize] = quanta(i as usize / SIZE.0));
+    models.push(Moments::of(&lower, &disparity).fit(Basis::Plane).model);
+    let faces = (0..SIZE.0 * SIZE.1).map(|i| i32::from(is_lower(i))).collect();
+    let segments = Segments::from_numbered(segments.labels().with_data(faces), 2);
+    let facets = Facets { segments, models, structure: 0, flats: Vec::new() };
+    let middle = kinect().camera().cx_px as f32;
+    let paint = |u: usize, v: usize| {
+        let is_beyond = (u as f32 - middle) * 351.0 / quanta(v) >= 50.0 - middle;
+        let is_spot = (7 * (u / 2) + 3 * (v / 2)).is_multiple_of(spots);
+        if is_beyond && !is_spot { BLUE } else { RED }
+    };
+    let lab = &LabImage::drawn(SIZE, paint);
+    let shapes = &Shapes { of_facet: vec![0; 2], count: 1 };
+    let (params, up) = (&params::Seams::default(), Some(DVec3::NEG_Y));
+    let (facets, disparity, space) = (&facets, &disparity, &kinect());
+    let search = Search { facets, shapes, lab, space, disparity, params, up, size: SIZE };
+    !search.part_all().is_empty()
+}
+
+/// Flush boxes of another simulator, which shared a sixth of their colours, were one.
+#[test]
+fn colors_overlap_more_where_the_joint_goes_around_an_edge() {
+    assert!(is_joint_around_an_edge(6), "a sixth of one side has the colour of the other");
+    assert!(!is_joint_around_an_edge(3), "a third of it has");
+    let one_face =
+        |u: usize, v: usize| if u < 50 || (7 * (u / 2) + 3 * (v / 2)).is_multiple_of(6) { RED } else { BLUE };
+    assert_eq!(count(one_face), 1, "there is one face only");
+}
+
 /// The faces of boxes of another simulator that were turned away from the light showed no change of colour.
 #[test]
 fn colors_differ_as_much_in_dim_light() {
