@@ -377,9 +377,9 @@ class Vessels:
     Range: true | false. Default: true (docs/CONTEXT.md 4.4.2)."""
 
     bottom_contact_share: float = 0.8
-    """Background that an object encloses is its bottom when at least this share of its border touches without
-    a step; above 1 = never. Unit: dimensionless: share of the border. Range: 0 ..= 2. Default: 0.8 (ours,
-    because a plate came out as a ring; the far half of a ring's border touches)."""
+    """Background, or a flat cluster, that an object encloses is its bottom when at least this share of its
+    border touches without a step; above 1 = never. Unit: dimensionless: share of the border. Range: 0 ..= 2.
+    Default: 0.8 (ours, because a plate came out as a ring; the far half of a ring's border touches)."""
 
 
 @dataclass(slots=True)

@@ -235,8 +235,8 @@ parameters! {
         rim_height_m: f64 = 0.015, 0.0..=1.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 4.4)";
         /// Whether the circle of the rim decides which parts belong to a vessel.
         rim_circle: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 4.4.2";
-        /// Background that an object encloses is its bottom when at least this share of its border touches without a step; above 1 =
-        /// never.
+        /// Background, or a flat cluster, that an object encloses is its bottom when at least this share of its border touches
+        /// without a step; above 1 = never.
         bottom_contact_share: f64 = 0.8, 0.0..=2.0, "dimensionless: share of the border", "ours, because a plate came out as a ring; the far half of a ring's border touches";
     }
 

@@ -36,8 +36,8 @@ use crate::union_find::UnionFind;
 ///
 /// - 4.7.1 Hanging parts: a small part that is seen to hang in the air is joined to what holds it, whether or
 ///   not they touch.
-/// - 4.7.2 Balls: a ball lies on a slope or a neck of one other part alone, so a separate ball would roll
-///   off. Colours do not matter.
+/// - 4.7.2 Balls: a ball lies on a slope, but no level face, or on a neck of one other part alone, so a
+///   separate ball would roll off. Colours do not matter.
 /// - 4.7.3 Tops: a level part is the top of another part of its width, which begins as a side at its edge.
 ///   Colours do not matter.
 /// - 4.7.4 Symmetry: the axis of a slim part is an axis of symmetry of the part at its end, as with a handle.

@@ -36,7 +36,7 @@ pub(super) const STRETCH: usize = 64;
 impl Links {
     /// Links two 4-neighbours when the difference of their disparities agrees with the slope of one of them, within
     /// `link_jump_quanta` plus the effect of sideways noise. `slope`: change of disparity along u and v (quanta/px). `structure`:
-    /// -1 = none. O(pixels); parallel over rows.
+    /// -1 = none. O(pixels); parallel over rows, but for the links upwards, which are one pass over the bytes.
     pub fn new(
         disparity: &Raster<f32>,
         slope: &Raster<[f32; 2]>,

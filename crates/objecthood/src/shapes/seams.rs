@@ -33,7 +33,8 @@ use crate::regions::{RegionGraph, Segments};
 use crate::shapes::border::{BorderEvidence, measure_borders};
 use crate::shapes::contraction::{Shapes, contract, sum_votes};
 use crate::shapes::seams::axes::find_axes;
-use crate::shapes::seams::body::{Body, BodyPixel, LEAST_PIECE_PX, connected_pieces};
+use crate::shapes::seams::body::{Body, BodyPixel, Face, LEAST_PIECE_PX, connected_pieces};
+use crate::shapes::seams::face::OVERLAP_FACTOR;
 use crate::shapes::seams::profile::{LEAST_MEASURED, find_traces};
 use crate::shapes::seams::side_colors::{SideColors, ToldApart};
 use crate::shapes::seams::trace::Trace;
@@ -47,9 +48,11 @@ const FAINT: f64 = 0.25;
 /// Where less than this share of the stripes of the best measured place is seen, both sides of a body share
 /// at most half as many colours.
 const WELL_MEASURED: f64 = 0.5;
-/// If two faces or more show both sides, the colours may overlap by this multiple: print seldom goes on around
-/// an edge, at the same place and with the same change.
+/// Where colour changes on two faces or more, the colours of both sides may overlap by this multiple: print
+/// seldom goes on around an edge, at the same place.
 const AROUND_FACTOR: f64 = 5.0 / 3.0;
+/// Colour changes on a face that has at least this many pixels of each side (px at 525 px).
+const LEAST_AROUND_PX: usize = 100;
 /// The two sides are even, like things of one colour each, if their colours are confused at most this often
 /// (shares of both sides added up).
 const MOST_CONFUSED: f64 = 0.05;
@@ -282,8 +285,11 @@ impl Search<'_> {
         }
         let colors = SideColors::of(body, trace);
         let overlap = colors.overlap();
-        let most = self.params.color_overlap * self.overlap_factor(trace, &colors);
         // Most traces fail here, before all pixels of their sides are examined.
+        if overlap > AROUND_FACTOR * self.params.color_overlap {
+            return None;
+        }
+        let most = self.params.color_overlap * self.overlap_factor(body, trace, &colors);
         if overlap > most {
             return None;
         }
@@ -310,12 +316,18 @@ impl Search<'_> {
     }
 
     /// How many times as much the colours of both sides may overlap: where little of the section is seen, they
-    /// have to say more, and where the change goes around an edge, less.
-    fn overlap_factor(&self, trace: &Trace, colors: &SideColors) -> f64 {
+    /// have to say more, and where colour changes on several faces, less. O(sampled pixels).
+    fn overlap_factor(&self, body: &Body, trace: &Trace, colors: &SideColors) -> f64 {
         if trace.measured < WELL_MEASURED {
             return 0.5;
         }
-        if colors.faces_with_both() > 1 { AROUND_FACTOR } else { 1.0 }
+        let (most, least_px) =
+            (OVERLAP_FACTOR * self.params.color_overlap, self.space.area_px(LEAST_AROUND_PX));
+        let changes = |(k, face): &(usize, &Face)| {
+            let overlap = || colors.overlap_of_face(*k, least_px);
+            face.is_flat && !face.is_across(trace.axis) && overlap().is_some_and(|overlap| overlap <= most)
+        };
+        if body.faces.iter().enumerate().filter(changes).count() > 1 { AROUND_FACTOR } else { 1.0 }
     }
 
     /// Checks that colour changes along a trace, and that its two sides share at most this many colours.

@@ -104,7 +104,7 @@ impl Blocks {
         let mut sums = Buffer::filled(columns * rows, Sums::NONE);
         // Nothing is rounded: places are halves of whole numbers, and disparities have 24 bits and differ by less than a factor of 200.
         // So the order of sums does not matter, and columns are summed side by side.
-        let sum_row = |[d, dy]: &mut [Vec<f64>; 2], (row, sums): (usize, &mut [Sums])| {
+        let sum_row = |[d, dy]: &mut [Buffer<f64>; 2], (row, sums): (usize, &mut [Sums])| {
             d.fill(0.0);
             dy.fill(0.0);
             for y in 0..side {
@@ -118,7 +118,7 @@ impl Blocks {
                 *sum = Sums::of_columns(-middle, d, dy);
             }
         };
-        let columns_px = || [(); 2].map(|()| vec![0.0; columns * side]);
+        let columns_px = || [(); 2].map(|()| Buffer::filled(columns * side, 0.0));
         sums.par_chunks_mut(columns.max(1)).enumerate().for_each_init(columns_px, sum_row);
         Self { side_px: side, columns, sums }
     }

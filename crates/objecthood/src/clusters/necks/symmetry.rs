@@ -26,8 +26,11 @@ const END_M: f64 = 0.03;
 const LEVEL_SHARE: f64 = 0.3;
 /// The other is symmetric about the axis to at least this degree.
 const SYMMETRY: f64 = 0.7;
-/// The outlines of both parts are uncertain by a pixel each, so that much more to one side is no asymmetry (px).
+/// The outlines of both parts are uncertain by a pixel each. So that much farther to one side is no asymmetry
+/// (px of the image, of any camera), ...
 const OUTLINE_PX: f64 = 2.0;
+/// ... up to this share of the width of the other.
+const OUTLINE_SHARE: f64 = 0.1;
 /// Both sides of the axis are compared in at most this many stripes across it, each at least this wide (m),
 /// ...
 const STRIPES: f64 = 12.0;
@@ -67,7 +70,8 @@ impl Shaft {
         let directions = [along, aside, along.cross(aside)];
         let ranges_m = [0, 1, 2]
             .map(|k| reach_m(points.iter().copied(), directions[k], if k == 0 { ENDS } else { SIDES }));
-        let pixel_m = mean.z / clusters.scene.space.camera().fx_px;
+        let camera = clusters.scene.space.camera();
+        let pixel_m = mean.z / camera.fx_px.min(camera.fy_px);
         let shaft = Self { points, directions, pixel_m, ranges_m };
         (shaft.slimness() >= SLIMNESS).then_some(shaft)
     }
@@ -90,8 +94,8 @@ impl Shaft {
     }
 
     /// How symmetric points are about its axis, in [0, 1]: how far they reach to the shorter side, over how
-    /// far to the longer, summed over stripes across the axis. `begins_m`: the range of the points along the
-    /// axis.
+    /// far to the longer, summed over stripes across the axis. What outlines are uncertain by does not count.
+    /// `begins_m`: the range of the points along the axis.
     fn symmetry(&self, points: &[DVec3], begins_m: [f64; 2]) -> f64 {
         let [along, aside, _] = self.directions;
         let axis_m = self.middle_m(1);
@@ -107,7 +111,8 @@ impl Shaft {
             let reaches_m = [-left_m, right_m].map(|reach_m| reach_m.max(0.0));
             let [less, more] = [reaches_m[0].min(reaches_m[1]), reaches_m[0].max(reaches_m[1])];
             less_m += less;
-            more_m += less.max(more - OUTLINE_PX * self.pixel_m);
+            let uncertain_m = (OUTLINE_PX * self.pixel_m).min(OUTLINE_SHARE * (less + more));
+            more_m += less.max(more - uncertain_m);
         }
         if more_m > 0.0 { less_m / more_m } else { 0.0 }
     }
@@ -156,7 +161,8 @@ pub(super) fn checks(
     let at_end = shaft.points.iter().copied().filter(|point| (along.dot(*point) - end_m).abs() < END_M);
     let (mut of_end, mut of_other) =
         (reach_m(at_end, over, SIDES), reach_m(others.iter().copied(), over, SIDES));
-    // Parts that stand on the support reach down to it, also where that is not seen.
+    // Parts that stand on the support reach down to it, also where that is not seen. (The height of a foot is
+    // measured upwards, which is across a level axis.)
     if feet_m.iter().all(|&foot_m| foot_m <= FOOT_M) {
         of_end[0] -= feet_m[0].max(0.0);
         of_other[0] -= feet_m[1].max(0.0);

@@ -19,7 +19,7 @@ use crate::oversegment::structure::StructureSurface;
 use crate::regions::SegmentId;
 
 /// The convexity of an inside is at most this. That of a wall is at least minus this; what bends inwards by
-/// more is hollow.
+/// more is hollow, and what bends outwards by more is round.
 pub(in crate::clusters) const FLAT: f64 = 0.1;
 /// A wall is in front of the inside along at least this many pixel pairs (px at 525 px).
 const FRONT_PX: usize = 8;

@@ -22,9 +22,7 @@ const TRIAL_QUANTA: f64 = 2.0;
 const LEAST_VOTES: usize = 100;
 
 /// Finds the plane a u + b v + c through three random samples with the most votes; `None` when no plane has a hundred.
-///
-/// All planes are drawn first. Their votes are counted in the order of the most that each can have, and only as long as that is enough.
-/// Among planes with the most votes the first one drawn wins, whatever the order of counting. `grid`: distance (px) of the samples.
+/// `grid`: distance (px) of the samples. O(planes · samples); the bounds of the planes in parallel.
 pub(super) fn find_best_plane(
     pool: &[Sample],
     random: &mut Lcg,
@@ -47,8 +45,15 @@ pub(super) fn find_best_plane(
         Some([a, b, c])
     };
     let planes: Vec<[f64; 3]> = (0..TRIALS).filter_map(&mut trial).collect();
-    let electorate = Electorate::of(pool, grid);
-    let most_votes = |plane: &[f64; 3]| electorate.most_votes(*plane, tolerance_quanta);
+    Some(planes[find_best(&planes, &Groups::of(pool, grid), tolerance_quanta)?])
+}
+
+/// The plane that most samples are near to, the first of equals; `None` when none has a hundred.
+///
+/// Votes are counted in the order of the most that each plane can have, and only as long as that is enough. Few are counted, so one
+/// plane after another.
+fn find_best(planes: &[[f64; 3]], groups: &Groups, quanta: f64) -> Option<usize> {
+    let most_votes = |plane: &[f64; 3]| groups.most_votes(*plane, quanta);
     let mut open: Vec<(usize, usize)> = planes.par_iter().map(most_votes).zip(0..planes.len()).collect();
     open.sort_unstable_by_key(|&(votes, k)| (Reverse(votes), k));
     let mut best: Option<(usize, Reverse<usize>)> = None;
@@ -57,20 +62,20 @@ pub(super) fn find_best_plane(
         if possible < least {
             break;
         }
-        let votes = electorate.count_votes(planes[k], tolerance_quanta, possible, least);
+        let votes = groups.count_votes(planes[k], quanta, possible, least);
         best = best.max(votes.map(|votes| (votes, Reverse(k))));
     }
-    best.map(|(_, Reverse(k))| planes[k])
+    best.map(|(_, Reverse(k))| k)
 }
 
-/// Most samples of a group, whose votes are counted together.
-const VOTERS: usize = 16;
+/// Most samples of a group.
+const GROUP_SAMPLES: usize = 16;
 /// Values of a plane are rounded by less than this share of the sum of their terms.
 const ROUNDING: f64 = 1e-12;
 
 /// The samples in groups of neighbours in a row.
-struct Electorate {
-    groups: Vec<Voters>,
+struct Groups {
+    samples: Vec<Group>,
     /// Of each group, the column in the middle of where its samples can lie, ...
     u: Vec<f64>,
     /// ... its row, ...
@@ -87,10 +92,10 @@ struct Electorate {
     last: [f64; 2],
 }
 
-impl Electorate {
-    /// The samples, which are in scan order, in groups. O(samples).
+impl Groups {
+    /// The samples, which are in scan order and at least `grid` columns apart, in groups. O(samples).
     fn of(pool: &[Sample], grid: usize) -> Self {
-        let width = (VOTERS * grid) as f64;
+        let width = (GROUP_SAMPLES * grid) as f64;
         let place = |s: &Sample| ((s.at[0] / width) as usize, s.at[1]);
         let groups: Vec<&[Sample]> = pool.chunk_by(|a, b| place(a) == place(b)).collect();
         let limits = |group: &&[Sample]| {
@@ -99,7 +104,7 @@ impl Electorate {
         };
         let limits: Vec<[f64; 2]> = groups.iter().map(limits).collect();
         Self {
-            groups: groups.iter().map(|group| Voters::of(group)).collect(),
+            samples: groups.iter().map(|group| Group::of(group)).collect(),
             u: groups.iter().map(|group| (place(&group[0]).0 as f64 + 0.5) * width).collect(),
             v: groups.iter().map(|group| group[0].at[1]).collect(),
             disparity: limits.iter().map(|[low, high]| 0.5 * (low + high)).collect(),
@@ -113,27 +118,27 @@ impl Electorate {
     /// Counts the samples near a plane, which has at most so many `possible` votes. `None` for fewer than `least`; the count stops as soon
     /// as it cannot reach `least`.
     fn count_votes(&self, plane: [f64; 3], quanta: f64, mut possible: usize, least: usize) -> Option<usize> {
-        let may_vote = self.may_vote(plane, quanta);
-        for group in (0..self.groups.len()).filter(|&group| may_vote(group)) {
+        let is_near = self.is_near(plane, quanta);
+        for group in (0..self.samples.len()).filter(|&group| is_near(group)) {
             if possible < least {
                 return None;
             }
             let votes = vectorized(
                 #[inline(always)]
-                || self.groups[group].count_near(self.v[group], plane, quanta),
+                || self.samples[group].count_votes_in_row(self.v[group], plane, quanta),
             );
             possible -= self.size[group] as usize - votes;
         }
         (possible >= least).then_some(possible)
     }
 
-    /// The number of samples in groups that may vote for a plane.
+    /// The number of samples in groups of which some may lie near a plane.
     fn most_votes(&self, plane: [f64; 3], quanta: f64) -> usize {
         vectorized(
             #[inline(always)]
             || {
-                let may_vote = self.may_vote(plane, quanta);
-                let votes = (0..self.size.len()).map(|group| -i32::from(may_vote(group)) & self.size[group]);
+                let is_near = self.is_near(plane, quanta);
+                let votes = (0..self.size.len()).map(|group| -i32::from(is_near(group)) & self.size[group]);
                 votes.sum::<i32>() as usize
             },
         )
@@ -141,7 +146,7 @@ impl Electorate {
 
     /// Whether some samples of a group may lie near a plane.
     #[inline(always)]
-    fn may_vote(&self, [a, b, c]: [f64; 3], quanta: f64) -> impl Fn(usize) -> bool {
+    fn is_near(&self, [a, b, c]: [f64; 3], quanta: f64) -> impl Fn(usize) -> bool {
         let terms = a.abs() * (self.last[0] + self.half_width) + b.abs() * self.last[1] + c.abs();
         let reach = quanta + a.abs() * self.half_width + ROUNDING * terms;
         // As slices of one length, so that the loop over them checks no bounds.
@@ -151,27 +156,28 @@ impl Electorate {
     }
 }
 
-/// Column and disparity of the samples of a group, in separate lists. Unused places never vote.
-struct Voters {
-    u: [f64; VOTERS],
-    disparity: [f64; VOTERS],
+/// Column and disparity of the samples of a group, in separate lists. Unused places are near no plane.
+struct Group {
+    u: [f64; GROUP_SAMPLES],
+    disparity: [f64; GROUP_SAMPLES],
 }
 
-impl Voters {
+impl Group {
     fn of(group: &[Sample]) -> Self {
-        let mut voters = Self { u: [0.0; VOTERS], disparity: [f64::NAN; VOTERS] };
+        let mut samples = Self { u: [0.0; GROUP_SAMPLES], disparity: [f64::NAN; GROUP_SAMPLES] };
         for (k, sample) in group.iter().enumerate() {
-            (voters.u[k], voters.disparity[k]) = (sample.at[0], sample.disparity);
+            (samples.u[k], samples.disparity[k]) = (sample.at[0], sample.disparity);
         }
-        voters
+        samples
     }
 
     /// Counts the samples near a plane. `v`: their row.
     #[inline(always)]
-    fn count_near(&self, v: f64, [a, b, c]: [f64; 3], quanta: f64) -> usize {
+    fn count_votes_in_row(&self, v: f64, [a, b, c]: [f64; 3], quanta: f64) -> usize {
         let Self { u, disparity } = self;
-        (0..VOTERS).map(|k| u64::from((disparity[k] - (a * u[k] + b * v + c)).abs() < quanta)).sum::<u64>()
-            as usize
+        (0..GROUP_SAMPLES)
+            .map(|k| u64::from((disparity[k] - (a * u[k] + b * v + c)).abs() < quanta))
+            .sum::<u64>() as usize
     }
 }
 
@@ -184,19 +190,52 @@ mod tests {
     fn votes_are_given_up_only_below_the_least() {
         let sample = |k: usize| Sample { pixel: k, at: position(k, 40), disparity: 300.0 + (k % 7) as f64 };
         let pool: Vec<Sample> = (0..700).filter(|k| k % 11 != 0).map(sample).collect();
-        let electorate = Electorate::of(&pool, 1);
+        let groups = Groups::of(&pool, 1);
         for plane in [[0.0, 0.0, 303.0], [0.1, -0.05, 300.0], [1.0, 0.0, 290.0], [0.0, 0.0, 500.0]] {
             let near = |s: &&Sample| {
                 let [u, v] = s.at;
                 (s.disparity - (plane[0] * u + plane[1] * v + plane[2])).abs() < TRIAL_QUANTA
             };
             let all = pool.iter().filter(near).count();
-            let possible = electorate.most_votes(plane, TRIAL_QUANTA);
+            let possible = groups.most_votes(plane, TRIAL_QUANTA);
             assert!(possible >= all);
-            let count = |least: usize| electorate.count_votes(plane, TRIAL_QUANTA, possible, least);
+            let count = |least: usize| groups.count_votes(plane, TRIAL_QUANTA, possible, least);
             assert_eq!(count(all), Some(all), "as many as the best so far");
             assert_eq!(count(0), Some(all));
             assert_eq!(count(all + 1), None);
+        }
+    }
+
+    /// Groups of several widths, with gaps and equal planes, against all samples one by one.
+    #[test]
+    fn the_best_plane_is_the_first_with_the_most_votes() {
+        let mut random = Lcg::new(3);
+        for grid in [1, 3, 6] {
+            let mut pool = Vec::new();
+            for v in 0..40 {
+                for u in 0..40 {
+                    if random.below(5) > 0 {
+                        let at = [(u * grid + grid / 3) as f64, (v * grid) as f64];
+                        let disparity = 300.0 + 0.02 * at[0] + random.below(9) as f64;
+                        pool.push(Sample { pixel: 0, at, disparity });
+                    }
+                }
+            }
+            let plane = |k: usize| [0.01 * (k % 4) as f64, 0.0, 299.0 + (k % 6) as f64];
+            let planes: Vec<[f64; 3]> = (0..40).map(plane).collect();
+            let votes = |[a, b, c]: &[f64; 3]| {
+                let near = |s: &&Sample| (s.disparity - (a * s.at[0] + b * s.at[1] + c)).abs() < TRIAL_QUANTA;
+                pool.iter().filter(near).count()
+            };
+            let all: Vec<usize> = planes.iter().map(votes).collect();
+            let most = *all.iter().max().expect("planes");
+            let groups = Groups::of(&pool, grid);
+            assert!(most > LEAST_VOTES && all.iter().any(|&votes| votes < most / 2));
+            assert_eq!(
+                find_best(&planes, &groups, TRIAL_QUANTA),
+                all.iter().position(|&votes| votes == most)
+            );
+            assert_eq!(find_best(&[[0.0, 0.0, 900.0]], &groups, TRIAL_QUANTA), None);
         }
     }
 }

@@ -41,7 +41,7 @@ struct SideSums {
     terms: [f64; 8],
 }
 
-/// Windows reach at most so far (px): their sums of squares fit into 32 bits.
+/// Windows reach at most so far (px): sums of sums of their rows, 1.4e9, fit into 32 bits.
 pub(super) const MOST_RADIUS_PX: usize = 1000;
 /// Columns of a window that are summed side by side: their sums stay in registers, even in the narrowest vectors.
 const LANES: usize = 8;
@@ -132,9 +132,9 @@ impl Surroundings<'_> {
         Some([self.fit_side(a, middle, &sums_a)?, self.fit_side(b, middle, &sums_b)?])
     }
 
-    /// Sums over the pixels of two facets around `middle`, many columns side by side. The order of the sums does not matter, because
-    /// they are exact: positions are whole numbers, disparities have 24 bits and differ by less than a factor of 200, so nothing is
-    /// rounded in windows of up to [`MOST_RADIUS_PX`] to either side.
+    /// Sums over the pixels of two facets around `middle`, many columns side by side. In windows of up to 80 px to either side
+    /// the order of the sums does not matter, because they are exact: positions are whole numbers, and disparities have 24 bits and differ
+    /// by less than a factor of 200. In wider ones last digits may be rounded, always in this order: the result is the same everywhere.
     fn sum_sides(&self, facets: [SegmentId; 2], middle: [f64; 2]) -> [SideSums; 2] {
         let (width, height) = self.disparity.size();
         let [u, v] = middle.map(|x| x as usize);

@@ -27,6 +27,8 @@ const NORMALS: usize = 32;
 /// lies this near (quanta) to the plane of the larger one.
 const SAME_PLANE_DEG: f64 = 10.0;
 const SAME_PLANE_QUANTA: f64 = 2.0;
+/// A face whose normal is within this cosine of an axis lies across it: it shows no trace.
+const ACROSS: f64 = 0.8;
 /// A smaller connected piece (px at 525 px) is no facet of its own: it is too small for the plane of a border
 /// side.
 pub(super) const LEAST_PIECE_PX: usize = 40;
@@ -56,10 +58,15 @@ pub(super) struct Face {
     middle: DVec3,
     pub(super) normal: DVec3,
     /// Whether its normal is nearly the same everywhere.
-    is_flat: bool,
+    pub(super) is_flat: bool,
 }
 
 impl Face {
+    /// Whether it lies across an axis: then it shows no trace.
+    pub(super) fn is_across(&self, axis: DVec3) -> bool {
+        self.normal.dot(axis).abs() > ACROSS
+    }
+
     /// Whether another, smaller face lies in its plane.
     fn continues(&self, other: &Self, space: &DisparitySpace) -> bool {
         let is_parallel = self.normal.dot(other.normal) > libm::cos(SAME_PLANE_DEG.to_radians());

@@ -26,8 +26,6 @@ const LEAST_PX: f32 = 4.0;
 const MARGIN_M: f64 = 0.012;
 /// Each side of a joint has at least this many pixels (px at 525 px), as the smallest object.
 const LEAST_SIDE_PX: usize = 200;
-/// A face whose normal is within this cosine of the axis lies across it: it shows no trace.
-const ACROSS: f64 = 0.8;
 /// A face across the axis with a smaller share of the body's pixels is no fold.
 const LEAST_FOLD: f64 = 0.05;
 /// L\* + 16 of middle light: from there up, differences of colours are taken as measured.
@@ -51,8 +49,7 @@ const MOST_PLACES: usize = 2048;
 /// share of the stripes, and both sides are large enough for an object. O(pixels + stripes · places).
 pub(super) fn find_traces(body: &Body, axis: DVec3, least_share: f64, space: &DisparitySpace) -> Vec<Trace> {
     let Some(places) = Places::along(body, axis, space) else { return Vec::new() };
-    let is_across = |face: &&Face| face.normal.dot(axis).abs() > ACROSS;
-    let (folds, faces): (Vec<&Face>, Vec<&Face>) = body.faces.iter().partition(is_across);
+    let (folds, faces): (Vec<&Face>, Vec<&Face>) = body.faces.iter().partition(|face| face.is_across(axis));
     let mut contrasts: Vec<Vec<Contrast>> = vec![Vec::new(); places.count];
     faces.into_iter().for_each(|face| places.compare(face, &mut contrasts));
     let is_large = |fold: &&Face| fold.pixels.len() as f64 >= LEAST_FOLD * body.size_px() as f64;

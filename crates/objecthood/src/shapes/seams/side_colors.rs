@@ -11,9 +11,6 @@ use crate::shapes::seams::trace::Trace;
 const COLORS: usize = 4096;
 /// A face with fewer sampled pixels on one side says nothing about the light on it.
 const LEAST_LIT: usize = 20;
-/// The colours of fewer pixels on one side of a face are no sample of a thing's colours. A count of samples,
-/// so it does not depend on the camera.
-const LEAST_COLORED: usize = 160;
 /// Two faces whose lightness (L\* + 16) differs by less than this share are lit alike.
 const LIT_UNLIKE: f32 = 0.1;
 
@@ -63,10 +60,12 @@ impl SideColors {
         self.faces.iter().filter(|face| face.iter().all(|side| side.len() >= LEAST_LIT))
     }
 
-    /// The number of faces that show enough of both sides to compare their colours.
-    pub(super) fn faces_with_both(&self) -> usize {
-        let has_both = |face: &&FaceSides| face.iter().all(|side| side.len() * self.step >= LEAST_COLORED);
-        self.faces.iter().filter(has_both).count()
+    /// The overlap of the colours of both sides on one face of the body; `None` if it has fewer pixels of one.
+    pub(super) fn overlap_of_face(&self, face: usize, least_px: usize) -> Option<f64> {
+        let sides = &self.faces[face];
+        let has_both = sides.iter().all(|side| side.len() * self.step >= least_px);
+        let histogram = |side: usize| ColorHistogram::of(sides[side].iter().copied());
+        has_both.then(|| histogram(0).overlap(&histogram(1)))
     }
 
     /// The overlap of the colours of both sides.
@@ -170,6 +169,19 @@ mod tests {
         assert!(other_way.follows_light() < 0.6, "it goes farther than the light");
         assert_eq!(faces(&[[GREY, WHITE]]).follows_light(), 0.0, "one face tells nothing");
         assert_eq!(faces(&[[GREY, WHITE], [GREY, WHITE]]).follows_light(), 0.0, "faces that are lit alike");
+    }
+
+    #[test]
+    fn a_face_with_few_pixels_of_one_side_shows_no_change() {
+        let mut sides = faces(&[[GREY, WHITE], [GREY, GREY]]);
+        let changes = |sides: &SideColors, face, least_px| {
+            sides.overlap_of_face(face, least_px).map(|overlap| overlap < 0.5)
+        };
+        assert_eq!([0, 1].map(|face| changes(&sides, face, LEAST_LIT)), [Some(true), Some(false)]);
+        assert_eq!(changes(&sides, 0, LEAST_LIT + 1), None);
+        // Every third pixel was sampled.
+        sides.step = 3;
+        assert_eq!(changes(&sides, 0, 3 * LEAST_LIT), Some(true));
     }
 
     #[test]

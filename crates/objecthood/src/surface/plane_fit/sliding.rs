@@ -279,3 +279,36 @@ impl WindowSums {
         planes
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Lcg;
+
+    /// Holes enter and leave, so counts are left out and formed again many times.
+    #[test]
+    fn windows_in_which_all_is_measured_have_the_planes_of_any_windows() {
+        let mut random = Lcg::new(5);
+        for radius in 1..=5 {
+            let (mut windows, mut full) = (SlidingWindows::default(), 0);
+            windows.clear(radius);
+            for v in 0..200 {
+                let mut row: Vec<f32> =
+                    (0..3 * TILE).map(|_| 20.0 + random.below(680_000) as f32 / 1000.0).collect();
+                if v % 37 == 5 {
+                    row[TILE + v % TILE] = f32::NAN;
+                }
+                windows.slide_down(v, &row, TILE);
+                let (side, r) = (2 * radius as i32 + 1, radius as i32);
+                let xx = side * side * r * (r + 1) / 3;
+                for sums in windows.sums.iter().filter(|sums| sums.full_rows > 2 * radius) {
+                    full += 1;
+                    assert_eq!(sums.counts, [side * side, 0, 0, xx, 0, xx].map(|count| [count; LANES]));
+                    let bits = |planes: [[f32; LANES]; 4]| planes.map(|plane| plane.map(f32::to_bits));
+                    assert_eq!(bits(sums.planes_of_full()), bits(sums.planes(0.0)));
+                }
+            }
+            assert!(full > 0);
+        }
+    }
+}
