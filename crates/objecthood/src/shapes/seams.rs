@@ -34,7 +34,6 @@ use crate::shapes::border::{BorderEvidence, measure_borders};
 use crate::shapes::contraction::{Shapes, contract, sum_votes};
 use crate::shapes::seams::axes::find_axes;
 use crate::shapes::seams::body::{Body, BodyPixel, Face, LEAST_PIECE_PX, connected_pieces};
-use crate::shapes::seams::face::OVERLAP_FACTOR;
 use crate::shapes::seams::profile::{LEAST_MEASURED, find_traces};
 use crate::shapes::seams::side_colors::{SideColors, ToldApart};
 use crate::shapes::seams::trace::Trace;
@@ -51,8 +50,11 @@ const WELL_MEASURED: f64 = 0.5;
 /// Where colour changes on two faces or more, the colours of both sides may overlap by this multiple: print
 /// seldom goes on around an edge, at the same place.
 const AROUND_FACTOR: f64 = 5.0 / 3.0;
-/// Colour changes on a face that has at least this many pixels of each side (px at 525 px).
-const LEAST_AROUND_PX: usize = 100;
+/// Colour changes on a face on which the colours of both sides overlap by at most this multiple of what they may
+/// on the whole body: a face shows a part of each side, so it tells less ...
+const FACE_FACTOR: f64 = 3.0;
+/// ... and that has at least this many pixels of each side (px of any camera: they are samples of colours).
+const LEAST_AROUND_PX: usize = 160;
 /// The two sides are even, like things of one colour each, if their colours are confused at most this often
 /// (shares of both sides added up).
 const MOST_CONFUSED: f64 = 0.05;
@@ -321,10 +323,9 @@ impl Search<'_> {
         if trace.measured < WELL_MEASURED {
             return 0.5;
         }
-        let (most, least_px) =
-            (OVERLAP_FACTOR * self.params.color_overlap, self.space.area_px(LEAST_AROUND_PX));
+        let most = FACE_FACTOR * self.params.color_overlap;
         let changes = |(k, face): &(usize, &Face)| {
-            let overlap = || colors.overlap_of_face(*k, least_px);
+            let overlap = || colors.overlap_of_face(*k, LEAST_AROUND_PX);
             face.is_flat && !face.is_across(trace.axis) && overlap().is_some_and(|overlap| overlap <= most)
         };
         if body.faces.iter().enumerate().filter(changes).count() > 1 { AROUND_FACTOR } else { 1.0 }

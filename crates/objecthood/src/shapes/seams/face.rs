@@ -24,7 +24,7 @@ const BEHIND_QUANTA: f64 = 2.5;
 const MOST_OPEN: f64 = 0.2;
 /// The colours of both sides overlap by at most this multiple of what two sides of a body may: the outline is
 /// evidence for a joint too.
-pub(super) const OVERLAP_FACTOR: f64 = 2.0;
+const OVERLAP_FACTOR: f64 = 2.0;
 /// A smaller face is not searched (px at 525 px): each side has the pixels of the smallest object.
 const LEAST_FACE_PX: usize = 400;
 
