@@ -152,7 +152,7 @@ pub enum JoinEvidence {
         #[schemars(range(min = 0, max = 1))]
         covered: f64,
     },
-    /// The bottom of a plate or bowl, which lies as low as the table, or is flat and surrounded.
+    /// The bottom of a plate or bowl, which lies as low as the table, or is flat and surrounded by its inside.
     VesselBottom {
         /// Share of its border that touches the vessel without a step, but for what stands on it.
         #[schemars(range(min = 0, max = 1))]

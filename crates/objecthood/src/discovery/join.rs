@@ -54,7 +54,7 @@ pub enum JoinEvidence {
         /// Share of the circle about its axis on which the pieces lie.
         covered: f64,
     },
-    /// The bottom of a plate or bowl, which lies as low as the table, or is flat and surrounded (docs/CONTEXT.md 4.5, 4.4.1).
+    /// The bottom of a plate or bowl, which lies as low as the table, or is flat and surrounded by its inside (docs/CONTEXT.md 4.5, 4.4.1).
     VesselBottom {
         /// Share of its border that touches the vessel without a step, but for what stands on it.
         contact_share: f64,

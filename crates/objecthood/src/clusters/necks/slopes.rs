@@ -23,9 +23,10 @@ pub(super) fn sliding_share(scene: &Scene<'_>, up: DVec3, pixels: &[u32]) -> f64
     share(pixels.iter().filter(slides).count(), pixels)
 }
 
-/// Checks that these pixels of the lower part, around its contact with the upper one, are no level face on
-/// which a thing could stand. `may_be_round`: they may also be the top of something round, from which a thing
-/// would roll. Then the check of its roundness is the one that decides. O(n).
+/// Checks that the lower part has no level face around its contact with the upper one, on which a thing could
+/// stand. `around`: its pixels there. `may_be_round`: if too many are level, it is enough that these bend
+/// outwards, because a thing would roll off them. Returns the check of roundness only if it holds in place of
+/// the share. O(n).
 pub(super) fn check_level(clusters: &Clusters<'_>, up: DVec3, around: &[u32], may_be_round: bool) -> Check {
     let is_level = |&i: &u32| clusters.scene.is_level(up, i as usize);
     let level: Vec<u32> = around.iter().copied().filter(is_level).collect();

@@ -58,11 +58,11 @@ pub(super) fn join_flat_bottom(
     false
 }
 
-/// How far an inside encloses a bottom, without a step.
+/// How much of the border of a bottom touches an inside, that is without a step.
 struct Enclosure {
-    /// The share of the bottom's border, but for what stands on it.
+    /// As a share of the border without what stands on the bottom.
     contact_share: f64,
-    /// The share of the whole border.
+    /// As a share of the whole border.
     of_all: f64,
 }
 

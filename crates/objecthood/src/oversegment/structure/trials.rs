@@ -50,8 +50,8 @@ pub(super) fn find_best_plane(
 
 /// The plane that most samples are near to, the first of equals; `None` when none has a hundred.
 ///
-/// Votes are counted in the order of the most that each plane can have, and only as long as that is enough. Few are counted, so one
-/// plane after another.
+/// Each plane first gets an upper bound of its votes. Then votes are counted, from the highest bound down, until the next bound is
+/// below the best count. Few planes are counted, so this is not done in parallel.
 fn find_best(planes: &[[f64; 3]], groups: &Groups, quanta: f64) -> Option<usize> {
     let most_votes = |plane: &[f64; 3]| groups.most_votes(*plane, quanta);
     let mut open: Vec<(usize, usize)> = planes.par_iter().map(most_votes).zip(0..planes.len()).collect();
@@ -68,7 +68,7 @@ fn find_best(planes: &[[f64; 3]], groups: &Groups, quanta: f64) -> Option<usize>
     best.map(|(_, Reverse(k))| k)
 }
 
-/// Most samples of a group.
+/// A group has at most this many samples: it spans so many steps of the grid along a row.
 const GROUP_SAMPLES: usize = 16;
 /// Values of a plane are rounded by less than this share of the sum of their terms.
 const ROUNDING: f64 = 1e-12;
