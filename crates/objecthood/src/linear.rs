@@ -1,5 +1,14 @@
 //! Small linear algebra, with the same bits on every platform.
 
+/// The range [low, high] that holds nothing.
+pub(crate) const NO_RANGE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
+/// The range [low, high] that also holds x. Compared directly: `f64::min` also looks for NaN, which costs more.
+#[inline(always)]
+pub(crate) fn widened([low, high]: [f64; 2], x: f64) -> [f64; 2] {
+    [if x < low { x } else { low }, if x > high { x } else { high }]
+}
+
 /// Length of a plane vector. `hypot` would differ between platforms.
 #[inline]
 pub(crate) fn length([x, y]: [f64; 2]) -> f64 {

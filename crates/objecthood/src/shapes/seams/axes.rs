@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 
 use glam::DVec3;
 
+use crate::linear::{NO_RANGE, widened};
 use crate::shapes::seams::body::{Body, Face};
 
 /// Axes are taken from this many faces, the largest.
@@ -50,14 +51,13 @@ fn outline_direction(face: &Face) -> Option<DVec3> {
     let points: Vec<[f64; 2]> =
         face.pixels.iter().step_by(OUTLINE_STEP).map(|p| [x.dot(p.point), y.dot(p.point)]).collect();
     let area = |[cos, sin]: [f64; 2]| {
-        let mut low = [f64::INFINITY; 2];
-        let mut high = [f64::NEG_INFINITY; 2];
+        let mut ranges = [NO_RANGE; 2];
         for [px, py] in &points {
             let turned = [cos * px + sin * py, cos * py - sin * px];
-            low = [0, 1].map(|k| if turned[k] < low[k] { turned[k] } else { low[k] });
-            high = [0, 1].map(|k| if turned[k] > high[k] { turned[k] } else { high[k] });
+            ranges = [0, 1].map(|k| widened(ranges[k], turned[k]));
         }
-        (high[0] - low[0]) * (high[1] - low[1])
+        let [along, across] = ranges.map(|[low, high]| high - low);
+        along * across
     };
     let turns = (0..(90.0 / TURN_DEG) as usize).map(|k| {
         let turn = (k as f64 * TURN_DEG).to_radians();

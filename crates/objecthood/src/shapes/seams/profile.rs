@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::color::{CLEAR_CONTRAST, CONTRAST, LIGHT_OFFSET, weighted};
+use crate::linear::{NO_RANGE, widened};
 use crate::shapes::seams::body::{Body, BodyPixel, Face};
 use crate::shapes::seams::trace::Trace;
 use crate::surface::disparity::DisparitySpace;
@@ -148,13 +149,12 @@ struct Sum {
 impl Places {
     /// `None` for a body that is too short for a joint, or absurdly long.
     fn along(body: &Body, axis: DVec3, space: &DisparitySpace) -> Option<Self> {
-        let (mut low_m, mut high_m, mut depth_m) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
+        let (mut range_m, mut depth_m) = (NO_RANGE, 0.0);
         for pixel in body.pixels() {
-            let at_m = axis.dot(pixel.point);
-            low_m = if at_m < low_m { at_m } else { low_m };
-            high_m = if at_m > high_m { at_m } else { high_m };
+            range_m = widened(range_m, axis.dot(pixel.point));
             depth_m += pixel.point.z;
         }
+        let [low_m, high_m] = range_m;
         let camera = space.camera();
         let pixel_m = depth_m / body.size_px() as f64 / camera.fx_px.min(camera.fy_px);
         let step_m = STEP_M.max(pixel_m);
@@ -175,14 +175,11 @@ impl Places {
     /// Adds the contrast at each place of each stripe of a face.
     fn compare(&self, face: &Face, contrasts: &mut [Vec<Contrast>]) {
         let across = face.normal.cross(self.axis).normalize();
-        let (mut first_m, mut last_m) = (f64::INFINITY, f64::NEG_INFINITY);
-        for pixel in &face.pixels {
-            let at_m = across.dot(pixel.point);
-            first_m = if at_m < first_m { at_m } else { first_m };
-            last_m = if at_m > last_m { at_m } else { last_m };
-        }
+        let [first_m, last_m] =
+            face.pixels.iter().fold(NO_RANGE, |range_m, p| widened(range_m, across.dot(p.point)));
         // By way of 32 bits, to which a number is converted in fewer steps.
-        let stripe = |at_m: f64| ((at_m - first_m) / self.stripe_m) as u32 as usize;
+        let whole = |x: f64| x as u32 as usize;
+        let stripe = |at_m: f64| whole((at_m - first_m) / self.stripe_m);
         let stripes = stripe(last_m) + 1;
         let width = self.count + 1;
         if stripes > MOST_PLACES {
@@ -190,7 +187,7 @@ impl Places {
         }
         let mut sums = vec![Sum::default(); stripes * width];
         for pixel in &face.pixels {
-            let place = ((self.axis.dot(pixel.point) - self.low_m) / self.step_m) as u32 as usize;
+            let place = whole((self.axis.dot(pixel.point) - self.low_m) / self.step_m);
             let cell = &mut sums[stripe(across.dot(pixel.point)) * width + place.min(self.count - 1) + 1];
             cell.count += 1.0;
             (0..3).for_each(|k| cell.color[k] += pixel.color[k]);
