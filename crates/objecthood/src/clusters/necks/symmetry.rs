@@ -30,7 +30,7 @@ const SYMMETRY: f64 = 0.7;
 /// (px of the image, of any camera), ...
 const OUTLINE_PX: f64 = 2.0;
 /// ... up to this share of the width of the other.
-const OUTLINE_SHARE: f64 = 0.1;
+const OUTLINE_SHARE: f64 = 0.2;
 /// Both sides of the axis are compared in at most this many stripes across it, each at least this wide (m),
 /// ...
 const STRIPES: f64 = 12.0;
