@@ -1,7 +1,7 @@
 //! Rule 1, flat bottoms: what the inside of a plate surrounds is its bottom (docs/CONTEXT.md 4.4.1).
 
 use super::insides::touching_pairs;
-use super::limits::{CONCAVITY, Limits};
+use super::limits::Limits;
 use super::walls::FLAT;
 use crate::check::{Bound, Check};
 use crate::clusters::bottoms::{check_contact, check_majority};
@@ -28,8 +28,7 @@ pub(super) fn join_flat_bottom(
     let ordered = touching_pairs(clusters).into_iter().flat_map(|[a, b]| [[a, b], [b, a]]);
     for [inside, bottom] in ordered {
         let bends = [inside, bottom].map(|id| clusters.convexity(id));
-        let most = -limits.params.concavity;
-        let concave = Check::new("how far the inside bends outwards", "", bends[0], Bound::AtMost, most);
+        let concave = limits.check_concave("how far the inside bends outwards", bends[0], 1.0);
         // Most pairs are no inside with something in it. They are not recorded.
         if !concave.holds() {
             continue;
@@ -42,13 +41,13 @@ pub(super) fn join_flat_bottom(
         let check_flat =
             |bound, limit| Check::new("how far the bottom bends outwards", "", bends[1], bound, limit);
         let mut join = Proposal::new(Rule::VesselBottom, Source::Cluster(bottom), Some(inside));
-        join.extend([concave.set_by(CONCAVITY), majority]);
+        join.extend([concave, majority]);
+        // What bends inwards is a piece of an inside, or another vessel: `insides` decides.
         let is_bottom = join.check(check_flat(Bound::AtMost, FLAT))
-            // What bends inwards is a piece of an inside, or another vessel: `insides` decides.
             && join.check(check_flat(Bound::AtLeast, -FLAT))
-                && join.check(check_contact(contact_share, limits.params))
-                && join.check(limits.check_color(clusters, bottom, &[inside]))
-                && join.check(check_rise(clusters, [inside, bottom]));
+            && join.check(check_contact(contact_share, limits.params))
+            && join.check(limits.check_color(clusters, bottom, &[inside]))
+            && join.check(check_rise(clusters, [inside, bottom]));
         if is_bottom {
             clusters.join(join, JoinEvidence::VesselBottom { contact_share });
             return true;

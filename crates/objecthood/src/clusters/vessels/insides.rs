@@ -1,8 +1,7 @@
 //! Rule 1: concave pieces that touch are one inside (docs/CONTEXT.md 4.4.1).
 
-use super::limits::{CONCAVITY, INSIDE_TOUCH_PX, Limits};
+use super::limits::{INSIDE_TOUCH_PX, Limits};
 use super::piece::check_on;
-use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
 use crate::clusters::history::{Miss, Proposal, Rule, Source};
 use crate::discovery::join::JoinEvidence;
@@ -17,15 +16,12 @@ const SMALLER_SHARE: f64 = 0.5;
 /// concave. The smaller one is higher than the larger one by at most the difference of tops within a vessel.
 /// If the larger one is round, the smaller one lies on its surface.
 pub(super) fn join_insides(clusters: &mut Clusters<'_>, limits: Limits<'_>, misses: &mut Vec<Miss>) -> bool {
-    let check_concave = |what, convexity, share| {
-        Check::new(what, "", convexity, Bound::AtMost, -limits.params.concavity * share).set_by(CONCAVITY)
-    };
     for [large, small] in touching_pairs(clusters) {
         let convexity = [large, small].map(|id| clusters.convexity(id));
         let mut join = Proposal::new(Rule::VesselInside, Source::Cluster(small), Some(large));
         let is_inside =
-            join.check(check_concave("how far the larger piece bends outwards", convexity[0], 1.0))
-                && join.check(check_concave(
+            join.check(limits.check_concave("how far the larger piece bends outwards", convexity[0], 1.0))
+                && join.check(limits.check_concave(
                     "how far the smaller piece bends outwards",
                     convexity[1],
                     SMALLER_SHARE,

@@ -37,6 +37,11 @@ impl Limits<'_> {
         clusters.top_m(id, self.support)
     }
 
+    /// Checks that a convexity is as far below 0 as that of an inside, or this share of it.
+    pub(super) fn check_concave(&self, what: &'static str, convexity: f64, share: f64) -> Check {
+        Check::new(what, "", convexity, Bound::AtMost, -self.params.concavity * share).set_by(CONCAVITY)
+    }
+
     /// Checks that the top of `id` is not higher than the top of `other` by more than the tops of one vessel differ.
     pub(super) fn check_no_higher(&self, clusters: &Clusters<'_>, id: SegmentId, other: SegmentId) -> Check {
         let above_m = self.top_m(clusters, id) - self.top_m(clusters, other);
