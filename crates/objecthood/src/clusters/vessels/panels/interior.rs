@@ -5,8 +5,10 @@ use glam::DVec3;
 use super::panel::Panel;
 use crate::check::{Bound, Check};
 use crate::clusters::cluster::Clusters;
+use crate::clusters::colors::Colors;
 use crate::clusters::history::{Proposal, Rule, Source};
 use crate::clusters::scene::sampled;
+use crate::clusters::vessels::limits::check_walls_color;
 use crate::oversegment::structure::StructureSurface;
 use crate::quantile::element_at;
 use crate::regions::SegmentId;
@@ -25,7 +27,8 @@ const RIM_M: f64 = 0.02;
 const TOP_SHARE: f64 = 0.98;
 
 /// The inside of a box in the plan view: a rectangle along its longest wall.
-pub(super) struct Interior {
+pub(super) struct Interior<'p> {
+    walls: &'p [&'p Panel],
     axes: [DVec3; 2],
     /// Along each axis (m).
     ranges_m: [[f64; 2]; 2],
@@ -34,9 +37,9 @@ pub(super) struct Interior {
     noise_m: f64,
 }
 
-impl Interior {
+impl<'p> Interior<'p> {
     /// The inside of these walls; `None` without any.
-    pub(super) fn of(walls: &[&Panel]) -> Option<Self> {
+    pub(super) fn of(walls: &'p [&'p Panel]) -> Option<Self> {
         let longest = walls.iter().max_by(|a, b| a.length_m().total_cmp(&b.length_m()))?;
         let axes = [longest.along, longest.normal];
         let range_m = |axis: DVec3| {
@@ -54,6 +57,7 @@ impl Interior {
             below_m >= quarter_m
         });
         Some(Self {
+            walls,
             axes,
             ranges_m: axes.map(range_m),
             foot_m: foot?.0,
@@ -99,10 +103,14 @@ impl Interior {
         ]
     }
 
-    /// A piece of a wall lies at the walls, and ends at the rim.
+    /// A piece of a wall lies at the walls, ends at the rim, and has the colours of one of the walls: small things in a tray lie at its walls
+    /// too, and are as high.
     fn check_wall(&self, clusters: &Clusters<'_>, ground: &StructureSurface, id: SegmentId) -> Vec<Check> {
         let (scene, pixels) = (clusters.scene, &clusters.get(id).pixels[..]);
         let limit_m = MARGIN_M.max(self.noise_m);
+        let own = Colors::of(scene, pixels);
+        let colors = self.walls.iter().map(|wall| check_walls_color(scene, [&own, &wall.colors]));
+        let alike = colors.max_by(|a, b| a.measured.total_cmp(&b.measured));
         let beside = share(pixels, |i| self.depth_m(scene.point_at(i)).abs() < limit_m);
         let mut heights_m: Vec<f64> = sampled(pixels).map(|i| scene.height_m(i, ground)).collect();
         let below_m = (self.top_m - element_at(&mut heights_m, TOP_SHARE)).abs();
@@ -110,6 +118,9 @@ impl Interior {
             Check::new("share of it at the walls", "", beside, Bound::AtLeast, WITHIN_SHARE),
             Check::new("distance of its top from the rim", "m", below_m, Bound::AtMost, RIM_M),
         ]
+        .into_iter()
+        .chain(alike)
+        .collect()
     }
 }
 
