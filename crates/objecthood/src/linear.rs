@@ -1,5 +1,7 @@
 //! Small linear algebra, with the same bits on every platform.
 
+use glam::{DMat3, DVec3};
+
 /// The range [low, high] that holds nothing.
 pub(crate) const NO_RANGE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
@@ -18,6 +20,34 @@ pub(crate) fn length([x, y]: [f64; 2]) -> f64 {
 /// The angle of the principal axis of a 2x2 covariance [xx, xy, yy], counter-clockwise from x (radians, within a quarter turn).
 pub(crate) fn principal_angle([xx, xy, yy]: [f64; 3]) -> f64 {
     0.5 * libm::atan2(2.0 * xy, xx - yy)
+}
+
+/// The eigenvalues of a symmetric matrix, each with its unit eigenvector, by cyclic Jacobi rotations (Golub and Van
+/// Loan, 8.5). It needs only arithmetic and square roots, so every platform gives the same result.
+pub(crate) fn principal_axes(symmetric: DMat3) -> [(f64, DVec3); 3] {
+    // Convergence is quadratic: nothing is left off the diagonal after five or six sweeps.
+    const SWEEPS: usize = 8;
+    let mut a = symmetric.to_cols_array_2d();
+    let mut vectors = DMat3::IDENTITY.to_cols_array_2d();
+    for (p, q) in [(0, 1), (0, 2), (1, 2)].repeat(SWEEPS) {
+        if a[p][q] == 0.0 {
+            continue;
+        }
+        // The rotation by the smaller of the two angles that zero the element (p, q).
+        let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+        let tangent = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());
+        let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
+        let sine = tangent * cosine;
+        let turn = |x: f64, y: f64| (cosine * x - sine * y, sine * x + cosine * y);
+        for row in &mut a {
+            (row[p], row[q]) = turn(row[p], row[q]);
+        }
+        for k in 0..3 {
+            (a[p][k], a[q][k]) = turn(a[p][k], a[q][k]);
+            (vectors[p][k], vectors[q][k]) = turn(vectors[p][k], vectors[q][k]);
+        }
+    }
+    [0, 1, 2].map(|k| (a[k][k], DVec3::from(vectors[k])))
 }
 
 /// Solves `matrix` · x = `right` by Gaussian elimination with partial pivoting. An unknown that no equation determines is 0.

@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
+use crate::linear::principal_axes;
+
 /// A large plane of the scene: normal · X + offset = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StructurePlane {
@@ -108,33 +110,10 @@ impl PointSums {
     }
 }
 
-/// The unit eigenvector of the least eigenvalue of a symmetric matrix, by cyclic Jacobi rotations (Golub and Van
-/// Loan, 8.5). It needs only arithmetic and square roots, so every platform gives the same result.
+/// The unit eigenvector of the least eigenvalue of a symmetric matrix; the first of equal ones.
 fn least_eigenvector(symmetric: DMat3) -> DVec3 {
-    // Convergence is quadratic: nothing is left off the diagonal after five or six sweeps.
-    const SWEEPS: usize = 8;
-    let mut a = symmetric.to_cols_array_2d();
-    let mut vectors = DMat3::IDENTITY.to_cols_array_2d();
-    for (p, q) in [(0, 1), (0, 2), (1, 2)].repeat(SWEEPS) {
-        if a[p][q] == 0.0 {
-            continue;
-        }
-        // The rotation by the smaller of the two angles that zero the element (p, q).
-        let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-        let tangent = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());
-        let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
-        let sine = tangent * cosine;
-        let turn = |x: f64, y: f64| (cosine * x - sine * y, sine * x + cosine * y);
-        for row in &mut a {
-            (row[p], row[q]) = turn(row[p], row[q]);
-        }
-        for k in 0..3 {
-            (a[p][k], a[q][k]) = turn(a[p][k], a[q][k]);
-            (vectors[p][k], vectors[q][k]) = turn(vectors[p][k], vectors[q][k]);
-        }
-    }
-    let least = if a[0][0] <= a[1][1].min(a[2][2]) { 0 } else { 1 + usize::from(a[2][2] < a[1][1]) };
-    DVec3::from(vectors[least]).normalize_or(DVec3::Z)
+    let axes = principal_axes(symmetric).into_iter();
+    axes.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(DVec3::Z, |(_, axis)| axis.normalize_or(DVec3::Z))
 }
 
 #[cfg(test)]
