@@ -267,22 +267,36 @@ class Refinement:
 
 
 @dataclass(slots=True)
+class ColorCuts:
+    """The group `color_cuts`."""
+
+    enabled: bool = True
+    """Whether they are cut. Unit: dimensionless: switch. Range: true | false. Default: true (docs/CONTEXT.md
+    2.3)."""
+
+    against_share: float = 0.4
+    """Least share of the border between two parts that speaks against one thing. Unit: dimensionless: vote
+    per metre of border. Range: 0 ..= 1. Default: 0.4 (ours, because noise folds a surface by less than 18
+    degrees (docs/CONTEXT.md 2.3))."""
+
+
+@dataclass(slots=True)
 class Flat:
     """The group `flat`."""
 
     enabled: bool = True
     """Whether they are looked for. Unit: dimensionless: switch. Range: true | false. Default: true
-    (docs/CONTEXT.md 2.3)."""
+    (docs/CONTEXT.md 2.4)."""
 
     color_overlap: float = 0.35
     """Greatest overlap of the colours of a flat thing with those of the ring around it, where depth proves
     nothing. Unit: dimensionless: share in common. Range: 0 ..= 1. Default: 0.35 (ours, because 99 % of empty
-    patches have 0.45 or more (docs/CONTEXT.md 2.3))."""
+    patches have 0.45 or more (docs/CONTEXT.md 2.4))."""
 
     offset_sigmas: float = 5.0
     """A rise above the ring is proof from this many times the disagreement of blocks of an empty surface on.
     Unit: dimensionless: multiples of the noise of docs/CONTEXT.md 0.5. Range: 0 ..= 1000. Default: 5 (ours,
-    because empty patches of a Kinect reach four (docs/CONTEXT.md 2.3))."""
+    because empty patches of a Kinect reach four (docs/CONTEXT.md 2.4))."""
 
 
 @dataclass(slots=True)
@@ -506,6 +520,7 @@ class Params:
     watershed: Watershed = field(default_factory=Watershed)
     merging: Merging = field(default_factory=Merging)
     refinement: Refinement = field(default_factory=Refinement)
+    color_cuts: ColorCuts = field(default_factory=ColorCuts)
     flat: Flat = field(default_factory=Flat)
     border: Border = field(default_factory=Border)
     contraction: Contraction = field(default_factory=Contraction)

@@ -25,6 +25,7 @@ use crate::oversegment::structure::find_structure;
 use crate::params::{Channels, Params};
 use crate::plausibility::find_doubts;
 use crate::shapes::border::measure_borders;
+use crate::shapes::color_cuts::cut_colors;
 use crate::shapes::contraction::{contract, sum_votes};
 use crate::shapes::paper::join_convex;
 use crate::shapes::seams::{Seams, find_seams};
@@ -115,10 +116,10 @@ pub(crate) fn context<'k>(
         recall(&mut kept.superpixels, || flood_superpixels(surfaces, structure, &params.watershed));
     observer.observe(Output::Superpixels(LabelMap::superpixels(structure, &superpixels.segments)));
 
-    // 2. Facets: superpixels that lie on one surface, and flat things on the structure.
+    // 2. Facets: superpixels that lie on one surface, cut where colour and depth agree, and flat things.
     let facets = recall(&mut kept.facets, || {
         let found = find_facets(surfaces, structure, superpixels, &params.merging, &params.refinement);
-        find_flats(found, surfaces, structure, FlatParams::of(params))
+        find_flats(cut_colors(found, surfaces, params), surfaces, structure, FlatParams::of(params))
     });
     observer.observe(Output::Facets(&facets.segments));
 

@@ -172,14 +172,22 @@ parameters! {
         agreement_quanta: f64 = 0.35, 0.0..=1000.0, "quanta of disparity", "tuned on mOSD learn (docs/CONTEXT.md 2.2)";
     }
 
+    /// Facets cut where colour changes and the surface folds inwards (`context`).
+    ColorCuts color_cuts, read by [Context: Facets] {
+        /// Whether they are cut.
+        enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 2.3";
+        /// Least share of the border between two parts that speaks against one thing.
+        against_share: f64 = 0.4, 0.0..=1.0, "dimensionless: vote per metre of border", "ours, because noise folds a surface by less than 18 degrees (docs/CONTEXT.md 2.3)";
+    }
+
     /// Things 0.2 to 12 mm thick that lie flat on a support (`context`).
     Flat flat, read by [Context: Facets] {
         /// Whether they are looked for.
-        enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 2.3";
+        enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 2.4";
         /// Greatest overlap of the colours of a flat thing with those of the ring around it, where depth proves nothing.
-        color_overlap: f64 = 0.35, 0.0..=1.0, "dimensionless: share in common", "ours, because 99 % of empty patches have 0.45 or more (docs/CONTEXT.md 2.3)";
+        color_overlap: f64 = 0.35, 0.0..=1.0, "dimensionless: share in common", "ours, because 99 % of empty patches have 0.45 or more (docs/CONTEXT.md 2.4)";
         /// A rise above the ring is proof from this many times the disagreement of blocks of an empty surface on.
-        offset_sigmas: f64 = 5.0, 0.0..=1000.0, "dimensionless: multiples of the noise of docs/CONTEXT.md 0.5", "ours, because empty patches of a Kinect reach four (docs/CONTEXT.md 2.3)";
+        offset_sigmas: f64 = 5.0, 0.0..=1000.0, "dimensionless: multiples of the noise of docs/CONTEXT.md 0.5", "ours, because empty patches of a Kinect reach four (docs/CONTEXT.md 2.4)";
     }
 
     /// Evidence from the common border of two facets (`context`).

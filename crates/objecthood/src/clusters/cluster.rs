@@ -106,7 +106,7 @@ impl<'a> Clusters<'a> {
         self.of_facet(facet.index().checked_sub(self.scene.facets.structure)?)
     }
 
-    /// The flat thing in a cluster, the surest if it has several (docs/CONTEXT.md 2.3).
+    /// The flat thing in a cluster, the surest if it has several (docs/CONTEXT.md 2.4).
     pub(crate) fn flat(&self, id: SegmentId) -> Option<&'a Flat> {
         find_flat(self.scene.facets, &self.of_facet, id)
     }

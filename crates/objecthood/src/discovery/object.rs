@@ -30,7 +30,7 @@ pub struct Object {
     /// The joins of its parts that do not touch as one surface. Empty in `paper`.
     pub joins: Vec<Join>,
     /// Whether it is a thing 0.2 to 12 mm thick that lies flat on its support, seen by its colour or by a rise that only many pixels together
-    /// show (docs/CONTEXT.md 2.3). Never in `paper`.
+    /// show (docs/CONTEXT.md 2.4). Never in `paper`.
     pub is_flat: bool,
     /// Its node in the support graph.
     pub node: NodeId,

@@ -43,7 +43,7 @@ pub struct Hypothesis {
     pub top_m: Option<f32>,
     /// The joins of its parts that do not touch as one surface. Empty in `paper`.
     pub joins: Vec<Join>,
-    /// Whether it is a flat thing on a support (docs/CONTEXT.md 2.3). Never in `paper`.
+    /// Whether it is a flat thing on a support (docs/CONTEXT.md 2.4). Never in `paper`.
     pub is_flat: bool,
     /// How clearly its colours differ from the background's, on average over its outline, in [0, 1]; 0 without colour and in `paper`.
     pub(crate) contrast: f32,

@@ -66,7 +66,7 @@ choice! {
         /// All of them.
         #[default]
         All = "all",
-        /// Single pixels and the first two, but for skirts: smeared edges and flat things (docs/CONTEXT.md 0.7, 2.3).
+        /// Single pixels and the first two, but for skirts: smeared edges, cuts of facets and flat things (docs/CONTEXT.md 0.7, 2.3, 2.4).
         Facets = "facets",
         /// None: depth alone decides.
         None = "none",

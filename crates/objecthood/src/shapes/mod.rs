@@ -1,7 +1,8 @@
 //! Stage 3: facets joined across convex edges into shapes (paper, III-C).
 //!
 //! `paper` compares centres and mean normals: [`contact`], [`descriptor`], [`convexity`]. `context` collects evidence along the
-//! whole common border ([`border`]), and the votes of borders decide ([`contraction`]).
+//! whole common border ([`border`]), and the votes of borders decide ([`contraction`]). In the same way it decides beforehand
+//! where colour cuts a facet ([`color_cuts`]), and afterwards it parts flush things ([`seams`]).
 //!
 //! On a box of 10 cm, seen from above:
 //!
@@ -31,6 +32,7 @@
 //! ```
 
 pub mod border;
+pub mod color_cuts;
 pub mod contact;
 pub mod contraction;
 pub mod convexity;

@@ -1,4 +1,4 @@
-//! Evidence for a flat thing: a group of cells compared with the ring around it (docs/CONTEXT.md 2.3).
+//! Evidence for a flat thing: a group of cells compared with the ring around it (docs/CONTEXT.md 2.4).
 
 use crate::check::{Bound, Check};
 use crate::color::histogram::ColorHistogram;

@@ -1,4 +1,4 @@
-//! Flat things: things 0.2 to 12 mm thick that lie on a support (docs/CONTEXT.md 2.3).
+//! Flat things: things 0.2 to 12 mm thick that lie on a support (docs/CONTEXT.md 2.4).
 //!
 //! A single pixel of such a thing is as near to the support as the noise. But many pixels together show it:
 //! the mean over a book of 2 mm lies far outside the noise of such means, and a sheet of paper has another

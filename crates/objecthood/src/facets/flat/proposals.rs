@@ -1,4 +1,4 @@
-//! Proposals: groups of cells that may be flat things, by colour or by depth (docs/CONTEXT.md 2.3).
+//! Proposals: groups of cells that may be flat things, by colour or by depth (docs/CONTEXT.md 2.4).
 
 use std::collections::{BTreeMap, BTreeSet};
 
