@@ -274,9 +274,9 @@ class ColorCuts:
     """Whether they are cut. Unit: dimensionless: switch. Range: true | false. Default: true (docs/CONTEXT.md
     2.3)."""
 
-    against_share: float = 0.4
-    """Least share of the border between two parts that speaks against one thing. Unit: dimensionless: vote
-    per metre of border. Range: 0 ..= 1. Default: 0.4 (ours, because noise folds a surface by less than 18
+    least_against: float = 0.4
+    """Least vote of the border between two parts against one thing. Unit: dimensionless: vote per metre of
+    border. Range: 0 ..= 1. Default: 0.4 (ours, because noise makes gentle valleys, and this is one of 18
     degrees (docs/CONTEXT.md 2.3))."""
 
 

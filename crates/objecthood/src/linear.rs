@@ -22,7 +22,7 @@ pub(crate) fn principal_angle([xx, xy, yy]: [f64; 3]) -> f64 {
     0.5 * libm::atan2(2.0 * xy, xx - yy)
 }
 
-/// The eigenvalues of a symmetric matrix, each with its unit eigenvector, by cyclic Jacobi rotations (Golub and Van
+/// The eigenvalues of a symmetric matrix, each with its unit eigenvector, in no particular order, by cyclic Jacobi rotations (Golub and Van
 /// Loan, 8.5). It needs only arithmetic and square roots, so every platform gives the same result.
 pub(crate) fn principal_axes(symmetric: DMat3) -> [(f64, DVec3); 3] {
     // Convergence is quadratic: nothing is left off the diagonal after five or six sweeps.
@@ -91,6 +91,20 @@ mod tests {
     use super::*;
 
     proptest! {
+        #[test]
+        fn principal_axes_are_eigenvectors_at_right_angles(
+            columns in prop::array::uniform3(prop::array::uniform3(-1.0_f64..1.0)),
+        ) {
+            let root = DMat3::from_cols_array_2d(&columns);
+            let symmetric = root.transpose() * root;
+            let axes = principal_axes(symmetric);
+            for (k, (value, axis)) in axes.iter().enumerate() {
+                prop_assert!((symmetric * *axis - *value * *axis).length() < 1e-12);
+                prop_assert!((axis.length() - 1.0).abs() < 1e-12);
+                prop_assert!(axes[..k].iter().all(|(_, other)| axis.dot(*other).abs() < 1e-12));
+            }
+        }
+
         #[test]
         fn the_solution_of_a_system_solves_it(
             // A heavy diagonal, so that every unknown is determined; rows shuffled, so that pivots are sought.

@@ -176,8 +176,8 @@ parameters! {
     ColorCuts color_cuts, read by [Context: Facets] {
         /// Whether they are cut.
         enabled: bool = true, OneOf("true | false"), "dimensionless: switch", "docs/CONTEXT.md 2.3";
-        /// Least share of the border between two parts that speaks against one thing.
-        against_share: f64 = 0.4, 0.0..=1.0, "dimensionless: vote per metre of border", "ours, because noise folds a surface by less than 18 degrees (docs/CONTEXT.md 2.3)";
+        /// Least vote of the border between two parts against one thing.
+        least_against: f64 = 0.4, 0.0..=1.0, "dimensionless: vote per metre of border", "ours, because noise makes gentle valleys, and this is one of 18 degrees (docs/CONTEXT.md 2.3)";
     }
 
     /// Things 0.2 to 12 mm thick that lie flat on a support (`context`).

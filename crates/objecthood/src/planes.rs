@@ -110,7 +110,7 @@ impl PointSums {
     }
 }
 
-/// The unit eigenvector of the least eigenvalue of a symmetric matrix; the first of equal ones.
+/// The unit eigenvector of the least eigenvalue of a symmetric matrix.
 fn least_eigenvector(symmetric: DMat3) -> DVec3 {
     let axes = principal_axes(symmetric).into_iter();
     axes.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(DVec3::Z, |(_, axis)| axis.normalize_or(DVec3::Z))

@@ -83,10 +83,13 @@ pub fn measure_borders(
     params: &params::Border,
 ) -> RegionGraph<BorderEvidence> {
     let (width, height) = disparity.size();
-    let borders = Borders::new(facets, disparity, space, params);
-    let sampled = sampled_columns(width, borders.pairs_per_sample);
+    let radius = space.length_px(params.radius_px).min(MOST_RADIUS_PX);
+    let surroundings = Surroundings { facets, disparity, space, radius };
+    let pairs_per_sample = space.length_px(PAIRS_PER_SAMPLE).max(PAIRS_PER_SAMPLE);
+    let borders = Borders { surroundings, params, pairs_per_sample };
+    let sampled = sampled_columns(width, pairs_per_sample);
     let sample_row = |marks: &mut Vec<i32>, v: usize| {
-        mark_borders(facets.segments.labels(), v, borders.pairs_per_sample, &sampled, marks);
+        mark_borders(facets.segments.labels(), v, pairs_per_sample, &sampled, marks);
         let mut samples = Vec::new();
         for u in marked(marks) {
             let i = v * width + u;
@@ -101,26 +104,6 @@ pub fn measure_borders(
     };
     let rows: Vec<Vec<_>> = (0..height).into_par_iter().map_init(|| vec![0; width], sample_row).collect();
     RegionGraph::gather(facets.segments.count(), rows.into_iter().flatten(), BorderEvidence::add)
-}
-
-/// As [`measure_borders`], for the borders between `pixels` alone. O(pixels + border pixels · radius^2).
-pub(crate) fn measure_borders_among(
-    pixels: &[u32],
-    facets: &Facets,
-    disparity: &Raster<f32>,
-    space: &DisparitySpace,
-    params: &params::Border,
-) -> RegionGraph<BorderEvidence> {
-    let (width, height) = disparity.size();
-    let borders = Borders::new(facets, disparity, space, params);
-    let step = borders.pairs_per_sample;
-    let samples = pixels.iter().flat_map(|&i| {
-        let i = i as usize;
-        let right = (i / width % step == 1 && i % width + 1 < width).then_some(i + 1);
-        let below = (i % width % step == 1 && i / width + 1 < height).then_some(i + width);
-        [right, below].into_iter().flatten().filter_map(|j| borders.sample(i, j)).collect::<Vec<_>>()
-    });
-    RegionGraph::gather(facets.segments.count(), samples, BorderEvidence::add)
 }
 
 /// [`BELOW`] in every `step`-th column, from the second, and 0 in the others.
@@ -161,22 +144,7 @@ struct Step {
     z_m: f64,
 }
 
-impl<'a> Borders<'a> {
-    fn new(
-        facets: &'a Facets,
-        disparity: &'a Raster<f32>,
-        space: &'a DisparitySpace,
-        params: &'a params::Border,
-    ) -> Self {
-        let radius = space.length_px(params.radius_px).min(MOST_RADIUS_PX);
-        let surroundings = Surroundings { facets, disparity, space, radius };
-        Self {
-            surroundings,
-            params,
-            pairs_per_sample: space.length_px(PAIRS_PER_SAMPLE).max(PAIRS_PER_SAMPLE),
-        }
-    }
-
+impl Borders<'_> {
     /// Samples the border between the 4-neighbours i and j, if they lie on two facets that are not both structure, and none is a flat thing
     /// beside another facet.
     fn sample(&self, i: usize, j: usize) -> Option<(SegmentId, SegmentId, Sample)> {

@@ -3,7 +3,7 @@
 mod sides;
 mod splits;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use glam::Vec3;
@@ -16,30 +16,33 @@ use crate::color::weighted;
 use crate::facets::facet::Facets;
 use crate::params::{self, Params};
 use crate::raster::Raster;
-use crate::regions::{RegionEdge, RegionGraph, Segments};
-use crate::shapes::border::{BorderEvidence, measure_borders_among};
+use crate::regions::{RegionEdge, RegionGraph, SegmentId, Segments, connect};
+use crate::shapes::border::measure_borders;
 use crate::shapes::contraction::contract;
 use crate::surface::disparity::DisparitySpace;
-use crate::surface::model::{Basis, Fit};
+use crate::surface::model::{Basis, Fit, TERMS};
 use crate::surface::moments::Moments;
 use crate::surface::surfaces::Surfaces;
 
-/// Least number of pixels of a part (px at a focal length of 525 px): as many as the smallest piece of a vessel.
+/// Least number of pixels of a part (px at a focal length of 525 px): as many as a piece of an inside (docs/CONTEXT.md 4.4.1).
 const LEAST_PX: usize = 60;
-/// Two things have few parts, print has many.
+/// Two things have few parts, print has many: a thing that another crosses has two, and two such things four.
 const MOST_PARTS: usize = 4;
-/// The colours of both sides overlap by at most this share: as little as those of two vessels.
+/// The colours of both sides overlap by at most this share: less than the parts of a vessel share.
 const MOST_OVERLAP: f64 = 0.2;
-/// About this many colours of a facet are compared.
-const SAMPLED_PX: usize = 200;
+/// At most this many colours of a facet are compared.
+const SAMPLED: usize = 200;
+/// The steps of this share of the whole, wrapped around, spread evenly over rows and columns.
+const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// Cuts each facet that holds things of different colours, if its surface folds inwards where colour changes.
+/// Runs before flat things are found, which have one colour by definition.
 ///
 /// A quadratic is flexible: one fits a bowl and the ball in it, or the near sides of two cans. Colour proposes
-/// parts, and the border between two parts decides, as it does between two facets (docs/CONTEXT.md 3.1): below
+/// parts, and the border between two parts decides, as it does between two facets (docs/CONTEXT.md 3.1): under
 /// print the surface goes on. Source: the paper divides wherever colour changes; that depth has to agree is
-/// ours, because it pays with many facets on printed things. O(pixels of the facets that are no structure);
-/// parallel over facets.
+/// ours, because it pays with many facets on printed things. O(image + bounding boxes of the facets + border
+/// pixels · radius^2); proposals and borders in parallel.
 pub fn cut_colors(facets: Facets, surfaces: &Surfaces, params: &Params) -> Facets {
     let params = &params.color_cuts;
     let Some(lab) = surfaces.lab.as_ref().filter(|_| params.enabled) else { return facets };
@@ -51,8 +54,7 @@ pub fn cut_colors(facets: Facets, surfaces: &Surfaces, params: &Params) -> Facet
 /// The parts that a facet may be cut into.
 struct Proposal {
     facet: usize,
-    /// The pixels of each part, in scan order.
-    parts: Vec<Vec<u32>>,
+    parts: Vec<Part>,
 }
 
 struct Search<'a> {
@@ -69,27 +71,17 @@ impl Search<'_> {
         if proposals.is_empty() {
             return facets;
         }
-        let mut pieces = self.join(&proposals, params).into_iter();
         let Facets { segments, mut models, structure, flats } = facets;
         let mut labels = segments.into_labels();
-        for Proposal { facet, parts } in proposals {
-            let mut pixels_of: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-            for (part, piece) in parts.into_iter().zip(&mut pieces) {
-                pixels_of.entry(piece).or_default().extend(part);
-            }
-            if pixels_of.len() < 2 {
-                continue;
-            }
-            // The first piece keeps the number of the facet.
-            let numbers = std::iter::once(facet).chain(models.len()..);
-            for (number, pixels) in numbers.zip(pixels_of.into_values()) {
-                let model = self.fit(&pixels).model;
-                match models.get_mut(number) {
-                    Some(of_facet) => *of_facet = model,
-                    None => models.push(model),
-                }
-                pixels.iter().for_each(|&i| labels.as_mut_slice()[i as usize] = number as i32);
-            }
+        let mut cut = BTreeSet::new();
+        for (facet, pixels) in self.judge(proposals, params) {
+            pixels.iter().for_each(|&i| labels.as_mut_slice()[i as usize] = models.len() as i32);
+            models.push(self.fit(&pixels).model);
+            cut.insert(facet);
+        }
+        for facet in cut {
+            let rest = (0..labels.len() as u32).filter(|&i| labels[i as usize] == facet as i32);
+            models[facet] = self.fit(&rest.collect::<Vec<u32>>()).model;
         }
         Facets { segments: Segments::from_numbered(labels, models.len()), models, structure, flats }
     }
@@ -103,83 +95,130 @@ impl Search<'_> {
         let propose = |facet: usize, runs: &[Range<usize>]| {
             let size_px: usize = runs.iter().map(ExactSizeIterator::len).sum();
             let is_large = facet >= facets.structure && size_px >= 2 * self.least_px;
-            let parts = is_large.then(|| self.find_parts(runs, size_px)).flatten()?;
-            Some(Proposal { facet, parts: parts.into_iter().map(|part| part.pixels).collect() })
+            let parts = is_large.then(|| self.find_parts(&self.without_crumbs(runs))).flatten()?;
+            Some(Proposal { facet, parts })
         };
         facets.segments.runs_of_each().map(propose).into_iter().flatten().collect()
     }
 
+    /// The runs of a facet without its connected areas that are too small for a part.
+    fn without_crumbs(&self, runs: &[Range<usize>]) -> Vec<Range<usize>> {
+        let labelled: Vec<(Range<usize>, usize)> = runs.iter().cloned().map(|run| (run, 0)).collect();
+        let (area_of, count) = connect(&labelled, self.disparity.width());
+        let mut sizes_px = vec![0; count];
+        for (run, area) in runs.iter().zip(&area_of) {
+            sizes_px[*area as usize] += run.len();
+        }
+        let is_large = |area: u32| sizes_px[area as usize] >= self.least_px;
+        runs.iter().zip(area_of).filter(|(_, area)| is_large(*area)).map(|(run, _)| run.clone()).collect()
+    }
+
     /// The parts of the split whose parts fit best each by itself; `None` without a split.
-    fn find_parts(&self, runs: &[Range<usize>], size_px: usize) -> Option<Vec<Part>> {
-        let mut pixels: Vec<u32> = Vec::with_capacity(size_px);
+    fn find_parts(&self, runs: &[Range<usize>]) -> Option<Vec<Part>> {
+        let mut pixels: Vec<u32> = Vec::new();
         runs.iter().for_each(|run| pixels.extend(run.start as u32..run.end as u32));
-        let sampled = pixels.iter().step_by(size_px.div_ceil(SAMPLED_PX));
-        let colors: Vec<Vec3> = sampled.map(|&i| weighted(self.lab[i as usize])).collect();
-        let least_share = self.least_px as f32 / size_px as f32;
+        if pixels.len() < 2 * self.least_px {
+            return None;
+        }
+        let colors: Vec<Vec3> = spread(&pixels).map(|i| weighted(self.lab[i])).collect();
+        let least_share = self.least_px as f32 / pixels.len() as f32;
         let parts = find_splits(&colors, least_share).into_iter().filter_map(|split| {
             let is_above = |u: usize, v: usize| split.is_above(weighted(self.lab.cell(u / 2, v / 2)));
             let sides = Sides::of(runs, self.disparity.width(), is_above);
             let parts = sides.smoothed().into_parts(self.least_px)?;
             let is_few = (2..=MOST_PARTS).contains(&parts.len());
-            (is_few && self.overlap(&parts) <= MOST_OVERLAP).then_some(parts)
+            let are_two = parts.iter().any(|part| part.is_above != parts[0].is_above);
+            (is_few && are_two && self.overlap(&parts) <= MOST_OVERLAP).then_some(parts)
         });
         let parts: Vec<Vec<Part>> = parts.collect();
         if parts.len() < 2 {
             return parts.into_iter().next();
         }
-        parts.into_iter().min_by(|a, b| self.error(a).total_cmp(&self.error(b)))
+        parts.into_iter().min_by(|a, b| self.variance(a).total_cmp(&self.variance(b)))
     }
 
     /// The overlap of the colours of both sides.
     fn overlap(&self, parts: &[Part]) -> f64 {
         let [below, above] = [false, true].map(|is_above| {
-            let own = || parts.iter().filter(|part| part.is_above == is_above).flat_map(|part| &part.pixels);
-            let step = own().count().div_ceil(SAMPLED_PX).max(1);
-            ColorHistogram::of(own().step_by(step).map(|&i| self.lab[i as usize]))
+            let own = parts.iter().filter(|part| part.is_above == is_above);
+            ColorHistogram::of(own.flat_map(|part| spread(&part.pixels)).map(|i| self.lab[i]))
         });
         below.overlap(&above)
     }
 
-    /// The squared error (quanta^2) that the surfaces of the parts leave.
-    fn error(&self, parts: &[Part]) -> f64 {
-        parts.iter().map(|part| self.fit(&part.pixels).squared_error).sum()
+    /// The variance (quanta^2) that a surface for each part leaves.
+    fn variance(&self, parts: &[Part]) -> f64 {
+        let errors = parts.iter().map(|part| self.fit(&part.pixels).squared_error);
+        let freedom: usize = parts.iter().map(|part| part.pixels.len().saturating_sub(TERMS.len())).sum();
+        errors.sum::<f64>() / freedom.max(1) as f64
     }
 
-    /// The piece that each part belongs to, all parts of all proposals in a row: parts of one facet that their
-    /// borders do not separate are one piece.
-    fn join(&self, proposals: &[Proposal], params: &params::ColorCuts) -> Vec<u32> {
-        let mut labels = self.disparity.map(|_| -1);
-        let (mut facet_of, mut models) = (Vec::new(), Vec::new());
+    /// What is cut off from facets: the facet, and the pixels. Parts that nothing separates stay together, and the
+    /// largest group of parts stays with the facet.
+    fn judge(&self, proposals: Vec<Proposal>, params: &params::ColorCuts) -> Vec<(usize, Vec<u32>)> {
+        let mut group_of = contract(&self.weigh(&proposals, params)).of_facet.into_iter();
+        let mut cut = Vec::new();
         for Proposal { facet, parts } in proposals {
-            for pixels in parts {
-                pixels.iter().for_each(|&i| labels.as_mut_slice()[i as usize] = models.len() as i32);
-                models.push(self.fit(pixels).model);
-                facet_of.push(*facet);
+            let mut groups: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+            // In this order nothing is taken for the next proposal.
+            for (part, group) in parts.into_iter().zip(&mut group_of) {
+                groups.entry(group).or_default().extend(part.pixels);
+            }
+            let largest = groups.iter().max_by_key(|(_, pixels)| pixels.len()).map(|(group, _)| *group);
+            cut.extend(
+                groups
+                    .into_iter()
+                    .filter(|(group, _)| Some(*group) != largest)
+                    .map(|(_, pixels)| (facet, pixels)),
+            );
+        }
+        cut
+    }
+
+    /// What speaks for one thing (m) between the parts of each proposal, above 0, and against. Parts are numbered
+    /// through. Where nothing is measured between two parts, such as across a hole, colour alone decides.
+    fn weigh(&self, proposals: &[Proposal], params: &params::ColorCuts) -> RegionGraph<f64> {
+        let mut labels = self.disparity.map(|_| -1);
+        let mut models = Vec::new();
+        let mut weights = BTreeMap::new();
+        for Proposal { parts, .. } in proposals {
+            let first = models.len();
+            for (k, part) in parts.iter().enumerate() {
+                part.pixels.iter().for_each(|&i| labels.as_mut_slice()[i as usize] = models.len() as i32);
+                models.push(self.fit(&part.pixels).model);
+                let before = parts[..k].iter().enumerate();
+                weights.extend(before.map(|(j, other)| {
+                    let is_alike = other.is_above == part.is_above;
+                    ([first + j, first + k], if is_alike { f64::MIN_POSITIVE } else { 0.0 })
+                }));
             }
         }
-        let pixels: Vec<u32> = proposals.iter().flat_map(|proposal| proposal.parts.concat()).collect();
         let count = models.len();
         let segments = Segments::from_numbered(labels, count);
         let parts = Facets { segments, models, structure: 0, flats: Vec::new() };
         // Facets do not depend on the parameters of later stages.
-        let border = params::Border::default();
-        let borders = measure_borders_among(&pixels, &parts, self.disparity, self.space, &border);
-        let own = borders.edges().iter().filter(|edge| facet_of[edge.a.index()] == facet_of[edge.b.index()]);
-        let unity = own.map(|&RegionEdge { a, b, ref evidence }| RegionEdge {
-            a,
-            b,
-            evidence: unity_m(evidence, params.against_share),
-        });
-        contract(&RegionGraph::from_sorted(count, unity.collect())).of_facet
+        let borders = measure_borders(&parts, self.disparity, self.space, &params::Border::default());
+        // A step speaks clearly against one thing, because a surface has none.
+        let votes = params::Contraction { occlusion_weight: 1.0, ..params::Contraction::default() };
+        for RegionEdge { a, b, evidence } in borders.edges() {
+            if let Some(weight) = weights.get_mut(&[a.index(), b.index()]) {
+                *weight =
+                    evidence.vote_m(&votes) + params.least_against * (evidence.fold_m() + evidence.step_m);
+            }
+        }
+        let id = |part: usize| SegmentId(part as u32);
+        let edges = weights.into_iter().map(|([a, b], evidence)| RegionEdge { a: id(a), b: id(b), evidence });
+        RegionGraph::from_sorted(count, edges.collect())
     }
 }
 
-/// How much of a border (m) speaks for one thing: above 0 if less than `against_share` of it speaks against one.
-/// A step counts as much as a clear valley, because no step is expected within a facet.
-fn unity_m(border: &BorderEvidence, against_share: f64) -> f64 {
-    let contraction = params::Contraction::default();
-    let folds_m: f64 = border.folds.iter().map(|fold| fold.vote_m(&contraction)).sum();
-    folds_m - border.step_m + against_share * (border.fold_m() + border.step_m)
+/// At most [`SAMPLED`] of these pixels, spread over rows and columns.
+fn spread(pixels: &[u32]) -> impl Iterator<Item = usize> {
+    let all = pixels.len();
+    (0..all.min(SAMPLED)).map(move |k| {
+        let place = if all <= SAMPLED { k } else { ((k as f64 * GOLDEN).fract() * all as f64) as usize };
+        pixels[place] as usize
+    })
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use crate::linear::length;
 
 /// Exponents of x and y of the six terms of a quadratic; a plane uses the first three.
-pub(super) const TERMS: [(usize, usize); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
+pub(crate) const TERMS: [(usize, usize); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
 
 /// The terms of the polynomial that gives the disparity of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

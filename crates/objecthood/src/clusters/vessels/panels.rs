@@ -232,13 +232,15 @@ mod tests {
     /// A regression: balls at the wall of a tray were pieces of the wall.
     #[test]
     fn a_small_thing_at_the_wall_stays_apart_if_its_colors_do() {
-        let (red, blue, gray) = ([50.0, 60.0, 40.0], [30.0, 10.0, -60.0], [50.0, 0.0, 0.0]);
+        let (red, green, blue, gray) =
+            ([50.0, 60.0, 40.0], [60.0, -50.0, 40.0], [30.0, 10.0, -60.0], [50.0, 0.0, 0.0]);
         let empty = seen_box([0.06; 3], 0);
         let is_thing = |u: usize, v: usize| (46..52).contains(&u) && (56..64).contains(&v);
         let at = |u, v| if is_thing(u, v) { (5, 0.06) } else { empty(u, v) };
         let left = |thing: [f32; 3]| {
             let mut table = Table::new(SIZE, |u, v| Some(at(u, v)));
-            let of_facet = [gray, red, red, red, red, thing];
+            // It lies at the left wall, facet 1; a piece has the colours of any wall.
+            let of_facet = [gray, red, green, green, green, thing];
             table.lab = Some(LabImage::drawn(SIZE, |u, v| of_facet[at(u, v).0 as usize]));
             left_of(&table)
         };

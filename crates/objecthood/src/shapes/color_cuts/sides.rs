@@ -5,13 +5,14 @@ use std::ops::Range;
 use crate::raster::{PixelBox, Raster};
 use crate::regions::{connect, runs};
 
-/// A pixel takes the side of most pixels of the facet that are at most so many columns and rows away (px).
+/// A pixel takes the side of most pixels of the facet that are at most so many columns and rows away (px). Noise of colour belongs to
+/// pixels, at any focal length.
 const SMOOTH_PX: usize = 2;
 /// Small parts go to the other side this many times: they may surround each other.
 const ROUNDS: usize = 4;
 
-/// More connected pieces than this, with the small ones, are texture.
-const MOST_PIECES: usize = 16;
+/// More connected areas than this, with the small ones, are texture: four for each part that a proposal may have.
+const MOST_AREAS: usize = 16;
 
 /// The side of each pixel of a facet, within its bounds.
 pub(super) struct Sides {
@@ -67,8 +68,9 @@ impl Sides {
                 .chunks(width)
                 .for_each(|other| add(&mut sums, other));
             for (side, sum) in row.iter_mut().zip(&sums) {
-                let is_above = 2 * (sum >> 16) > sum & 0xffff;
-                *side = if *side < 0 { *side } else { i32::from(is_above) };
+                let (above, below) = (sum >> 16, (sum & 0xffff) - (sum >> 16));
+                let keeps = *side < 0 || above == below;
+                *side = if keeps { *side } else { i32::from(above > below) };
             }
         }
         Self { sides, ..self }
@@ -78,10 +80,10 @@ impl Sides {
     /// remain, or of a texture. O(bounds + runs log runs).
     pub(super) fn into_parts(mut self, least_px: usize) -> Option<Vec<Part>> {
         let (width, height) = self.sides.size();
-        for _ in 0..ROUNDS {
+        for _ in 0..=ROUNDS {
             let all: Vec<(Range<usize>, usize)> = runs(&self.sides, 0..height).collect();
             let (part_of, count) = connect(&all, width);
-            if count > MOST_PIECES {
+            if count > MOST_AREAS {
                 return None;
             }
             let mut sizes_px = vec![0; count];
@@ -120,6 +122,8 @@ fn add(sums: &mut [i32], values: &[i32]) {
 
 #[cfg(test)]
 mod tests {
+    use std::cmp::Ordering;
+
     use proptest::prelude::*;
 
     use super::*;
@@ -151,7 +155,11 @@ mod tests {
                 let around = around.filter(|&(x, y)| near(x, u) && near(y, v)).map(|(x, y)| before[y * width + x]);
                 let seen: Vec<i32> = around.filter(|side| *side >= 0).collect();
                 let above = seen.iter().filter(|side| **side == 1).count();
-                let expected = if own < 0 { -1 } else { i32::from(2 * above > seen.len()) };
+                let expected = match (2 * above).cmp(&seen.len()) {
+                    _ if own < 0 => -1,
+                    Ordering::Equal => own,
+                    most => i32::from(most == Ordering::Greater),
+                };
                 prop_assert_eq!(after[v * width + u], expected);
             }
         }
