@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{cut_box, stack, two_boxes};
+use common::{RED, cut_box, stack_of, two_boxes};
 use objecthood::explain::{Belonging, Explainer, Others, Pixels, Repair, RepairSearch, Value};
 use objecthood::{Discovery, Error, Frame, Method, ObjectId, Params, Pipeline, discover};
 
@@ -62,9 +62,10 @@ fn an_object_is_made_none_and_the_table_an_object() {
     check(&frame, &search, |found| at(found, pixel) > 0);
 }
 
+/// Of one colour: what depth joins, colour parts again (docs/CONTEXT.md 2.3, 3.4), so that no single parameter joins two colours.
 #[test]
 fn two_objects_become_one() {
-    let frame = stack();
+    let frame = stack_of([RED; 2]);
     let explainer = explained(&frame);
     let [a, b] = [1, 2].map(|id| explainer.pixel_of(ObjectId(id)).expect("there are two objects"));
     let search = searched(&explainer, Pixels { pixel: a, with: Some(b) });

@@ -24,7 +24,8 @@ use crate::surface::model::{Basis, Fit, TERMS};
 use crate::surface::moments::Moments;
 use crate::surface::surfaces::Surfaces;
 
-/// Least number of pixels of a part (px at a focal length of 525 px): as many as a piece of an inside (docs/CONTEXT.md 4.4.1).
+/// Least number of pixels of a part (px at a focal length of 525 px): as many as a piece of an inside (docs/CONTEXT.md 4.4.1). Times the
+/// waves of the noise, at least 1: where they are larger, small parts fold by chance.
 const LEAST_PX: usize = 60;
 /// Two things have few parts, print has many: a thing that another crosses has two, and two such things four.
 const MOST_PARTS: usize = 4;
@@ -47,8 +48,9 @@ pub fn cut_colors(facets: Facets, surfaces: &Surfaces, params: &Params) -> Facet
     let params = &params.color_cuts;
     let Some(lab) = surfaces.lab.as_ref().filter(|_| params.enabled) else { return facets };
     let (disparity, space) = (&surfaces.disparity, &surfaces.space);
+    let least_px = (space.area_px(LEAST_PX) as f64 * space.noise().waves().max(1.0)) as usize;
     // At a small focal length the limit is below one pixel.
-    Search { lab, disparity, space, least_px: space.area_px(LEAST_PX).max(1) }.cut(facets, params)
+    Search { lab, disparity, space, least_px: least_px.max(1) }.cut(facets, params)
 }
 
 /// The parts that a facet may be cut into.

@@ -24,9 +24,14 @@ pub(crate) fn two_boxes() -> Frame {
 
 /// A box on a box: each has its own colour, the upper one is smaller.
 pub(crate) fn stack() -> Frame {
+    stack_of([RED, BLUE])
+}
+
+/// The same of these colours, the lower one first.
+pub(crate) fn stack_of([below, above]: [[u8; 3]; 2]) -> Frame {
     snapshot(&[
-        Solid { base_m: [0.0, 0.0, 0.0], size_m: [0.3, 0.25, 0.12], yaw_deg: 10.0, color: RED },
-        Solid { base_m: [0.0, 0.02, 0.12], size_m: [0.14, 0.12, 0.12], yaw_deg: 30.0, color: BLUE },
+        Solid { base_m: [0.0, 0.0, 0.0], size_m: [0.3, 0.25, 0.12], yaw_deg: 10.0, color: below },
+        Solid { base_m: [0.0, 0.02, 0.12], size_m: [0.14, 0.12, 0.12], yaw_deg: 30.0, color: above },
     ])
 }
 
