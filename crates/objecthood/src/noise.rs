@@ -51,7 +51,7 @@ impl Noise {
     }
 
     /// The same; 1 for a sensor that may be a Kinect.
-    fn sure_waves(&self) -> f64 {
+    pub(crate) fn sure_waves(&self) -> f64 {
         let waves = self.waves();
         if DEAD_BAND.contains(&waves) { 1.0 } else { waves }
     }

@@ -25,32 +25,32 @@ use crate::surface::moments::Moments;
 use crate::surface::surfaces::Surfaces;
 
 /// Least number of pixels of a part (px at a focal length of 525 px): as many as a piece of an inside (docs/CONTEXT.md 4.4.1). Times the
-/// waves of the noise, at least 1: where they are larger, small parts fold by chance.
+/// waves of the noise, at least 1: where they are larger, small parts took the valleys from their facets that had kept things apart.
 const LEAST_PX: usize = 60;
-/// Two things have few parts, print has many: a thing that another crosses has two, and two such things four.
+/// Two things have few parts, print has many: a thing and one that crosses it make three.
 const MOST_PARTS: usize = 4;
 /// The colours of both sides overlap by at most this share: less than the parts of a vessel share.
 const MOST_OVERLAP: f64 = 0.2;
-/// At most this many colours of a facet are compared.
+/// At most this many colours of a facet, and of each of its parts, are compared.
 const SAMPLED: usize = 200;
 /// The steps of this share of the whole, wrapped around, spread evenly over rows and columns.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// Cuts each facet that holds things of different colours, if its surface folds inwards where colour changes.
-/// Runs before flat things are found, which have one colour by definition.
+/// Runs before flat things are found, because their facets are the last ones.
 ///
 /// A quadratic is flexible: one fits a bowl and the ball in it, or the near sides of two cans. Colour proposes
 /// parts, and the border between two parts decides, as it does between two facets (docs/CONTEXT.md 3.1): under
 /// print the surface goes on. Source: the paper divides wherever colour changes; that depth has to agree is
-/// ours, because it pays with many facets on printed things. O(image + bounding boxes of the facets + border
-/// pixels · radius^2); proposals and borders in parallel.
+/// ours, because it pays with many facets on printed things. O(image · facets that are cut + bounding boxes of
+/// the facets + runs · log(runs) + border pixels · radius^2); proposals and borders in parallel.
 pub fn cut_colors(facets: Facets, surfaces: &Surfaces, params: &Params) -> Facets {
     let params = &params.color_cuts;
     let Some(lab) = surfaces.lab.as_ref().filter(|_| params.enabled) else { return facets };
     let (disparity, space) = (&surfaces.disparity, &surfaces.space);
-    let least_px = (space.area_px(LEAST_PX) as f64 * space.noise().waves().max(1.0)) as usize;
     // At a small focal length the limit is below one pixel.
-    Search { lab, disparity, space, least_px: least_px.max(1) }.cut(facets, params)
+    let least_px = (space.area_px(LEAST_PX).max(1) as f64 * space.noise().sure_waves().max(1.0)) as usize;
+    Search { lab, disparity, space, least_px }.cut(facets, params)
 }
 
 /// The parts that a facet may be cut into.
@@ -96,7 +96,7 @@ impl Search<'_> {
     fn propose(&self, facets: &Facets) -> Vec<Proposal> {
         let propose = |facet: usize, runs: &[Range<usize>]| {
             let size_px: usize = runs.iter().map(ExactSizeIterator::len).sum();
-            let is_large = facet >= facets.structure && size_px >= 2 * self.least_px;
+            let is_large = facet >= facets.structure && size_px / 2 >= self.least_px;
             let parts = is_large.then(|| self.find_parts(&self.without_crumbs(runs))).flatten()?;
             Some(Proposal { facet, parts })
         };
@@ -119,7 +119,7 @@ impl Search<'_> {
     fn find_parts(&self, runs: &[Range<usize>]) -> Option<Vec<Part>> {
         let mut pixels: Vec<u32> = Vec::new();
         runs.iter().for_each(|run| pixels.extend(run.start as u32..run.end as u32));
-        if pixels.len() < 2 * self.least_px {
+        if pixels.len() / 2 < self.least_px {
             return None;
         }
         let colors: Vec<Vec3> = spread(&pixels).map(|i| weighted(self.lab[i])).collect();
@@ -155,8 +155,8 @@ impl Search<'_> {
         errors.sum::<f64>() / freedom.max(1) as f64
     }
 
-    /// What is cut off from facets: the facet, and the pixels. Parts that nothing separates stay together, and the
-    /// largest group of parts stays with the facet.
+    /// What is cut off from facets: the facet, and the pixels. Parts that neither a border nor, without one, their
+    /// colours separate stay together. The largest group of parts, the last of equal ones, stays with the facet.
     fn judge(&self, proposals: Vec<Proposal>, params: &params::ColorCuts) -> Vec<(usize, Vec<u32>)> {
         let mut group_of = contract(&self.weigh(&proposals, params)).of_facet.into_iter();
         let mut cut = Vec::new();

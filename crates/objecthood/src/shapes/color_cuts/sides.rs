@@ -5,13 +5,13 @@ use std::ops::Range;
 use crate::raster::{PixelBox, Raster};
 use crate::regions::{connect, runs};
 
-/// A pixel takes the side of most pixels of the facet that are at most so many columns and rows away (px). Noise of colour belongs to
-/// pixels, at any focal length.
+/// A pixel takes the side of most pixels of the facet that are at most so many columns and rows away (px). Two or
+/// three cells of colour each way, at any focal length.
 const SMOOTH_PX: usize = 2;
 /// Small parts go to the other side this many times: they may surround each other.
 const ROUNDS: usize = 4;
 
-/// More connected areas than this, with the small ones, are texture: four for each part that a proposal may have.
+/// More connected areas than this, with the small ones, are texture: beside things there are few specks.
 const MOST_AREAS: usize = 16;
 
 /// The side of each pixel of a facet, within its bounds.

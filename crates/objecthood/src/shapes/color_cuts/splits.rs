@@ -21,8 +21,9 @@ impl Split {
 }
 
 /// The best split along each principal axis of the colours, if its sides differ by [`CONTRAST`] or more.
-/// Things of several colours need not differ most along the first axis. Axes along which no two sides can
-/// differ so much are left out: the smaller side has at least `least_share` of the colours. O(n log n).
+/// Things of several colours need not differ most along the axis of greatest variance. Axes along which no two
+/// sides can differ so much are left out: the smaller side is expected to have `least_share` of the colours or
+/// more. O(n log n).
 pub(super) fn find_splits(colors: &[Vec3], least_share: f32) -> Vec<Split> {
     let middle = mean(colors.iter().copied());
     let mut covariance = DMat3::ZERO;
@@ -86,7 +87,7 @@ mod tests {
 
     /// A striped thing on a plain one: the stripes differ most.
     #[test]
-    fn an_axis_beside_the_first_parts_a_striped_thing_from_another() {
+    fn an_axis_of_less_variance_parts_a_striped_thing_from_another() {
         let [white, black, red] = [Vec3::X * 60.0, Vec3::ZERO, Vec3::new(30.0, 40.0, 0.0)];
         let colors: Vec<Vec3> = (0..300).map(|k| [white, black, red][k % 3]).collect();
         let parts_red = |split: &Split| {

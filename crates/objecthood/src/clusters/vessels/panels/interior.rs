@@ -75,7 +75,7 @@ impl<'p> Interior<'p> {
         inside(0).min(inside(1))
     }
 
-    /// Gives the pieces of the bottom and the walls to the cluster of the walls. O(clusters · sampled pixels).
+    /// Gives the pieces of the bottom and the walls to the cluster of the walls. O(clusters · (sampled pixels + walls · bins of colours)).
     pub(super) fn join(&self, clusters: &mut Clusters<'_>, ground: &StructureSurface, walls: SegmentId) {
         for id in clusters.alive().into_iter().filter(|&id| id != walls) {
             if clusters.flat(id).is_some() {
