@@ -1,8 +1,12 @@
 //! The facets of `context`, and the flat things among them.
 
+use std::collections::BTreeMap;
+
 use crate::check::Check;
+use crate::raster::Raster;
 use crate::regions::{SegmentId, Segments};
-use crate::surface::model::Model;
+use crate::surface::model::{Basis, Model};
+use crate::surface::moments::Moments;
 
 /// Facets of `context`: regions with one surface model each. The facets of the structure come first.
 #[derive(Clone, Debug)]
@@ -22,6 +26,31 @@ impl Facets {
     pub(crate) fn is_flat(&self, facet: SegmentId) -> bool {
         let first = self.flats.first().map(|flat| flat.facet.index());
         first.is_some_and(|first| (first..first + self.flats.len()).contains(&facet.index()))
+    }
+
+    /// Makes a facet of each piece: the number of the facet it lies in, and its pixels. The new facets come after
+    /// all others. The surfaces of the pieces, and of what is left of their facets, are fitted anew. O(image),
+    /// without a piece O(1).
+    pub(crate) fn cut_off(self, pieces: Vec<(usize, Vec<u32>)>, disparity: &Raster<f32>) -> Self {
+        if pieces.is_empty() {
+            return self;
+        }
+        let fit = |pixels: &[u32]| Moments::of(pixels, disparity).fit(Basis::Quadratic).model;
+        let Self { segments, mut models, structure, flats } = self;
+        let mut labels = segments.into_labels();
+        let mut left: BTreeMap<i32, Vec<u32>> = BTreeMap::new();
+        for (facet, pixels) in pieces {
+            pixels.iter().for_each(|&i| labels.as_mut_slice()[i as usize] = models.len() as i32);
+            models.push(fit(&pixels));
+            left.insert(facet as i32, Vec::new());
+        }
+        for (i, label) in (0..).zip(labels.as_slice()) {
+            if let Some(pixels) = left.get_mut(label) {
+                pixels.push(i);
+            }
+        }
+        left.iter().for_each(|(facet, pixels)| models[*facet as usize] = fit(pixels));
+        Self { segments: Segments::from_numbered(labels, models.len()), models, structure, flats }
     }
 }
 

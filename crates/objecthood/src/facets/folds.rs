@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use crate::facets::facet::Facets;
 use crate::raster::Raster;
-use crate::regions::Segments;
 use crate::surface::disparity::{DisparitySpace, position};
 use crate::surface::model::{Basis, Model};
 use crate::surface::moments::Moments;
@@ -37,15 +36,16 @@ const MOST_CUTS: usize = 2;
 /// tolerance for regions of the facet's size, nothing is done. Source: ours, because the paper's sensor has
 /// no such noise. O(n log n) for the n pixels of the other facets; parallel over facets.
 pub(super) fn cut_folds(facets: Facets, disparity: &Raster<f32>, space: &DisparitySpace) -> Facets {
-    let Facets { segments, mut models, structure, flats } = facets;
     let least_px = space.area_px(LEAST_PX);
     let look = |facet: usize, runs: &[Range<usize>]| {
         let size: usize = runs.iter().map(ExactSizeIterator::len).sum();
         let side_px = space.length_at_525_px((size as f64).sqrt());
-        let is_loose = facet >= structure && size >= least_px && space.noise().merge_scale(side_px) > 1.0;
+        let is_loose =
+            facet >= facets.structure && size >= least_px && space.noise().merge_scale(side_px) > 1.0;
         is_loose.then(|| runs.iter().flat_map(|run| run.clone().map(|i| i as u32)).collect::<Vec<u32>>())
     };
-    let loose: Vec<(usize, Vec<u32>)> = segments
+    let loose: Vec<(usize, Vec<u32>)> = facets
+        .segments
         .runs_of_each()
         .map(look)
         .into_iter()
@@ -53,22 +53,11 @@ pub(super) fn cut_folds(facets: Facets, disparity: &Raster<f32>, space: &Dispari
         .filter_map(|(facet, pixels)| Some((facet, pixels?)))
         .collect();
     let search = Search { disparity, space, least_px, least_side_px: space.area_px(LEAST_SIDE_PX) };
-    let cut: Vec<(usize, Vec<Vec<u32>>)> =
-        loose.into_par_iter().map(|(facet, pixels)| (facet, search.cut(pixels))).collect();
-    let mut labels = segments.into_labels();
-    for (facet, pieces) in cut.into_iter().filter(|(_, pieces)| pieces.len() > 1) {
-        for (k, pixels) in pieces.into_iter().enumerate() {
-            let model = search.moments(&pixels).fit(Basis::Quadratic).model;
-            let number = if k == 0 { facet } else { models.len() };
-            if k == 0 {
-                models[facet] = model;
-            } else {
-                models.push(model);
-            }
-            pixels.iter().for_each(|&i| labels.as_mut_slice()[i as usize] = number as i32);
-        }
-    }
-    Facets { segments: Segments::from_numbered(labels, models.len()), models, structure, flats }
+    let cut: Vec<Vec<(usize, Vec<u32>)>> = loose
+        .into_par_iter()
+        .map(|(facet, pixels)| search.cut(pixels).into_iter().skip(1).map(|piece| (facet, piece)).collect())
+        .collect();
+    facets.cut_off(cut.into_iter().flatten().collect(), disparity)
 }
 
 struct Search<'a> {
@@ -202,6 +191,7 @@ fn across_bend(places: &mut [Place], curved: &Model, center: [f64; 2]) -> Option
 mod tests {
     use super::*;
     use crate::noise::{KINECT_QUANTA, Noise};
+    use crate::regions::Segments;
     use crate::testing::kinect;
 
     const SIZE: (usize, usize) = (80, 60);

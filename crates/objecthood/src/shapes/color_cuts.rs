@@ -3,7 +3,7 @@
 mod sides;
 mod splits;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use glam::Vec3;
@@ -73,19 +73,7 @@ impl Search<'_> {
         if proposals.is_empty() {
             return facets;
         }
-        let Facets { segments, mut models, structure, flats } = facets;
-        let mut labels = segments.into_labels();
-        let mut cut = BTreeSet::new();
-        for (facet, pixels) in self.judge(proposals, params) {
-            pixels.iter().for_each(|&i| labels.as_mut_slice()[i as usize] = models.len() as i32);
-            models.push(self.fit(&pixels).model);
-            cut.insert(facet);
-        }
-        for facet in cut {
-            let rest = (0..labels.len() as u32).filter(|&i| labels[i as usize] == facet as i32);
-            models[facet] = self.fit(&rest.collect::<Vec<u32>>()).model;
-        }
-        Facets { segments: Segments::from_numbered(labels, models.len()), models, structure, flats }
+        facets.cut_off(self.judge(proposals, params), self.disparity)
     }
 
     fn fit(&self, pixels: &[u32]) -> Fit {
