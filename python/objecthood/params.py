@@ -338,6 +338,11 @@ class Contraction:
     100. Default: 2 (ours, because it has to outvote a flat border as clearly as a valley does
     (docs/CONTEXT.md 3.4))."""
 
+    color_change_weight: float = 0.4
+    """What a fold between facets of different colours votes against one shape, besides its angle. Unit:
+    dimensionless: vote per metre of fold. Range: 0 ..= 100. Default: 0.4 (ours, because with half the vote of
+    a flat border a valley of 6 degrees parts two colours, and a flat border does not (docs/CONTEXT.md 3.2))."""
+
 
 @dataclass(slots=True)
 class Seams:

@@ -127,6 +127,7 @@ fn context_gives_the_reference_label_maps_pixel_for_pixel() {
     params.objectness.every_hypothesis = true;
     params.flat.enabled = false;
     params.color_cuts.enabled = false;
+    params.contraction.color_change_weight = 0.0;
     params.seams.enabled = false;
     params.necks.enabled = false;
     let scenes = scenes(&data.join("mosd"), &Split::Folder("learn".to_owned())).unwrap();

@@ -244,7 +244,7 @@ fn legend(explanation: &Explanation, (width, height): (u32, u32)) -> RgbImage {
     let meanings = [
         (Some(ASKED), "the pixel".to_owned()),
         (Some(FOR), "border that votes for one thing".to_owned()),
-        (Some(AGAINST), "border that votes against: a valley".to_owned()),
+        (Some(AGAINST), "border that votes against: a valley, or a change of colour".to_owned()),
         (Some(STEP), "border that votes against: a step".to_owned()),
         (Some(NO_VOTE), "border with a structure plane: no vote".to_owned()),
         (Some(OBJECT), "outline of the object".to_owned()),
@@ -302,6 +302,7 @@ mod tests {
             folded_mm,
             stepped_mm,
             seam_mm: 0.0,
+            color_change_mm: 0.0,
             vote_mm,
             decision: None,
         }

@@ -45,7 +45,7 @@ fn discover_with(labels: &Raster<i32>, frame: &Frame, params: &Params) -> object
     // 2. Facets.
     let facets = find_facets(&surfaces, &structure, &superpixels, &params.merging, &params.refinement);
     // 3. Shapes.
-    let borders = measure_borders(&facets, &surfaces.disparity, &surfaces.space, &params.border);
+    let borders = measure_borders(&facets, &surfaces, &params.border);
     let shapes = contract(&sum_votes(&borders, facets.structure, &params.contraction));
     // 4. Objectness.
     let steps = StepLimits::of(&params.watershed, &surfaces.space);

@@ -124,9 +124,7 @@ pub(crate) fn context<'k>(
     observer.observe(Output::Facets(&facets.segments));
 
     // 3. Shapes: facets whose borders vote for one shape. Colour cuts what flush things share.
-    let borders = recall(&mut kept.borders, || {
-        measure_borders(facets, &surfaces.disparity, &surfaces.space, &params.border)
-    });
+    let borders = recall(&mut kept.borders, || measure_borders(facets, surfaces, &params.border));
     observer.observe(Output::Borders { facets, evidence: borders });
     let shapes =
         recall(&mut kept.shapes, || contract(&sum_votes(borders, facets.structure, &params.contraction)));

@@ -200,8 +200,8 @@ parameters! {
         step_depth_m: f64 = 0.013, 0.0..=10.0, "m", "tuned on mOSD learn (docs/CONTEXT.md 3.1)";
     }
 
-    /// Votes of folds and steps, by which facets are joined to shapes (`context`). The more a fold votes against one shape, the clearer it
-    /// is as the border of an object.
+    /// Votes of folds, steps and colours, by which facets are joined to shapes (`context`). The more a fold votes against one shape, the
+    /// clearer it is as the border of an object.
     Contraction contraction, read by [Paper: Hypotheses, Context: Shapes] {
         /// Concavity at which a fold votes neither for one shape nor against it.
         reflex_offset_deg: f64 = 12.0, -180.0..=180.0, "degrees", "tuned on mOSD learn (docs/CONTEXT.md 3.2)";
@@ -211,6 +211,8 @@ parameters! {
         occlusion_weight: f64 = 0.15, 0.0..=100.0, "dimensionless: vote per metre of step", "tuned on mOSD learn (docs/CONTEXT.md 3.2)", read by [Context: Shapes];
         /// Vote of a seam of colour against one shape.
         seam_weight: f64 = 2.0, 0.0..=100.0, "dimensionless: vote per metre of seam", "ours, because it has to outvote a flat border as clearly as a valley does (docs/CONTEXT.md 3.4)", read by [Context: Shapes];
+        /// What a fold between facets of different colours votes against one shape, besides its angle.
+        color_change_weight: f64 = 0.4, 0.0..=100.0, "dimensionless: vote per metre of fold", "ours, because with half the vote of a flat border a valley of 6 degrees parts two colours, and a flat border does not (docs/CONTEXT.md 3.2)", read by [Context: Shapes];
     }
 
     /// Seams of colour that part flush things (`context`).

@@ -278,6 +278,12 @@ impl<E> RegionGraph<E> {
         Self { regions, edges }
     }
 
+    /// Changes the evidence of each pair of regions.
+    pub(crate) fn update(mut self, mut change: impl FnMut([SegmentId; 2], &mut E)) -> Self {
+        self.edges.iter_mut().for_each(|edge| change([edge.a, edge.b], &mut edge.evidence));
+        self
+    }
+
     /// The same graph with other evidence.
     pub fn map<F>(&self, mut f: impl FnMut(&RegionEdge<E>) -> F) -> RegionGraph<F> {
         let edges = self.edges.iter().map(|e| RegionEdge { a: e.a, b: e.b, evidence: f(e) }).collect();

@@ -14,7 +14,7 @@ struct Step {
 }
 
 /// In the order in which they are switched on: that of the reference (PARITY.md), then what came later.
-const STEPS: [Step; 18] = [
+const STEPS: [Step; 19] = [
     Step { name: "occlusion evidence", switch_off: |p| p.contraction.occlusion_weight = 0.0 },
     Step { name: "straight borders", switch_off: |p| p.refinement.agreement_quanta = 0.0 },
     Step { name: "fragments", switch_off: |p| p.fragments.max_size_px = 0 },
@@ -28,6 +28,7 @@ const STEPS: [Step; 18] = [
     Step { name: "far walls by slope", switch_off: |p| p.structure.slope_quanta_per_px = 0.0 },
     Step { name: "bottoms of plates", switch_off: |p| p.vessels.bottom_contact_share = 2.0 },
     Step { name: "cuts along colour", switch_off: |p| p.color_cuts.enabled = false },
+    Step { name: "changes of colour", switch_off: |p| p.contraction.color_change_weight = 0.0 },
     Step { name: "flat things", switch_off: |p| p.flat.enabled = false },
     Step { name: "seams", switch_off: |p| p.seams.enabled = false },
     Step { name: "necks", switch_off: |p| p.necks.enabled = false },

@@ -18,6 +18,7 @@ pub(super) fn reason(reason: Reason) -> &'static str {
     match reason {
         Reason::Folds => "the folds of their border",
         Reason::Steps => "the steps of their border",
+        Reason::Colors => "a change of colour along their border",
         Reason::Seam => "a seam of colour runs along their border",
         Reason::OtherBorders => "other borders outvote their own",
         Reason::Size => "it has too few pixels",

@@ -3,6 +3,7 @@
 use crate::clusters::history::Rule;
 use crate::explain::Explainer;
 use crate::explain::explanation::{BorderReport, Decision, Question, Reason};
+use crate::params;
 use crate::regions::{RegionEdge, SegmentId};
 use crate::shapes::border::BorderEvidence;
 
@@ -34,6 +35,7 @@ impl Explainer {
             folded_mm: 1e3 * fold_m,
             stepped_mm: 1e3 * evidence.step_m,
             seam_mm: 1e3 * evidence.seam_m,
+            color_change_mm: 1e3 * evidence.color_change_m,
             vote_mm: vote_m.map(|vote_m| 1e3 * vote_m),
             decision: vote_m.map(|vote_m| self.vote(facet, other, evidence, vote_m)),
         }
@@ -55,13 +57,44 @@ impl Explainer {
         if let Some(seam) = seam.filter(|_| !one_shape) {
             return self.decision(question, Reason::Seam, seam.checks.clone());
         }
-        let steps_m = self.subject.params.contraction.occlusion_weight * evidence.step_m;
         let reason = match (one_shape, vote_m > 0.0) {
             (true, true) => Reason::Folds,
-            (false, false) if evidence.step_m > 0.0 && steps_m >= -(vote_m + steps_m) => Reason::Steps,
-            (false, false) => Reason::Folds,
+            (false, false) => against(evidence, &self.subject.params.contraction),
             _ => Reason::OtherBorders,
         };
         self.decision(question, reason, Vec::new())
+    }
+}
+
+/// What took most of the vote of a border that votes for two things. Colour did if the others together vote for one.
+fn against(evidence: &BorderEvidence, params: &params::Contraction) -> Reason {
+    let folds_m: f64 = evidence.folds.iter().map(|fold| fold.vote_m(params)).sum();
+    let steps_m = params.occlusion_weight * evidence.step_m;
+    if folds_m > steps_m {
+        Reason::Colors
+    } else if evidence.step_m > 0.0 && steps_m >= -folds_m {
+        Reason::Steps
+    } else {
+        Reason::Folds
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::border::Fold;
+
+    #[test]
+    fn what_took_most_of_the_vote_is_the_reason() {
+        let reason = |angle_deg: f64, step_m: f64| {
+            let folds = vec![Fold { angle_deg, length_m: 0.1 }];
+            let evidence = BorderEvidence { folds, step_m, color_change_m: 0.1, ..Default::default() };
+            let params = params::Contraction::default();
+            assert!(evidence.vote_m(&params) < 0.0);
+            against(&evidence, &params)
+        };
+        assert_eq!(reason(-8.0, 0.0), Reason::Colors);
+        assert_eq!(reason(-8.0, 1.0), Reason::Steps, "the folds vote for one thing");
+        assert_eq!(reason(-40.0, 0.1), Reason::Folds);
     }
 }

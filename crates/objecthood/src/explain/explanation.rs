@@ -112,6 +112,8 @@ pub struct BorderReport {
     pub stepped_mm: f64,
     /// Length of the border that runs along a seam of colour (mm).
     pub seam_mm: f64,
+    /// Length of the folds (mm), if the two facets have different colours; else 0.
+    pub color_change_mm: f64,
     /// Its vote (mm of border): above 0 for one shape, below 0 for two. `None` with structure, whose borders do not vote.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vote_mm: Option<f64>,
@@ -171,6 +173,8 @@ pub enum Reason {
     Folds,
     /// The steps of the border.
     Steps,
+    /// Colour changes at a border whose folds and steps alone would vote for one shape.
+    Colors,
     /// A seam of colour.
     Seam,
     /// The votes of other borders, against the vote of the common border.

@@ -44,9 +44,10 @@ impl<'a> Search<'a> {
             return Flip::NotSought;
         }
         let pair = match (reason, question) {
-            (Reason::Folds | Reason::Steps | Reason::OtherBorders, Question::OneThing { facets }) => {
-                Some(facets.map(|facet| self.asked.run.free(SegmentId(facet))))
-            }
+            (
+                Reason::Folds | Reason::Steps | Reason::Colors | Reason::OtherBorders,
+                Question::OneThing { facets },
+            ) => Some(facets.map(|facet| self.asked.run.free(SegmentId(facet)))),
             _ => None,
         };
         let guesses = match pair {

@@ -13,10 +13,11 @@ use crate::stage::Stage;
 use crate::surface::surfaces::Surfaces;
 
 /// The parameters on which votes depend.
-const PARAMETERS: [&str; 5] = [
+const PARAMETERS: [&str; 6] = [
     "contraction.reflex_offset_deg",
     "contraction.full_vote_deg",
     "contraction.occlusion_weight",
+    "contraction.color_change_weight",
     "border.gap_quanta",
     "border.step_depth_m",
 ];
@@ -60,10 +61,9 @@ impl Sweep {
         Some(if looks_at(parameter) == 0 {
             contract(&sum_votes(borders, structure, &params.contraction))
         } else {
-            let evidence =
-                measure_borders(facets, &self.surfaces.disparity, &self.surfaces.space, &params.border);
+            let evidence = measure_borders(facets, &self.surfaces, &params.border);
             let evidence = match &*run.seams {
-                Some(seams) => seams.cuts.mark(&evidence),
+                Some(seams) => seams.cuts.mark(evidence),
                 None => evidence,
             };
             contract(&sum_votes(&evidence, structure, &params.contraction))

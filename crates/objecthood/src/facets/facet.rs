@@ -28,9 +28,9 @@ impl Facets {
         first.is_some_and(|first| (first..first + self.flats.len()).contains(&facet.index()))
     }
 
-    /// Makes a facet of each piece: the number of the facet it lies in, and its pixels. The new facets come after
-    /// all others. The surfaces of the pieces, and of what is left of their facets, are fitted anew. O(image),
-    /// without a piece O(1).
+    /// Cuts pieces off facets, and makes each a facet of its own, after all others. `pieces`: the facet that each
+    /// lies in, of which something is left, and its pixels. The surfaces of the pieces, and of what is left of their
+    /// facets, are fitted anew. O(image), without a piece O(1).
     pub(crate) fn cut_off(self, pieces: Vec<(usize, Vec<u32>)>, disparity: &Raster<f32>) -> Self {
         if pieces.is_empty() {
             return self;
@@ -38,19 +38,20 @@ impl Facets {
         let fit = |pixels: &[u32]| Moments::of(pixels, disparity).fit(Basis::Quadratic).model;
         let Self { segments, mut models, structure, flats } = self;
         let mut labels = segments.into_labels();
-        let mut left: BTreeMap<i32, Vec<u32>> = BTreeMap::new();
+        let mut left: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
         for (facet, pixels) in pieces {
             pixels.iter().for_each(|&i| labels.as_mut_slice()[i as usize] = models.len() as i32);
             models.push(fit(&pixels));
-            left.insert(facet as i32, Vec::new());
+            left.insert(facet, Vec::new());
         }
-        for (i, label) in (0..).zip(labels.as_slice()) {
-            if let Some(pixels) = left.get_mut(label) {
-                pixels.push(i);
+        let segments = Segments::from_numbered(labels, models.len());
+        for (run, facet) in segments.runs() {
+            if let Some(pixels) = left.get_mut(&facet) {
+                pixels.extend(run.start as u32..run.end as u32);
             }
         }
-        left.iter().for_each(|(facet, pixels)| models[*facet as usize] = fit(pixels));
-        Self { segments: Segments::from_numbered(labels, models.len()), models, structure, flats }
+        left.iter().for_each(|(facet, pixels)| models[*facet] = fit(pixels));
+        Self { segments, models, structure, flats }
     }
 }
 

@@ -1,10 +1,12 @@
-//! Evidence from the common border of two facets: folds and steps (docs/CONTEXT.md 3.1).
+//! Evidence from the common border of two facets: folds, steps and changes of colour (docs/CONTEXT.md 3.1).
 
+pub(super) mod color_change;
 mod side;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use self::color_change::FacetColors;
 use self::side::{MOST_RADIUS_PX, SidePlane, Surroundings};
 use crate::facets::Facets;
 use crate::linear::length;
@@ -12,6 +14,7 @@ use crate::params;
 use crate::raster::{Raster, marked};
 use crate::regions::{RegionGraph, SegmentId};
 use crate::surface::disparity::{DisparitySpace, position};
+use crate::surface::surfaces::Surfaces;
 
 /// Evidence from the border of two facets.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +25,8 @@ pub struct BorderEvidence {
     pub step_m: f64,
     /// Length of the border (m) that runs along a seam of colour.
     pub seam_m: f64,
+    /// Length of the folds (m), if the two facets have different colours; else 0.
+    pub color_change_m: f64,
     /// How far the first facet lies in front of the second at the border, summed over all samples.
     pub gaps: Gaps,
 }
@@ -72,11 +77,37 @@ enum Kind {
     Step { length_m: f64 },
 }
 
-/// Measures the common borders of facets, except between two facets of the structure, or between a flat thing and
-/// another facet that is no structure. Every other pair of pixels along a border is
+/// Measures the common borders of facets: folds and steps from depth, and changes of colour if the shapes use colour.
+/// O(border pixels · radius^2 + image).
+pub fn measure_borders(
+    facets: &Facets,
+    surfaces: &Surfaces,
+    params: &params::Border,
+) -> RegionGraph<BorderEvidence> {
+    let borders = measure_by_depth(facets, &surfaces.disparity, &surfaces.space, params);
+    match surfaces.lab_for_shapes() {
+        Some(lab) => mark_color_changes(borders, &FacetColors::of(facets, lab, &surfaces.space)),
+        None => borders,
+    }
+}
+
+/// Marks the folds between facets of different colours. O(borders).
+fn mark_color_changes(
+    borders: RegionGraph<BorderEvidence>,
+    colors: &FacetColors,
+) -> RegionGraph<BorderEvidence> {
+    borders.update(|facets, evidence| {
+        if !evidence.folds.is_empty() && colors.differ(facets) {
+            evidence.color_change_m = evidence.fold_m();
+        }
+    })
+}
+
+/// Measures the folds and steps between facets, except between two facets of the structure, or between a flat thing
+/// and another facet that is no structure. Every other pair of pixels along a border is
 /// a sample, or fewer where pixels are smaller. Each sample fits a plane to either side within `radius_px`: locally, because curved and
 /// L-shaped facets have no single direction. O(border pixels · radius^2); parallel over rows.
-pub fn measure_borders(
+pub(super) fn measure_by_depth(
     facets: &Facets,
     disparity: &Raster<f32>,
     space: &DisparitySpace,
@@ -260,10 +291,12 @@ impl BorderEvidence {
     }
 
     /// The vote of the border (m): above 0 for one shape, below 0 for two. It is the sum of the votes of the folds, minus
-    /// `occlusion_weight` times the length of the steps, minus `seam_weight` times the length of the seams.
+    /// `occlusion_weight` times the length of the steps, `seam_weight` times that of the seams, and `color_change_weight`
+    /// times that of the changes of colour.
     pub fn vote_m(&self, params: &params::Contraction) -> f64 {
         let folds = self.folds.iter().map(|fold| fold.vote_m(params)).sum::<f64>();
-        folds - params.occlusion_weight * self.step_m - params.seam_weight * self.seam_m
+        let steps = params.occlusion_weight * self.step_m;
+        folds - steps - params.seam_weight * self.seam_m - params.color_change_weight * self.color_change_m
     }
 }
 

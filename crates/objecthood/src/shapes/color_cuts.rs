@@ -17,7 +17,8 @@ use crate::facets::facet::Facets;
 use crate::params::{self, Params};
 use crate::raster::Raster;
 use crate::regions::{RegionEdge, RegionGraph, SegmentId, Segments, connect};
-use crate::shapes::border::measure_borders;
+use crate::shapes::border::color_change::spread;
+use crate::shapes::border::measure_by_depth;
 use crate::shapes::contraction::contract;
 use crate::surface::disparity::DisparitySpace;
 use crate::surface::model::{Basis, Fit, TERMS};
@@ -31,10 +32,6 @@ const LEAST_PX: usize = 60;
 const MOST_PARTS: usize = 4;
 /// The colours of both sides overlap by at most this share: less than the parts of a vessel share.
 const MOST_OVERLAP: f64 = 0.2;
-/// At most this many colours of a facet, and of each of its parts, are compared.
-const SAMPLED: usize = 200;
-/// The steps of this share of the whole, wrapped around, spread evenly over rows and columns.
-const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// Cuts each facet that holds things of different colours, if its surface folds inwards where colour changes.
 /// Runs before flat things are found, because their facets are the last ones.
@@ -186,8 +183,8 @@ impl Search<'_> {
         let count = models.len();
         let segments = Segments::from_numbered(labels, count);
         let parts = Facets { segments, models, structure: 0, flats: Vec::new() };
-        // Facets do not depend on the parameters of later stages.
-        let borders = measure_borders(&parts, self.disparity, self.space, &params::Border::default());
+        // Facets do not depend on the parameters of later stages. Colour proposed the parts: it does not vote again.
+        let borders = measure_by_depth(&parts, self.disparity, self.space, &params::Border::default());
         // A step speaks clearly against one thing, because a surface has none.
         let votes = params::Contraction { occlusion_weight: 1.0, ..params::Contraction::default() };
         for RegionEdge { a, b, evidence } in borders.edges() {
@@ -200,15 +197,6 @@ impl Search<'_> {
         let edges = weights.into_iter().map(|([a, b], evidence)| RegionEdge { a: id(a), b: id(b), evidence });
         RegionGraph::from_sorted(count, edges.collect())
     }
-}
-
-/// At most [`SAMPLED`] of these pixels, spread over rows and columns.
-fn spread(pixels: &[u32]) -> impl Iterator<Item = usize> {
-    let all = pixels.len();
-    (0..all.min(SAMPLED)).map(move |k| {
-        let place = if all <= SAMPLED { k } else { ((k as f64 * GOLDEN).fract() * all as f64) as usize };
-        pixels[place] as usize
-    })
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@
 //! # let structure = find_structure(frame.depth_m(), &surfaces, &attitude, &params.structure);
 //! # let superpixels = flood_superpixels(&surfaces, &structure, &params.watershed);
 //! # let facets = find_facets(&surfaces, &structure, &superpixels, &params.merging, &params.refinement);
-//! let borders = measure_borders(&facets, &surfaces.disparity, &surfaces.space, &params.border);
+//! let borders = measure_borders(&facets, &surfaces, &params.border);
 //! assert!(borders.edges().iter().all(|border| border.evidence.vote_m(&params.contraction) < 0.0)); // steps
 //! let shapes = contract(&sum_votes(&borders, facets.structure, &params.contraction));
 //! # Ok::<(), objecthood::Error>(())

@@ -119,11 +119,13 @@ impl Cuts {
     }
 
     /// The evidence of the borders of the facets, with those marked that run along seams. O(borders).
-    pub(crate) fn mark(&self, borders: &RegionGraph<BorderEvidence>) -> RegionGraph<BorderEvidence> {
-        borders.map(|edge| {
-            let is_seam = self.between(edge.a.index(), edge.b.index()).is_some();
-            let evidence = edge.evidence.clone();
-            BorderEvidence { seam_m: if is_seam { evidence.gaps.length_m } else { 0.0 }, ..evidence }
+    pub(crate) fn mark(&self, borders: RegionGraph<BorderEvidence>) -> RegionGraph<BorderEvidence> {
+        borders.update(|[a, b], evidence| {
+            if self.between(a.index(), b.index()).is_some() {
+                evidence.seam_m = evidence.gaps.length_m;
+                // A seam is this change of colour.
+                evidence.color_change_m = 0.0;
+            }
         })
     }
 
@@ -181,7 +183,7 @@ pub fn find_seams(
         return None;
     }
     let (cuts, facets) = Cuts::make(partings, facets, space.area_px(LEAST_PIECE_PX));
-    let borders = cuts.mark(&measure_borders(&facets, &surfaces.disparity, space, &params.border));
+    let borders = cuts.mark(measure_borders(&facets, surfaces, &params.border));
     let shapes = contract(&sum_votes(&borders, facets.structure, &params.contraction));
     Some(Seams { facets, borders, shapes, cuts })
 }

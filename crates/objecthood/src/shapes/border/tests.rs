@@ -1,11 +1,14 @@
 use super::*;
-use crate::regions::Segments;
+use crate::color::image::LabImage;
+use crate::regions::{RegionEdge, Segments};
 use crate::surface::model::Basis;
 use crate::surface::moments::Moments;
 use crate::testing::space;
 
 const WIDTH: usize = 80;
 const HEIGHT: usize = 60;
+const RED: [f32; 3] = [50.0, 60.0, 40.0];
+const BLUE: [f32; 3] = [30.0, 10.0, -60.0];
 
 /// Two walls that meet at the upright line through the principal point, each turned by half of `fold_deg`; the right
 /// one stands `step_m` farther back. `scale`: the focal length over 525 px.
@@ -48,7 +51,7 @@ impl Walls {
 
     fn seen(&self, step_depth_m: f64) -> BorderEvidence {
         let params = params::Border { step_depth_m, ..Default::default() };
-        let graph = measure_borders(&self.facets, &self.disparity, &self.space, &params);
+        let graph = measure_by_depth(&self.facets, &self.disparity, &self.space, &params);
         let [edge] = graph.edges() else { panic!("one border: {graph:?}") };
         edge.evidence.clone()
     }
@@ -115,7 +118,7 @@ fn two_surfaces_of_the_structure_have_no_border() {
     let mut walls = Walls::new(90.0, 0.0, 1);
     let count = |walls: &Walls| {
         let params = params::Border::default();
-        measure_borders(&walls.facets, &walls.disparity, &walls.space, &params).edges().len()
+        measure_by_depth(&walls.facets, &walls.disparity, &walls.space, &params).edges().len()
     };
     walls.facets.structure = 1;
     assert_eq!(count(&walls), 1, "one surface of the structure and a facet have one");
@@ -130,6 +133,7 @@ fn a_vote_is_in_metres_of_border() {
         full_vote_deg: 15.0,
         occlusion_weight: 0.15,
         seam_weight: 2.0,
+        color_change_weight: 0.4,
     };
     let vote = |folds: &[(f64, f64)], step_m: f64| {
         let folds = folds.iter().map(|&(angle_deg, length_m)| Fold { angle_deg, length_m }).collect();
@@ -142,4 +146,43 @@ fn a_vote_is_in_metres_of_border() {
     }
     assert!((vote(&[(90.0, 0.1), (-90.0, 0.3)], 0.2) - (0.1 - 0.3 - 0.03)).abs() < 1e-12);
     assert_eq!(vote(&[], 0.0), 0.0);
+    let change = BorderEvidence { color_change_m: 0.5, seam_m: 0.1, ..Default::default() };
+    assert!((change.vote_m(&params) + 0.2 + 0.2).abs() < 1e-12);
+}
+
+#[test]
+fn a_shallow_valley_parts_two_colours_and_print_stays_whole() {
+    let vote_m = |fold_deg: f64, right: [f32; 3]| {
+        let Walls { facets, disparity, space } = Walls::new(fold_deg, 0.0, 1);
+        let lab = LabImage::drawn((WIDTH, HEIGHT), |u, _| if u < WIDTH / 2 { RED } else { right });
+        let borders = measure_by_depth(&facets, &disparity, &space, &params::Border::default());
+        let borders = mark_color_changes(borders, &FacetColors::of(&facets, &lab, &space));
+        borders.edges()[0].evidence.vote_m(&params::Contraction::default())
+    };
+    assert!(vote_m(-8.0, RED) > 0.0 && vote_m(-8.0, BLUE) < 0.0);
+    assert!(vote_m(-5.0, BLUE) > 0.0 && vote_m(-7.0, BLUE) < 0.0, "half way at 6 degrees");
+    assert!(vote_m(0.0, BLUE) > 0.0, "one face with print");
+    assert!(vote_m(-20.0, RED) < 0.0, "depth is sure by itself");
+}
+
+#[test]
+fn small_facets_and_structure_have_no_colour() {
+    // The first facet has so many pixels.
+    let color_change_m = |first_px: usize, structure: usize| {
+        let labels = (0..WIDTH * HEIGHT).map(|i| i32::from(i >= first_px)).collect();
+        let segments = Segments::from_numbered(Raster::from_vec(WIDTH, HEIGHT, labels).unwrap(), 2);
+        let facets = Facets { segments, models: Vec::new(), structure, flats: Vec::new() };
+        let lab = LabImage::drawn((WIDTH, HEIGHT), |u, v| if v * WIDTH + u < first_px { RED } else { BLUE });
+        let folds = vec![Fold { angle_deg: 0.0, length_m: 0.1 }];
+        let evidence = BorderEvidence { folds, step_m: 0.2, ..Default::default() };
+        let edge = RegionEdge { a: SegmentId(0), b: SegmentId(1), evidence };
+        let borders = RegionGraph::from_sorted(2, vec![edge]);
+        let space = space([525.0; 2], [0.0; 2]);
+        mark_color_changes(borders, &FacetColors::of(&facets, &lab, &space)).edges()[0]
+            .evidence
+            .color_change_m
+    };
+    assert_eq!(color_change_m(160, 0), 0.1, "the folds, not the steps");
+    assert_eq!([59, 60].map(|first_px| color_change_m(first_px, 0)), [0.0, 0.1]);
+    assert_eq!(color_change_m(160, 1), 0.0);
 }

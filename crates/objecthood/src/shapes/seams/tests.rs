@@ -3,6 +3,7 @@
 use super::*;
 use crate::objectness::outline::{ColorEvidence, SeamsAt, measure_outlines};
 use crate::raster::Raster;
+use crate::shapes::border::measure_by_depth;
 use crate::surface::disparity::position;
 use crate::surface::model::Basis;
 use crate::surface::moments::Moments;
@@ -291,11 +292,13 @@ fn depth_that_reaches_over_the_edge_is_not_cut_off() {
 #[test]
 fn a_seam_outvotes_the_flat_border_that_it_cuts() {
     let (cuts, facets) = seams(|u, _| if u < 50 { RED } else { BLUE }, &params::Seams::default()).unwrap();
-    let borders = measure_borders(&facets, &board().1, &kinect(), &params::Border::default());
-    let joined = |borders, params: &params::Contraction| contract(&sum_votes(borders, 0, params)).count;
+    let borders = measure_by_depth(&facets, &board().1, &kinect(), &params::Border::default());
+    let joined = |borders: &RegionGraph<BorderEvidence>, params: &params::Contraction| {
+        contract(&sum_votes(borders, 0, params)).count
+    };
     let votes = params::Contraction::default();
     assert_eq!(joined(&borders, &votes), 1, "depth alone sees one board");
-    let marked = cuts.mark(&borders);
+    let marked = cuts.mark(borders);
     assert_eq!(joined(&marked, &votes), 2);
     assert_eq!(joined(&marked, &params::Contraction { seam_weight: 0.0, ..votes }), 1);
 }
