@@ -205,9 +205,9 @@ fn the_ladder_ends_with_the_method_itself() {
     let figures = json(&folder, "figures.json");
     let settings: Vec<&str> =
         figures.as_array().unwrap().iter().map(|r| r["setting"].as_str().unwrap()).collect();
-    assert_eq!((settings[0], settings[18]), ("plane facets, convexity", "+ objectness"));
-    assert_eq!((settings[19], settings.len()), ("without occlusion evidence", 36));
-    assert_eq!(run.stdout.lines().count(), 38, "{}", run.stdout);
+    assert_eq!((settings[0], settings[19]), ("plane facets, convexity", "+ objectness"));
+    assert_eq!((settings[20], settings.len()), ("without occlusion evidence", 38));
+    assert_eq!(run.stdout.lines().count(), 40, "{}", run.stdout);
     folder.run("eval root --split left --method context --composites 1 --json method.json", 0);
     let without_stages = |mut report: serde_json::Value| {
         report["scenes"]
