@@ -133,7 +133,7 @@ fn check_consistent(explainer: &Explainer, explanation: &Explanation) {
             (Reason::Folds, false) => assert!(vote_mm <= 0.0 && border.folded_mm > 0.0, "{border:?}"),
             (Reason::Steps, yes) => assert!(!yes && vote_mm <= 0.0 && border.stepped_mm > 0.0, "{border:?}"),
             (Reason::Colors, yes) => {
-                assert!(!yes && vote_mm <= 0.0 && border.color_change_mm > 0.0, "{border:?}")
+                assert!(!yes && vote_mm <= 0.0 && border.color_change_mm > 0.0, "{border:?}");
             }
             (Reason::Seam, yes) => {
                 assert!(!yes && border.seam_mm > 0.0 && !decision.checks.is_empty(), "{border:?}");
