@@ -217,7 +217,7 @@ fn the_ladder_ends_with_the_method_itself() {
             .for_each(|s| _ = s.as_object_mut().unwrap().remove("stages"));
         report["scenes"].clone()
     };
-    assert_eq!(figures[17]["scenes"], without_stages(json(&folder, "method.json")));
+    assert_eq!(figures[19]["scenes"], without_stages(json(&folder, "method.json")));
 }
 
 #[test]
