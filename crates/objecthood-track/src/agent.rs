@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
+use crate::behind::join_behind;
 use crate::bits::Bits;
 use crate::look::Look;
 use crate::pace::Pace;
@@ -105,8 +106,8 @@ impl Agents {
         self.free.clear();
         let components = front.components().into_iter().filter(|component| component.len() >= least_px);
         let touches = |component: &Vec<usize>| component.iter().filter(on_border).count() >= least_border;
-        let mut components: Vec<(bool, Vec<usize>)> =
-            components.map(|component| (touches(&component), component)).collect();
+        let components = components.map(|component| (touches(&component), component)).collect();
+        let mut components = join_behind(components, (view, scene), things);
         // Neither a splinter of an arm nor a thing that it let go takes its number.
         components.sort_by_key(|(touches, component)| std::cmp::Reverse((*touches, component.len())));
         for (touches, component) in components {

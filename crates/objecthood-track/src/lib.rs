@@ -25,6 +25,7 @@
 //! | `pace.rs` | the time between frames, and which pauses are gaps |
 //! | `field.rs` | where the sensor measures depth |
 //! | `agent.rs` | hands and people: what is nearer than the rested scene and stays connected to the border of the image |
+//! | `behind.rs` | arms that reach behind a thing |
 //! | `arm.rs` | agents that are in the image from the first frame on |
 //! | `predict.rs`, `surface.rs` | the motion of every object, and where it should be seen; the surface of moved things |
 //! | `identify.rs`, `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
@@ -56,6 +57,7 @@ mod align;
 mod arm;
 pub mod assignment;
 mod associate;
+mod behind;
 mod bits;
 mod camera;
 mod doubtful;

@@ -59,6 +59,26 @@ fn what_has_lifted_a_thing_is_an_agent_away_from_the_border_too() {
     }
 }
 
+/// A hand comes out from behind a thing that hides the wrist. A regression: the hand was a new thing.
+#[test]
+fn a_hand_that_comes_out_behind_a_thing_belongs_to_its_arm() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..70_i32 {
+        let left = (170 - 3 * (number - 10)).clamp(20, 170);
+        let hand = Patch { left, top: 46, width: 30, height: 16, depth_m: 1.14, color: [220, 170, 150] };
+        let arm = Patch { left: left + 30, width: 160, color: [40, 70, 190], ..hand };
+        let tracked = follow(&mut tracker, &[THING, hand, arm], number as u64);
+        if left < 60 {
+            assert_eq!(numbers(&tracked), [1], "frame {number}");
+            assert_eq!(tracked.agents.len(), 1, "frame {number}");
+        }
+        if left == 20 {
+            assert!(tracked.agents[0].box_px.u < 25, "frame {number}: {:?}", tracked.agents);
+        }
+    }
+    assert!(tracker.finish().is_empty());
+}
+
 /// An arm comes from the side before nothing that the sensor measures, and there the image has a band without depth, as registered depth has.
 #[test]
 fn an_arm_is_an_agent_before_nothing_and_beside_a_band_without_depth() {
