@@ -26,6 +26,8 @@ const LEAST_ALIVE: f64 = 0.02;
 const SCENE_S: f64 = 5.0;
 /// It has to be seen for this long (s).
 const LEAST_S: f64 = 0.2;
+/// It is new for this long (s).
+const NEW_S: f64 = 0.2;
 /// It may be away from the border for this long (s), once it was there twice as long as it has to be: a thing
 /// that flies in is soon away. An agent that has lifted a thing may be away for any time.
 const PATIENCE_S: f64 = 0.1;
@@ -37,9 +39,9 @@ pub(crate) struct Agent {
     pub(crate) number: u32,
     pub(crate) mask: Bits,
     frames: usize,
-    /// Frames since it was first seen, and whether it has become sure in this frame.
+    /// Frames since it was first seen, and for which it has been sure.
     pub(crate) age: usize,
-    pub(crate) is_new: bool,
+    sure_frames: usize,
     away: usize,
     /// Whether it has lifted a thing: then it may leave the border, like a gripper without an arm.
     has_lifted: bool,
@@ -57,6 +59,13 @@ pub(crate) struct Things {
     /// Arms that were there from the first frame on: where they still are, nothing is nearer than what rested
     /// there.
     pub(crate) arms: BTreeSet<Key>,
+}
+
+impl Agent {
+    /// Whether it has become sure in one of the last frames.
+    pub(crate) fn is_new(&self, pace: Pace) -> bool {
+        self.sure_frames <= pace.frames(NEW_S)
+    }
 }
 
 /// All agents of a frame.
@@ -143,10 +152,10 @@ impl Agents {
             let is_still = share(&|pixel| scene.is_before_nothing(pixel)) > MOST_BEFORE_NOTHING
                 && share(&|pixel| changed.has(pixel)) < LEAST_ALIVE;
             let still = if is_still { before.as_ref().map_or(0, |agent| agent.still + 1) } else { 0 };
-            let (number, frames, age) =
-                before.map_or((0, 0, 0), |agent| (agent.number, agent.frames, agent.age + 1));
+            let (number, frames, age, sure_frames) = before
+                .map_or((0, 0, 0, 0), |agent| (agent.number, agent.frames, agent.age + 1, agent.sure_frames));
             let frames = frames + usize::from(is_measured);
-            self.all.push(Agent { number, mask, frames, age, is_new: false, away, has_lifted, still });
+            self.all.push(Agent { number, mask, frames, age, sure_frames, away, has_lifted, still });
         }
         let least = pace.frames(LEAST_S);
         self.region = Bits::none(view.size);
@@ -154,9 +163,10 @@ impl Agents {
         let is_agent = |agent: &&mut Agent| agent.frames >= least && agent.still < most_still;
         for agent in self.all.iter_mut().filter(is_agent) {
             if agent.number == 0 {
-                (agent.number, agent.is_new) = (self.next, true);
+                agent.number = self.next;
                 self.next += 1;
             }
+            agent.sure_frames += 1;
             self.region.unite(&agent.mask);
         }
     }

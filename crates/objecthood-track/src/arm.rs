@@ -19,6 +19,8 @@ const BEGUN_M: f64 = 0.004;
 const MOVED_M: f64 = 0.015;
 /// It belongs to the agent's region with at least this share of its pixels.
 const OF_AGENT: f64 = 0.5;
+/// A finger has the colours of the arm in this share of its pixels.
+const OF_ITS_COLORS: f64 = 0.5;
 
 impl Memory {
     /// Handles agents that have just become sure but did not come in from the border: they were there before,
@@ -26,17 +28,33 @@ impl Memory {
     /// frames with such an agent.
     pub(crate) fn find_arms(&mut self, look: &Look<'_>) {
         let mut arms: BTreeSet<Key> = BTreeSet::new();
-        for agent in self.agents.sure().filter(|agent| agent.is_new) {
+        for agent in self.agents.sure().filter(|agent| agent.is_new(self.pace)) {
             let since = self.frame.saturating_sub(agent.age as u64);
             let by = since + self.pace.frames(AT_ONCE_S) as u64;
-            let was_seen = |track: &Track| track.last.frame + 1 >= since && moved_at_once(track, by);
-            let moved = self.tracks.iter().filter(|(_, track)| was_seen(track)).map(|(&key, _)| key);
-            arms.extend(moved.filter(|&key| self.lies_in(key, agent, look)));
+            let moved = self.tracks.iter().filter(|(_, track)| {
+                track.last.frame + 1 >= since && may_be_arm(track) && begun_at_once(track, by)
+            });
+            let (apart, joined): (Vec<_>, Vec<_>) = moved.partition(|(_, track)| track.was_apart);
+            let mut own: Vec<Key> =
+                joined.into_iter().filter(|(_, track)| has_moved(track)).map(|(&key, _)| key).collect();
+            own.retain(|&key| self.lies_in(key, agent, look));
+            let fingers = apart
+                .into_iter()
+                .filter(|&(&key, track)| own.iter().any(|&arm| self.is_finger(key, track, arm)));
+            let fingers: Vec<Key> = fingers.map(|(&key, _)| key).collect();
+            arms.extend(own.into_iter().chain(fingers));
         }
         for key in arms {
             self.happenings.forget(key);
             self.tracks.entry(key).and_modify(Track::become_arm);
         }
+    }
+
+    /// Whether a track is a finger of an arm: it touched the arm while both were at rest, and has its colours.
+    fn is_finger(&self, key: Key, track: &Track, arm: Key) -> bool {
+        let has_its_colors =
+            track.look.share_of(&self.tracks[&arm].look).is_some_and(|share| share >= OF_ITS_COLORS);
+        has_its_colors && self.knowledge.touched_at_rest(key, arm)
     }
 
     /// Notes which things of the first frame are joined to the border of the image by structure alone: these
@@ -73,22 +91,29 @@ impl Memory {
     }
 }
 
-/// Whether a track rested from the first frame on, nothing was done to it, and it has moved for at least a
-/// frame.
-fn moved_at_once(track: &Track, by: u64) -> bool {
-    let may_be_arm = track.was_never_handled() && !track.was_apart && !track.is_agent_part();
-    let Some(rest) = track.rest.filter(|_| may_be_arm) else {
-        return false;
-    };
-    // If a part of a thing is hidden, its middle shifts, but within its size.
-    let moved_m = |sample: &Sample| {
-        let moved_m = (sample.center - rest.center).length();
-        let is_sure = is_as_whole(sample.px, rest.px) || moved_m > track.area_m2.sqrt();
-        if is_sure { moved_m } else { 0.0 }
-    };
+/// Whether a track rested from the first frame on, and nothing was done to it.
+fn may_be_arm(track: &Track) -> bool {
+    track.rest.is_some() && track.was_never_handled() && !track.is_agent_part()
+}
+
+/// Whether a track that may be an arm had begun to move by this frame.
+fn begun_at_once(track: &Track, by: u64) -> bool {
     let then = track.samples.iter().rfind(|sample| sample.frame <= by);
-    let had_begun = then.is_some_and(|then| then.moves || moved_m(then) > BEGUN_M);
-    had_begun && track.drift.length().max(moved_m(&track.last)) > MOVED_M
+    then.is_some_and(|then| then.moves || moved_m(track, then) > BEGUN_M)
+}
+
+/// Whether a track that may be an arm is elsewhere than where it rested.
+fn has_moved(track: &Track) -> bool {
+    track.drift.length().max(moved_m(track, &track.last)) > MOVED_M
+}
+
+/// How far (m) from where it rested a track was; 0 if that cannot be told. If a part of a thing is hidden, its
+/// middle shifts, but within its size.
+fn moved_m(track: &Track, sample: &Sample) -> f64 {
+    let Some(rest) = track.rest else { return 0.0 };
+    let moved_m = (sample.center - rest.center).length();
+    let is_sure = is_as_whole(sample.px, rest.px) || moved_m > track.area_m2.sqrt();
+    if is_sure { moved_m } else { 0.0 }
 }
 
 #[cfg(test)]

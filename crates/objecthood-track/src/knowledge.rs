@@ -69,6 +69,11 @@ impl Knowledge {
         self.apart.contains(&pair(a, b))
     }
 
+    /// Whether two tracks touched while they rested and no agent reached them.
+    pub(crate) fn touched_at_rest(&self, a: Key, b: Key) -> bool {
+        self.ones.contains_key(&pair(a, b))
+    }
+
     /// Forgets what is known of a track.
     pub(crate) fn forget(&mut self, key: Key) {
         let is_other = |&(a, b): &(Key, Key)| a != key && b != key;
