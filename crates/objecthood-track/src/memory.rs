@@ -119,6 +119,7 @@ impl Memory {
         if place.is_fast && self.agents.sure().next().is_none() {
             self.scene.rest(view);
         }
+        self.scene.rest_on_planes(found.structure.as_slice(), view);
         let changed = self.scene.changed(view, place.moves);
         if self.has(Ingredient::Agents) {
             let keys = |is_such: &dyn Fn(&Track) -> bool| -> BTreeSet<Key> {
@@ -131,10 +132,12 @@ impl Memory {
             };
             self.agents.update(view, &self.scene, &changed, place.moves, self.pace, &things);
         }
-        let predicted = match self.has(Ingredient::Motion) {
+        let mut predicted = match self.has(Ingredient::Motion) {
             true => predict(&self.scene, view, &changed, &mut self.tracks, self.pace.frame_s),
             false => self.scene.seen.clone(),
         };
+        let passes = |key, owner| self.tracks.get(&key).is_some_and(|track| !track.may_be_part_of(owner));
+        self.rested.predict_again(&mut predicted, (&self.scene, view), passes);
 
         let look = self.identify((found, doubtful), view, &changed, place, &predicted);
         self.observe(&look);

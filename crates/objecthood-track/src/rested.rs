@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::bits::Bits;
 use crate::camera::Place;
 use crate::memory::Look;
-use crate::scene::{BESIDE_BACKGROUND_PER_M, Key, Reach, THERE_M, placed};
+use crate::scene::{BESIDE_BACKGROUND_PER_M, Key, Reach, Scene, THERE_M, placed};
 use crate::view::View;
 
 /// A place is hidden if something nearer by this (m) stands before it.
@@ -129,6 +129,26 @@ impl Rested {
             _ => (1.0 / is - 1.0 / was > THERE_M).then_some(Beside::Behind),
         };
         Some(key).zip(beside)
+    }
+
+    /// Predicts things again where they rested, if what passed before them is gone: a thing that passes in a
+    /// hand may be too fast for its motion to be found, and is then predicted where it was. `passes`: whether
+    /// the first of two tracks can pass before the second. O(n).
+    pub(crate) fn predict_again(
+        &self,
+        predicted: &mut [Key],
+        (scene, view): (&Scene, &View),
+        passes: impl Fn(Key, Key) -> bool,
+    ) {
+        for (pixel, key) in predicted.iter_mut().enumerate().filter(|(_, key)| **key > 0) {
+            if let Some((owner, Beside::There)) = self.at(pixel, view)
+                && owner != *key
+                && scene.was_nearer(view, pixel, self.surface[pixel])
+                && passes(*key, owner)
+            {
+                *key = owner;
+            }
+        }
     }
 
     /// The thing that rested at a pixel, and the point (m) of its surface there, in the camera.

@@ -1,5 +1,7 @@
 //! What the tracker remembers about every pixel.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::bits::Bits;
@@ -29,6 +31,8 @@ const FARTHER_S: f64 = 0.1;
 const NOTHING_S: [f64; 2] = [0.1, 2.0];
 /// What is nearer and unchanged for this long (s) has joined the background.
 const JOINED_S: f64 = 0.5;
+/// A plane of structure rests if more than this share of its pixels shows what rested there before.
+const RESTING_PLANE: f64 = 0.5;
 /// A label at rest changes after this many frames of disagreement.
 const MOST_SURE: u8 = 8;
 /// Labels closer than this to a change follow the frame (px at VGA size).
@@ -170,6 +174,34 @@ impl Scene {
         seen.for_each(|(background, &inverse)| *background = inverse);
     }
 
+    /// Takes what is seen of a resting plane where nothing was in reach as the rested scene: a shadow of the
+    /// sensor's light lay there, and what cast it is gone. `structure`: the plane at each pixel, 0 = none; of
+    /// another size if it is not known. O(n).
+    pub(crate) fn rest_on_planes(&mut self, structure: &[u16], view: &View) {
+        if structure.len() != self.background.len() {
+            return;
+        }
+        let limit = BESIDE_BACKGROUND_PER_M * view.noise;
+        let measured = |&pixel: &usize| structure[pixel] > 0 && view.inverse[pixel] > 0.0;
+        let mut planes: BTreeMap<u16, (usize, usize)> = BTreeMap::new();
+        let mut bare = Vec::new();
+        for pixel in (0..structure.len()).filter(measured) {
+            let rested = self.background[pixel];
+            let plane = planes.entry(structure[pixel]).or_default();
+            plane.0 += 1;
+            plane.1 += usize::from((view.inverse[pixel] - rested).abs() < limit);
+            if rested > 0.0 && self.is_before_nothing(pixel) {
+                bare.push(pixel);
+            }
+        }
+        for pixel in bare {
+            let (all, rest) = planes[&structure[pixel]];
+            if rest as f64 > RESTING_PLANE * all as f64 {
+                self.background[pixel] = view.inverse[pixel];
+            }
+        }
+    }
+
     /// The pixels whose depth or colour has changed. O(n).
     pub(crate) fn changed(&self, view: &View, camera_moves: bool) -> Bits {
         let limit = CHANGED_PER_M[usize::from(camera_moves)] * view.noise;
@@ -220,6 +252,11 @@ impl Scene {
     }
 
     /// Whether nothing rested at a pixel that the sensor reached.
+    /// Whether something was nearer at a pixel, in the frame before, than this inverse depth (1/m).
+    pub(crate) fn was_nearer(&self, view: &View, pixel: usize, inverse: f32) -> bool {
+        self.depth[pixel] - inverse > BESIDE_BACKGROUND_PER_M * view.noise
+    }
+
     pub(crate) fn is_before_nothing(&self, pixel: usize) -> bool {
         self.background[pixel] <= NOTHING_PER_M
     }

@@ -431,6 +431,11 @@ impl Track {
         self.moved_off.or(self.inside_of)
     }
 
+    /// Whether it may be a part of another track, or was seen as one with it before.
+    pub(crate) fn may_be_part_of(&self, whole: u32) -> bool {
+        self.part_from() == Some(whole) || self.came_off == Some(whole)
+    }
+
     /// Whether it rested as a thing, or was one, before any agent could bring it; or is a part of such a
     /// thing.
     fn was_thing(&self) -> bool {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::associate::{HOLDS, Overlap, found_again};
 use crate::memory::Memory;
+use crate::rested::Beside;
 use crate::scene::Key;
 use crate::segment::{Measure, Segment, is_looked_at};
 
@@ -44,7 +45,7 @@ impl Memory {
             let rest = measure.segment(&pixels);
             let fits = |&key: &Key| found_again(&rest, &self.tracks[&key], self.stamp_s, self.pace).is_some();
             let Ok(own) = u16::try_from(segments.len() + 1) else { return };
-            if !hidden.iter().any(fits) {
+            if !hidden.iter().any(fits) || self.rested_there(k, &pixels, overlap, measure) {
                 continue;
             }
             let belongs = |label: u16, key: Key| usize::from(label) == k + 1 && key == 0;
@@ -56,6 +57,17 @@ impl Memory {
             segments[k].px = segments[k].px.saturating_sub(rest.px);
             segments.push(rest);
         }
+    }
+
+    /// Whether most of these pixels of a segment show where a thing rested that the segment shows.
+    fn rested_there(&self, k: usize, pixels: &[usize], overlap: &Overlap, measure: &Measure<'_>) -> bool {
+        let is_as_it_was = |&&pixel: &&usize| {
+            let rested = self.rested.at(pixel, measure.view);
+            rested.is_some_and(|(key, beside)| {
+                beside == Beside::There && overlap.common.contains_key(&(k, key))
+            })
+        };
+        2 * pixels.iter().filter(is_as_it_was).count() > pixels.len()
     }
 
     /// Whether a known thing is predicted nowhere.

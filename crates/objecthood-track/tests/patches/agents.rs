@@ -1,9 +1,9 @@
 //! What is an agent, and what is not.
 
-use objecthood::Params;
+use objecthood::{Params, Raster};
 use objecthood_track::Tracker;
 
-use crate::{Patch, THING, follow, frame, numbers};
+use crate::{Patch, SIZE, THING, follow, frame, numbers};
 
 /// An arm that is there and still from the first frame on is taken for two things, until it moves.
 #[test]
@@ -27,6 +27,52 @@ fn an_arm_that_was_there_first_is_an_agent_once_it_moves() {
     }
     told.extend(tracker.finish());
     assert!(told.is_empty(), "{told:?}");
+}
+
+/// A fast arm, of which frames show a finger by itself. A regression: it was a thing that an agent picked up, because it was not seen where
+/// it had been when the agent became sure.
+#[test]
+fn a_fast_arm_and_its_finger_are_an_agent_though_frames_miss_them_for_a_while() {
+    let mut tracker = Tracker::new(Params::default());
+    let skin = [220, 170, 150];
+    let mut told = Vec::new();
+    for number in 0..80_i32 {
+        let gone = 14 * (number - 40).clamp(0, 8);
+        let thing = Patch { left: 110, top: 10, ..THING };
+        let arm = Patch { left: 12 + gone, top: 60, width: 26, height: 60, depth_m: 0.9, color: skin };
+        // Nearer than the arm, so that depth does not join the two.
+        let finger = Patch { top: 46, width: 10, height: 14, depth_m: 0.84, ..arm };
+        let seen: &[usize] = if (43..48).contains(&number) { &[0] } else { &[0, 1, 2] };
+        let (frame, mut found) = frame(&[thing, arm, finger], seen, number as u64);
+        let all = crate::frame(&[thing, arm, finger], &[0, 1, 2], number as u64).1.labels;
+        found.structure = all.map(|&label| u16::from(label == 0));
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        told.extend(tracked.events.clone());
+        if number > 50 {
+            assert_eq!((numbers(&tracked), tracked.agents.len()), (vec![1], 1), "frame {number}");
+        }
+    }
+    told.extend(tracker.finish());
+    assert!(told.is_empty(), "{told:?}");
+}
+
+/// An arm lies beside its shadow, in which the sensor measures nothing, and leaves. A regression: the strip of the wall that the shadow had
+/// hidden was an agent.
+#[test]
+fn what_a_shadow_hid_is_no_agent() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..80_i32 {
+        let gone = 6 * (number - 30).clamp(0, 20);
+        let arm =
+            Patch { left: 60, top: 70 + gone, width: 20, height: 60, depth_m: 0.9, color: [220, 170, 150] };
+        let shadow = Patch { left: 80, width: 14, depth_m: 0.0, ..arm };
+        let (frame, mut found) = frame(&[arm, shadow], &[0], number as u64);
+        let seen = frame.depth_m().as_slice().iter().zip(found.labels.as_slice());
+        let structure = seen.map(|(&z, &label)| u16::from(z > 0.0 && label == 0)).collect();
+        found.structure = Raster::from_vec(SIZE.0, SIZE.1, structure).unwrap();
+        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        assert!(number < 45 || tracked.agents.is_empty(), "frame {number}: {:?}", tracked.agents);
+    }
 }
 
 /// A regression: a mug that rolled to the border of the image was an agent from then on.

@@ -89,7 +89,12 @@ const THING: Patch = Patch { left: 60, top: 40, width: 36, height: 30, depth_m: 
 
 fn follow(tracker: &mut Tracker, patches: &[Patch], number: u64) -> Tracked {
     let all: Vec<usize> = (0..patches.len()).collect();
-    let (frame, found) = frame(patches, &all, number);
+    follow_found(tracker, patches, &all, number)
+}
+
+/// As [`follow`], with frames that find these patches alone.
+fn follow_found(tracker: &mut Tracker, patches: &[Patch], found: &[usize], number: u64) -> Tracked {
+    let (frame, found) = frame(patches, found, number);
     tracker.update_found(&frame, &found, number as f64 / 30.0, None).unwrap()
 }
 

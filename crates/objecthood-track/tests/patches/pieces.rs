@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use objecthood::Params;
 use objecthood_track::{EventKind, Tracked, Tracker};
 
-use crate::{Patch, SIZE, THING, follow, frame, numbers};
+use crate::{Patch, SIZE, THING, follow, follow_found, frame, numbers};
 
 /// [`THING`], or its left and its right half as two.
 fn in_pieces(pieces: bool) -> Vec<Patch> {
@@ -203,6 +203,53 @@ fn what_flies_before_another_thing_is_a_thing() {
         let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
         if number > 23 {
             assert_eq!(numbers(&tracked), [1, 2], "frame {number}");
+        }
+    }
+}
+
+/// A thing passes in a hand before another, too fast for its motion to be found, and goes out of the image. A regression: it stayed where it
+/// had last been seen, on the surface of the other.
+#[test]
+fn what_passed_before_a_thing_is_not_there_any_more() {
+    let mut tracker = Tracker::new(Params::default());
+    let cup = Patch { left: 4, width: 20, height: 24, depth_m: 0.8, color: [60, 90, 190], ..THING };
+    let at = |left| Patch { left, ..cup };
+    for number in 0..40 {
+        // Each frame shows the thing in two pieces from when the cup has passed.
+        let patches = match number {
+            0..20 => vec![THING, at(4)],
+            20 => vec![THING, at(34)],
+            21 => vec![THING, at(70)],
+            _ => in_pieces(true),
+        };
+        let tracked = follow(&mut tracker, &patches, number);
+        if number > 21 {
+            let shown = numbers(&tracked);
+            assert!(shown.iter().all(|&track| track == 1), "frame {number}: {shown:?}");
+        }
+    }
+}
+
+/// A hand hides most of a thing, and another of its looks as a whole. A regression: what the hand uncovered was taken for the other, because
+/// that was still hidden.
+#[test]
+fn what_rested_where_a_hand_was_is_seen_there_again() {
+    let mut tracker = Tracker::new(Params::default());
+    let other = Patch { left: 110, ..THING };
+    for number in 0..60_i32 {
+        // The hand comes from the right, and stays on the other.
+        let left = match number {
+            0..20 => 170,
+            20..30 => 170 - 10 * (number - 19),
+            30..40 => 70,
+            _ => 104,
+        };
+        let hand = Patch { left, top: 34, width: 100, height: 44, depth_m: 0.9, color: [220, 170, 150] };
+        let tracked = follow_found(&mut tracker, &[THING, other, hand], &[0, 1], number as u64);
+        let own = tracked.labels.as_slice()[50 * SIZE.0 + 62];
+        assert_eq!(own, 1, "frame {number}: beside the hand");
+        if number >= 45 {
+            assert_eq!(tracked.labels.as_slice()[50 * SIZE.0 + 90], 1, "frame {number}");
         }
     }
 }
