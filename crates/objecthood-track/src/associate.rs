@@ -20,10 +20,11 @@ pub(crate) const HOLDS: f64 = 0.5;
 /// Limits for finding a track again: difference of looks, logarithm of the ratio of areas.
 const MOST_LOOK: f64 = 0.6;
 const MOST_SIZE: f64 = 1.4;
-/// Where a track of about the same size (within the first, a logarithm) was hidden, the difference of looks
-/// may be as large as the second.
+/// Where a track of about the same size (within the first, a logarithm) was hidden, or where its velocity
+/// leads within this share of its step, the difference of looks may be as large as the last.
 const SAME_SIZE: f64 = 0.3;
-const MOST_LOOK_UNCOVERED: f64 = 0.8;
+const GOES_ON_SHARE: f64 = 0.3;
+const MOST_LOOK_OTHER: f64 = 0.8;
 /// In an agent's region looks have to agree better, because much of the region belongs to the agent.
 const MOST_LOOK_AT_AGENT: f64 = 0.35;
 /// Reach (m): at once, and in addition for each thirtieth of a second, up to eight of them.
@@ -236,14 +237,16 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
     if is_at_agent && (!is_known || look > MOST_LOOK_AT_AGENT) {
         return None;
     }
-    let step = segment.center - track.last.center;
-    let distance = step.length().min((step - track.velocity * away_s).length());
+    let (step, expected) = (segment.center - track.last.center, track.velocity * away_s);
+    let distance = step.length().min((step - expected).length());
+    let goes_on = (step - expected).length() < GOES_ON_SHARE * expected.length();
     let is_uncovered = track.is_covered && step.length() < UNCOVERED_SHARE * track.area_m2.sqrt();
     let comes_out = is_uncovered && track.rest_s > 0.0 && segment.area_m2 < track.area_m2;
     let ratio = libm::log(segment.area_m2.max(1e-9) / track.area_m2.max(1e-9)).abs();
     let size = if comes_out { 0.0 } else { ratio };
-    // A thing that was turned, or was in a shadow, has another look.
-    let most_look = if is_uncovered && ratio < SAME_SIZE { MOST_LOOK_UNCOVERED } else { MOST_LOOK };
+    // A thing that was turned, or was in a shadow, has another look. So has one that tumbles.
+    let may_look_other = (is_uncovered || goes_on) && ratio < SAME_SIZE;
+    let most_look = if may_look_other { MOST_LOOK_OTHER } else { MOST_LOOK };
     let reach = reach_m(away_s);
     if look > most_look || size > MOST_SIZE || distance > reach {
         return None;

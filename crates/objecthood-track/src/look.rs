@@ -79,13 +79,18 @@ impl Look {
         match (self.is_empty(), new.is_empty()) {
             (_, true) => {}
             (true, false) => *self = new.clone(),
-            (false, false) => self.blend(new),
+            (false, false) => self.blend(new, NEW_SHARE),
         }
     }
 
-    pub(crate) fn blend(&mut self, new: &Self) {
+    /// Makes a new look the n-th of the mean of looks. Looks of long ago are forgotten.
+    pub(crate) fn average(&mut self, new: &Self, n: u32) {
+        self.blend(new, NEW_SHARE.max(1.0 / n as f32));
+    }
+
+    fn blend(&mut self, new: &Self, weight: f32) {
         for (mean, share) in self.shares.iter_mut().zip(new.shares.iter()) {
-            *mean += NEW_SHARE * (share - *mean);
+            *mean += weight * (share - *mean);
         }
     }
 }

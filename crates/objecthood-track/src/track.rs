@@ -266,7 +266,7 @@ impl Track {
         let is_whole = sample.px * 4 > self.last.px * 3 && self.last.px * 4 > sample.px * 3;
         self.path_m += if is_whole { step.length() } else { 0.0 };
         if segment.of_agent < RESTING_OF_AGENT || self.samples.len() < 3 {
-            self.look.blend(&segment.look);
+            self.look.average(&segment.look, self.hits);
             // An agent may hide some of it, and a frame may take both for one.
             let grows = (self.area_m2..self.area_m2 / AS_WHOLE).contains(&segment.area_m2);
             if sample.reached_by.is_none() || grows {
