@@ -1,11 +1,11 @@
 //! Agents (hands, people): regions that are nearer than the rested scene and stay connected to the border of
-//! the image (ours, after the design note).
+//! the image, possibly behind a thing (ours, after the design note).
 
 use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use crate::behind::join_behind;
+use crate::behind::{Before, Region};
 use crate::bits::Bits;
 use crate::look::Look;
 use crate::pace::Pace;
@@ -26,7 +26,7 @@ const LEAST_ALIVE: f64 = 0.02;
 const SCENE_S: f64 = 5.0;
 /// It has to be seen for this long (s).
 const LEAST_S: f64 = 0.2;
-/// It is new for this long (s).
+/// It is new for this long (s) after it became sure: frames may miss a fast arm for a while.
 const NEW_S: f64 = 0.2;
 /// It may be away from the border for this long (s), once it was there twice as long as it has to be: a thing
 /// that flies in is soon away. An agent that has lifted a thing may be away for any time.
@@ -62,9 +62,14 @@ pub(crate) struct Things {
 }
 
 impl Agent {
-    /// Whether it has become sure in one of the last frames.
+    /// Whether it became sure a short while ago.
     pub(crate) fn is_new(&self, pace: Pace) -> bool {
         self.sure_frames <= pace.frames(NEW_S)
+    }
+
+    /// Whether it has become sure in this frame.
+    pub(crate) fn is_newly_sure(&self) -> bool {
+        self.sure_frames == 1
     }
 }
 
@@ -74,6 +79,8 @@ pub(crate) struct Agents {
     pub(crate) all: Vec<Agent>,
     /// The pixels of all of them, with the things that they carry.
     pub(crate) region: Bits,
+    /// The parts of agents that come out behind a thing.
+    behind: Bits,
     /// Other regions that are nearer than the rested scene: the pixels of each thing.
     pub(crate) free: Vec<Vec<usize>>,
     /// What they look like without the things that they carry.
@@ -83,7 +90,8 @@ pub(crate) struct Agents {
 
 impl Agents {
     pub(crate) fn none(size: (usize, usize)) -> Self {
-        Self { all: Vec::new(), region: Bits::none(size), free: Vec::new(), look: Look::default(), next: 1 }
+        let (region, behind) = (Bits::none(size), Bits::none(size));
+        Self { all: Vec::new(), region, behind, free: Vec::new(), look: Look::default(), next: 1 }
     }
 
     /// Forgets where the agents are, but not what they look like. Agents found later get new numbers.
@@ -114,17 +122,26 @@ impl Agents {
         let mut old = std::mem::take(&mut self.all);
         self.free.clear();
         let components = front.components().into_iter().filter(|component| component.len() >= least_px);
-        let touches = |component: &Vec<usize>| component.iter().filter(on_border).count() >= least_border;
-        let components = components.map(|component| (touches(&component), component)).collect();
-        let mut components = join_behind(components, (view, scene), things);
+        let region = |pixels: Vec<usize>| {
+            let is_at_border = pixels.iter().filter(on_border).count() >= least_border;
+            Region { is_at_border, pixels }
+        };
+        let mut regions: Vec<Region> = components.map(region).collect();
+        let joined = std::mem::replace(&mut self.behind, Bits::none(view.size));
+        // While the camera moves, edges of the resampled scene seem to be in front.
+        if !camera_moves {
+            let before = Before { scene, things, agents: &old, joined: &joined, changed };
+            (regions, self.behind) = before.join(regions, view);
+        }
         // Neither a splinter of an arm nor a thing that it let go takes its number.
-        components.sort_by_key(|(touches, component)| std::cmp::Reverse((*touches, component.len())));
-        for (touches, component) in components {
+        regions.sort_by_key(|region| std::cmp::Reverse((region.is_at_border, region.pixels.len())));
+        for Region { is_at_border, pixels: component } in regions {
             let mut mask = Bits::none(view.size);
             component.iter().for_each(|&pixel| mask.insert(pixel));
             let same = old.iter().enumerate().map(|(k, agent)| (agent.mask.common(&mask), k)).max();
             let before = same.filter(|&(common, _)| common > 0).map(|(_, k)| old.swap_remove(k));
-            let away = if touches { 0 } else { before.as_ref().map_or(usize::MAX, |agent| agent.away + 1) };
+            let away =
+                if is_at_border { 0 } else { before.as_ref().map_or(usize::MAX, |agent| agent.away + 1) };
             let is_old = before.as_ref().is_some_and(|agent| agent.frames >= 2 * pace.frames(LEAST_S));
             let is_agent = before.as_ref().is_some_and(|agent| agent.number > 0);
             let count =

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use glam::DVec3;
+
 use crate::agent::Agent;
 use crate::bits::Bits;
 use crate::memory::{Look, Memory};
@@ -19,46 +21,67 @@ const BEGUN_M: f64 = 0.004;
 const MOVED_M: f64 = 0.015;
 /// It belongs to the agent's region with at least this share of its pixels.
 const OF_AGENT: f64 = 0.5;
-/// A finger has the colours of the arm in this share of its pixels.
+/// A finger has the colours of the arm in this share of its pixels,
 const OF_ITS_COLORS: f64 = 0.5;
+/// or has moved as the arm has, with less than this share of the way between them.
+const ALIKE_SHARE: f64 = 0.25;
 
 impl Memory {
-    /// Handles agents that have just become sure but did not come in from the border: they were there before,
-    /// and the things that moved with them from the first were parts of them. O(agents · (n + tracks)) in
-    /// frames with such an agent.
+    /// Handles agents that became sure a short while ago but did not come in from the border: they were there
+    /// before, and what moved with them from the first was a part of them. O(agents · tracks · n) in frames
+    /// with such an agent.
     pub(crate) fn find_arms(&mut self, look: &Look<'_>) {
-        let mut arms: BTreeSet<Key> = BTreeSet::new();
-        for agent in self.agents.sure().filter(|agent| agent.is_new(self.pace)) {
-            let since = self.frame.saturating_sub(agent.age as u64);
-            let by = since + self.pace.frames(AT_ONCE_S) as u64;
-            let moved = self.tracks.iter().filter(|(_, track)| {
-                track.last.frame + 1 >= since && may_be_arm(track) && begun_at_once(track, by)
-            });
-            let (apart, joined): (Vec<_>, Vec<_>) = moved.partition(|(_, track)| track.was_apart);
-            let mut own: Vec<Key> =
-                joined.into_iter().filter(|(_, track)| has_moved(track)).map(|(&key, _)| key).collect();
-            own.retain(|&key| self.lies_in(key, agent, look));
-            let fingers = apart
-                .into_iter()
-                .filter(|&(&key, track)| own.iter().any(|&arm| self.is_finger(key, track, arm)));
-            let fingers: Vec<Key> = fingers.map(|(&key, _)| key).collect();
-            arms.extend(own.into_iter().chain(fingers));
-        }
+        let new = self.agents.sure().filter(|agent| agent.is_new(self.pace));
+        let arms: BTreeSet<Key> = new.flat_map(|agent| self.arm_of(agent, look)).collect();
         for key in arms {
             self.happenings.forget(key);
             self.tracks.entry(key).and_modify(Track::become_arm);
         }
     }
 
-    /// Whether a track is a finger of an arm: it touched the arm while both were at rest, and has its colours.
-    fn is_finger(&self, key: Key, track: &Track, arm: Key) -> bool {
-        let has_its_colors =
-            track.look.share_of(&self.tracks[&arm].look).is_some_and(|share| share >= OF_ITS_COLORS);
-        has_its_colors && self.knowledge.touched_at_rest(key, arm)
+    /// The things that are parts of an agent: those that were joined to the border in the first frame, and
+    /// their fingers.
+    fn arm_of(&self, agent: &Agent, look: &Look<'_>) -> Vec<Key> {
+        let since = self.frame.saturating_sub(agent.age as u64);
+        let by = since + self.pace.frames(AT_ONCE_S) as u64;
+        let moved = self.tracks.iter().filter(|(_, track)| {
+            track.last.frame + 1 >= since && may_be_arm(track) && begun_at_once(track, by)
+        });
+        let keys = moved.map(|(&key, _)| key);
+        let (mut apart, mut arm): (Vec<Key>, Vec<Key>) = keys.partition(|key| self.tracks[key].was_apart);
+        // Later than in its first frame, the agent may have come to where a thing was last seen.
+        let is_placed = |key: Key| agent.is_newly_sure() || self.tracks[&key].last.frame == self.frame;
+        arm.retain(|&key| has_moved(&self.tracks[&key]) && is_placed(key) && self.lies_in(key, agent, look));
+        // Frames may miss a finger. One that is seen has gone with the agent.
+        let goes_along =
+            |key: Key| self.tracks[&key].last.frame < self.frame || self.lies_in(key, agent, look);
+        apart.retain(|&key| !arm.is_empty() && goes_along(key));
+        // A finger may hang on another part that stood apart.
+        loop {
+            let is_next = |key: &Key| arm.iter().any(|&part| self.is_finger(*key, part, by));
+            let (fingers, others): (Vec<Key>, Vec<Key>) = apart.into_iter().partition(is_next);
+            if fingers.is_empty() {
+                return arm;
+            }
+            arm.extend(fingers);
+            apart = others;
+        }
+    }
+
+    /// Whether a thing that began to move at once is a finger of an arm: it touched the arm at rest, and is a
+    /// smaller thing of the arm's colours or moved as the arm did. `by`: the frame in which both had begun.
+    fn is_finger(&self, key: Key, arm: Key, by: u64) -> bool {
+        let [track, arm_track] = [key, arm].map(|key| &self.tracks[&key]);
+        let looks_like_it = track.look.share_of(&arm_track.look).is_some_and(|share| share >= OF_ITS_COLORS);
+        let moves_alike = shift_by(track, by).zip(shift_by(arm_track, by)).is_some_and(|(own, arms)| {
+            arms.length() > MOVED_M && (own - arms).length() < ALIKE_SHARE * arms.length()
+        });
+        self.knowledge.touched_at_rest(key, arm)
+            && (moves_alike || looks_like_it && track.area_m2 < arm_track.area_m2)
     }
 
     /// Notes which things of the first frame are joined to the border of the image by structure alone: these
-    /// are no parts of an arm. `structure`: the plane at each pixel, 0 = none; of another size if it is not
+    /// are no parts of an arm, unless they are its fingers. `structure`: the plane at each pixel, 0 = none; of another size if it is not
     /// known. O(n).
     pub(crate) fn note_apart(&mut self, structure: &[u16], view: &View) {
         if self.frame > 0 || structure.len() != view.inverse.len() {
@@ -102,7 +125,13 @@ fn begun_at_once(track: &Track, by: u64) -> bool {
     then.is_some_and(|then| then.moves || moved_m(track, then) > BEGUN_M)
 }
 
-/// Whether a track that may be an arm is elsewhere than where it rested.
+/// How far and where to (m) a track was from where it rested, when it was last seen by this frame.
+fn shift_by(track: &Track, by: u64) -> Option<DVec3> {
+    let then = track.samples.iter().rfind(|sample| sample.frame <= by)?;
+    Some(then.center - track.rest?.center)
+}
+
+/// Whether a track that may be an arm has moved far enough, by its motions or by where it is seen.
 fn has_moved(track: &Track) -> bool {
     track.drift.length().max(moved_m(track, &track.last)) > MOVED_M
 }

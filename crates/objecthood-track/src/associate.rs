@@ -20,10 +20,14 @@ pub(crate) const HOLDS: f64 = 0.5;
 /// Limits for finding a track again: difference of looks, logarithm of the ratio of areas.
 const MOST_LOOK: f64 = 0.6;
 const MOST_SIZE: f64 = 1.4;
-/// Where a track of about the same size (within the first, a logarithm) was hidden, or where its velocity
-/// leads within this share of its step, the difference of looks may be as large as the last.
+/// Two sizes are about the same if the logarithm of the ratio of areas is below this: a third larger.
 const SAME_SIZE: f64 = 0.3;
+/// A thing goes on along its path if it takes a step of at least this (m), and misses where its velocity leads
+/// by less than this share of the step: its velocity comes from two frames.
+const LEAST_STEP_M: f64 = 0.02;
 const GOES_ON_SHARE: f64 = 0.3;
+/// Where a thing of about the same size was hidden, or where it goes on along its path, looks may differ by
+/// this: it was turned, or shows another side.
 const MOST_LOOK_OTHER: f64 = 0.8;
 /// In an agent's region looks have to agree better, because much of the region belongs to the agent.
 const MOST_LOOK_AT_AGENT: f64 = 0.35;
@@ -239,7 +243,9 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
     }
     let (step, expected) = (segment.center - track.last.center, track.velocity * away_s);
     let distance = step.length().min((step - expected).length());
-    let goes_on = (step - expected).length() < GOES_ON_SHARE * expected.length();
+    let goes_on = away_s < YOUNG_MEMORY_FRAMES * pace.frame_s
+        && expected.length() > LEAST_STEP_M
+        && (step - expected).length() < GOES_ON_SHARE * expected.length();
     let is_uncovered = track.is_covered && step.length() < UNCOVERED_SHARE * track.area_m2.sqrt();
     let comes_out = is_uncovered && track.rest_s > 0.0 && segment.area_m2 < track.area_m2;
     let ratio = libm::log(segment.area_m2.max(1e-9) / track.area_m2.max(1e-9)).abs();
@@ -342,6 +348,31 @@ mod tests {
         look.add(color);
         look.finish();
         look
+    }
+
+    /// A regression, after frame 12 of `throw71` of another simulator: a box that tumbled had another number in each frame.
+    #[test]
+    fn what_goes_on_along_its_path_may_look_otherwise() {
+        let (mut thrown_look, mut seen_look) = (Look::default(), Look::default());
+        (0..3).for_each(|_| thrown_look.add([200, 30, 30]));
+        thrown_look.add([30, 30, 200]);
+        seen_look.add([30, 30, 200]);
+        [&mut thrown_look, &mut seen_look].map(Look::finish);
+        let found = |x_m: f64, area_m2, m_per_s: f64| {
+            let thrown = Track {
+                area_m2: 0.01,
+                look: thrown_look.clone(),
+                velocity: m_per_s * DVec3::X,
+                ..track(0.0)
+            };
+            let segment =
+                Segment { area_m2, look: seen_look.clone(), center: x_m * DVec3::X, ..Segment::default() };
+            found_again(&segment, &thrown, 0.05, Pace::default()).is_some()
+        };
+        assert!(found(0.15, 0.009, 3.0));
+        assert!(!found(0.2, 0.009, 3.0), "beside its path");
+        assert!(!found(0.15, 0.005, 3.0), "half as large");
+        assert!(!found(0.0, 0.009, 0.0), "it does not move");
     }
 
     /// A regression, after frame 28 of `pick21` of another simulator: a hand near the camera covered a box in one frame, and took over its number.

@@ -74,7 +74,7 @@ impl Memory {
     }
 
     /// The thing on whose surface, as it last rested, most of a segment's pixels lie. O(pixels).
-    fn rested_surface(&self, pixels: &[usize], view: &View) -> Option<Key> {
+    pub(crate) fn rested_surface(&self, pixels: &[usize], view: &View) -> Option<Key> {
         let mut there: BTreeMap<Key, usize> = BTreeMap::new();
         for &pixel in pixels {
             if let Some((key, Beside::There)) = self.rested.at(pixel, view) {

@@ -24,8 +24,8 @@
 //! | `scene.rs` | the memory of every pixel: where the frame changed, labels kept steady at rest |
 //! | `pace.rs` | the time between frames, and which pauses are gaps |
 //! | `field.rs` | where the sensor measures depth |
-//! | `agent.rs` | hands and people: what is nearer than the rested scene and stays connected to the border of the image |
-//! | `behind.rs` | arms that reach behind a thing |
+//! | `agent.rs` | hands and people: what is nearer than the rested scene and stays connected to the border of the image, possibly behind a thing |
+//! | `behind.rs` | arms that reach behind a thing, which divides what is seen of them |
 //! | `arm.rs` | agents that are in the image from the first frame on |
 //! | `predict.rs`, `surface.rs` | the motion of every object, and where it should be seen; the surface of moved things |
 //! | `identify.rs`, `associate.rs` | which segment shows which track: by overlap, then by looks, size and reach |
@@ -40,7 +40,7 @@
 //! | `observe.rs`, `missing.rs` | tracks that are seen, and tracks that are not |
 //! | `parts.rs`, `knowledge.rs` | what motion proved: which parts are one thing, and which are not |
 //! | `oneness.rs` | whether most frames show a resting thing as one segment |
-//! | `rested.rs`, `opened.rs` | the surface of things as they last rested: what is hidden, what was opened |
+//! | `rested.rs`, `opened.rs` | the surface of things as they last rested: what is hidden, what is expected again, what was opened |
 //! | `whole.rs` | things that were cut into pieces, and are seen whole |
 //! | `support.rs` | what holds what, over time |
 //! | `flight.rs` | free flight: a pure function of where a thing was |

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 /// Lightness in 4 steps, a and b in 8 each.
 const BINS: usize = 4 * 8 * 8;
-/// The weight of a new look in the mean.
-const NEW_SHARE: f32 = 0.1;
+/// The least weight of a new look in the mean: a third of a second counts at 30 frames a second.
+const LEAST_WEIGHT: f32 = 0.1;
 
 /// Colours of a smaller share are noise.
 const RARE: f32 = 0.01;
@@ -16,11 +16,13 @@ const RARE: f32 = 0.01;
 pub(crate) struct Look {
     shares: Vec<f32>,
     samples: u32,
+    /// The number of looks that were added to the first.
+    added: u32,
 }
 
 impl Default for Look {
     fn default() -> Self {
-        Self { shares: vec![0.0; BINS], samples: 0 }
+        Self { shares: vec![0.0; BINS], samples: 0, added: 0 }
     }
 }
 
@@ -74,23 +76,43 @@ impl Look {
         self.samples == 0
     }
 
-    /// Adds a new look to the mean; the first one becomes the mean. A look without colour is ignored.
+    /// Adds a new look to the mean; the first one becomes the mean. The first ten looks count alike, then old
+    /// ones fade. A look without colour is ignored.
     pub(crate) fn learn(&mut self, new: &Self) {
         match (self.is_empty(), new.is_empty()) {
             (_, true) => {}
             (true, false) => *self = new.clone(),
-            (false, false) => self.blend(new, NEW_SHARE),
+            (false, false) => {
+                self.added = self.added.saturating_add(1);
+                let weight = LEAST_WEIGHT.max(1.0 / (self.added as f32 + 1.0));
+                for (mean, share) in self.shares.iter_mut().zip(&new.shares) {
+                    *mean += weight * (share - *mean);
+                }
+            }
         }
     }
+}
 
-    /// Makes a new look the n-th of the mean of looks. Looks of long ago are forgotten.
-    pub(crate) fn average(&mut self, new: &Self, n: u32) {
-        self.blend(new, NEW_SHARE.max(1.0 / n as f32));
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn look(rgb: [u8; 3]) -> Look {
+        let mut look = Look::default();
+        look.add(rgb);
+        look.finish();
+        look
     }
 
-    fn blend(&mut self, new: &Self, weight: f32) {
-        for (mean, share) in self.shares.iter_mut().zip(new.shares.iter()) {
-            *mean += weight * (share - *mean);
-        }
+    #[test]
+    fn the_first_looks_count_alike_and_an_empty_one_changes_nothing() {
+        let (red, blue) = ([200, 30, 30], [30, 30, 200]);
+        let mut mean = look(red);
+        mean.learn(&look(blue));
+        mean.learn(&Look::default());
+        assert_eq!(Look::shares([&mean, &mean], red), [0.5; 2]);
+        mean.learn(&look(red));
+        let [share, _] = Look::shares([&mean, &mean], red);
+        assert!((share - 2.0 / 3.0).abs() < 1e-6, "{share}");
     }
 }

@@ -119,7 +119,7 @@ impl Memory {
         if place.is_fast && self.agents.sure().next().is_none() {
             self.scene.rest(view);
         }
-        self.scene.rest_on_planes(found.structure.as_slice(), view);
+        self.scene.rest_on_planes(found.structure.as_slice(), view, self.pace);
         let changed = self.scene.changed(view, place.moves);
         if self.has(Ingredient::Agents) {
             let keys = |is_such: &dyn Fn(&Track) -> bool| -> BTreeSet<Key> {
@@ -132,12 +132,7 @@ impl Memory {
             };
             self.agents.update(view, &self.scene, &changed, place.moves, self.pace, &things);
         }
-        let mut predicted = match self.has(Ingredient::Motion) {
-            true => predict(&self.scene, view, &changed, &mut self.tracks, self.pace.frame_s),
-            false => self.scene.seen.clone(),
-        };
-        let passes = |key, owner| self.tracks.get(&key).is_some_and(|track| !track.may_be_part_of(owner));
-        self.rested.predict_again(&mut predicted, (&self.scene, view), passes);
+        let predicted = self.expected(view, &changed);
 
         let look = self.identify((found, doubtful), view, &changed, place, &predicted);
         self.observe(&look);
@@ -159,6 +154,29 @@ impl Memory {
         let tracked = self.describe(&look, notices);
         self.frame += 1;
         tracked
+    }
+
+    /// The track that is expected at each pixel. O(n), and O(points) for each moving track.
+    fn expected(&mut self, view: &View, changed: &Bits) -> Vec<Key> {
+        if !self.has(Ingredient::Motion) {
+            return self.scene.seen.clone();
+        }
+        let mut predicted = predict(&self.scene, view, changed, &mut self.tracks, self.pace.frame_s);
+        let is_in_place = |owner: Key| {
+            let is_there = |track: &Track| {
+                let is_own = track.part_of.is_none() && !track.is_agent_part();
+                is_own && track.rest.is_some() && !track.has_drifted() && track.gone_since.is_none()
+            };
+            self.tracks.get(&owner).is_some_and(is_there) && !self.happenings.is_handled(owner)
+        };
+        // A thing does not pass before itself or what it came off.
+        let passes = |key: Key, owner: Key| {
+            let track = self.tracks.get(&key).filter(|track| !track.is_moving);
+            let may_pass = track.is_some_and(|track| !track.may_be_part_of(owner));
+            may_pass && self.root(key) != owner && is_in_place(owner)
+        };
+        self.rested.predict_again(&mut predicted, (&self.scene, view), passes);
+        predicted
     }
 
     /// The camera is lost, so it is unknown what was seen at which pixel. The memory of places is cleared;

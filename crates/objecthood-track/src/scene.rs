@@ -31,7 +31,8 @@ const FARTHER_S: f64 = 0.1;
 const NOTHING_S: [f64; 2] = [0.1, 2.0];
 /// What is nearer and unchanged for this long (s) has joined the background.
 const JOINED_S: f64 = 0.5;
-/// A plane of structure rests if more than this share of its pixels shows what rested there before.
+/// A plane of structure rests if more than this share of its pixels shows what rested there before: of a
+/// person who comes in, no pixel does.
 const RESTING_PLANE: f64 = 0.5;
 /// A label at rest changes after this many frames of disagreement.
 const MOST_SURE: u8 = 8;
@@ -174,29 +175,27 @@ impl Scene {
         seen.for_each(|(background, &inverse)| *background = inverse);
     }
 
-    /// Takes what is seen of a resting plane where nothing was in reach as the rested scene: a shadow of the
-    /// sensor's light lay there, and what cast it is gone. `structure`: the plane at each pixel, 0 = none; of
-    /// another size if it is not known. O(n).
-    pub(crate) fn rest_on_planes(&mut self, structure: &[u16], view: &View) {
+    /// Makes what is seen of a plane of structure the rested scene where nothing was in reach, if most of the
+    /// plane rests: a thing threw a shadow of the sensor's light there, and is gone. `structure`: the plane
+    /// at each pixel, 0 = none; of another size if it is not known. O(n log planes).
+    pub(crate) fn rest_on_planes(&mut self, structure: &[u16], view: &View, pace: Pace) {
         if structure.len() != self.background.len() {
             return;
         }
-        let limit = BESIDE_BACKGROUND_PER_M * view.noise;
-        let measured = |&pixel: &usize| structure[pixel] > 0 && view.inverse[pixel] > 0.0;
         let mut planes: BTreeMap<u16, (usize, usize)> = BTreeMap::new();
         let mut bare = Vec::new();
-        for pixel in (0..structure.len()).filter(measured) {
-            let rested = self.background[pixel];
-            let plane = planes.entry(structure[pixel]).or_default();
-            plane.0 += 1;
-            plane.1 += usize::from((view.inverse[pixel] - rested).abs() < limit);
-            if rested > 0.0 && self.is_before_nothing(pixel) {
+        for pixel in (0..structure.len()).filter(|&k| structure[k] > 0 && view.inverse[k] > 0.0) {
+            let (all, resting) = planes.entry(structure[pixel]).or_default();
+            *all += 1;
+            *resting += usize::from(self.is_in_place(view, pixel));
+            let is_measured = usize::from(self.frames[pixel]) >= pace.frames(FARTHER_S);
+            if is_measured && self.background[pixel] > 0.0 && self.is_before_nothing(pixel) {
                 bare.push(pixel);
             }
         }
         for pixel in bare {
-            let (all, rest) = planes[&structure[pixel]];
-            if rest as f64 > RESTING_PLANE * all as f64 {
+            let (all, resting) = planes[&structure[pixel]];
+            if resting as f64 > RESTING_PLANE * all as f64 {
                 self.background[pixel] = view.inverse[pixel];
             }
         }
@@ -251,12 +250,12 @@ impl Scene {
         rested > 0.0 && view.inverse[pixel] - rested > BESIDE_BACKGROUND_PER_M * view.noise
     }
 
-    /// Whether nothing rested at a pixel that the sensor reached.
-    /// Whether something was nearer at a pixel, in the frame before, than this inverse depth (1/m).
+    /// Whether what is remembered at a pixel is nearer than this inverse depth (1/m).
     pub(crate) fn was_nearer(&self, view: &View, pixel: usize, inverse: f32) -> bool {
         self.depth[pixel] - inverse > BESIDE_BACKGROUND_PER_M * view.noise
     }
 
+    /// Whether nothing was in reach of the sensor at a pixel before.
     pub(crate) fn is_before_nothing(&self, pixel: usize) -> bool {
         self.background[pixel] <= NOTHING_PER_M
     }

@@ -266,7 +266,7 @@ impl Track {
         let is_whole = sample.px * 4 > self.last.px * 3 && self.last.px * 4 > sample.px * 3;
         self.path_m += if is_whole { step.length() } else { 0.0 };
         if segment.of_agent < RESTING_OF_AGENT || self.samples.len() < 3 {
-            self.look.average(&segment.look, self.hits);
+            self.look.learn(&segment.look);
             // An agent may hide some of it, and a frame may take both for one.
             let grows = (self.area_m2..self.area_m2 / AS_WHOLE).contains(&segment.area_m2);
             if sample.reached_by.is_none() || grows {
@@ -349,6 +349,12 @@ impl Track {
     /// Whether it is elsewhere than where it last rested.
     pub(crate) fn is_away(&self) -> bool {
         self.rest.is_some_and(|rest| (self.last.center - rest.center).length() > AWAY_M)
+    }
+
+    /// Whether its motions since it last rested sum up to as much. Unlike its place, they are known of a thing
+    /// that is hidden in part.
+    pub(crate) fn has_drifted(&self) -> bool {
+        self.drift.length() > AWAY_M
     }
 
     /// Whether it was moved by more than this (m) against another track since both first rested.
@@ -472,7 +478,7 @@ impl Track {
     pub(crate) fn become_arm(&mut self) {
         self.is_arm = true;
         (self.rest, self.first_rest, self.lay, self.agent_score) = (None, None, None, 6);
-        (self.came_off, self.is_off_thing) = (None, false);
+        (self.came_off, self.is_off_thing, self.was_apart) = (None, false, false);
     }
 
     /// Notes that it rests as it was just seen.

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use crate::associate::{HOLDS, Overlap, found_again};
 use crate::memory::Memory;
-use crate::rested::Beside;
 use crate::scene::Key;
 use crate::segment::{Measure, Segment, is_looked_at};
 
@@ -13,7 +12,8 @@ const LEAST_SHARE: f64 = 0.3;
 
 impl Memory {
     /// Divides a segment that shows a known thing and a part that no track should show, if the part fits a
-    /// known thing that is hidden. The part gets a segment of its own. O(n).
+    /// known thing that is hidden, and is not where the first thing rested. The part gets a segment of its
+    /// own. O(n).
     pub(crate) fn part_uncovered(
         &self,
         labels: &mut [u16],
@@ -45,7 +45,11 @@ impl Memory {
             let rest = measure.segment(&pixels);
             let fits = |&key: &Key| found_again(&rest, &self.tracks[&key], self.stamp_s, self.pace).is_some();
             let Ok(own) = u16::try_from(segments.len() + 1) else { return };
-            if !hidden.iter().any(fits) || self.rested_there(k, &pixels, overlap, measure) {
+            // The hand may have hidden the thing itself.
+            let rested = self.rested_surface(&pixels, measure.view);
+            let is_its_own =
+                rested.is_some_and(|key| overlap.is_held_by(k, key) && !self.tracks[&key].has_drifted());
+            if is_its_own || !hidden.iter().any(fits) {
                 continue;
             }
             let belongs = |label: u16, key: Key| usize::from(label) == k + 1 && key == 0;
@@ -57,17 +61,6 @@ impl Memory {
             segments[k].px = segments[k].px.saturating_sub(rest.px);
             segments.push(rest);
         }
-    }
-
-    /// Whether most of these pixels of a segment show where a thing rested that the segment shows.
-    fn rested_there(&self, k: usize, pixels: &[usize], overlap: &Overlap, measure: &Measure<'_>) -> bool {
-        let is_as_it_was = |&&pixel: &&usize| {
-            let rested = self.rested.at(pixel, measure.view);
-            rested.is_some_and(|(key, beside)| {
-                beside == Beside::There && overlap.common.contains_key(&(k, key))
-            })
-        };
-        2 * pixels.iter().filter(is_as_it_was).count() > pixels.len()
     }
 
     /// Whether a known thing is predicted nowhere.

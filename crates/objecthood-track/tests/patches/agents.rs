@@ -1,9 +1,21 @@
 //! What is an agent, and what is not.
 
 use objecthood::{Params, Raster};
-use objecthood_track::Tracker;
+use objecthood_track::{Tracked, Tracker};
 
 use crate::{Patch, SIZE, THING, follow, frame, numbers};
+
+/// As [`follow`], with frames that find some of the patches, and the wall as a plane of structure.
+fn follow_on_wall(tracker: &mut Tracker, patches: &[Patch], found: &[usize], number: u64) -> Tracked {
+    let (frame, mut found) = frame(patches, found, number);
+    let is_wall = |k: usize| {
+        let (u, v) = ((k % SIZE.0) as i32, (k / SIZE.0) as i32);
+        patches.iter().all(|patch| !patch.has(u, v))
+    };
+    let structure = (0..SIZE.0 * SIZE.1).map(|k| u16::from(is_wall(k))).collect();
+    found.structure = Raster::from_vec(SIZE.0, SIZE.1, structure).unwrap();
+    tracker.update_found(&frame, &found, number as f64 / 30.0, None).unwrap()
+}
 
 /// An arm that is there and still from the first frame on is taken for two things, until it moves.
 #[test]
@@ -29,8 +41,8 @@ fn an_arm_that_was_there_first_is_an_agent_once_it_moves() {
     assert!(told.is_empty(), "{told:?}");
 }
 
-/// A fast arm, of which frames show a finger by itself. A regression: it was a thing that an agent picked up, because it was not seen where
-/// it had been when the agent became sure.
+/// A fast arm, and a finger that frames show by itself. Frames miss both when the agent becomes sure. A regression: they stayed things, and an
+/// agent picked them up.
 #[test]
 fn a_fast_arm_and_its_finger_are_an_agent_though_frames_miss_them_for_a_while() {
     let mut tracker = Tracker::new(Params::default());
@@ -43,10 +55,7 @@ fn a_fast_arm_and_its_finger_are_an_agent_though_frames_miss_them_for_a_while() 
         // Nearer than the arm, so that depth does not join the two.
         let finger = Patch { top: 46, width: 10, height: 14, depth_m: 0.84, ..arm };
         let seen: &[usize] = if (43..48).contains(&number) { &[0] } else { &[0, 1, 2] };
-        let (frame, mut found) = frame(&[thing, arm, finger], seen, number as u64);
-        let all = crate::frame(&[thing, arm, finger], &[0, 1, 2], number as u64).1.labels;
-        found.structure = all.map(|&label| u16::from(label == 0));
-        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        let tracked = follow_on_wall(&mut tracker, &[thing, arm, finger], seen, number as u64);
         told.extend(tracked.events.clone());
         if number > 50 {
             assert_eq!((numbers(&tracked), tracked.agents.len()), (vec![1], 1), "frame {number}");
@@ -54,6 +63,41 @@ fn a_fast_arm_and_its_finger_are_an_agent_though_frames_miss_them_for_a_while() 
     }
     told.extend(tracker.finish());
     assert!(told.is_empty(), "{told:?}");
+}
+
+/// The hand and its fingers hang on a sleeve of another colour.
+#[test]
+fn a_hand_of_another_colour_than_its_sleeve_goes_with_it() {
+    let mut tracker = Tracker::new(Params::default());
+    for number in 0..80_i32 {
+        let gone = 2 * (number - 40).clamp(0, 20);
+        let sleeve =
+            Patch { left: 20 + gone, top: 90, width: 20, height: 30, depth_m: 0.9, color: [40, 70, 190] };
+        let hand = Patch { top: 70, height: 20, depth_m: 0.84, color: [220, 170, 150], ..sleeve };
+        let finger = Patch { top: 58, width: 8, height: 12, depth_m: 0.8, ..hand };
+        let tracked =
+            follow_on_wall(&mut tracker, &[THING, sleeve, hand, finger], &[0, 1, 2, 3], number as u64);
+        if number > 65 {
+            assert_eq!((numbers(&tracked), tracked.agents.len()), (vec![1], 1), "frame {number}");
+        }
+    }
+}
+
+/// A thing of the arm's colours that the arm touches and leaves is no finger of it.
+#[test]
+fn what_an_arm_leaves_behind_is_no_finger() {
+    let mut tracker = Tracker::new(Params::default());
+    let skin = [220, 170, 150];
+    let mut last = Vec::new();
+    for number in 0..80_i32 {
+        let gone = 4 * (number - 40).clamp(0, 20);
+        let arm = Patch { left: 20 + gone, top: 80, width: 14, height: 40, depth_m: 0.9, color: skin };
+        let pushed =
+            Patch { left: 20 + gone.min(4), top: 66, width: 14, height: 14, depth_m: 0.84, color: skin };
+        let thing = Patch { left: 110, top: 10, ..THING };
+        last = numbers(&follow_on_wall(&mut tracker, &[thing, arm, pushed], &[0, 1, 2], number as u64));
+    }
+    assert_eq!(last, [1, 3]);
 }
 
 /// An arm lies beside its shadow, in which the sensor measures nothing, and leaves. A regression: the strip of the wall that the shadow had
@@ -66,11 +110,7 @@ fn what_a_shadow_hid_is_no_agent() {
         let arm =
             Patch { left: 60, top: 70 + gone, width: 20, height: 60, depth_m: 0.9, color: [220, 170, 150] };
         let shadow = Patch { left: 80, width: 14, depth_m: 0.0, ..arm };
-        let (frame, mut found) = frame(&[arm, shadow], &[0], number as u64);
-        let seen = frame.depth_m().as_slice().iter().zip(found.labels.as_slice());
-        let structure = seen.map(|(&z, &label)| u16::from(z > 0.0 && label == 0)).collect();
-        found.structure = Raster::from_vec(SIZE.0, SIZE.1, structure).unwrap();
-        let tracked = tracker.update_found(&frame, &found, f64::from(number) / 30.0, None).unwrap();
+        let tracked = follow_on_wall(&mut tracker, &[arm, shadow], &[0], number as u64);
         assert!(number < 45 || tracked.agents.is_empty(), "frame {number}: {:?}", tracked.agents);
     }
 }
@@ -103,6 +143,23 @@ fn what_has_lifted_a_thing_is_an_agent_away_from_the_border_too() {
         assert!(number < 40 || tracked.agents.len() == 1, "frame {number}: {} agents", tracked.agents.len());
         assert!(numbers(&tracked).iter().all(|&track| track == 1), "frame {number}: {:?}", numbers(&tracked));
     }
+}
+
+/// A ball that came by itself goes behind a thing behind which an arm reaches too.
+#[test]
+fn a_ball_that_rolls_behind_the_thing_that_an_arm_reaches_behind_is_no_agent() {
+    let mut tracker = Tracker::new(Params::default());
+    let mut last = Vec::new();
+    for number in 0..90_i32 {
+        let arm_left = (170 - 3 * (number - 20)).clamp(80, 170);
+        let arm =
+            Patch { left: arm_left, top: 42, width: 160, height: 12, depth_m: 1.14, color: [40, 70, 190] };
+        let ball_left = (2 * (number - 10)).clamp(-20, 50);
+        let ball =
+            Patch { left: ball_left, top: 56, width: 14, height: 14, depth_m: 1.1, color: [60, 160, 60] };
+        last = numbers(&follow(&mut tracker, &[THING, arm, ball], number as u64));
+    }
+    assert!(last.len() == 2, "the thing and the ball: {last:?}");
 }
 
 /// A hand comes out from behind a thing that hides the wrist. A regression: the hand was a new thing.
