@@ -357,7 +357,8 @@ mod tests {
         (0..3).for_each(|_| thrown_look.add([200, 30, 30]));
         thrown_look.add([30, 30, 200]);
         seen_look.add([30, 30, 200]);
-        [&mut thrown_look, &mut seen_look].map(Look::finish);
+        thrown_look.finish();
+        seen_look.finish();
         let found = |x_m: f64, area_m2, m_per_s: f64| {
             let thrown = Track {
                 area_m2: 0.01,

@@ -162,18 +162,15 @@ impl Memory {
             return self.scene.seen.clone();
         }
         let mut predicted = predict(&self.scene, view, changed, &mut self.tracks, self.pace.frame_s);
-        let is_in_place = |owner: Key| {
-            let is_there = |track: &Track| {
-                let is_own = track.part_of.is_none() && !track.is_agent_part();
-                is_own && track.rest.is_some() && !track.has_drifted() && track.gone_since.is_none()
-            };
-            self.tracks.get(&owner).is_some_and(is_there) && !self.happenings.is_handled(owner)
+        let is_expected = |owner: Key| {
+            let is_thing =
+                |track: &Track| track.rest.is_some() && track.part_of.is_none() && !track.is_agent_part();
+            self.tracks.get(&owner).is_some_and(is_thing) && !self.happenings.is_handled(owner)
         };
         // A thing does not pass before itself or what it came off.
         let passes = |key: Key, owner: Key| {
-            let track = self.tracks.get(&key).filter(|track| !track.is_moving);
-            let may_pass = track.is_some_and(|track| !track.may_be_part_of(owner));
-            may_pass && self.root(key) != owner && is_in_place(owner)
+            let may_pass = self.tracks.get(&key).is_some_and(|track| !track.may_be_part_of(owner));
+            may_pass && self.root(key) != owner && is_expected(owner)
         };
         self.rested.predict_again(&mut predicted, (&self.scene, view), passes);
         predicted
