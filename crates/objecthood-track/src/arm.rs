@@ -81,8 +81,8 @@ impl Memory {
     }
 
     /// Notes which things of the first frame are joined to the border of the image by structure alone: these
-    /// are no parts of an arm, unless they are its fingers. `structure`: the plane at each pixel, 0 = none; of another size if it is not
-    /// known. O(n).
+    /// are no parts of an arm, unless they are its fingers. `structure`: the plane at each pixel, 0 = none;
+    /// of another size if it is not known. O(n).
     pub(crate) fn note_apart(&mut self, structure: &[u16], view: &View) {
         if self.frame > 0 || structure.len() != view.inverse.len() {
             return;
@@ -119,16 +119,19 @@ fn may_be_arm(track: &Track) -> bool {
     track.rest.is_some() && track.was_never_handled() && !track.is_agent_part()
 }
 
+/// The track as it was last seen by this frame.
+fn seen_by(track: &Track, by: u64) -> Option<&Sample> {
+    track.samples.iter().rfind(|sample| sample.frame <= by)
+}
+
 /// Whether a track that may be an arm had begun to move by this frame.
 fn begun_at_once(track: &Track, by: u64) -> bool {
-    let then = track.samples.iter().rfind(|sample| sample.frame <= by);
-    then.is_some_and(|then| then.moves || moved_m(track, then) > BEGUN_M)
+    seen_by(track, by).is_some_and(|then| then.moves || moved_m(track, then) > BEGUN_M)
 }
 
 /// How far and where to (m) a track was from where it rested, when it was last seen by this frame.
 fn shift_by(track: &Track, by: u64) -> Option<DVec3> {
-    let then = track.samples.iter().rfind(|sample| sample.frame <= by)?;
-    Some(then.center - track.rest?.center)
+    Some(seen_by(track, by)?.center - track.rest?.center)
 }
 
 /// Whether a track that may be an arm has moved far enough, by its motions or by where it is seen.

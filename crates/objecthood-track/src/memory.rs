@@ -163,9 +163,7 @@ impl Memory {
         }
         let mut predicted = predict(&self.scene, view, changed, &mut self.tracks, self.pace.frame_s);
         let is_expected = |owner: Key| {
-            let is_thing =
-                |track: &Track| track.rest.is_some() && track.part_of.is_none() && !track.is_agent_part();
-            self.tracks.get(&owner).is_some_and(is_thing) && !self.happenings.is_handled(owner)
+            self.tracks.get(&owner).is_some_and(Track::rested_alone) && !self.happenings.is_handled(owner)
         };
         // A thing does not pass before itself or what it came off.
         let passes = |key: Key, owner: Key| {

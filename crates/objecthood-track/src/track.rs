@@ -437,6 +437,11 @@ impl Track {
         self.moved_off.or(self.inside_of)
     }
 
+    /// Whether it rested, and is a part neither of another track nor of an agent.
+    pub(crate) fn rested_alone(&self) -> bool {
+        self.rest.is_some() && self.part_of.is_none() && !self.is_agent_part()
+    }
+
     /// Whether it may be a part of another track, or was seen as one with it before.
     pub(crate) fn may_be_part_of(&self, whole: u32) -> bool {
         self.part_from() == Some(whole) || self.came_off == Some(whole)

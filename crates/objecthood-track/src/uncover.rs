@@ -47,8 +47,8 @@ impl Memory {
             let Ok(own) = u16::try_from(segments.len() + 1) else { return };
             // The hand may have hidden the thing itself.
             let rested = self.rested_surface(&pixels, measure.view);
-            let is_its_own =
-                rested.is_some_and(|key| overlap.is_held_by(k, key) && !self.tracks[&key].has_drifted());
+            let stays = |key: &Key| self.tracks.get(key).is_some_and(|track| !track.has_drifted());
+            let is_its_own = rested.filter(stays).is_some_and(|key| overlap.is_held_by(k, key));
             if is_its_own || !hidden.iter().any(fits) {
                 continue;
             }
@@ -65,11 +65,7 @@ impl Memory {
 
     /// Whether a known thing is predicted nowhere.
     fn is_hidden(&self, key: Key, overlap: &Overlap) -> bool {
-        let track = &self.tracks[&key];
-        track.rest.is_some()
-            && !track.is_agent_part()
-            && track.part_of.is_none()
-            && !overlap.predicted.contains_key(&key)
+        self.tracks[&key].rested_alone() && !overlap.predicted.contains_key(&key)
     }
 
     /// Whether a segment shows a known thing, and much that no track should show.
