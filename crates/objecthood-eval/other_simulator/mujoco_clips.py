@@ -6,8 +6,8 @@
     objecthood track clips/drop1 --out found/drop1
     objecthood eval --tracks found/drop1 --truth clips/drop1
 
-The same kind and seed make the same clip. Truth are the masks, what stands on what, and what is in the air. Of events only `airborne` is written,
-so the figures of events say nothing. Lengths are metres, times seconds, angles degrees.
+The same kind and seed make the same clip. Truth are the masks, what stands on what, and what happened (`mujoco_events.py`). Lengths are
+metres, times seconds, angles degrees.
 """
 
 import argparse
@@ -20,6 +20,8 @@ import mujoco  # noqa: E402  reads the variable
 import numpy as np  # noqa: E402
 from PIL import Image  # noqa: E402
 from scipy.ndimage import gaussian_filter  # noqa: E402
+
+from mujoco_events import Tape, events  # noqa: E402
 
 WIDTH, HEIGHT, FIELD_DEG = 640, 480, 48.0
 FOCAL_PX = HEIGHT / 2 / np.tan(np.radians(FIELD_DEG / 2))
@@ -274,6 +276,22 @@ class World:
     def is_held(self, k):
         return self.kind in ("pick", "wait") and bool(self.data.eq_active[self.model.equality(f"weld{k}").id])
 
+    def bottom_m(self, k):
+        """The height of the lowest point of a thing."""
+        model, lowest_m = self.model, np.inf
+        for g in np.flatnonzero(model.geom_bodyid == self.bodies[k]):
+            size, up = model.geom_size[g], self.data.geom_xmat[g].reshape(3, 3)[2]
+            form = mujoco.mjtGeom(model.geom_type[g]).name
+            reach_m = {
+                "mjGEOM_SPHERE": size[0],
+                "mjGEOM_BOX": np.abs(up) @ size,
+                "mjGEOM_ELLIPSOID": np.linalg.norm(up * size),
+                "mjGEOM_CAPSULE": size[0] + abs(up[2]) * size[1],
+                "mjGEOM_CYLINDER": size[0] * np.hypot(up[0], up[1]) + abs(up[2]) * size[1],
+            }[form]
+            lowest_m = min(lowest_m, self.data.geom_xpos[g][2] - reach_m)
+        return float(lowest_m)
+
 
 def kinect(depth_m, rng):
     """Depth (m) as a Kinect gives it: eighths of a pixel of disparity, noise that neighbours share, shaking edges, shadows; 0 = none."""
@@ -292,10 +310,21 @@ def kinect(depth_m, rng):
     return measured_m
 
 
-def intervals(flags, least):
-    """Runs of true of at least so many frames: first and last frame."""
-    edges = np.flatnonzero(np.diff([False, *flags, False]))
-    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2]) if b - a >= least]
+class Alone:
+    """Renders a thing as if nothing hid it, in a quarter of the image's width and height."""
+
+    def __init__(self, world):
+        self.world, self.renderer = world, mujoco.Renderer(world.model, HEIGHT // 4, WIDTH // 4)
+        self.renderer.enable_segmentation_rendering()
+        self.shown = mujoco.MjvOption()
+        self.shown.geomgroup[:] = [0, 1, 0, 0, 0, 0]
+
+    def mask(self, instance):
+        model = self.world.model
+        model.geom_group[:] = self.world.instances == instance
+        self.renderer.update_scene(self.world.data, camera="camera", scene_option=self.shown)
+        model.geom_group[:] = 0
+        return self.renderer.render()[..., 0] >= 0
 
 
 def write_clip(kind, seed, folder):
@@ -307,7 +336,7 @@ def write_clip(kind, seed, folder):
     (folder / "camera.json").write_text(json.dumps({**camera, "depth_scale": DEPTH_SCALE}))
     renderer, steps = mujoco.Renderer(world.model, HEIGHT, WIDTH), 0
     lists = {name: [] for name in ("rgb.txt", "depth.txt", "truth.jsonl", "support.jsonl", "events.jsonl")}
-    flights = {FIRST_THING + k: [] for k in range(len(world.bodies))}
+    tapes, alone = {FIRST_THING + k: Tape(FIRST_THING + k) for k in range(len(world.bodies))}, Alone(world)
     for frame in range(int(SECONDS[kind] * frames_per_s)):
         time_s = frame / frames_per_s
         while steps * STEP_S < time_s:
@@ -326,25 +355,31 @@ def write_clip(kind, seed, folder):
         lists["depth.txt"].append(f"{stem} depth/{stem}.png")
         solids = []
         for instance, touching in world.contacts().items():
-            k, visible_px = instance - FIRST_THING, int((truth == instance).sum())
-            is_free = k not in world.parked and not world.is_held(k) and not touching
-            flights[instance].append(is_free and visible_px > 0)
-            solids.append(dict(instance=instance, airborne=flights[instance][-1]))
+            k, tape, visible_px = instance - FIRST_THING, tapes[instance], int((truth == instance).sum())
+            small, mask = truth[2::4, 2::4], alone.mask(instance)
+            before = small[mask & (small != instance)]
+            tape.seen_px.append(int((small == instance).sum()))
+            tape.alone_px.append(int(mask.sum()))
+            tape.hider.append(int(np.bincount(before).argmax()) if before.size else None)
+            tape.bottom_m.append(world.bottom_m(k))
+            tape.center_m.append(world.data.xipos[world.bodies[k]].tolist())
+            tape.is_moved.append(world.is_held(k) or any(other == HAND for other, _ in touching))
+            tape.is_free.append(k not in world.parked and not world.is_held(k) and not touching)
+            solids.append(dict(instance=instance, airborne=tape.is_free[-1] and visible_px > 0))
             below = [(up, other) for other, up in touching if up > 0.35 and other != HAND]
+            parent = max(below)[1] if below else None
+            tape.parent.append(parent if parent is None or parent >= FIRST_THING else 0)
             if below and visible_px > 30:
-                parent = max(below)[1]
-                edge = dict(frame=frame, child=instance, parent=parent if parent >= FIRST_THING else 0, kind="on")
+                edge = dict(frame=frame, child=instance, parent=tape.parent[-1], kind="on")
                 lists["support.jsonl"].append(json.dumps(edge))
         lists["truth.jsonl"].append(json.dumps(dict(frame=frame, time=time_s, solids=solids)))
-    for instance, flags in flights.items():
-        for start, end in intervals(flags, 5):
-            event = dict(frame=start, type="airborne", object=instance, other=None, start=start, end=end)
-            lists["events.jsonl"].append(json.dumps(event))
+    happened = [event for tape in tapes.values() for event in events(tape, frames_per_s, HAND)]
+    lists["events.jsonl"] = [json.dumps(event) for event in sorted(happened, key=lambda event: event["frame"])]
     for name, lines in lists.items():
         (folder / name).write_text("".join(f"{line}\n" for line in lines))
     agents = [HAND] if kind in WITH_HAND else []
     roles = {FLOOR: "room", WALL: "room", TABLE: "furniture"}
-    roles |= {instance: "object" for instance in flights} | {agent: "agent" for agent in agents}
+    roles |= {instance: "object" for instance in tapes} | {agent: "agent" for agent in agents}
     solids = [dict(instance=instance, role=role) for instance, role in roles.items()]
     clip = dict(clip=kind, seed=seed, fps=frames_per_s, agents=agents, groups=[], solids=solids)
     (folder / "clip.json").write_text(json.dumps(clip))
