@@ -47,6 +47,9 @@ const CUT: [f64; 2] = [12.0, 8.0];
 const FAR_M: [f64; 2] = [0.05, 0.025];
 /// A point fits within the first number of standard deviations of depth, and the second of grey.
 const FIT: [f64; 2] = [3.5, 8.0];
+/// Beyond this many standard deviations a residual counts no more when two motions are compared: a few points in
+/// the shadow of something that passes tell nothing.
+const GAIN_CUT: f64 = 3.5;
 /// Something stands before a point if it is nearer by this (m).
 const COVERED_M: f64 = 0.02;
 /// Weak prior for no motion: inverse variances of shift (1/m²) and turn (1/rad²).
@@ -110,9 +113,9 @@ pub(crate) fn open_fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> f
 }
 
 /// By how much better one motion explains what is seen than another one (such as rest) does. It is the
-/// difference of their mean squared residuals, in standard deviations, each cut off where a residual does not
-/// count in [`fit`]. Points before which, by the other motion, something nearer stands now are left out;
-/// `None` if too few remain.
+/// difference of their mean squared residuals, in standard deviations, each cut off at [`GAIN_CUT`]. A point that
+/// the first motion takes out of view counts as cut off. Points before which, by the other motion, something nearer stands
+/// now are left out; `None` if too few remain.
 pub(crate) fn gain(points: &[SurfacePoint], view: &View, rigid: &Rigid, other: &Rigid) -> Option<f64> {
     let (mut open, mut gain) = (0_usize, 0.0);
     for point in points {
@@ -123,10 +126,28 @@ pub(crate) fn gain(points: &[SurfacePoint], view: &View, rigid: &Rigid, other: &
         }
         open += 1;
         let by_this = residual(point, rigid.point(point.at), view);
-        let most = FIT[0].powi(2) + FIT[1].powi(2);
+        let most = GAIN_CUT.powi(2) * if point.grey.is_some() { 2.0 } else { 1.0 };
         gain += by_other.square(z, view) - by_this.map_or(most, |residual| residual.square(z, view));
     }
     (open >= LEAST_POINTS).then(|| gain / open as f64)
+}
+
+/// By how much better than one motion the next Gauss-Newton step promises to explain what is seen: the decrease of
+/// the mean square of residuals, in standard deviations; 0 if too few points can be found there. One pass over the
+/// points.
+pub(crate) fn promised_gain(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> f64 {
+    let center = points.iter().map(|point| point.at).sum::<DVec3>() / points.len().max(1) as f64;
+    let middle = rigid.point(center);
+    let mut system = System::default();
+    points.iter().for_each(|point| system.add(point, view, rigid, middle, FAR_M[0]));
+    match system.solve(6) {
+        Some(step) if system.used >= LEAST_POINTS => {
+            let less: f64 = step.iter().zip(system.g).map(|(step, slope)| -step * slope).sum();
+            // Noise alone promises 1 for each unknown.
+            (less - 6.0) / system.used as f64
+        }
+        _ => 0.0,
+    }
 }
 
 /// What is seen at a point minus what was remembered: depth (m), grey value (levels; 0 without colour).
@@ -142,8 +163,8 @@ impl Residual {
     }
 
     fn square(&self, z: f64, view: &View) -> f64 {
-        (self.depth / view.sigma_m(z)).abs().min(FIT[0]).powi(2)
-            + (self.grey / SIGMA_GREY).abs().min(FIT[1]).powi(2)
+        (self.depth / view.sigma_m(z)).abs().min(GAIN_CUT).powi(2)
+            + (self.grey / SIGMA_GREY).abs().min(GAIN_CUT).powi(2)
     }
 }
 

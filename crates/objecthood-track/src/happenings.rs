@@ -21,7 +21,7 @@ pub(crate) const LIFTED_M: f64 = 0.02;
 /// At least this share of the rise is explained by motions that were found.
 const LEAST_FOUND: f64 = 0.5;
 /// A thing stays where it is if at least this share of its pixels shows what rested there.
-const STAYS: f64 = 0.8;
+pub(crate) const STAYS: f64 = 0.8;
 /// A thing begins to rise when it has moved up by this (m).
 const OFF_M: f64 = 0.005;
 /// A thing is displaced if it moved by this between rest and rest (m), half of it by motions that were found.

@@ -10,6 +10,7 @@ use crate::agent::{Agents, Things};
 use crate::associate::{MEMORY_S, YOUNG_MEMORY_FRAMES};
 use crate::bits::Bits;
 use crate::camera::{CameraMotion, Place};
+use crate::field::Fields;
 use crate::happenings::Happenings;
 use crate::ingredient::Ingredient;
 use crate::knowledge::Knowledge;
@@ -41,6 +42,9 @@ pub(crate) struct Memory {
     pub(crate) pace: Pace,
     pub(crate) pauses: Pauses,
     pub(crate) camera: CameraMotion,
+    /// The last frame in which the camera moved.
+    pub(crate) camera_moved: Option<u64>,
+    pub(crate) fields: Fields,
     pub(crate) scene: Scene,
     pub(crate) rested: Rested,
     pub(crate) agents: Agents,
@@ -75,6 +79,8 @@ impl Memory {
             pace: Pace::UNKNOWN,
             pauses: Pauses::default(),
             camera: CameraMotion::new(),
+            camera_moved: None,
+            fields: Fields::default(),
             scene: Scene::empty(size),
             rested: Rested::empty(size),
             agents: Agents::none(size),
@@ -106,12 +112,13 @@ impl Memory {
         self.pauses.add(pause_s);
 
         let still = (!self.has(Ingredient::Camera)).then_some(Rigid::IDENTITY);
-        let place = self.camera.follow(view, pose.or(still), wide(found.up.direction));
+        let place = self.camera.follow(view, &self.agents.region, pose.or(still), wide(found.up.direction));
         if place.is_lost {
             notices.push(TrackNotice::CameraLost);
             self.lose_places(view.size);
         }
         if place.moves {
+            self.camera_moved = Some(self.frame);
             self.scene.carry(&place, view);
             self.rested.carry(&place, view);
             self.tracks.values_mut().for_each(|track| track.surface.carry(&place.step));

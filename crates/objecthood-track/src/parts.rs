@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use crate::happening::{Happening, Other};
-use crate::happenings::REACHED_S;
+use crate::happenings::{REACHED_S, STAYS};
 use crate::ingredient::Ingredient;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
@@ -144,7 +144,12 @@ impl Memory {
                     .find(|s| s.frame >= track.first.frame)
                     .map_or(0.0, |s| moved(other, s.center)),
             );
-            if own.max(others) > PARTED_M
+            // From elsewhere other parts of a thing are seen, and its middle seems to move.
+            let moved_one = if own > others { track } else { other };
+            let camera_moved = self.camera_moved.is_some_and(|frame| frame >= track.first.frame);
+            let may_have_moved = !camera_moved || moved_one.last.in_place < STAYS;
+            if may_have_moved
+                && own.max(others) > PARTED_M
                 && (own - others).abs() > PARTED_M
                 && (track.drift.length().max(other.drift.length()) > PARTED_M
                     || track.is_off_thing && own > SHIFTED_M && are_alike(track.first.px, track.last.px)

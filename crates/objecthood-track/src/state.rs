@@ -10,7 +10,7 @@ use crate::numbering::Numbering;
 use crate::tracker::Tracker;
 
 /// The beginning of a state. The number changes with what the tracker remembers.
-const HEAD: &[u8] = b"objecthood tracker, state 15\n";
+const HEAD: &[u8] = b"objecthood tracker, state 16\n";
 /// Bytes of the checksum that follows.
 const SUM: usize = 32;
 

@@ -103,7 +103,7 @@ impl Tracker {
         crate::error::check_labels(frame, found)?;
         let noise =
             found.estimates.map_or(1.0, |estimates| estimates.noise.white.max(estimates.noise.waves()));
-        let view = View::of(frame, (noise as f32).clamp(1.0, 5.0));
+        let mut view = View::of(frame, (noise as f32).clamp(1.0, 5.0)).with_planes(found);
         let (mut notices, mut ended) = (Vec::new(), Vec::new());
         if self.memory.as_ref().is_some_and(|memory| memory.scene.size() != view.size) {
             notices.push(TrackNotice::OtherSize);
@@ -114,6 +114,7 @@ impl Tracker {
             self.memory = Some(Memory { numbers: numbers.unwrap_or_default().without_agents(), ..fresh });
         }
         let memory = self.memory.get_or_insert_with(|| Memory::new(view.size, stamp_s, self.without.clone()));
+        view.field = memory.fields.widen(view.field, stamp_s);
         self.numbering.take(memory.frame);
         let mut tracked = memory.update(&view, (found, doubtful), stamp_s, pose, notices);
         self.number(&mut tracked.events);

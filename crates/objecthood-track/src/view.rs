@@ -1,7 +1,8 @@
 //! A frame as the tracker sees it.
 
-use glam::DVec3;
-use objecthood::{Camera, Frame};
+use glam::{DVec3, Vec3};
+use objecthood::discovery::StructurePlane;
+use objecthood::{Camera, Discovery, Frame};
 
 use crate::field::Field;
 
@@ -25,6 +26,10 @@ pub(crate) struct View {
     pub(crate) field: Field,
     /// How much noisier than a Kinect the sensor is; at least 1.
     pub(crate) noise: f32,
+    /// The plane of structure at every pixel, counted from 1, 0 = none, and the unit normals of the planes. Both are
+    /// empty if they are not known.
+    structure: Vec<u16>,
+    planes: Vec<Option<DVec3>>,
 }
 
 /// The pixel in a column and row, if it is in the image, then those to its right and below it. Pixels that
@@ -50,7 +55,18 @@ impl View {
             .map(|&[r, g, b]| ((77 * u32::from(r) + 150 * u32::from(g) + 29 * u32::from(b)) >> 8) as u8)
             .collect();
         let field = Field::of(frame);
-        Self { size: frame.size(), camera: frame.camera(), inverse, grey, color, field, noise }
+        let (size, camera) = (frame.size(), frame.camera());
+        Self { size, camera, inverse, grey, color, field, noise, structure: Vec::new(), planes: Vec::new() }
+    }
+
+    /// With the planes of structure that were found in the frame; without, if their image has another size. O(n).
+    pub(crate) fn with_planes(mut self, found: &Discovery) -> Self {
+        if found.structure.size() == self.size {
+            self.structure = found.structure.as_slice().to_vec();
+            let normal = |plane: &StructurePlane| Vec3::from(plane.normal).as_dvec3().try_normalize();
+            self.planes = found.structure_planes.iter().map(normal).collect();
+        }
+        self
     }
 
     /// The point (m) of a pixel with depth.
@@ -83,8 +99,19 @@ impl View {
         self.project(p).map(|(u, v)| (v + 0.5) as usize * self.size.0 + (u + 0.5) as usize)
     }
 
-    /// The unit normal of the surface at a pixel, from its inverse depth, which is linear on planes.
+    /// Whether a pixel lies on a plane of structure.
+    pub(crate) fn is_structure(&self, pixel: usize) -> bool {
+        self.structure.get(pixel).is_some_and(|&plane| plane > 0)
+    }
+
+    /// The unit normal of the surface at a pixel: that of its plane of structure. Elsewhere it is taken from
+    /// inverse depth, which is linear on planes. There it has the noise of a few pixels: with it, a table would
+    /// seem to tell how the camera moves along it.
     pub(crate) fn normal(&self, pixel: usize) -> Option<DVec3> {
+        let plane = self.structure.get(pixel).and_then(|&plane| usize::from(plane).checked_sub(1));
+        if let Some(normal) = plane.and_then(|plane| self.planes.get(plane).copied().flatten()) {
+            return Some(normal);
+        }
         let (width, height) = self.size;
         let (u, v) = (pixel % width, pixel / width);
         let here = self.inverse[pixel];
@@ -110,6 +137,23 @@ impl View {
         let Camera { fx_px, fy_px, cx_px, cy_px } = self.camera;
         let at_center = f64::from(here) - along * (u as f64 - cx_px) - down * (v as f64 - cy_px);
         DVec3::new(along * fx_px, down * fy_px, at_center).try_normalize().map(|n| -n)
+    }
+
+    /// How much grey values change at a pixel (levels per pixel, squared), over this many pixels to each side: over
+    /// two neighbours alone, it is noise. `None` without colour, and where depth jumps or is not measured so far
+    /// around: what is seen at the edge of a thing changes with the view.
+    pub(crate) fn change_within_surface(&self, u: usize, v: usize, reach: usize) -> Option<f64> {
+        let (width, height) = self.size;
+        if self.grey.is_empty() || u < reach || v < reach || u + reach >= width || v + reach >= height {
+            return None;
+        }
+        let pixel = v * width + u;
+        let here = self.inverse[pixel];
+        let beside = [pixel - reach, pixel + reach, pixel - reach * width, pixel + reach * width];
+        let is_same = |&at: &usize| (self.inverse[at] - here).abs() < SAME_SURFACE * here;
+        let [left, right, above, below] = beside.map(|at| f64::from(self.grey[at]));
+        let square = ((right - left).powi(2) + (below - above).powi(2)) / (2.0 * reach as f64).powi(2);
+        (here > 0.0 && beside.iter().all(is_same)).then_some(square)
     }
 
     /// The grey value between pixels, and its change a column and a row.
@@ -145,5 +189,29 @@ impl View {
         /// Of a Kinect: 1.2 mm at 1 m, growing with the square (K. Khoshelham, S. O. Elberink, Sensors 12, 2012).
         const KINECT_M: f64 = 0.0012;
         KINECT_M * z_m * z_m * f64::from(self.noise)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use objecthood::Raster;
+
+    use super::*;
+
+    #[test]
+    fn planes_give_normals_where_they_are_known_and_sound() {
+        let plane = |normal| StructurePlane { normal, offset_m: 1.0, inlier_share: 1.0 };
+        let normal = |size: (usize, usize), of_plane: [f32; 3]| {
+            let depth_m = Raster::filled(20, 20, 1.0).unwrap();
+            let frame = Frame::new(depth_m, None, Camera::new(20.0, 20.0, 9.5, 9.5).unwrap()).unwrap();
+            let mut found = Discovery::new(Vec::new(), Raster::filled(20, 20, 0).unwrap());
+            found.structure = Raster::filled(size.0, size.1, 1).unwrap();
+            found.structure_planes = vec![plane(of_plane)];
+            View::of(&frame, 1.0).with_planes(&found).normal(10 * 20 + 10).unwrap()
+        };
+        let tilted = DVec3::new(0.6, 0.0, -0.8);
+        assert!((normal((20, 20), [1.2, 0.0, -1.6]) - tilted).length() < 1e-6);
+        assert!((normal((20, 20), [f32::NAN; 3]) - DVec3::NEG_Z).length() < 1e-6, "it is no direction");
+        assert!((normal((10, 20), [0.6, 0.0, -0.8]) - DVec3::NEG_Z).length() < 1e-6, "of another size");
     }
 }
