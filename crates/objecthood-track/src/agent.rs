@@ -117,14 +117,19 @@ impl Agents {
             front.unite(&Bits::of(view.size, |pixel| things.arms.contains(&scene.seen[pixel])));
         }
         let front = front.dilated(close).eroded(close);
-        let on_border = |&&pixel: &&usize| view.is_border(pixel);
-        let (least_px, least_border) = (view.px(LEAST_PX), view.length_px(LEAST_BORDER_PX));
         let mut old = std::mem::take(&mut self.all);
+        // Where a surface at the end of the sensor's reach loses its depth, nothing has come. Without colour this
+        // cannot be told from a dark sleeve.
+        let has_come = |pixel: usize| scene.is_in_front(view, pixel) || changed.has(pixel);
+        let may_have_come = |pixel: usize| view.color.is_empty() || has_come(pixel);
+        let (least_px, least_border) = (view.px(LEAST_PX), view.length_px(LEAST_BORDER_PX));
         self.free.clear();
         let components = front.components().into_iter().filter(|component| component.len() >= least_px);
+        let is_known = |pixel: usize| old.iter().any(|agent| agent.number > 0 && agent.mask.has(pixel));
         let region = |pixels: Vec<usize>| {
-            let is_at_border = pixels.iter().filter(on_border).count() >= least_border;
-            Region { is_at_border, pixels }
+            let on_border = pixels.iter().filter(|&&pixel| view.is_border(pixel));
+            let came = on_border.filter(|&&pixel| may_have_come(pixel) || is_known(pixel)).count();
+            Region { is_at_border: came >= least_border, pixels }
         };
         let mut regions: Vec<Region> = components.map(region).collect();
         let joined = std::mem::replace(&mut self.behind, Bits::none(view.size));
@@ -164,8 +169,7 @@ impl Agents {
             let share = |holds: &dyn Fn(usize) -> bool| {
                 component.iter().filter(|&&pixel| holds(pixel)).count() as f64 / component.len() as f64
             };
-            let is_measured =
-                share(&|pixel| scene.is_in_front(view, pixel) || changed.has(pixel)) >= LEAST_MEASURED;
+            let is_measured = share(&has_come) >= LEAST_MEASURED;
             let is_still = share(&|pixel| scene.is_before_nothing(pixel)) > MOST_BEFORE_NOTHING
                 && share(&|pixel| changed.has(pixel)) < LEAST_ALIVE;
             let still = if is_still { before.as_ref().map_or(0, |agent| agent.still + 1) } else { 0 };

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::agent::Agent;
 use crate::bits::Bits;
+use crate::knowledge::pair;
 use crate::memory::{Look, Memory};
 use crate::scene::Key;
 use crate::track::{Sample, Track, is_as_whole};
@@ -25,6 +26,9 @@ const OF_AGENT: f64 = 0.5;
 const OF_ITS_COLORS: f64 = 0.5;
 /// or has moved as the arm has, with less than this share of the way between them.
 const ALIKE_SHARE: f64 = 0.25;
+/// By the sum of the motions that were found, less than this share: that of a sleeve, which slides through the border
+/// of the image, is known roughly.
+const ROUGHLY_ALIKE_SHARE: f64 = 0.6;
 
 impl Memory {
     /// Handles agents that became sure a short while ago but did not come in from the border: they were there
@@ -73,11 +77,17 @@ impl Memory {
     fn is_finger(&self, key: Key, arm: Key, by: u64) -> bool {
         let [track, arm_track] = [key, arm].map(|key| &self.tracks[&key]);
         let looks_like_it = track.look.share_of(&arm_track.look).is_some_and(|share| share >= OF_ITS_COLORS);
-        let moves_alike = shift_by(track, by).zip(shift_by(arm_track, by)).is_some_and(|(own, arms)| {
-            arms.length() > MOVED_M && (own - arms).length() < ALIKE_SHARE * arms.length()
-        });
-        self.knowledge.touched_at_rest(key, arm)
-            && (moves_alike || looks_like_it && track.area_m2 < arm_track.area_m2)
+        let is_alike = |own: DVec3, arms: DVec3, share: f64| {
+            arms.length() > MOVED_M && (own - arms).length() < share * arms.length()
+        };
+        // The middle of what is seen of an arm does not move as the arm does.
+        let moves_alike = is_alike(shift_by(track, by), shift_by(arm_track, by), ALIKE_SHARE)
+            || is_alike(track.drift, arm_track.drift, ROUGHLY_ALIKE_SHARE);
+        // Of a part that never rested, no touch at rest is known. What a hand came to push does touch it now.
+        let never_rested = track.rest.is_none() || arm_track.rest.is_none();
+        let touches = never_rested && self.touched.contains(&pair(key, arm))
+            || self.knowledge.touched_at_rest(key, arm);
+        touches && (moves_alike || looks_like_it && track.area_m2 < arm_track.area_m2)
     }
 
     /// Notes which things of the first frame are joined to the border of the image by structure alone: these
@@ -114,9 +124,10 @@ impl Memory {
     }
 }
 
-/// Whether a track rested from the first frame on, and nothing was done to it.
+/// Whether a track was there from the first frame on, and nothing was done to it. Frames may show a hand in
+/// changing pieces, so that it never rests.
 fn may_be_arm(track: &Track) -> bool {
-    track.rest.is_some() && track.was_never_handled() && !track.is_agent_part()
+    (track.rest.is_some() || track.first.frame == 0) && track.was_never_handled() && !track.is_agent_part()
 }
 
 /// The track as it was last seen by this frame.
@@ -129,9 +140,14 @@ fn begun_at_once(track: &Track, by: u64) -> bool {
     seen_by(track, by).is_some_and(|then| then.moves || moved_m(track, then) > BEGUN_M)
 }
 
-/// How far and where to (m) a track was from where it rested, when it was last seen by this frame.
-fn shift_by(track: &Track, by: u64) -> Option<DVec3> {
-    Some(seen_by(track, by)?.center - track.rest?.center)
+/// How far and where to (m) a track was from where it rested, or was at first, when it was last seen by this frame.
+fn shift_by(track: &Track, by: u64) -> DVec3 {
+    seen_by(track, by).map_or(DVec3::ZERO, |then| then.center - at_first(track).0)
+}
+
+/// Where the middle of a track was when it rested, or else at first, and how many pixels it had then.
+fn at_first(track: &Track) -> (DVec3, usize) {
+    track.rest.map_or((track.first.center, track.first.px), |rest| (rest.center, rest.px))
 }
 
 /// Whether a track that may be an arm has moved far enough, by its motions or by where it is seen.
@@ -139,12 +155,12 @@ fn has_moved(track: &Track) -> bool {
     track.drift.length().max(moved_m(track, &track.last)) > MOVED_M
 }
 
-/// How far (m) from where it rested a track was; 0 if that cannot be told. If a part of a thing is hidden, its
+/// How far (m) from where it rested, or was at first, a track was; 0 if that cannot be told. If a part of a thing is hidden, its
 /// middle shifts, but within its size.
 fn moved_m(track: &Track, sample: &Sample) -> f64 {
-    let Some(rest) = track.rest else { return 0.0 };
-    let moved_m = (sample.center - rest.center).length();
-    let is_sure = is_as_whole(sample.px, rest.px) || moved_m > track.area_m2.sqrt();
+    let (center, px) = at_first(track);
+    let moved_m = (sample.center - center).length();
+    let is_sure = is_as_whole(sample.px, px) || moved_m > track.area_m2.sqrt();
     if is_sure { moved_m } else { 0.0 }
 }
 

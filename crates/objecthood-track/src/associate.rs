@@ -34,6 +34,12 @@ const MOST_LOOK_AT_AGENT: f64 = 0.35;
 /// Reach (m): at once, and in addition for each thirtieth of a second, up to eight of them.
 const REACH_M: [f64; 2] = [0.07, 0.06];
 const REACH_STEPS: f64 = 8.0;
+/// What came in flying, and was never seen at rest, may be as fast as this (m/s).
+const THROWN_M_PER_S: f64 = 6.0;
+/// for at most this long (s): two frames at 15 a second.
+const THROWN_S: f64 = 0.14;
+/// Of what flies, more than this share of its pixels has changed.
+const FLYING: f64 = 0.9;
 /// A confirmed track can be found again for this long (s), any other for this many frames.
 pub(crate) const MEMORY_S: f64 = 5.0;
 pub(crate) const YOUNG_MEMORY_FRAMES: f64 = 2.5;
@@ -253,11 +259,17 @@ pub(crate) fn found_again(segment: &Segment, track: &Track, now_s: f64, pace: Pa
     // A thing that was turned, or was in a shadow, has another look. So has one that tumbles.
     let may_look_other = (is_uncovered || goes_on) && ratio < SAME_SIZE;
     let most_look = if may_look_other { MOST_LOOK_OTHER } else { MOST_LOOK };
+    let was_thrown = !track.is_confirmed()
+        && track.rest.is_none()
+        && away_s < THROWN_S
+        && track.last.changed.min(segment.changed) > FLYING;
+    let looks_like_it = look < MOST_LOOK_AT_AGENT && ratio < SAME_SIZE;
     let reach = reach_m(away_s);
-    if look > most_look || size > MOST_SIZE || distance > reach {
+    let most = if was_thrown && looks_like_it { reach.max(THROWN_M_PER_S * away_s) } else { reach };
+    if look > most_look || size > MOST_SIZE || distance > most {
         return None;
     }
-    let cost = look + 0.4 * size + 0.5 * distance / reach;
+    let cost = look + 0.4 * size + 0.5 * (distance / reach).min(1.0);
     (cost < 1.0).then_some(1.0 - cost)
 }
 
@@ -374,6 +386,29 @@ mod tests {
         assert!(!found(0.2, 0.009, 3.0), "beside its path");
         assert!(!found(0.15, 0.005, 3.0), "half as large");
         assert!(!found(0.0, 0.009, 0.0), "it does not move");
+    }
+
+    /// A regression, after frame 24 of `throw71`: a box that flew in at 3 m/s and 15 frames a second was a new thing in each frame.
+    #[test]
+    fn what_flies_in_is_found_again_far_from_where_it_was() {
+        let found = |is_new: bool, color, x_m: f64, away_s: f64| {
+            let mut thrown = Track { area_m2: 0.01, look: look([200, 30, 30]), hits: 1, ..track(0.0) };
+            thrown.rest = thrown.rest.filter(|_| !is_new);
+            (thrown.first.frame, thrown.last.changed) = (7, 1.0);
+            let segment = Segment {
+                area_m2: 0.01,
+                look: look(color),
+                changed: 1.0,
+                center: x_m * DVec3::X,
+                ..Segment::default()
+            };
+            found_again(&segment, &thrown, away_s, Pace { frame_s: 0.067 }).is_some()
+        };
+        assert!(found(true, [200, 30, 30], 0.25, 0.067));
+        assert!(!found(true, [200, 30, 30], 0.5, 0.067), "too fast");
+        assert!(!found(true, [30, 30, 200], 0.25, 0.067), "of another colour");
+        assert!(!found(false, [200, 30, 30], 0.25, 0.067), "it was at rest");
+        assert!(!found(true, [200, 30, 30], 0.8, 0.15), "seen too long ago");
     }
 
     /// A regression, after frame 28 of `pick21` of another simulator: a hand near the camera covered a box in one frame, and took over its number.
