@@ -180,7 +180,10 @@ impl CameraMotion {
         if turn.is_none() && promises_little && fit(&points, view, &self.from_key).0 > LEAST_FIT {
             return Some(Step::NONE);
         }
-        let motion = self.align(&points, view, turn)?;
+        let Some(motion) = self.align(&points, view, turn) else {
+            // What agents hide is no sign of a lost camera.
+            return (2 * points.len() < self.key.len()).then_some(Step::NONE);
+        };
         let gain = gain(&points, view, &motion.rigid, &self.from_key);
         let least = if promises_little { LEAST_GAIN_FAR } else { LEAST_GAIN };
         if gain.is_some_and(|gain| gain < least) {
@@ -381,6 +384,20 @@ mod tests {
             let last_rad = turned_rad.last().unwrap();
             assert!((last_rad - 0.19).abs() < 0.06, "{last_rad} rad, agents over {share}");
         }
+    }
+
+    #[test]
+    fn a_camera_is_not_lost_because_agents_hide_the_scene() {
+        let follow = |motion: &mut CameraMotion, view: &View, agents: &Bits| {
+            motion.follow(view, agents, None, DVec3::NEG_Y).is_lost
+        };
+        // What is seen elsewhere is far from what was there.
+        let [before, after] = [seen(0.0, 1), seen(2.0, 2)];
+        let half = Bits::of(SIZE, |pixel| pixel % SIZE.0 < SIZE.0 / 2);
+        let mut motion = CameraMotion::new();
+        assert!(!follow(&mut motion, &before, &Bits::none(SIZE)));
+        motion.key.retain(|point| point.at.x < 0.0 || point.at.x > 0.25);
+        assert!(!follow(&mut motion, &after, &half));
     }
 
     #[test]
