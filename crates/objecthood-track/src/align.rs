@@ -113,9 +113,9 @@ pub(crate) fn open_fit(points: &[SurfacePoint], view: &View, rigid: &Rigid) -> f
 }
 
 /// By how much better one motion explains what is seen than another one (such as rest) does. It is the
-/// difference of their mean squared residuals, in standard deviations, each cut off at [`GAIN_CUT`]. A point that
-/// the first motion takes out of view counts as cut off. Points before which, by the other motion, something nearer stands
-/// now are left out; `None` if too few remain.
+/// difference of their mean squared residuals, in standard deviations, each cut off at [`GAIN_CUT`]. A point
+/// that the first motion takes out of view counts as cut off. Points before which, by the other motion, something
+/// nearer stands now are left out; `None` if too few remain.
 pub(crate) fn gain(points: &[SurfacePoint], view: &View, rigid: &Rigid, other: &Rigid) -> Option<f64> {
     let (mut open, mut gain) = (0_usize, 0.0);
     for point in points {

@@ -26,8 +26,8 @@ const OF_AGENT: f64 = 0.5;
 const OF_ITS_COLORS: f64 = 0.5;
 /// or has moved as the arm has, with less than this share of the way between them.
 const ALIKE_SHARE: f64 = 0.25;
-/// By the sum of the motions that were found, less than this share: that of a sleeve, which slides through the border
-/// of the image, is known roughly.
+/// By the sum of the motions that were found, less than this share: that of a sleeve, which slides through the
+/// border of the image, is known roughly.
 const ROUGHLY_ALIKE_SHARE: f64 = 0.6;
 
 impl Memory {
@@ -91,13 +91,12 @@ impl Memory {
     }
 
     /// Notes which things of the first frame are joined to the border of the image by structure alone: these
-    /// are no parts of an arm, unless they are its fingers. `structure`: the plane at each pixel, 0 = none;
-    /// of another size if it is not known. O(n).
-    pub(crate) fn note_apart(&mut self, structure: &[u16], view: &View) {
-        if self.frame > 0 || structure.len() != view.inverse.len() {
+    /// are no parts of an arm, unless they are its fingers. Without structure nothing is noted. O(n).
+    pub(crate) fn note_apart(&mut self, view: &View) {
+        if self.frame > 0 || view.structure.is_empty() {
             return;
         }
-        let is_other = |pixel: usize| view.inverse[pixel] > 0.0 && structure[pixel] == 0;
+        let is_other = |pixel: usize| view.inverse[pixel] > 0.0 && !view.is_structure(pixel);
         let components = Bits::of(view.size, is_other).joined(view);
         let at_border =
             components.iter().filter(|component| component.iter().any(|&pixel| view.is_border(pixel)));
@@ -140,7 +139,8 @@ fn begun_at_once(track: &Track, by: u64) -> bool {
     seen_by(track, by).is_some_and(|then| then.moves || moved_m(track, then) > BEGUN_M)
 }
 
-/// How far and where to (m) a track was from where it rested, or was at first, when it was last seen by this frame.
+/// How far and where to (m) a track was from where it rested, or was at first, when it was last seen by this
+/// frame.
 fn shift_by(track: &Track, by: u64) -> DVec3 {
     seen_by(track, by).map_or(DVec3::ZERO, |then| then.center - at_first(track).0)
 }
@@ -155,8 +155,8 @@ fn has_moved(track: &Track) -> bool {
     track.drift.length().max(moved_m(track, &track.last)) > MOVED_M
 }
 
-/// How far (m) from where it rested, or was at first, a track was; 0 if that cannot be told. If a part of a thing is hidden, its
-/// middle shifts, but within its size.
+/// How far (m) from where it rested, or was at first, a track was; 0 if that cannot be told. If a part of a
+/// thing is hidden, its middle shifts, but within its size.
 fn moved_m(track: &Track, sample: &Sample) -> f64 {
     let (center, px) = at_first(track);
     let moved_m = (sample.center - center).length();
@@ -191,7 +191,7 @@ mod tests {
                 let sample = memory.sample(&alone, &[]);
                 memory.tracks.insert(key, Track::new(&alone, sample, true));
             }
-            memory.note_apart(structure, &view);
+            memory.note_apart(&View { structure: structure.to_vec(), ..view.clone() });
             [1, 2, 3].map(|key| {
                 let sample = memory.sample(&of_agent(100), &[]);
                 let track = memory.tracks.get_mut(&key).unwrap();

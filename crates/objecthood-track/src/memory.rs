@@ -126,7 +126,7 @@ impl Memory {
         if place.is_fast && self.agents.sure().next().is_none() {
             self.scene.rest(view);
         }
-        self.scene.rest_on_planes(found.structure.as_slice(), view, self.pace);
+        self.scene.rest_on_planes(view, self.pace);
         let changed = self.scene.changed(view, place.moves);
         if self.has(Ingredient::Agents) {
             let keys = |is_such: &dyn Fn(&Track) -> bool| -> BTreeSet<Key> {
@@ -143,7 +143,7 @@ impl Memory {
 
         let look = self.identify((found, doubtful), view, &changed, place, &predicted);
         self.observe(&look);
-        self.note_apart(found.structure.as_slice(), view);
+        self.note_apart(view);
         self.agents.note_lifts(self.happenings.lifting());
         let rests = |key| {
             let track = self.tracks.get(&key);

@@ -176,12 +176,9 @@ impl Scene {
     }
 
     /// Makes what is seen of a plane of structure the rested scene where nothing was in reach, if most of the
-    /// plane rests: a thing threw a shadow of the sensor's light there, and is gone. `structure`: the plane
-    /// at each pixel, 0 = none; of another size if it is not known. O(n log planes).
-    pub(crate) fn rest_on_planes(&mut self, structure: &[u16], view: &View, pace: Pace) {
-        if structure.len() != self.background.len() {
-            return;
-        }
+    /// plane rests: a thing threw a shadow of the sensor's light there, and is gone. O(n log planes).
+    pub(crate) fn rest_on_planes(&mut self, view: &View, pace: Pace) {
+        let structure = &view.structure;
         let mut planes: BTreeMap<u16, (usize, usize)> = BTreeMap::new();
         let mut bare = Vec::new();
         for pixel in (0..structure.len()).filter(|&k| structure[k] > 0 && view.inverse[k] > 0.0) {

@@ -86,8 +86,7 @@ pub(crate) fn labels(found: &Discovery, view: &View, scene: &Scene, agents: &Age
         free >= view.px(LEAST_THING_PX) && 4 * free > 3 * thing.len()
     };
     // What a thing hid from the sensor may be the table.
-    let is_structure = |pixel: usize| found.structure.as_slice().get(pixel).is_some_and(|&plane| plane > 0);
-    let is_new = |pixel: &&usize| scene.is_in_front(view, **pixel) && !is_structure(**pixel);
+    let is_new = |pixel: &&usize| scene.is_in_front(view, **pixel) && !view.is_structure(**pixel);
     for component in agents.free.iter().filter(|component| component.len() >= view.px(LEAST_THING_PX)) {
         let new: Vec<usize> = component.iter().filter(is_new).copied().collect();
         let things = match is_thing(&new) {

@@ -28,8 +28,8 @@ pub(crate) struct View {
     pub(crate) noise: f32,
     /// The plane of structure at every pixel, counted from 1, 0 = none, and the unit normals of the planes. Both are
     /// empty if they are not known.
-    structure: Vec<u16>,
-    planes: Vec<Option<DVec3>>,
+    pub(crate) structure: Vec<u16>,
+    pub(crate) planes: Vec<Option<DVec3>>,
 }
 
 /// The pixel in a column and row, if it is in the image, then those to its right and below it. Pixels that
